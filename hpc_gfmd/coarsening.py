@@ -1,0 +1,93 @@
+"""How a grid is coarsened: sizes and weights of the levels, and which coarse rows a rank owns."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+SQRT2 = np.sqrt(2.0)
+
+
+@dataclass(frozen=True)
+class Level:
+    """One level of the hierarchy: points, and its largest wave number relative to that of the finest level."""
+
+    n: tuple[int, int]
+    weight: float
+
+
+def levels(grid):
+    """All levels of a grid, finest first, down to one point.
+
+    Axes whose spacing is more than sqrt 2 larger than that of the other are not coarsened in that step (semi-coarsening), so
+    stretched cells and grids with very different n_x and n_y approach square spacing.
+    """
+    n, spacing = list(grid.n), [s / grid.a for s in grid.spacings]
+    out = [Level(tuple(n), 1.0)]
+    q0 = _nyquist(n, spacing)
+    while max(n) > 1:
+        finest = min(s for s, k in zip(spacing, n) if k > 1)
+        for axis in (0, 1):
+            if n[axis] > 1 and spacing[axis] < SQRT2 * finest:
+                length = spacing[axis] * n[axis]
+                n[axis] = (n[axis] + 1) // 2
+                spacing[axis] = length / n[axis]
+        weight = _nyquist(n, spacing) / q0 if max(n) > 1 else out[-1].weight / 2
+        out.append(Level(tuple(n), weight))
+    return out
+
+
+def _nyquist(n, spacing):
+    """As Grid.q_nyquist; 1 for a single point."""
+    q = [np.pi / s for s, k in zip(spacing, n) if k > 1]
+    return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
+
+
+def axis_tables(n, m, dtype):
+    """J0 and f of every fine point of one axis (see kernels/multilevel.py)."""
+    i = np.arange(n, dtype=np.int64)
+    return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
+
+
+def axis_mode(n, m):
+    """How the column axis is coarsened: 0 not at all, 1 exactly halved, 2 anything else."""
+    return 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
+
+
+def owned_rows(starts, n, m):
+    """First coarse row of every rank, and m: coarse row J belongs to the rank that owns the first fine row with J0 = J."""
+    return -(-np.asarray(starts, dtype=np.int64) * m // n)
+
+
+class Transfer:
+    """This rank's part of the transfer between a level with rows [start, stop) of n and the next coarser one, m points."""
+
+    def __init__(self, n, m, starts, rank, dtype):
+        self.n, self.m = n, m
+        self.coarse_starts = owned_rows(starts, n[0], m[0])
+        start, stop = int(starts[rank]), int(starts[rank + 1])
+        self.start, self.stop = int(self.coarse_starts[rank]), int(self.coarse_starts[rank + 1])
+        J0, f = axis_tables(n[0], m[0], dtype)
+        # Row numbers count the halo row: the first own coarse row is 1. The row before it (0) is used by fine rows whose J0
+        # belongs to the rank before.
+        self.k0 = (J0[start:stop] - self.start + 1).astype(np.int32)
+        self.f_x = f[start:stop].copy()
+        self.mode = axis_mode(n[1], m[1])
+        self.j0, self.f = axis_tables(n[1], m[1], dtype)
+        self.factor = np.dtype(dtype).type(m[0] / n[0] * m[1] / n[1])
+        self.firsts = np.flatnonzero(np.diff(J0[start:stop], prepend=-2))  # local rows that open a coarse row
+
+    @property
+    def rows(self):
+        """Number of coarse rows that this rank owns."""
+        return self.stop - self.start
+
+    def passes(self, longest):
+        """Row ranges of at most `longest` rows (or one coarse row's) that begin where a coarse row begins."""
+        out, n_loc = [], len(self.k0)
+        begin = 0
+        while begin < n_loc:
+            ends = self.firsts[(self.firsts > begin) & (self.firsts <= begin + longest)]
+            end = n_loc if begin + longest >= n_loc else (int(ends[-1]) if len(ends) else begin + longest)
+            out.append((begin, end))
+            begin = end
+        return out

@@ -1,0 +1,52 @@
+"""`hpc-gfmd show`: what a result file says, as a table or as JSON."""
+
+import json
+from math import isfinite
+
+from ..output.read import Result, read_result
+from ..output.table import surface_line, table
+
+
+def add_parser(subparsers):
+    parser = subparsers.add_parser(
+        "show",
+        help="the result table of a file",
+        description="Print the results of a finished, running or interrupted run. Lengths are in the unit of "
+        "the surface, pressures in the unit of E*; +- is the estimated error.",
+    )
+    parser.add_argument("file", metavar="OUT.h5", help="result file")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    parser.set_defaults(main=main)
+    return parser
+
+
+def main(args) -> int:
+    """Print; raises SceneError if the file is missing, damaged, foreign or too new."""
+    result = read_result(args.file)
+    print(json.dumps(as_dict(result), indent=1, allow_nan=False) if args.json else as_text(result))
+    return 0
+
+
+def as_dict(result: Result) -> dict:
+    """Surface, steps and status with the names of the file; null for what is not a finite number."""
+    return _finite({"surface": result.surface, "steps": result.steps, "status": result.status})
+
+
+def as_text(result: Result) -> str:
+    """Head, table and remarks."""
+    lines = [f"{result.path}: {result.status}"]
+    if result.folder is not None:
+        lines.append(f"the finished load steps of an unfinished run, from {result.folder}")
+    if surface_line(result.surface):
+        lines.append(surface_line(result.surface))
+    lines.append(table(result.steps, result.indices) if result.steps else "no finished load step yet")
+    return "\n".join(lines)
+
+
+def _finite(value):
+    """JSON knows no infinity and no NaN."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not isfinite(value) else value

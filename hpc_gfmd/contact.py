@@ -1,0 +1,98 @@
+"""A solved contact at one load: fields and the sums that observables are made of, in the scene's units."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .errors import SceneError
+
+FIELDS = ("pressure", "gap", "displacement")
+
+
+@dataclass(frozen=True)
+class Contact:
+    """surface: surface.Surface; g, q: gap and pressure of the solution in the program's units, local slabs; p: mean pressure in the
+    unit of E_star; certificate, outcome: see driver/; before: (p, gap_mean) of the load before, or None; lam_s: or None."""
+
+    surface: object
+    E_star: float
+    p: float
+    g: np.ndarray
+    q: np.ndarray
+    outcome: object
+    before: tuple[float, float] | None = None
+    lam_s: float | None = None
+
+    @property
+    def certificate(self):
+        """The judgement of this solution."""
+        return self.outcome.certificate
+
+    @property
+    def N(self):
+        """Number of points of the grid that was solved."""
+        return self.surface.grid.N
+
+    @property
+    def g_rms(self):
+        """Realised rms gradient."""
+        return self.surface.g_rms
+
+    @property
+    def h_rms(self):
+        """Realised rms height."""
+        return self.surface.h_rms
+
+    @property
+    def pressure_unit(self):
+        """What one unit of q is in the unit of E_star."""
+        return self.E_star * self.g_rms if self.g_rms > 0 else self.p
+
+    @property
+    def p_star(self):
+        """p/(E* g_rms); nan on a flat surface."""
+        return self.p / self.pressure_unit if self.g_rms > 0 else float("nan")
+
+    @property
+    def contact_points(self):
+        """Number of points in contact."""
+        return self.certificate.contact
+
+    @property
+    def gap_mean(self):
+        """Mean gap."""
+        return self.certificate.gap_mean * self.surface.height_unit
+
+    @property
+    def energy(self):
+        """Elastic energy per area."""
+        return self.certificate.energy * self.pressure_unit * self.surface.height_unit
+
+    @cached_property
+    def boundary_segments(self):
+        """Grid-cell sides between a point in contact and one that is not."""
+        from .kernels.certify import contact_edges
+        from .parallel import halo
+
+        grid = self.surface.grid
+        if grid.N == 1:
+            return 0
+        below = halo.next_row(grid.comm, np.stack([self.g, self.q]), grid.starts)
+        return int(grid.comm.sum([contact_edges(self.g, self.q, below[0], below[1])])[0])
+
+    def field(self, name):
+        """One of FIELDS as a local slab of the whole grid, in the precision of the solution.
+
+        pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: u >= -h, positive away from the wall.
+        Raises SceneError for an unknown name.
+        """
+        if name == "pressure":
+            values = np.where((self.g <= 0) & (self.q > 0), self.q, 0) * self.q.dtype.type(self.pressure_unit)
+        elif name == "gap":
+            values = self.g * self.g.dtype.type(self.surface.height_unit)
+        elif name == "displacement":
+            values = (self.g - self.surface.h) * self.g.dtype.type(self.surface.height_unit)
+        else:
+            raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")
+        return self.surface.spread(values)

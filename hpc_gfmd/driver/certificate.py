@@ -1,0 +1,86 @@
+"""The independent judgement of a solution: from the returned displacement alone, by a fresh application of the operator.
+
+p = p0 + K u is computed anew in double precision; what it violates of u >= -h, p >= 0, p g = 0, mean(p) = p0 is the certificate. The
+duality gap bounds the energy error from above without any knowledge of the solution:
+
+    E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 2/|q|,
+
+for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled.
+"""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from ..elasticity import HalfSpace
+from ..kernels.certify import displacement_rows, dual_rows, judge
+
+GAP_FACTOR = 2.03  # error of the mean gap over sqrt(G/(p0 gap_mean)): the largest ratio ever seen
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Relative violations. penetration: largest -g (problem's unit); tension: largest -p on closed points over p0; complementarity:
+    mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact - p0|/p0; duality_gap: G/(p0 gap_mean); residual: rms of p out of
+    contact over p0; pressure: the same over the rms of p in contact; gap_bound: bound of the relative error of the mean gap.
+    energy: 1/2 <u, K u>/N; contact: points; gap_mean: problem's unit; pairs: FFT pairs this took."""
+
+    penetration: float
+    tension: float
+    complementarity: float
+    load_balance: float
+    duality_gap: float
+    residual: float
+    pressure: float
+    gap_bound: float
+    energy: float
+    contact: int
+    gap_mean: float
+    pairs: float
+
+    def attributes(self):
+        """The violations, by name."""
+        names = ("penetration", "tension", "complementarity", "load_balance", "duality_gap")
+        return {name: value for name, value in asdict(self).items() if name in names}
+
+    @property
+    def finite(self):
+        """Whether all numbers are finite."""
+        return bool(np.isfinite([self.residual, self.gap_mean, self.energy]).all())
+
+
+def certify(problem, g, p, dtype=np.float64, dual=True):
+    """Judge the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local slab). One pair, half more if dual."""
+    grid = problem.grid
+    elastic = HalfSpace(grid, dtype)
+    h, p0, N = problem.h, float(problem.p0), grid.N
+    passes = elastic.fft.passes()
+
+    elastic.pressure_rows(lambda i0, i1, x: displacement_rows(g, h, x, i0, i1), passes)
+    uKu = elastic.pressure_columns()
+    parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, p0, i0, i1), passes)
+    parts = np.reshape(parts, (-1, 8)) if parts else np.zeros((1, 8))
+    *sums, uKu = grid.comm.sum([*parts[:, :6].sum(axis=0), uKu])
+    penetration, tension = grid.comm.max(parts[:, 6:].max(axis=0))
+    open_pp, closed_pp, closed_p, pg, contact, gap = sums
+    gap_mean = gap / N
+    work = p0 * gap_mean
+
+    duality_gap = 0.0
+    if dual and closed_p > 0 and gap > 0:
+        scale = N * p0 / closed_p
+        pg_dual = elastic.pressure_rows(lambda i0, i1, x: dual_rows(g, p, x, scale, i0, i1), passes)
+        eSe = elastic.compliance_columns()
+        pg_dual, eSe = grid.comm.sum([sum(pg_dual), eSe])
+        duality_gap = max(pg_dual + 0.5 * eSe, 0.0) / N / work
+    elif dual and gap > 0:
+        duality_gap = np.inf
+    with np.errstate(invalid="ignore", over="ignore"):
+        return Certificate(
+            penetration=float(penetration), tension=float(tension / p0),
+            complementarity=float(pg / N / work) if gap > 0 else 0.0,
+            load_balance=float(abs(closed_p / N - p0) / p0),
+            duality_gap=float(duality_gap), residual=float(np.sqrt(open_pp / N) / p0),
+            pressure=float(np.sqrt(open_pp / closed_pp)) if closed_pp > 0 else np.inf,
+            gap_bound=float(GAP_FACTOR * np.sqrt(duality_gap)), energy=float(0.5 * uKu / N),
+            contact=int(contact) if np.isfinite(contact) else 0, gap_mean=float(gap_mean), pairs=elastic.pairs)

@@ -1,0 +1,110 @@
+"""The only loop: iterate a solver until its target, its limits or a request to stop, and judge what it returns."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .certificate import Certificate, certify
+
+CHECK_FROM, CHECK_GROWTH = 10, 1.25  # iterations at which a solver without error estimates is judged: each 1.25 times later
+REFRESHES = 3  # times that a solver may be set right by a fresh pressure before it counts as stagnated
+IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
+
+
+@dataclass(frozen=True)
+class Target:
+    """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per load."""
+
+    accuracy: float | None = None
+    residual: float | None = None
+    max_iterations: int = 100_000
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """status: converged, stagnated, max_iterations, nonfinite, interrupted; errors: estimated relative errors of (area, mean gap,
+    pressure); check_pairs: FFT pairs that judging took."""
+
+    status: str
+    errors: tuple[float, float, float]
+    certificate: Certificate | None
+    check_pairs: float
+
+
+def drive(solver, target, watch=None):
+    """Iterate. watch(iterations, progress), if given, is called after every step and returns a true value to stop.
+
+    On return solver.p is the fresh pressure of the certificate, in the solver's precision.
+    """
+    checks = 0.0
+    refreshes = 0
+    next_check = CHECK_FROM
+    best, best_at = np.inf, solver.iterations
+    begun = solver.iterations
+    progress = solver.progress()
+    while True:
+        status = None
+        done = solver.iterations - begun
+        measure = _measure(progress, target)
+        if measure < IMPROVEMENT * best:
+            best, best_at = measure, solver.iterations
+        if not progress.finite:
+            status = "nonfinite"
+        elif measure < 1.0 or (progress.estimates is None and target.residual is None and done >= next_check):
+            certificate = certify(solver.problem_now, solver.g, solver.p)
+            checks += certificate.pairs
+            errors = _errors(progress, certificate, solver.N)
+            if _reached(target, errors, certificate):
+                return Outcome("converged", errors, certificate, checks)
+            if measure < 1.0:
+                refreshes += 1
+                if refreshes > REFRESHES:
+                    return Outcome("stagnated", errors, certificate, checks)
+                solver.refresh()
+            next_check = CHECK_GROWTH * done + 1
+        elif done >= target.max_iterations:
+            status = "max_iterations"
+        elif solver.iterations - best_at > solver.patience:
+            status = "stagnated"
+        elif watch is not None and watch(solver.iterations, progress):
+            status = "interrupted"
+        if status is not None:
+            certificate = certify(solver.problem_now, solver.g, solver.p)
+            errors = _errors(progress, certificate, solver.N)
+            if status != "nonfinite" and _reached(target, errors, certificate):
+                status = "converged"
+            return Outcome(status, errors, certificate, checks + certificate.pairs)
+        solver.step()
+        progress = solver.progress()
+
+
+def _measure(progress, target):
+    """How far from the target, by the solver's own numbers: below 1 it believes that it is there."""
+    if target.residual is not None:
+        return progress.residual / target.residual
+    if progress.estimates is None:
+        return 1.0 + progress.residual
+    return max(progress.estimates) / target.accuracy
+
+
+def _errors(progress, certificate, N):
+    """Estimated relative errors of area, mean gap and pressure: the solver's estimates with what the certificate says."""
+    if certificate.contact == N and certificate.residual == 0:
+        return 0.0, 0.0, 0.0
+    pressure = 2 * certificate.pressure
+    gap = certificate.gap_bound
+    if progress.estimates is not None:
+        area, solver_gap, solver_pressure = progress.estimates
+        return area, min(gap, solver_gap) if np.isfinite(solver_gap) else gap, max(pressure, solver_pressure if
+                                                                                   np.isfinite(solver_pressure) else 0.0)
+    # Without an estimate of its own: points whose pressure or gap is within the pressure error of changing sides.
+    area = (pressure + 1.0 / max(certificate.contact, 1)) if certificate.contact else np.inf
+    return area, gap, pressure
+
+
+def _reached(target, errors, certificate):
+    if not certificate.finite:
+        return False
+    if target.residual is not None:
+        return certificate.residual < target.residual
+    return max(errors) < target.accuracy

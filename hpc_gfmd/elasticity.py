@@ -1,0 +1,87 @@
+"""The elastic half-space: p = p0 + K u with K = |q|/2 in the units of problem.py (E* = 1, lengths in units of a)."""
+
+import numpy as np
+
+from .kernels.spectral import multiply_compliance, multiply_stiffness
+
+
+class HalfSpace:
+    """Applies K, or its inverse S = 2/|q|, to fields that the caller makes and uses a few rows at a time.
+
+    `pairs` counts the FFT pairs done so far on this grid (a transform in one direction is half a pair).
+    """
+
+    def __init__(self, grid, dtype):
+        self.grid = grid
+        self.fft = grid.fft(dtype)
+        self.q_x = grid.q_x.astype(self.fft.dtype)
+        # every column twice: kernels see real and imaginary parts as columns of their own
+        self.q_y, self.weight = (np.repeat(t, 2, axis=1) for t in grid.column_tables(self.fft))
+        self.pairs = 0.0
+
+    def _columns(self, kernel, factor, backward=True):
+        scale = self.fft.scale
+        sums = self.fft.columns(
+            lambda block, m: kernel(block.view(self.fft.dtype), self.q_x, self.q_y[m], self.weight[m], self.fft.dtype.type(factor * scale)),
+            backward=backward)
+        return float(sum(sums))
+
+    def pressure_rows(self, fill, passes=None):
+        """First third of an application of K: rows of u are made by fill; returns what it returned."""
+        return self.fft.forward_rows(fill, passes)
+
+    def pressure_columns(self):
+        """Second third; returns this rank's share of <u, K u>, summed over all points."""
+        return self._columns(multiply_stiffness, 0.5)
+
+    def use_rows(self, use, passes=None):
+        """Last third: rows of K u are given to use; returns what it returned."""
+        self.pairs += 1
+        return self.fft.backward_rows(use, passes)
+
+    def apply(self, fill, use):
+        """K u by rows; returns this rank's share of <u, K u>."""
+        self.pressure_rows(fill)
+        energy = self.pressure_columns()
+        self.use_rows(use)
+        return energy
+
+    def apply_to(self, u, out):
+        """out = K u, local slabs; returns this rank's share of <u, K u>."""
+        return self.apply(reader(u), writer(out))
+
+    def apply_compliance(self, p, out):
+        """out = S p with zero mean, local slabs; returns this rank's share of <p, S p>."""
+        self.fft.forward_rows(reader(p))
+        energy = self._columns(multiply_compliance, 2.0)
+        self.pairs += 1
+        self.fft.backward_rows(writer(out))
+        return energy
+
+    def compliance_columns(self):
+        """After `pressure_rows` of a pressure: this rank's share of <p, S p>. Half a pair in all, nothing is transformed back."""
+        self.pairs += 0.5
+        return self._columns(multiply_compliance, 2.0, backward=False)
+
+
+def reader(field):
+    """fill function that copies rows of a local slab."""
+
+    def fill(i0, i1, x):
+        x[: i1 - i0] = field[i0:i1]
+
+    return fill
+
+
+def writer(field):
+    """use function that stores rows in a local slab."""
+
+    def use(i0, i1, x):
+        field[i0:i1] = x[: i1 - i0]
+
+    return use
+
+
+def total(comm, sums):
+    """Sum the per-pass tuples of numbers over passes and ranks; returns an array of float64."""
+    return comm.sum(np.sum(np.asarray(sums, dtype=np.float64), axis=0))

@@ -1,0 +1,109 @@
+"""The periodic grid, its slabs, wave vectors and sums over ranks.
+
+Convention of the discrete Fourier transform, used everywhere:
+
+    h_q = (1/N) sum_r h(r) exp(-i q.r),    h(r) = sum_q h_q exp(+i q.r),    N = n_x n_y
+    h_rms^2 = sum_{q != 0} |h_q|^2,        g_rms^2 = sum_q q^2 |h_q|^2
+
+and q of the minimal image. In-plane lengths inside the program are in units of the grid spacing a = sqrt(a_x a_y), so that |q| <= pi
+on a square grid whatever the physical size of the cell.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from .parallel.fft import SlabFFT, row_starts
+
+
+class Grid:
+    """n = (n_x, n_y) points in a cell of physical sizes (L_x, L_y); every rank owns the rows [start, stop) of each field.
+
+    starts: first row of each rank, and n_x; by default the block distribution of mpi4py-fft.
+    """
+
+    def __init__(self, n, sizes=(1.0, 1.0), comm=None, threads=1, starts=None):
+        from .parallel.comm import SerialComm
+
+        self.n = (int(n[0]), int(n[1]))
+        self.sizes = (float(sizes[0]), float(sizes[1]))
+        self.comm = comm or SerialComm()
+        self.threads = threads
+        self.starts = row_starts(self.n[0], self.comm.size) if starts is None else np.asarray(starts)
+        self._fft = {}
+
+    @property
+    def N(self):
+        """Number of points of the whole grid."""
+        return self.n[0] * self.n[1]
+
+    @property
+    def rows(self):
+        """This rank's rows (start, stop)."""
+        r = self.comm.rank
+        return int(self.starts[r]), int(self.starts[r + 1])
+
+    @property
+    def shape(self):
+        """Shape of a local slab."""
+        start, stop = self.rows
+        return stop - start, self.n[1]
+
+    @property
+    def spacings(self):
+        """Physical grid spacings (a_x, a_y)."""
+        return self.sizes[0] / self.n[0], self.sizes[1] / self.n[1]
+
+    @property
+    def a(self):
+        """The unit of in-plane length, sqrt(a_x a_y)."""
+        return float(np.sqrt(self.spacings[0] * self.spacings[1]))
+
+    @cached_property
+    def q_x(self):
+        """Wave numbers along x in units of 1/a, shape (n_x,)."""
+        return 2 * np.pi * np.fft.fftfreq(self.n[0]) * self.a / self.spacings[0]
+
+    @cached_property
+    def q_y(self):
+        """Wave numbers along y of the half spectrum in units of 1/a, shape (n_y//2 + 1,)."""
+        return 2 * np.pi * np.arange(self.n[1] // 2 + 1) / self.n[1] * self.a / self.spacings[1]
+
+    @property
+    def q_nyquist(self):
+        """|q| at the corner of the Brillouin zone divided by sqrt 2: pi/a on a square grid. An axis of one point does not count."""
+        q = [np.pi * self.a / s for s, n in zip(self.spacings, self.n) if n > 1]
+        return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
+
+    def multiplicity(self, j):
+        """How often columns j of the half spectrum occur in the full one: 1 or 2; 0 beyond the last column."""
+        j = np.asarray(j)
+        n_y = self.n[1]
+        twice = (j > 0) & (2 * j != n_y)
+        return np.where(j > n_y // 2, 0, np.where(twice, 2, 1))
+
+    def fft(self, dtype):
+        """The transforms of this grid in one precision, planned once."""
+        dtype = np.dtype(dtype)
+        if dtype not in self._fft:
+            self._fft[dtype] = SlabFFT(self.comm, self.n, self.starts, dtype, self.threads)
+        return self._fft[dtype]
+
+    def forget_fft(self, dtype):
+        """Give back the memory of the transforms in one precision."""
+        self._fft.pop(np.dtype(dtype), None)
+
+    def empty(self, dtype):
+        """An uninitialised local slab."""
+        return np.empty(self.shape, dtype)
+
+    def column_tables(self, fft):
+        """q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its precision; 0 where padding."""
+        j = np.arange(fft.M * fft.W).reshape(fft.M, fft.W)
+        weight = self.multiplicity(j)
+        q_y = np.where(weight > 0, self.q_y[np.minimum(j, self.n[1] // 2)], 0.0)
+        return q_y.astype(fft.dtype), weight.astype(fft.dtype)
+
+    def same_columns(self, m, fft):
+        """Column numbers j of block m, shape (W,)."""
+        return np.arange(m * fft.W, (m + 1) * fft.W)

@@ -1,0 +1,71 @@
+"""Kernels of the certificate and of the cheap observables. Sums are in double precision whatever the fields are."""
+
+from .jit import kernel
+
+# columns of the sums that `judge` returns
+OPEN_PP, CLOSED_PP, CLOSED_P, PG, CONTACT, GAP = range(6)
+
+
+@kernel
+def displacement_rows(g, h, x, i0, i1):
+    """x = u = g - h in the precision of x, rows from 0."""
+    for i in range(i0, i1):
+        for j in range(g.shape[1]):
+            x[i - i0, j] = x.dtype.type(g[i, j]) - x.dtype.type(h[i, j])
+
+
+@kernel
+def judge(g, p, x, p0, i0, i1):
+    """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0.
+
+    Returns sums: p^2 off contact, p^2 in contact, p in contact, |p| g, points in contact, gap; and the largest -g and -p where g <= 0.
+    """
+    open_pp = closed_pp = closed_p = pg = gap = 0.0
+    contact = 0
+    penetration = tension = 0.0
+    for i in range(i0, i1):
+        for j in range(g.shape[1]):
+            q = p0 + x[i - i0, j]
+            d = 1.0 * g[i, j]
+            p[i, j] = q
+            touching = d <= 0 and q > 0
+            open_pp += 0.0 if touching else q * q
+            closed_pp += q * q if touching else 0.0
+            closed_p += q if touching else 0.0
+            contact += 1 if touching else 0
+            pg += abs(q) * d
+            gap += d
+            penetration = max(penetration, -d)
+            tension = max(tension, -q if d <= 0 else 0.0)
+    return open_pp, closed_pp, closed_p, pg, contact, gap, penetration, tension
+
+
+@kernel
+def dual_rows(g, p, x, scale, i0, i1):
+    """x = e = p^ - p with the admissible pressure p^ = scale p in contact, 0 elsewhere; returns the sum of p^ g (0 if g >= 0)."""
+    total = 0.0
+    for i in range(i0, i1):
+        for j in range(g.shape[1]):
+            q = x.dtype.type(p[i, j])
+            touching = g[i, j] <= 0 and q > 0
+            a = scale * q if touching else 0.0
+            x[i - i0, j] = a - q
+            total += a * g[i, j]
+    return total
+
+
+@kernel
+def contact_edges(g, p, below_g, below_p):
+    """Segments between a contact point and a point out of contact, in this slab; below: the first row after the slab."""
+    rows, n = g.shape
+    count = 0
+    for i in range(rows):
+        for j in range(n):
+            here = g[i, j] <= 0 and p[i, j] > 0
+            right = j + 1 if j + 1 < n else 0
+            count += here != (g[i, right] <= 0 and p[i, right] > 0)
+            if i + 1 < rows:
+                count += here != (g[i + 1, j] <= 0 and p[i + 1, j] > 0)
+            else:
+                count += here != (below_g[j] <= 0 and below_p[j] > 0)
+    return count

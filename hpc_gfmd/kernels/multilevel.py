@@ -1,0 +1,259 @@
+"""Transfer between a grid and the next coarser one, and the whole sweep over levels that one rank can hold.
+
+Along an axis of n points that is coarsened to m = ceil(n/2), coarse point J sits at fine position J n/m: fine point i lies between
+J0 = floor(i m/n) and J0 + 1 with weight f = i m/n - J0 of the latter. P is linear interpolation, R = (m/n)^2 P^T (full weighting).
+
+mode of the column axis: 0 not coarsened, 1 even n (f = 0, 1/2, 0, ...), 2 general (tables j0, f).
+Arrays with halo rows have one row before and one after the rank's own rows.
+"""
+
+import numpy as np
+
+from .jit import inline, kernel
+
+
+@inline
+def restrict_row(fine, coarse, factor, mode, j0, f):
+    """coarse = factor P^T fine along one row."""
+    one = fine.dtype.type(1)
+    n = fine.shape[0]
+    m = coarse.shape[0]
+    if mode == 1:
+        half = factor * fine.dtype.type(0.5)
+        coarse[0] = factor * fine[0] + half * (fine[n - 1] + fine[1])
+        for J in range(1, m):
+            coarse[J] = factor * fine[2 * J] + half * (fine[2 * J - 1] + fine[2 * J + 1])
+    elif mode == 0:
+        for J in range(m):
+            coarse[J] = factor * fine[J]
+    else:
+        coarse[:] = fine.dtype.type(0)
+        for i in range(n):
+            a = j0[i]
+            b = a + 1
+            if b == m:
+                b = 0
+            v = factor * fine[i]
+            coarse[a] += v * (one - f[i])
+            coarse[b] += v * f[i]
+
+
+@inline
+def interpolate_row(coarse, fine, mode, j0, f):
+    """fine = P coarse along one row."""
+    one, half = fine.dtype.type(1), fine.dtype.type(0.5)
+    n = fine.shape[0]
+    m = coarse.shape[0]
+    if mode == 1:
+        for J in range(m - 1):
+            a = coarse[J]
+            fine[2 * J] = a
+            fine[2 * J + 1] = half * (a + coarse[J + 1])
+        fine[n - 2] = coarse[m - 1]
+        fine[n - 1] = half * (coarse[m - 1] + coarse[0])
+    elif mode == 0:
+        for J in range(m):
+            fine[J] = coarse[J]
+    else:
+        for i in range(n):
+            a = j0[i]
+            b = a + 1
+            if b == m:
+                b = 0
+            fine[i] = coarse[a] * (one - f[i]) + coarse[b] * f[i]
+
+
+@inline
+def combine_rows(coarse, k, f, out):
+    """out = (1 - f) coarse[k] + f coarse[k + 1]."""
+    m = out.shape[0]
+    one = out.dtype.type(1)
+    if f == 0.0:
+        for J in range(m):
+            out[J] = coarse[k, J]
+    else:
+        for J in range(m):
+            out[J] = coarse[k, J] * (one - f) + coarse[k + 1, J] * f
+
+
+@kernel
+def join_edges(coarse, edges, lo, hi):
+    """Add what the passes left over for rows that they share with their neighbours.
+
+    coarse: (c, rows + 2, m) with halo; edges: (passes, 2, c, m) first and last row of each pass; lo, hi: their row numbers.
+    A first row equal to the last one of the pass before is shared; every other first or last row belongs to one pass.
+    """
+    passes = edges.shape[0]
+    c, _, m = coarse.shape
+    coarse[:, 0] = 0
+    coarse[:, -1] = 0
+    for b in range(passes):
+        shared = b > 0 and hi[b - 1] == lo[b]
+        for k in range(c):
+            for J in range(m):
+                if shared:
+                    coarse[k, lo[b], J] += edges[b, 0, k, J]
+                else:
+                    coarse[k, lo[b], J] = edges[b, 0, k, J]
+                coarse[k, hi[b], J] = edges[b, 1, k, J]
+
+
+@kernel
+def restrict_level(fine, coarse, k0, f_x, factor, mode, j0, f):
+    """coarse = factor P^T fine for all fields: fine (c, rows + 2, n) with valid own rows; coarse (c, rows' + 2, m), halo included.
+
+    k0, f_x: coarse row (halo counted) and weight of each own fine row. Rows are added up first: that is contiguous, and leaves
+    half as many rows to restrict along the other axis.
+    """
+    c, rows, n = fine.shape
+    coarse[...] = 0
+    here = np.empty(n, fine.dtype)
+    after = np.empty(n, fine.dtype)
+    for k in range(c):
+        here[:] = 0
+        after[:] = 0
+        K = k0[0] if rows > 2 else 0
+        for i in range(1, rows - 1):
+            while K < k0[i - 1]:
+                restrict_row(here, coarse[k, K], factor, mode, j0, f)
+                here[:] = after
+                after[:] = 0
+                K += 1
+            add_row(fine[k, i], here, after, f_x[i - 1])
+        if rows > 2:
+            restrict_row(here, coarse[k, K], factor, mode, j0, f)
+            restrict_row(after, coarse[k, K + 1], factor, mode, j0, f)
+
+
+@inline
+def add_row(row, here, after, w):
+    """here += (1 - w) row, after += w row."""
+    n = row.shape[0]
+    if w > 0:
+        u = row.dtype.type(1) - w
+        for j in range(n):
+            here[j] += u * row[j]
+            after[j] += w * row[j]
+    else:
+        for j in range(n):
+            here[j] += row[j]
+
+
+@kernel
+def smooth_level(rt, z_coarse, out, weight, c, w, k0, f_x, mode, j0, f):
+    """out = r/(weight + c t) + w P z_coarse on own rows; rt: (>=2, rows + 2, n). Returns <r, out> and <x, out>.
+
+    x is the third field of rt if there is one. out may be rt[0].
+    """
+    n = rt.shape[2]
+    has_x = rt.shape[0] > 2
+    m = z_coarse.shape[1]
+    row = np.empty(m, rt.dtype)
+    fine = np.empty(n, rt.dtype)
+    zero = rt.dtype.type(0)
+    rz = xz = 0.0
+    for h in range(1, rt.shape[1] - 1):
+        combine_rows(z_coarse, k0[h - 1], f_x[h - 1], row)
+        interpolate_row(row, fine, mode, j0, f)
+        s = zero
+        for j in range(n):
+            r = rt[0, h, j]
+            z = r / (weight + c * rt[1, h, j]) + w * fine[j]
+            s += r * z
+            fine[j] = z
+        rz += s
+        if has_x:
+            s = zero
+            for j in range(n):
+                s += rt[2, h, j] * fine[j]
+            xz += s
+        for j in range(n):
+            out[h, j] = fine[j]
+    return rz, xz
+
+
+@kernel
+def sweep_whole(r, t, shapes, offsets, weights, c, w):
+    """The sweep over the levels that one rank holds completely, in place: r of the finest of them becomes z.
+
+    r, t: flat storage of all levels; level l is r[offsets[l]:...] of shape shapes[l]; r and t of level 0 are given.
+    """
+    levels = shapes.shape[0]
+    for l in range(levels - 1):
+        n_x, n_y = shapes[l]
+        m_x, m_y = shapes[l + 1]
+        fine_r = r[offsets[l]:offsets[l] + n_x * n_y].reshape(n_x, n_y)
+        fine_t = t[offsets[l]:offsets[l] + n_x * n_y].reshape(n_x, n_y)
+        coarse_r = r[offsets[l + 1]:offsets[l + 1] + m_x * m_y].reshape(m_x, m_y)
+        coarse_t = t[offsets[l + 1]:offsets[l + 1] + m_x * m_y].reshape(m_x, m_y)
+        _restrict_whole(fine_r, coarse_r)
+        _restrict_whole(fine_t, coarse_t)
+    for l in range(levels - 1, -1, -1):
+        n_x, n_y = shapes[l]
+        k = offsets[l]
+        weight = weights[l]
+        for i in range(n_x * n_y):
+            r[k + i] = r[k + i] / (weight + c * t[k + i])
+        if l < levels - 1:
+            m_x, m_y = shapes[l + 1]
+            _interpolate_whole(r[offsets[l + 1]:offsets[l + 1] + m_x * m_y].reshape(m_x, m_y),
+                               r[k:k + n_x * n_y].reshape(n_x, n_y), w)
+
+
+@inline
+def _axis(n, m, dtype_of):
+    """Mode and tables of one axis for the whole-level transfers."""
+    mode = 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
+    j0 = np.empty(n, np.int32)
+    f = np.empty(n, dtype_of.dtype)
+    for i in range(n):
+        j0[i] = (i * m) // n
+        f[i] = ((i * m) % n) / n
+    return mode, j0, f
+
+
+@inline
+def _restrict_whole(fine, coarse):
+    n_x, n_y = fine.shape
+    m_x, m_y = coarse.shape
+    mode, j0, f = _axis(n_y, m_y, fine)
+    _, k0, g = _axis(n_x, m_x, fine)
+    factor = fine.dtype.type((m_x / n_x) * (m_y / n_y))
+    here = np.zeros(n_y, fine.dtype)
+    after = np.zeros(n_y, fine.dtype)
+    K = 0
+    for i in range(n_x):
+        while K < k0[i]:
+            restrict_row(here, coarse[K], factor, mode, j0, f)
+            here[:] = after
+            after[:] = 0
+            K += 1
+        add_row(fine[i], here, after, g[i])
+    restrict_row(here, coarse[K], factor, mode, j0, f)
+    if g[n_x - 1] > 0:  # the last row lies between the last coarse row and the first
+        line = np.empty(m_y, fine.dtype)
+        restrict_row(after, line, factor, mode, j0, f)
+        for J in range(m_y):
+            coarse[0, J] += line[J]
+
+
+@inline
+def _interpolate_whole(coarse, fine, w):
+    """fine += w P coarse."""
+    one = fine.dtype.type(1)
+    n_x, n_y = fine.shape
+    m_x, m_y = coarse.shape
+    mode, j0, f = _axis(n_y, m_y, fine)
+    _, k0, g = _axis(n_x, m_x, fine)
+    row = np.empty(m_y, fine.dtype)
+    temp = np.empty(n_y, fine.dtype)
+    for i in range(n_x):
+        K = k0[i]
+        L = K + 1 if K + 1 < m_x else 0
+        a = one - g[i]
+        b = g[i]
+        for J in range(m_y):
+            row[J] = coarse[K, J] * a + coarse[L, J] * b
+        interpolate_row(row, temp, mode, j0, f)
+        for j in range(n_y):
+            fine[i, j] += w * temp[j]

@@ -1,0 +1,73 @@
+"""Random self-affine spectra. The number of a mode depends on (seed, its signed mode numbers) alone."""
+
+import numpy as np
+
+from .jit import inline, kernel
+
+_A = np.uint64(0x9E3779B97F4A7C15)
+_B = np.uint64(0xBF58476D1CE4E5B9)
+_C = np.uint64(0x94D049BB133111EB)
+_D = np.uint64(0xD1342543DE82EF95)
+_S30, _S27, _S31, _S11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
+
+
+@inline
+def _mix(x):
+    """The finaliser of SplitMix64: a bijection of 64-bit words that scrambles all bits."""
+    x = x + _A
+    x = (x ^ (x >> _S30)) * _B
+    x = (x ^ (x >> _S27)) * _C
+    return x ^ (x >> _S31)
+
+
+@inline
+def _uniform(x):
+    """Uniform on (-1, 1)."""
+    return (np.float64(x >> _S11) + 0.5) * (2.0 / 9007199254740992.0) - 1.0
+
+
+@inline
+def _mode(seed, k_x, k_y, aspect, low, high, rolloff, exponent):
+    """Amplitude of the mode (k_x, k_y), any signs: the conjugate of that of (-k_x, -k_y); 0 outside the band.
+
+    Wave numbers k are in units of 2 pi/L_x, aspect = L_y/L_x.
+    """
+    y = k_y / aspect
+    k = np.sqrt(k_x * k_x + y * y)
+    if k == 0.0 or k < low * (1 - 1e-12) or k > high * (1 + 1e-12):
+        return 0.0, 0.0
+    mirrored = k_y < 0 or (k_y == 0 and k_x < 0)
+    if mirrored:
+        k_x, k_y = -k_x, -k_y
+    word = _mix(_mix(_mix(seed) ^ (np.uint64(np.int64(k_x)) * _D)) ^ (np.uint64(np.int64(k_y)) * _A))
+    amplitude = max(k, rolloff) ** (-exponent)
+    re = _uniform(word) * amplitude
+    im = _uniform(_mix(word)) * amplitude
+    if (k_x == 0 or k_y == 0) and k > high * (1 - 1e-12):
+        # On the coarsest grid this is a Nyquist mode, of which a grid sees only twice the real part. With both parts equal
+        # the power seen there is that of the surface, so all grids agree on heights and on h_rms, g_rms.
+        im = re
+    return re, (-im if mirrored else im)
+
+
+@kernel
+def self_affine(block, j0, columns, n_y, seed, aspect, low, high, rolloff, exponent):
+    """Fill a block of complete columns (n_x, W) of the half spectrum; column w is mode number k_y = j0 + w, w < columns.
+
+    A mode number of exactly half the points is the sum of the two modes that the grid cannot tell apart.
+    """
+    n_x, W = block.shape
+    for i in range(n_x):
+        k_x = i if 2 * i <= n_x else i - n_x
+        for w in range(W):
+            re = 0.0
+            im = 0.0
+            if w < columns:
+                k_y = j0 + w
+                for s in range(2 if 2 * k_x == n_x else 1):
+                    x = k_x if s == 0 else -k_x
+                    for t in range(2 if 2 * k_y == n_y else 1):
+                        a, b = _mode(seed, x, k_y if t == 0 else -k_y, aspect, low, high, rolloff, exponent)
+                        re += a
+                        im += b
+            block[i, w] = complex(re, im)

@@ -1,0 +1,19 @@
+"""Mean gap, absolute and in units of the surface."""
+
+
+def gap_mean(contact):
+    """Mean of u + h over the cell."""
+    return contact.gap_mean
+
+
+def gap_over_h_rms(contact):
+    """Mean gap over the rms height."""
+    return contact.gap_mean / contact.h_rms if contact.h_rms > 0 else None
+
+
+def gap_over_g_rms_lam_s(contact):
+    """Mean gap over g_rms lam_s; only for surfaces whose lam_s is known."""
+    return contact.gap_mean / (contact.g_rms * contact.lam_s) if contact.lam_s and contact.g_rms > 0 else None
+
+
+OBSERVABLES = {"gap_mean": gap_mean, "gap_over_h_rms": gap_over_h_rms, "gap_over_g_rms_lam_s": gap_over_g_rms_lam_s}

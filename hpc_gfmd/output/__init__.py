@@ -1,0 +1,1 @@
+"""The result file and what can be read out of it."""

@@ -1,0 +1,169 @@
+"""Reading result files: whole ones, and what an interrupted run left. Executes nothing, needs no MPI."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import SceneError
+from ..parallel.h5 import Stored
+from . import lock
+
+FORMAT = "hpc-gfmd"
+FORMAT_VERSION = 1
+HEAD = "head.h5"  # of a partial folder
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a result file says.
+
+    surface: attributes of the surface; steps: one dict of attributes per load step, indices: their numbers;
+    status: of the whole run ("running" or "interrupted" if the file was never finished);
+    head: all root attributes; fields: per step {name: Stored}, to be read slab by slab;
+    folder: of the unfinished run, otherwise None.
+    """
+
+    path: Path
+    surface: dict
+    steps: list[dict]
+    indices: list[int]
+    status: str
+    scene_toml: str
+    versions: dict
+    head: dict
+    fields: list[dict[str, Stored]] = field(repr=False)
+    folder: Path | None = None
+
+
+def partial_folder(path) -> Path:
+    """Where a run that writes `path` keeps its finished steps and checkpoints."""
+    path = Path(path)
+    return path.with_name(path.name + ".partial")
+
+
+def read_result(path) -> Result:
+    """The result file, or, if there is none, what an interrupted run left beside it.
+
+    Raises SceneError (one line) if there is nothing, or the file is no HDF5, damaged, foreign or too new.
+    """
+    path = Path(path)
+    if path.exists() or not partial_folder(path).is_dir():
+        return _read_whole(path)
+    return read_partial(path)
+
+
+def read_partial(path) -> Result:
+    """The finished steps of a run that has not written `path` yet, status "interrupted" (or "running").
+
+    A step file that cannot be read is left out: that step is not done. Raises SceneError as read_result.
+    """
+    path = Path(path)
+    folder = partial_folder(path)
+    head_path = folder / HEAD
+    if not head_path.exists():
+        raise SceneError(f"{path}: no such file, and no interrupted run beside it")
+    with _opened(head_path) as file:
+        head, surface = _attributes(file), _attributes(file["surface"])
+    steps = {}
+    for index, step_path in step_files(folder).items():
+        try:
+            with _opened(step_path) as file:
+                steps[index] = _step(file, step_path, "")
+        except SceneError:
+            continue
+    return _result(path, head, surface, steps, "running" if lock.is_held(folder) else "interrupted", folder)
+
+
+def step_files(folder: Path) -> dict[int, Path]:
+    """Finished steps of a partial folder by index."""
+    return {int(p.stem[5:]): p for p in sorted(folder.glob("step-*.h5")) if p.stem[5:].isdigit()}
+
+
+def _read_whole(path: Path) -> Result:
+    with _opened(path) as file:
+        head, surface = _attributes(file), _attributes(file["surface"])
+        names = sorted(name for name in file.get("steps", ()) if name.isdigit())
+        steps = {int(name): _step(file[f"steps/{name}"], path, f"steps/{name}/") for name in names}
+    return _result(path, head, surface, steps, str(head.get("status", "unknown")))
+
+
+def _result(path, head, surface, steps, status, folder=None) -> Result:
+    try:
+        versions = json.loads(head.get("versions", "{}"))
+    except (ValueError, TypeError):
+        versions = {}
+    attributes, fields = zip(*steps.values(), strict=True) if steps else ((), ())
+    scene = str(head.get("scene", ""))
+    return Result(
+        path, surface, list(attributes), list(steps), status, scene, versions, head, list(fields), folder
+    )
+
+
+class _opened:
+    """`with _opened(path) as file`: a checked file of ours; whatever goes wrong inside is one SceneError."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        self.file = None
+
+    def __enter__(self):
+        import h5py
+
+        if self.path.is_dir():
+            raise SceneError(f"{self.path}: is a folder, not a result file")
+        try:
+            readable = h5py.is_hdf5(self.path) or self.path.open("rb").close()
+            if not readable:
+                raise SceneError(f"{self.path}: not an HDF5 file")
+            self.file = h5py.File(self.path, "r", locking=False)
+            found, version = (_plain(self.file.attrs.get(name)) for name in ("format", "format_version"))
+        except FileNotFoundError:
+            raise SceneError(f"{self.path}: no such file") from None
+        except PermissionError:
+            raise SceneError(f"{self.path}: no permission to read it") from None
+        except SceneError:
+            raise
+        except Exception as error:
+            self.__exit__(type(error), error, None)
+        if found != FORMAT:
+            self.file.close()
+            raise SceneError(f"{self.path}: not a result of hpc-gfmd (no attribute format = '{FORMAT}')")
+        if not isinstance(version, int) or version > FORMAT_VERSION:
+            self.file.close()
+            known = f"this program reads up to {FORMAT_VERSION}"
+            raise SceneError(f"{self.path}: format_version is {version!r}, {known}")
+        return self.file
+
+    def __exit__(self, kind, error, trace):
+        if self.file is not None:
+            self.file.close()
+        if isinstance(error, Exception) and not isinstance(error, SceneError):
+            what = "cut short" if "truncated" in str(error) else "damaged"
+            raise SceneError(f"{self.path}: the HDF5 file is {what}") from error
+
+
+def _step(group, path: Path, prefix: str) -> tuple[dict, dict[str, Stored]]:
+    import h5py
+
+    attributes = _attributes(group)
+    stored = {
+        name: Stored(path, prefix + name, item.shape, item.dtype, item.chunks is not None)
+        for name, item in group.items()
+        if isinstance(item, h5py.Dataset) and item.ndim == 2
+    }
+    for name in ("format", "format_version"):
+        attributes.pop(name, None)
+    return attributes, stored
+
+
+def _attributes(group) -> dict:
+    return {name: _plain(value) for name, value in group.attrs.items()}
+
+
+def _plain(value):
+    """NumPy scalars and arrays as Python numbers, text and lists."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    return value.decode("utf-8") if isinstance(value, bytes) else value

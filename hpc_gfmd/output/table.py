@@ -1,0 +1,105 @@
+"""The result table: one line per load step, plain ASCII for terminals and batch logs."""
+
+from math import floor, isfinite, log10
+
+DIGITS = 4  # of a number without an error estimate
+MAX_DIGITS = 6
+
+# attribute, heading, unit, estimated relative error of it; left out where no step has the attribute
+COLUMNS = (
+    ("p_star", "p*", "", None),
+    ("p", "p", "[unit of E*]", None),
+    ("a_r", "a_r", "", "a_r_error"),
+    ("kappa", "kappa", "", None),
+    ("kappa_corrected", "edge-corr.", "", None),
+    ("gap_mean", "mean gap", "[length]", "gap_error"),
+    ("gap_over_h_rms", "gap/h_rms", "", None),
+    ("pressure_error", "error of p", "[%]", None),
+    ("iterations", "iter.", "", None),
+    ("fft_pairs", "FFT pairs", "", None),
+    ("wall_seconds", "time", "[s]", None),
+    ("status", "status", "", None),
+)
+
+
+def table(steps: list[dict], indices: list[int] | None = None) -> str:
+    """Text for the steps, given as dicts of the attributes of the result file.
+
+    Errors stand behind +- in the unit of their column. A step that did not converge has a ! before its number
+    and a line of its own below the table, as has a step with a `note`.
+    """
+    indices = list(range(len(steps))) if indices is None else indices
+    columns = [column for column in COLUMNS if any(column[0] in step for step in steps)]
+    rows = [["step", *(name for _, name, _, _ in columns)], ["", *(unit for _, _, unit, _ in columns)]]
+    for index, step in zip(indices, steps, strict=True):
+        mark = "" if converged(step) else "! "
+        rows.append([f"{mark}{index}", *(_cell(step, key, error) for key, _, _, error in columns)])
+    widths = [max(len(row[k]) for row in rows) for k in range(len(columns) + 1)]
+    lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
+    return "\n".join([*(line.rstrip() for line in lines), *_remarks(indices, steps)])
+
+
+def converged(step: dict) -> bool:
+    """Whether the step reached the accuracy that the scene asks for."""
+    return step.get("status") == "converged"
+
+
+def with_error(value: float, relative: float | None) -> str:
+    """"0.0160 +- 0.0002" for a value and its relative error: digits as far as they mean something."""
+    if not isfinite(value):
+        return str(value)
+    if not relative or not value:
+        return f"{value:.{DIGITS}g}" + (" +- 0" if relative == 0 else "")
+    if not isfinite(relative):
+        return f"{value:.{DIGITS}g} +- ?"
+    error = abs(value * relative)
+    place = floor(log10(abs(value)))  # of the leading digit
+    scale = 0 if -4 <= place <= 5 else place
+    smallest = place - MAX_DIGITS + 1
+    last = max(smallest, floor(log10(error)))
+    decimals = max(0, scale - min(last, place))
+    shown = f"{value / 10.0**scale:.{decimals}f}"
+    uncertain = f"{error / 10.0**scale:.{decimals}f}" if error >= 10.0**last else f"{error / 10.0**scale:.0e}"
+    return f"{shown} +- {uncertain}" if scale == 0 else f"({shown} +- {uncertain})e{scale:+03d}"
+
+
+def surface_line(surface: dict) -> str:
+    """One line about the surface: points, size, roughness and the three ratios of lengths."""
+    parts = []
+    if "n" in surface:
+        parts.append(" x ".join(str(int(n)) for n in surface["n"]) + " points")
+    if "physical_sizes" in surface:
+        parts.append("L = " + " x ".join(f"{size:.4g}" for size in surface["physical_sizes"]))
+    names = ("hurst", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c", "seed")
+    parts += [f"{name} = {_number(surface[name])}" for name in names if surface.get(name) is not None]
+    return ", ".join(parts)
+
+
+def _cell(step, key, error_key) -> str:
+    value = step.get(key)
+    if value is None:
+        return "-"
+    if isinstance(value, str):
+        return value
+    if key == "pressure_error":
+        return f"{100 * value:.2g}"
+    if key == "wall_seconds":
+        return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+    if key == "fft_pairs":
+        return f"{value:.1f}" if value < 1000 else f"{value:.0f}"
+    return with_error(value, step.get(error_key)) if isinstance(value, float) else str(value)
+
+
+def _number(value) -> str:
+    return f"{value:.{DIGITS}g}" if isinstance(value, int | float) else str(value)
+
+
+def _remarks(indices, steps) -> list[str]:
+    remarks = []
+    for index, step in zip(indices, steps, strict=True):
+        if not converged(step):
+            status = step.get("status", "unknown")
+            remarks.append(f"! step {index}: NOT CONVERGED ({status}), less accurate than asked")
+        if step.get("note"):
+            remarks.append(f"  step {index}: {step['note']}")
+    return remarks

@@ -1,0 +1,141 @@
+"""The communicator: MPI when an MPI launcher started this process, otherwise a stand-in for one process."""
+
+import os
+import sys
+
+import numpy as np
+
+from ..errors import GfmdError
+
+# Set by mpirun (Open MPI, MPICH, Intel MPI) and by srun --mpi=pmix/pmi2 for every process that they start.
+LAUNCHER_SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS")
+LAUNCHER_RANK = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK")
+
+
+class SerialComm:
+    """One process: every reduction is the identity."""
+
+    rank, size, mpi = 0, 1, None
+
+    def sum(self, values):
+        """Sum over ranks of each number; returns an array of float64."""
+        return np.asarray(values, dtype=np.float64)
+
+    max = min = sum
+
+    def bcast(self, obj):
+        """The object of rank 0."""
+        return obj
+
+    def allgather(self, obj):
+        """The list of every rank's object."""
+        return [obj]
+
+    def barrier(self):
+        """Wait for all ranks."""
+
+
+class MpiComm:
+    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`."""
+
+    def __init__(self, mpi):
+        self.mpi = mpi
+        self.rank = mpi.Get_rank()
+        self.size = mpi.Get_size()
+
+    def _reduce(self, values, op):
+        send = np.ascontiguousarray(values, dtype=np.float64)
+        recv = np.empty_like(send)
+        self.mpi.Allreduce(send, recv, op=op)
+        return recv
+
+    def sum(self, values):
+        """Sum over ranks of each number; returns an array of float64."""
+        from mpi4py import MPI
+
+        return self._reduce(values, MPI.SUM)
+
+    def max(self, values):
+        """Largest over ranks of each number."""
+        from mpi4py import MPI
+
+        return self._reduce(values, MPI.MAX)
+
+    def min(self, values):
+        """Smallest over ranks of each number."""
+        from mpi4py import MPI
+
+        return self._reduce(values, MPI.MIN)
+
+    def bcast(self, obj):
+        """The object of rank 0."""
+        return self.mpi.bcast(obj, root=0)
+
+    def allgather(self, obj):
+        """The list of every rank's object."""
+        return self.mpi.allgather(obj)
+
+    def barrier(self):
+        """Wait for all ranks."""
+        self.mpi.Barrier()
+
+
+def launched():
+    """Whether an MPI launcher started this process, and the number of processes if the launcher tells it (else None)."""
+    size = next((int(os.environ[k]) for k in LAUNCHER_SIZE if os.environ.get(k, "").isdigit()), None)
+    return size is not None or any(k in os.environ for k in LAUNCHER_RANK), size
+
+
+_world = None
+
+
+def world():
+    """The communicator of all processes of this run.
+
+    Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all do the same work.
+    """
+    global _world
+    if _world is None:
+        by_launcher, size = launched()
+        _world = SerialComm()
+        if by_launcher and size != 1:
+            try:
+                from mpi4py import MPI
+            except ImportError as error:
+                raise GfmdError(
+                    f"started by an MPI launcher{f' on {size} ranks' if size else ''}, but mpi4py cannot be imported "
+                    f"({error}): install the extra 'mpi' or run without the launcher"
+                ) from None
+            if MPI.COMM_WORLD.Get_size() > 1:
+                _world = MpiComm(MPI.COMM_WORLD)
+                sys.excepthook = _abort_on_error(MPI.COMM_WORLD, sys.excepthook)
+            elif size and size > 1:
+                raise GfmdError(
+                    f"the launcher started {size} processes but mpi4py sees one: "
+                    f"mpi4py and mpirun belong to different MPI libraries"
+                )
+    return _world
+
+
+def _abort_on_error(mpi, hook):
+    """An exception that nobody caught on one rank ends all ranks: the others would wait for it forever."""
+
+    def excepthook(kind, value, traceback):
+        hook(kind, value, traceback)
+        sys.stderr.flush()
+        mpi.Abort(1)
+
+    return excepthook
+
+
+def agree(comm, error):
+    """Raise on every rank if any rank has an error (an exception or None): the first one's, as the same type."""
+    if comm.size == 1:
+        if error is not None:
+            raise error
+        return
+    failed = comm.allgather(None if error is None else (type(error), str(error)))
+    first = next((f for f in failed if f is not None), None)
+    if first is not None:
+        kind, text = first
+        raise error if error is not None else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))

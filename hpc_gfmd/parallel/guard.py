@@ -1,0 +1,36 @@
+"""Blocks of work that fail on all ranks or on none: a rank that raises while others wait hangs the job."""
+
+import re
+from contextlib import contextmanager
+
+from ..errors import GfmdError, SceneError
+from .comm import agree
+
+
+@contextmanager
+def guarded(comm, doing: str):
+    """Collective block: when any rank fails inside it, every rank leaves it with an error.
+
+    `doing` starts the message ("writing contact.h5"). The block itself must hold no collective call that a
+    failing rank would skip. A SceneError stays what it is, anything else becomes a GfmdError.
+    """
+    error = None
+    try:
+        yield
+    except SceneError as caught:
+        error = caught
+    except Exception as caught:
+        error = GfmdError(f"{doing}: {one_line(caught)}")
+        error.__cause__ = caught
+    agree(comm, error)
+
+
+def one_line(error: BaseException) -> str:
+    """What went wrong in one line; of HDF5's long messages only the reason the system gave."""
+    text = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    reason = re.search(r"error message = '([^']+)'", text)
+    if reason:
+        text = reason.group(1)
+    elif isinstance(error, MemoryError):
+        text = f"out of memory ({text})"
+    return " ".join(text.split())

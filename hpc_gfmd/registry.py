@@ -1,0 +1,32 @@
+"""Solvers and observables are found by looking into their folders: adding one means dropping in one file."""
+
+import importlib
+import pkgutil
+
+from . import observables, solvers
+
+COMMON = {"base"}  # files in those folders that are not entries
+
+
+def _names(package):
+    return sorted(m.name for m in pkgutil.iter_modules(package.__path__) if m.name not in COMMON)
+
+
+def solver_names():
+    """Names of all solvers, without importing them."""
+    return _names(solvers)
+
+
+def solver_class(name):
+    """The solver class of a name; "auto" is the default solver."""
+    name = "bpx" if name == "auto" else name
+    module = importlib.import_module(f"{solvers.__name__}.{name}")
+    return next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
+
+
+def all_observables():
+    """{name: function of a Contact} of all observables, those of one file in the order they are given there."""
+    found = {}
+    for name in _names(observables):
+        found |= importlib.import_module(f"{observables.__name__}.{name}").OBSERVABLES
+    return found

@@ -1,0 +1,13 @@
+"""The scene: what is asked, as frozen and validated numbers.
+
+`load_scene` reads a TOML file, `Scene.from_toml` a text (as stored in a result file), `Scene.from_dict` a
+dictionary; each raises `SceneError` with one line that names the key, what was found and what is allowed.
+"""
+
+from .load import check_names, load_scene
+from .model import Scene
+from .settings import Load, Machine, Material, Output, Solver
+from .surface import File, SelfAffine, Sphere, Wave
+
+__all__ = ["File", "Load", "Machine", "Material", "Output", "Scene", "SelfAffine", "Solver", "Sphere", "Wave",
+           "check_names", "load_scene"]

@@ -1,0 +1,111 @@
+"""Turns validation errors into one line: the key, what was found, what is allowed."""
+
+import difflib
+import reprlib
+from collections.abc import Iterable
+
+from pydantic import BaseModel, ValidationError
+
+_short = reprlib.Repr()
+_short.maxstring = _short.maxother = _short.maxlong = 60
+_short.maxlist = 4
+_short.maxlevel = 2
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The entry of `known` most like `name`."""
+    return difflib.get_close_matches(name[:80], sorted(known), n=1, cutoff=0)[0]
+
+
+def shown(value: object) -> str:
+    """`value` in a few printable characters of one line, as TOML would have it where that is short."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "a table"
+    try:
+        return _short.repr(value)
+    except ValueError:      # an integer of more digits than Python prints
+        return "a huge integer"
+
+
+def printable(key: str) -> str:
+    """A key or a path as it may stand in a message."""
+    return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
+
+
+def one_line(text: str) -> str:
+    """A foreign message without line ends or other control characters, of bounded length."""
+    text = "".join(c if c.isprintable() else " " for c in text)
+    return text if len(text) <= 200 else f"{text[:140]} ... {text[-50:]}"
+
+
+Model = type[BaseModel]
+
+
+def explain(error: ValidationError, scene: Model, kinds: dict[str, Model], data: dict) -> str:
+    """The first error as one line, with "(and N more)". `kinds` are the models of [surface] by their kind."""
+    lines = {}      # several errors of one key (alternatives of a type, entries of a list) are one
+    # a misspelt key first: it explains the "missing" that comes with it
+    for item in sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden"):
+        if item["type"] != "default_factory_not_called":    # only follows from another error
+            key, line = _line(item, scene, kinds, data)
+            lines.setdefault(key, line)
+    first, more = next(iter(lines.values())), len(lines) - 1
+    return f"{first} (and {more} more)" if more else first
+
+
+def _line(item: dict, scene: Model, kinds: dict, data: dict) -> tuple[tuple, str]:
+    if not item["loc"]:         # a rule on the whole scene
+        return (), str(item["ctx"]["error"])
+    name, *rest = item["loc"]
+    model = _model(scene, name)
+    if name == "surface" and rest and rest[0] in kinds:
+        model = kinds[rest.pop(0)]
+    path, key = printable(name), (name, *rest[:1])
+    if item["type"] == "extra_forbidden":
+        return key, _unknown(rest[-1] if rest else name, model if rest else None, path, scene, kinds)
+    if item["type"].startswith("union_tag"):
+        return key, _kind(data[name].get("kind"), kinds)
+    if not rest:
+        if item["type"] == "value_error" and model:     # a rule on the whole table brings its own words
+            return key, f"{path}: {item['ctx']['error']}"
+        found = shown(data[name]) if name in data else "nothing"
+        return key, f"{path}: found {found}, allowed: {scene.model_fields[name].description}"
+    field, value = rest[0], data[name].get(rest[0])
+    path += f".{field}"
+    found = shown(value)
+    if field not in data[name]:
+        found = "nothing"
+    elif rest[1:] and isinstance(value, list) and isinstance(rest[1], int) and rest[1] < len(value):
+        path, found = f"{path}[{rest[1]}]", shown(value[rest[1]])
+    elif rest[1:] and isinstance(value, dict) and rest[1] in value:
+        path, found = f"{path}.{printable(rest[1])}", shown(value[rest[1]])
+    return key, f"{path}: found {found}, allowed: {model.model_fields[field].description}"
+
+
+def _model(scene: Model, table: str) -> Model | None:
+    annotation = scene.model_fields[table].annotation if table in scene.model_fields else None
+    return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
+
+
+def _unknown(name: str, model: Model | None, table: str, scene: Model, kinds: dict) -> str:
+    """An unknown key: the same name in another table is nearest, then the most similar one in this table."""
+    here = list((model or scene).model_fields)
+    elsewhere = {field: f"{key}.{field}" for key in scene.model_fields if _model(scene, key)
+                 for field in _model(scene, key).model_fields}
+    elsewhere |= {field: f"surface.{field}" for kind in kinds.values() for field in kind.model_fields}
+    path, prefix = (f"{table}.{printable(name)}", f"{table}.") if model else (table, "")
+    if name in scene.model_fields:
+        guess = name
+    elif name in elsewhere and elsewhere[name] != path:
+        guess = elsewhere[name]
+    else:
+        guess = prefix + nearest(name, here)
+    return f"{path}: unknown key, nearest: {guess}, allowed: {', '.join(here)}"
+
+
+def _kind(found: object, kinds: dict) -> str:
+    allowed = ", ".join(f'"{kind}"' for kind in kinds)
+    guess = f'nearest: "{nearest(found, kinds)}", ' if isinstance(found, str) else ""
+    return f"surface.kind: found {'nothing' if found is None else shown(found)}, {guess}allowed: {allowed}"

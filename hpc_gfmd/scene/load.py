@@ -1,0 +1,87 @@
+"""From a scene file and the overrides of a command line to a Scene."""
+
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from ..errors import SceneError
+from .explain import nearest, printable, shown
+from .model import Scene, parse_toml
+
+MAX_BYTES = 1 << 20     # no scene is longer; a data file given by mistake often is
+
+
+def load_scene(path: str | Path, overrides: Iterable[str] = ()) -> Scene:
+    """Read a scene file and apply overrides "table.key=value", each value in TOML or else a plain string.
+
+    An override may replace a whole table: "load={pressure = [0.1]}". A relative surface path, in the file or
+    in an override, counts from the folder of the scene file and becomes absolute. Raises SceneError.
+    """
+    origin = printable(str(path))
+    data = parse_toml(_read(path, origin), origin)
+    for override in overrides:
+        _apply(data, override)
+    return Scene.from_dict(data, origin, Path(path).parent)
+
+
+def check_names(scene: Scene, solvers: Iterable[str], observables: Iterable[str],
+                fields: Iterable[str]) -> None:
+    """Compare the names in the scene with those that the registries know.
+
+    Raises SceneError naming the nearest one.
+    """
+    for key, found, known in (("solver.name", [scene.solver.name], {"auto", *solvers}),
+                              ("output.observables", scene.output.observables or (), set(observables)),
+                              ("output.fields", scene.output.fields, set(fields))):
+        for name in found:
+            if name not in known:
+                guess = f'nearest: "{nearest(name, known)}", ' if known else ""
+                allowed = ", ".join(sorted(known)) or "none"
+                raise SceneError(f"{key}: found {shown(name)}, {guess}allowed: {allowed}")
+
+
+def _read(path: str | Path, origin: str) -> str:
+    try:
+        # a pipe or a device could block for ever or never end
+        if Path(path).exists() and not Path(path).is_file():
+            raise SceneError(f"{origin}: found a folder or a device, allowed: a scene file in TOML")
+        with open(path, "rb") as file:
+            raw = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise SceneError(f"{origin}: cannot read this scene file: {error.strerror or error}") from None
+    except ValueError as error:     # a null byte in the name
+        raise SceneError(f"{origin}: cannot read this scene file: {error}") from None
+    if len(raw) > MAX_BYTES:
+        raise SceneError(f"{origin}: found more than {MAX_BYTES} bytes, allowed: a scene file in TOML")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{origin}: found byte 0x{raw[error.start]:02x} at position {error.start}, "
+                         "allowed: UTF-8 text in TOML") from None
+    if not text.strip():
+        raise SceneError(f"{origin}: found an empty file, allowed: at least [surface] and [load]")
+    return text
+
+
+def _apply(data: dict[str, Any], override: str) -> None:
+    key, equals, value = override.partition("=")
+    path = [part.strip() for part in key.split(".")]
+    if not equals or not all(path):
+        raise SceneError(f"--set: found {shown(override)}, allowed: table.key=value")
+    table = data
+    for depth, part in enumerate(path[:-1], 1):
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            before = ".".join(path[:depth])
+            raise SceneError(f"--set: found {shown(key)}, but {printable(before)} is no table, "
+                             "allowed: table.key=value")
+    table[path[-1]] = _value(value.strip())
+
+
+def _value(text: str) -> Any:
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return parsed["value"] if len(parsed) == 1 else text

@@ -1,0 +1,105 @@
+"""The scene as one frozen object, and its way to and from TOML."""
+
+import hashlib
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from pydantic import Field, ValidationError, model_validator
+
+from ..errors import SceneError
+from .explain import explain, one_line
+from .settings import Load, Machine, Material, Output, Solver
+from .surface import KINDS, AnySurface, SelfAffine, Wave
+from .table import Table, Text
+
+TOUCHING = 100      # fewer contact points than this say little about a rough contact
+
+
+class Scene(Table):
+    """What is asked: the surface, the material, the loads, how accurately, and what to keep."""
+
+    title: Text = Field("", description="one line of text")
+    surface: AnySurface = Field(description="a table [surface]")
+    material: Material = Field(Material(), description="a table [material]")
+    load: Load = Field(description="a table [load]")
+    solver: Solver = Field(Solver(), description="a table [solver]")
+    output: Output = Field(Output(), description="a table [output]")
+    machine: Machine = Field(Machine(), description="a table [machine]")
+
+    @model_validator(mode="after")
+    def _rough(self):
+        if isinstance(self.surface, Wave) and self.surface.amplitude == 0 and self.load.p_star:
+            raise ValueError("load.p_star: found a flat surface (amplitude = 0), allowed: load.pressure")
+        return self
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any], origin: str = "scene",
+                  folder: str | Path | None = None) -> "Scene":
+        """Validate tables as read from TOML; a relative surface path counts from `folder` where one is given.
+
+        Raises SceneError, beginning with `origin`.
+        """
+        surface = data.get("surface")
+        if folder is not None and isinstance(surface, dict) and surface.get("kind") == "file":
+            path = surface.get("path")
+            if path and isinstance(path, str):
+                data = data | {"surface": surface | {"path": str(Path(folder).absolute() / path)}}
+        try:
+            return cls.model_validate(data)
+        except ValidationError as error:
+            raise SceneError(f"{origin}: {explain(error, cls, KINDS, data)}") from None
+
+    @classmethod
+    def from_toml(cls, text: str, origin: str = "scene", folder: str | Path | None = None) -> "Scene":
+        """Parse and validate TOML text. Raises SceneError."""
+        return cls.from_dict(parse_toml(text, origin), origin, folder)
+
+    def to_toml(self) -> str:
+        """The scene as TOML with every default written out; `from_toml` gives back an equal scene."""
+        return tomli_w.dumps(self.model_dump(exclude_none=True))
+
+    def identity(self) -> str:
+        """SHA-256 (hex) of all that changes the answer or what is kept of it.
+
+        [machine], the title, the path of the result and its (lossless) compression do not count, nor does the
+        order of fields and observables. A height map counts by its path, not by its content.
+        """
+        data = self.model_dump(mode="json", exclude={"machine": True, "title": True,
+                                                     "output": {"path", "compression"}})
+        for key in ("fields", "observables"):
+            data["output"][key] = data["output"][key] and sorted(data["output"][key])
+        return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+    @property
+    def n(self) -> tuple[int, int] | None:
+        """Grid points (n_x, n_y), or None where only the surface file knows."""
+        return self.surface.n
+
+    def warnings(self) -> list[str]:
+        """What is legal but may not mean what the user thinks, one line each."""
+        surface, found = self.surface, []
+        if not isinstance(surface, SelfAffine):
+            return found
+        if surface.eps_f > 1 / 8:
+            found.append(f"surface: lam_l_over_lam_s = {surface.lam_l_over_lam_s:g} is hardly self-affine")
+        if surface.aspect < surface.eps_t:
+            found.append("surface: L_y is shorter than lam_l, the roughness is not isotropic")
+        n_x, n_y = surface.n
+        scale = 1.0 if self.load.p_star else surface.g_rms and surface.g_rms * self.material.E_star
+        for load in self.load.p_star or self.load.pressure:
+            if scale and 2 * load / scale * n_x * n_y < TOUCHING:     # a_r is about 2 p*
+                found.append(f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch")
+        return found
+
+
+def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:
+    """TOML text as a dictionary. Raises SceneError with the line number where the parser knows it."""
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise SceneError(f"{origin}: found values nested too deeply, allowed: a scene in TOML") from None
+    except ValueError as error:
+        raise SceneError(f"{origin}: not valid TOML: {one_line(str(error))}") from None

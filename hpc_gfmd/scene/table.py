@@ -1,0 +1,67 @@
+"""What all tables of a scene share: strictness, number types, and the rule "exactly one of".
+
+The description of a field is the text after "allowed:" in its error message.
+"""
+
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+
+MAX_INT = 2**63 - 1     # the integers of TOML and of HDF5
+MAX_N = 2**24           # grid points per direction
+
+
+class Table(BaseModel):
+    """A frozen table. true is no number, "1" is none, 1.0 is no whole number; inf and nan are refused."""
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+def _tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _one_or_many(value: Any) -> Any:
+    return _tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError("control characters")
+    return text
+
+
+def _distinct(values: tuple) -> tuple:
+    if len(set(values)) < len(values):
+        raise ValueError("named twice")
+    return values
+
+
+# The bounds keep squares and products of a few such numbers finite in double precision.
+Positive = Annotated[float, Field(ge=1e-100, le=1e100)]
+Fraction = Annotated[float, Field(gt=0, lt=1)]
+Ratio = Annotated[float, Field(ge=1, le=1e100)]
+Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
+Text = Annotated[str, AfterValidator(_printable)]
+Path = Annotated[Text, Field(min_length=1)]
+Sizes = Annotated[tuple[Positive, Positive], BeforeValidator(_tuple)]
+Points = Annotated[tuple[Annotated[int, Field(ge=1, le=MAX_N)], Annotated[int, Field(ge=1, le=MAX_N)]],
+                   BeforeValidator(_tuple)]
+Modes = Annotated[tuple[Annotated[int, Field(ge=0, le=MAX_N)], Annotated[int, Field(ge=0, le=MAX_N)]],
+                  BeforeValidator(_tuple)]
+Loads = Annotated[tuple[Positive, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
+
+POSITIVE = "a positive number (1e-100 to 1e100)"
+FRACTION = "a number above 0 and below 1"
+
+
+def names(kind: Any) -> Any:
+    """The type "list of distinct names", each of type `kind`."""
+    return Annotated[tuple[kind, ...], BeforeValidator(_tuple), AfterValidator(_distinct)]
+
+
+def not_both(table: BaseModel, *keys: str) -> None:
+    """Raise ValueError if more than one of `keys` is set."""
+    found = [key for key in keys if getattr(table, key) is not None]
+    if len(found) > 1:
+        raise ValueError(f"found {' and '.join(found)}, allowed: one of {', '.join(keys)}")

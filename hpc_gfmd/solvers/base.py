@@ -1,0 +1,84 @@
+"""What a solver is.
+
+A solver allocates everything in __init__(problem, options), is given a start by `start(g)` or `continue_at(p0)`, and then does one
+step at a time. It owns the gap g and the pressure p (local slabs). After every step `progress()` tells how far it is. It knows
+nothing of stopping, files or clocks: that is `drive.py`.
+"""
+
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a solver is, the same numbers on every rank.
+
+    residual: sqrt(mean p^2 where the gap is open)/p0; contact: points with g <= 0 and p > 0; gap_mean: in the problem's units.
+    estimates: relative errors of (area, mean gap, pressure), or None where the solver has no error estimate of its own and the
+    certificate has to be asked.
+    """
+
+    residual: float
+    contact: float
+    gap_mean: float
+    estimates: tuple[float, float, float] | None
+    finite: bool = True
+
+
+class Solver:
+    """Common parts: `state`, `load_state`, and the count of FFT pairs."""
+
+    name = ""
+    state_names: tuple[str, ...] = ("g", "p")
+    scalar_names: tuple[str, ...] = ()
+    patience = 60  # iterations without progress after which the solver counts as stagnated
+
+    def __init__(self, problem, options=None):
+        self.problem = problem
+        self.grid = problem.grid
+        self.p0 = float(problem.p0)
+        self.N = problem.grid.N
+        self.iterations = 0
+        self.options = dict(options or {})
+
+    @property
+    def pairs(self):
+        """FFT pairs done on this grid so far."""
+        return self.elastic.pairs
+
+    @property
+    def problem_now(self):
+        """The problem at the present load."""
+        return replace(self.problem, p0=self.p0)
+
+    def start(self, g):
+        """Begin at the gap g >= 0 (local slab, taken over)."""
+        raise NotImplementedError
+
+    def continue_at(self, p0):
+        """Begin from the present state at another mean pressure, without an FFT: p changes by a constant."""
+        raise NotImplementedError
+
+    def refresh(self):
+        """self.p has just been computed anew from self.g: go on from there."""
+        raise NotImplementedError
+
+    def step(self):
+        """One iteration."""
+        raise NotImplementedError
+
+    def progress(self):
+        """How far the solver is."""
+        raise NotImplementedError
+
+    def state(self):
+        """Everything that a bit-identical continuation needs: local slabs by name, and a dict of numbers."""
+        return ({name: getattr(self, name) for name in self.state_names},
+                {name: getattr(self, name) for name in self.scalar_names})
+
+    def load_state(self, arrays, numbers):
+        """The inverse of `state`."""
+        for name in self.state_names:
+            getattr(self, name)[...] = arrays[name]
+        for name in self.scalar_names:
+            setattr(self, name, numbers[name])
+

@@ -1,0 +1,135 @@
+"""The locally damped multilevel (BPX) preconditioner, distributed over slabs.
+
+    M r = sum over levels of P ... P (weight_l + c theta_l)^-1 R ... R r
+
+theta_l is the local contact fraction: the restricted indicator of the contact. Damping each level by it is what keeps the spectrum
+of M K on the free points narrow at every load, without a parameter to tune.
+
+The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the indicator of A, and x) and interpolate
+from it. Levels whose rows are spread over the ranks exchange halo rows; once a level is small or thin it is summed onto every rank,
+which then sweeps the rest alone.
+"""
+
+import numpy as np
+
+from ..coarsening import Transfer, levels
+from ..kernels.contact import update
+from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_whole
+from ..parallel import halo
+
+DAMPING = 4.0  # c
+COUPLING = 1.1  # w
+WHOLE_POINTS = 128 * 128  # levels of at most this many points are swept by every rank
+THIN_ROWS = 2  # and so are levels of which some rank has fewer rows than this
+
+
+class Multilevel:
+    """The sweep for one grid in one precision. longest: rows per pass of the solver."""
+
+    def __init__(self, grid, dtype, longest):
+        self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
+        self.c, self.w = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
+        hierarchy = levels(grid)
+        if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
+            hierarchy = hierarchy * 2
+        self.levels = hierarchy
+
+        self.transfers, self.spread = [], []
+        starts = grid.starts
+        for fine, coarse in zip(hierarchy, hierarchy[1:]):
+            transfer = Transfer(fine.n, coarse.n, starts, self.comm.rank, self.dtype)
+            self.transfers.append(transfer)
+            starts = transfer.coarse_starts
+            thin = np.diff(starts).min() < THIN_ROWS
+            small = coarse.n[0] * coarse.n[1] <= WHOLE_POINTS
+            if (thin and self.comm.size > 1) or small or coarse is hierarchy[-1]:
+                break
+            self.spread.append(coarse)
+        # Level 1 is in the rank's own rows in any case: that is what the solver's passes write to and read from.
+        self.fields = [np.zeros((3 if k == 0 else 2, t.rows + 2, t.m[1]), self.dtype) for k, t in enumerate(self.transfers)]
+        self.whole = _Whole(hierarchy[len(self.spread) + 1:], self.dtype)
+
+        first = self.transfers[0]
+        self.passes = first.passes(longest)
+        self.lo = np.array([first.k0[a] for a, _ in self.passes], np.int64)
+        self.hi = np.array([first.k0[b - 1] + 1 for _, b in self.passes], np.int64)
+        self.edges = np.zeros((len(self.passes), 2, 3, first.m[1]), self.dtype)
+
+    @property
+    def nbytes(self):
+        """Bytes held on this rank."""
+        return sum(a.nbytes for a in self.fields) + self.edges.nbytes + self.whole.nbytes
+
+    def update_rows(self, k, g, p, d, x, s, rows):
+        """Pass k of the solver's update of its state, see kernels/contact.py; returns its sums."""
+        i0, i1 = self.passes[k]
+        t = self.transfers[0]
+        return update(g, p, d, x, s, i0, i1, self.fields[0], self.edges[k, 0], self.edges[k, 1],
+                      t.k0, t.f_x, t.factor, t.mode, t.j0, t.f, rows)
+
+    @property
+    def z(self):
+        """The result on level 1, own rows and halo, (rows + 2, m)."""
+        return self.fields[0][0]
+
+    def sweep(self):
+        """From what the update passes restricted to level 1, make z on level 1 (own rows and halo).
+
+        Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
+        finest level.
+        """
+        first = self.transfers[0]
+        if len(self.passes):
+            join_edges(self.fields[0], self.edges, self.lo, self.hi)
+        else:
+            self.fields[0][...] = 0
+        for k in range(len(self.spread)):
+            halo.accumulate(self.comm, self.fields[k])
+            t = self.transfers[k + 1]
+            restrict_level(self.fields[k][:2], self.fields[k + 1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
+        sums = self._sweep_whole()
+        for k in reversed(range(len(self.spread))):
+            sums = self._smooth(k)
+            halo.fill(self.comm, self.fields[k][0])
+        ratio = self.levels[0].n[0] * self.levels[0].n[1] / (first.m[0] * first.m[1])
+        return sums[0] * ratio, sums[1] * ratio
+
+    def _sweep_whole(self):
+        """Sum the last level that is spread onto every rank, sweep the rest, take back this rank's rows."""
+        t = self.transfers[-1]
+        a = self.fields[-1]
+        whole = halo.sum_to_all(self.comm, a, t.start, t.m[0])
+        z = self.whole.sweep(whole[0], whole[1])
+        halo.take_rows(z, t.start, a[0])
+        if len(self.spread) or self.comm.rank:
+            return 0.0, 0.0
+        # Level 1 itself is whole: rank 0 alone contributes the sums.
+        return float(np.vdot(whole[0], z)), float(np.vdot(whole[2], z))
+
+    def _smooth(self, k):
+        a, t, z = self.fields[k], self.transfers[k + 1], self.fields[k + 1][0]
+        weight = self.dtype.type(self.levels[k + 1].weight)
+        return smooth_level(a, z, a[0], weight, self.c, self.w, t.k0, t.f_x, t.mode, t.j0, t.f)
+
+
+class _Whole:
+    """The coarse levels that every rank sweeps alone, in one call."""
+
+    def __init__(self, levels, dtype):
+        self.shapes = np.array([level.n for level in levels], np.int64).reshape(-1, 2)
+        sizes = self.shapes[:, 0] * self.shapes[:, 1]
+        self.offsets = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
+        self.weights = np.array([level.weight for level in levels], dtype)
+        self.r, self.t = np.zeros(sizes.sum(), dtype), np.zeros(sizes.sum(), dtype)
+        self.c, self.w = np.dtype(dtype).type(DAMPING), np.dtype(dtype).type(COUPLING)
+
+    @property
+    def nbytes(self):
+        return self.r.nbytes + self.t.nbytes
+
+    def sweep(self, r, t):
+        n = r.size
+        self.r[:n] = r.ravel()
+        self.t[:n] = t.ravel()
+        sweep_whole(self.r, self.t, self.shapes, self.offsets, self.weights, self.c, self.w)
+        return self.r[:n].reshape(r.shape)

@@ -1,0 +1,127 @@
+"""From the scene's [surface] to the gap under zero load, in the program's units (see problem.py)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SceneError
+from ..grid import Grid
+from ..parallel.guard import guarded
+from ..parallel.comm import SerialComm
+from .analytic import sphere_rows, wave_rows
+from .files import HeightMap
+from .selfaffine import self_affine_heights
+from .statistics import rms
+
+SLAB_ROWS = 64  # rows read or made at a time
+
+
+@dataclass(frozen=True)
+class Surface:
+    """h: initial gap, local slab of `grid`, >= 0 with minimum 0, in units of g_rms a; h_rms, g_rms: realised, in the scene's units.
+
+    A surface that varies along one axis only lives on a grid with one point along the other; `n` is the size asked for, and every
+    rank then holds all of `grid`. rows: (start, stop) of the size asked for that this rank owns. A flat surface has g_rms = 0 and h in the scene's unit.
+    """
+
+    grid: Grid
+    h: np.ndarray
+    n: tuple[int, int]
+    h_rms: float
+    g_rms: float
+    rows: tuple[int, int]
+
+    @property
+    def height_unit(self):
+        """What one unit of h, u or g is in the scene's unit of length."""
+        return self.g_rms * self.grid.a if self.g_rms > 0 else 1.0
+
+    @property
+    def reduced_axis(self):
+        """The axis that was left out (0 or 1), or None."""
+        return next((axis for axis in (0, 1) if self.grid.n[axis] != self.n[axis]), None)
+
+    def spread(self, values):
+        """A local slab of `grid` as a slab of the size asked for: repeated along the axis that was left out."""
+        if self.reduced_axis is None:
+            return values
+        return np.ascontiguousarray(np.broadcast_to(values, self.n)[slice(*self.rows)])
+
+
+def surface_size(spec):
+    """(n_x, n_y) of a surface; opens the file where only that knows. Raises SceneError."""
+    return tuple(spec.n) if spec.n is not None else tuple(HeightMap(spec).shape)
+
+
+def build_surface(spec, comm, dtype, threads=1):
+    """Make or read the surface of a scene on all ranks; spec: scene.surface. Raises SceneError on all ranks."""
+    dtype = np.dtype(dtype)
+    if spec.kind == "self-affine":
+        grid = Grid(spec.n, spec.physical_sizes, comm, threads)
+        z, h_over_g = self_affine_heights(spec, grid, dtype)
+        g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
+        return Surface(grid, _gap(comm, z), spec.n, h_over_g * g_rms * grid.a, g_rms, grid.rows)
+    with guarded(comm, "reading the surface"):
+        if spec.kind == "wave":
+            n, rows = spec.n, wave_rows(spec, spec.n)
+        elif spec.kind == "sphere":
+            n, rows = spec.n, sphere_rows(spec, spec.n)
+        else:
+            file = HeightMap(spec)
+            n, rows = tuple(file.shape), file.rows
+    return surface_from_rows(n, spec.physical_sizes, rows, comm, dtype, threads)
+
+
+def surface_from_rows(n, sizes, rows, comm, dtype, threads=1):
+    """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y). Raises SceneError on all ranks."""
+    grid = Grid(n, sizes, comm, threads)
+    start, stop = grid.rows
+    z = grid.empty(np.float64)
+    with guarded(comm, "reading the surface"):
+        for i in range(0, stop - start, SLAB_ROWS):
+            z[i:i + SLAB_ROWS] = rows(start + i, min(start + i + SLAB_ROWS, stop))
+        if not np.isfinite(z).all():
+            raise SceneError("surface: found heights that are not finite, allowed: finite heights")
+    top = float(comm.max([z.max(initial=-np.inf)])[0])
+    np.subtract(top, z, out=z)  # now the gap, exact where it is small
+    grid, z = _leave_out_constant_axis(grid, z)
+    if float(grid.comm.max([z.max(initial=0)])[0]) == 0.0:
+        return Surface(grid, z.astype(dtype), n, 0.0, 0.0, (start, stop))
+    centre = float(grid.comm.sum([z.sum()])[0]) / grid.N
+    scale = float(grid.comm.max([np.abs(z - centre).max(initial=0)])[0])
+
+    def fill(i0, i1, x):
+        np.subtract(z[i0:i1], centre, out=x[: i1 - i0])
+        x[: i1 - i0] /= scale  # heights of 1e-200 or 1e200 have squares too
+
+    h_rms, g_rms = (scale * r for r in rms(grid, fill))
+    if dtype != np.float64:
+        grid.forget_fft(np.float64)
+    h = z if dtype == np.float64 else np.empty(z.shape, dtype)
+    np.divide(z, g_rms, out=h, casting="same_kind")
+    return Surface(grid, h, n, h_rms, g_rms / grid.a, (start, stop))
+
+
+def _gap(comm, z):
+    """z_max - z in place."""
+    top = z.dtype.type(comm.max([z.max(initial=-np.inf)])[0])
+    return np.subtract(top, z, out=z)
+
+
+def _leave_out_constant_axis(grid, z):
+    """Where heights vary along one axis only, the grid and the heights (on every rank) of that axis alone."""
+    comm, n = grid.comm, grid.n
+    if 1 in n:
+        axis = None
+    else:
+        first = next(row for row in comm.allgather(z[0] if len(z) else None) if row is not None)
+        along_y = not np.any(z != first)
+        along_x = not np.any(z != z[:, :1])
+        different = comm.max([not along_y, not along_x])
+        axis = 0 if not different[0] else (1 if not different[1] else None)
+    if axis is None:
+        return grid, z
+    if axis == 0:
+        return Grid((1, n[1]), grid.sizes, SerialComm()), first[None].copy()
+    column = np.concatenate(comm.allgather(z[:, 0].copy()))
+    return Grid((n[0], 1), grid.sizes, SerialComm()), column[:, None].copy()

@@ -1,0 +1,18 @@
+"""Range checks shared by the theory functions: one line naming the quantity, found and allowed."""
+
+import numpy as np
+
+from hpc_gfmd.errors import SceneError
+
+
+def within(name, value, low, high, open_low=False):
+    """`value` as a float array, all of it finite and in [low, high] (or (low, high]); else SceneError."""
+    try:
+        x = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise SceneError(f"{name}: found {value!r}, allowed: numbers") from None
+    good = np.isfinite(x) & (x <= high) & ((x > low) if open_low else (x >= low))
+    if not good.all():
+        interval = f"{'(' if open_low else '['}{low:g}, {high:g}{')' if np.isinf(high) else ']'}"
+        raise SceneError(f"{name}: found {x[~good].flat[0]:g}, allowed: {interval}")
+    return x

@@ -1,0 +1,171 @@
+"""How the rms slope of a rough surface builds up with the wave vector, and integrals over it.
+
+Persson's theory needs a spectrum only through g(q), the rms gradient of all roughness with wave vectors up to
+q. Any isotropic spectrum is taken as a chain of power laws, in each of which g(q) and its inverse are
+elementary.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import exprel
+
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.theory.checks import within
+from hpc_gfmd.theory.kernels import X_ZERO
+
+_STEP = 0.25  # panel width in ln g: the sharpest features of the integrands have a width of about 0.05
+_TAIL = 42.0  # the integrand falls at least like g towards small g: exp(-42) is below double precision
+_FINEST = 14  # halvings of the last panel, for large pressures where only g -> g_rms contributes
+_BLOCK = 64  # pressures at a time, bounds the memory
+
+
+@dataclass(frozen=True)
+class SlopeProfile:
+    """g(q)/g_rms of a spectrum made of power laws between q_0 < q_1 < ... < q_m, and its rms values.
+
+    y: ln(q_i/q_0), shape (m+1,). g2: (g(q_i)/g_rms)^2, from 0 to 1. beta, inverse_rate, shape (m,): in the
+    piece i d(g2)/dy = exp(beta_i (y-y_i))/inverse_rate_i. q_min, g_rms, h_rms in the units of the surface.
+    """
+
+    y: np.ndarray
+    g2: np.ndarray
+    beta: np.ndarray
+    inverse_rate: np.ndarray
+    q_min: float
+    g_rms: float
+    h_rms: float
+
+    @classmethod
+    def self_affine(cls, hurst, eps_f):
+        (
+            """C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
+
+        hurst in [0, 1], eps_f = q_l/q_s in [1e-100, 1]; SceneError otherwise.
+        """
+            ""
+        )
+        hurst = float(within("hurst", hurst, 0, 1))
+        decades = -np.log(float(within("eps_f", eps_f, 1e-100, 1)))  # ln(q_s/q_l)
+        # h_rms^2 = int exp(-2H y) dy, g_rms^2 = int exp((2-2H) y) dy, finite for H = 0, H = 1, eps_f = 1 too
+        g2 = exprel((2 - 2 * hurst) * decades)
+        return cls(
+            np.array([0, decades]),
+            np.array([0.0, 1.0]),
+            np.array([2 - 2 * hurst]),
+            np.array([decades * g2]),
+            q_min=1.0,
+            g_rms=1.0,
+            h_rms=float(np.sqrt(exprel(-2 * hurst * decades) / g2)),
+        )
+
+    @classmethod
+    def from_spectrum(cls, q, C, area=1.0, samples=1000):
+        """Any isotropic C(q), normalised by h_rms^2 = area/(2 pi)^2 int C d^2q.
+
+        q: increasing wave vectors, at least two. C: their spectrum (power laws in between), or a function,
+        which is then cut into about `samples` pieces (error of order 1/samples^4). Raises SceneError for what
+        is not a spectrum.
+        """
+        q = within("q", q, 0, np.inf, open_low=True)
+        if q.ndim != 1 or q.size < 2 or np.any(np.diff(q) <= 0):
+            raise SceneError(
+                "q: found no strictly increasing list, allowed: at least two increasing wave vectors"
+            )
+        function = C if callable(C) else None
+        if function:
+            q = np.unique(np.concatenate([q, np.geomspace(q[0], q[-1], samples + 1)[1:-1]]))
+            C = function(q)
+        C = within("C", C, 0, np.inf, open_low=True)
+        if C.shape != q.shape:
+            raise SceneError(f"C: found shape {C.shape}, allowed: the shape of q, {q.shape}")
+        area = float(within("area", area, 0, np.inf, open_low=True))
+
+        y = np.log(q / q[0])
+        width = np.diff(y)
+        steepness = np.diff(np.log(C)) / width  # C ~ q^steepness in a piece
+        square = {}  # h_rms^2 and g_rms^2 of every piece: the moments of q^2 C dy and q^4 C dy
+        for power in (2, 4):
+            square[power] = C[:-1] * q[:-1] ** power * width * exprel((steepness + power) * width)
+            if function:
+                square[power] = _piece_integral(lambda k, power=power: k**power * function(k), q, width)
+            square[power] = square[power] * area / (2 * np.pi)
+        beta = steepness + 4
+        g2 = np.concatenate([[0], np.cumsum(square[4])])
+        rate = square[4] / (width * exprel(beta * width))
+        return cls(
+            y,
+            g2 / g2[-1],
+            beta,
+            g2[-1] / rate,
+            q_min=float(q[0]),
+            g_rms=float(np.sqrt(g2[-1])),
+            h_rms=float(np.sqrt(square[2].sum())),
+        )
+
+    def integrate(self, p_star, kernel, power):
+        """int (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g; the shape of p_star.
+
+        A kernel that vanishes beyond x = 28 and power = 1, or a bounded one and power = 2.
+        """
+        p_star = np.clip(np.asarray(p_star, dtype=float), 1e-300, 1e200)
+        flat = p_star.ravel()
+        out = np.full(flat.shape, np.nan)
+        order = np.argsort(flat)
+        for start in range(0, flat.size, _BLOCK):
+            block = order[start : start + _BLOCK]
+            out[block] = self._integrate_block(flat[block], kernel, power)
+        return out.reshape(p_star.shape)
+
+    def _integrate_block(self, p_star, kernel, power):
+        low = self._log_g_at(min(1.0, self.y[-1])) - _TAIL
+        if power == 1:
+            low = max(low, np.log(np.sqrt(2) * p_star[0] / X_ZERO))
+        if low >= 0:
+            return np.zeros_like(p_star)
+        log_g, y, weight = self._nodes(low)
+        weight = weight * np.exp(power * log_g - y)
+        return kernel(np.sqrt(2) * p_star[:, None] * np.exp(-log_g)) @ weight
+
+    def _log_g_at(self, y):
+        i = min(np.searchsorted(self.y, y, side="right"), self.beta.size) - 1
+        d = y - self.y[i]
+        grown = d * exprel(self.beta[i] * d) / self.inverse_rate[i] if d > 0 else 1.0
+        return 0.5 * np.log(self.g2[i] + grown)
+
+    def _nodes(self, low):
+        """Gauss-Legendre points ln g, the ln(q/q_0) there, and weights, on panels from `low` to 0."""
+        with np.errstate(divide="ignore"):
+            corners = 0.5 * np.log(self.g2)
+        edges = np.concatenate(
+            [
+                np.arange(-_STEP, low, -_STEP),
+                -_STEP * 0.5 ** np.arange(_FINEST),
+                [low, 0],
+                corners[(corners > low) & (corners < 0)],
+            ]
+        )
+        edges = np.unique(edges)
+        left, right = edges[:-1], edges[1:]
+        wide = right - left > 0.05
+        parts = [
+            self._panel_nodes(left[pick], right[pick], points, corners)
+            for pick, points in ((wide, 16), (~wide, 10))
+        ]
+        return [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
+
+    def _panel_nodes(self, left, right, points, corners):
+        s, w = np.polynomial.legendre.leggauss(points)
+        middle, half = (left + right) / 2, (right - left) / 2
+        i = np.clip(np.searchsorted(corners, middle, side="right") - 1, 0, self.beta.size - 1)[:, None]
+        log_g = middle[:, None] + half[:, None] * s
+        z = np.maximum((np.exp(2 * log_g) - self.g2[i]) * self.inverse_rate[i], 0)
+        beta = np.where(np.abs(self.beta[i]) < 1e-300, 1.0, self.beta[i])
+        d = np.where(np.abs(self.beta[i]) < 1e-300, z, np.log1p(np.maximum(beta * z, -1 + 1e-16)) / beta)
+        return log_g.ravel(), (self.y[i] + d).ravel(), (half[:, None] * w).ravel()
+
+
+def _piece_integral(f, q, width):
+    """int f dy over every piece, y = ln q."""
+    s, w = np.polynomial.legendre.leggauss(4)
+    return (f(q[:-1, None] * np.exp(width[:, None] * (s + 1) / 2)) @ w) * width / 2

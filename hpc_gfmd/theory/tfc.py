@@ -1,0 +1,150 @@
+"""Corrections to the thermodynamic, fractal and continuum (TFC) limits, eq. tfc of Prodanov, Dapp & Muser
+2014:
+
+    O_sim = O_TFC + C_t eps_t^alpha_t + C_f eps_f^alpha_f + C_c eps_c^alpha_c.
+
+The coefficients depend on the observable, H and p_star and come from a table: the paper's, kept as printed in
+data/paper_tfc.json, or a file of the same form (rows may have a "sigma" of the coefficients). Fits:
+theory.tfc_fit.
+"""
+
+import json
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.theory.checks import within
+from hpc_gfmd.theory.tfc_fit import TERMS, TfcFit, fit_tfc, read_runs
+
+__all__ = ["TfcFit", "correction", "extrapolate", "fit_tfc", "paper_table", "read_runs", "read_table"]
+
+PRESSURE_TOLERANCE = 0.05  # how far p_star may be from a tabulated one, relative
+# printed p_star are rounded; the runs were made at 0.01/sqrt(2) and 0.5/sqrt(2)
+_UNROUNDED = {0.007: 0.01 / np.sqrt(2), 0.353: 0.5 / np.sqrt(2)}
+
+
+@dataclass(frozen=True)
+class Correction:
+    """t, f, c: the three terms of eq. tfc; sigma: the uncertainty of their sum from the table, None if it has
+    none; p_star: the tabulated pressure that was used; notes: what to keep in mind, one line each."""
+
+    t: float
+    f: float
+    c: float
+    sigma: float | None
+    p_star: float
+    notes: tuple[str, ...]
+
+    @property
+    def total(self):
+        return self.t + self.f + self.c
+
+
+def paper_table():
+    """The paper's four tables, as the dict of the data file."""
+    return json.loads(files("hpc_gfmd.theory").joinpath("data/paper_tfc.json").read_text(encoding="utf-8"))
+
+
+def read_table(path):
+    """A table of the same form from a JSON file; SceneError if it is not one."""
+    try:
+        table = json.loads(Path(path).read_text(encoding="utf-8"))
+        for part in table["tables"]:
+            part["observable"], float(part["p_star"])
+            [float(row[key]) for row in part["rows"] for key in ("hurst", *_COEFFICIENTS)]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise SceneError(
+            f"table: found {str(path)!r} ({error}), allowed: a JSON file like paper_tfc.json"
+        ) from None
+    return table
+
+
+def correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table=None):
+    """The terms to subtract from a simulated value, as a Correction.
+
+    Only at a tabulated pressure (within 5 %) and between the tabulated H (0.3 to 0.8 in the paper; linear in
+    H for every term); SceneError elsewhere. table: as of paper_table (default) or read_table.
+    """
+    part = _part(table or paper_table(), observable, float(within("p_star", p_star, 0, np.inf, True)))
+    eps = {"t": eps_t, "f": eps_f, "c": eps_c}
+    eps = {i: float(within(f"eps_{i}", eps[i], 0, 1)) for i in TERMS}
+    rows = sorted(part["rows"], key=lambda row: row["hurst"])
+    tabulated = [row["hurst"] for row in rows]
+    hurst = float(within("hurst", hurst, 0, 1))
+    if not tabulated[0] <= hurst <= tabulated[-1]:
+        raise SceneError(
+            f"hurst: found {hurst:g}, allowed: [{tabulated[0]:g}, {tabulated[-1]:g}], the range of the table "
+            "(nothing justifies an extrapolation in H)"
+        )
+    terms = {i: float(np.interp(hurst, tabulated, [_term(row, i, eps[i]) for row in rows])) for i in TERMS}
+    sigma = None
+    if all("sigma" in row for row in rows):
+        sigma = float(np.interp(hurst, tabulated, [_row_sigma(row, eps) for row in rows]))
+    return Correction(
+        **terms, sigma=sigma, p_star=part["p_star"], notes=tuple(_notes(part, hurst, tabulated))
+    )
+
+
+def extrapolate(value, observable, hurst, p_star, eps_t, eps_f, eps_c, sigma=None, table=None):
+    """A simulated value taken to the TFC limit, as (extrapolated, its sigma or None, the Correction).
+
+    sigma: uncertainty of the value; the result adds the table's in squares. None if neither is known.
+    """
+    value = float(within("value", value, -np.inf, np.inf))
+    terms = correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table)
+    known = [x for x in (sigma, terms.sigma) if x is not None]
+    return value - terms.total, float(np.hypot.reduce(known)) if known else None, terms
+
+
+_COEFFICIENTS = [f"{name}_{i}" for name in ("C", "alpha") for i in TERMS]
+
+
+def _part(table, observable, p_star):
+    names = sorted({part["observable"] for part in table["tables"]})
+    if observable not in names:
+        raise SceneError(f"observable: found {observable!r}, allowed: {', '.join(names)}")
+    parts = [part for part in table["tables"] if part["observable"] == observable]
+    for part in parts:
+        printed = part["p_star"]
+        if any(
+            abs(p_star / p - 1) <= PRESSURE_TOLERANCE for p in (printed, _UNROUNDED.get(printed, printed))
+        ):
+            return part
+    allowed = " or ".join(f"{part['p_star']:g}" for part in parts)
+    raise SceneError(
+        f"p_star: found {p_star:g}, allowed: {allowed} within {PRESSURE_TOLERANCE:.0%}; "
+        "the coefficients are not known in between"
+    )
+
+
+def _term(row, i, eps):
+    return row[f"C_{i}"] * eps ** row[f"alpha_{i}"] if eps > 0 else 0.0
+
+
+def _row_sigma(row, eps):
+    """Uncertainty of the sum of the terms, from the "covariance" of the row (order "names") if given."""
+    names = row.get("names", _COEFFICIENTS)
+    gradient = []
+    for name in names:
+        kind, _, i = name.partition("_")
+        power = eps[i] ** row[f"alpha_{i}"] if i in eps and eps[i] > 0 else 0.0
+        gradient.append(
+            {"C": power, "alpha": row.get(f"C_{i}", 0) * power * np.log(eps.get(i) or 1)}.get(kind, 0.0)
+        )
+    covariance = row.get("covariance", np.diag([row["sigma"].get(name, 0.0) ** 2 for name in names]))
+    return np.sqrt(max(gradient @ np.asarray(covariance) @ gradient, 0.0))
+
+
+def _notes(part, hurst, tabulated):
+    if hurst not in tabulated:
+        yield f"coefficients interpolated in H between the tabulated {', '.join(f'{h:g}' for h in tabulated)}"
+    if "label" in part and part["observable"] == "gap_over_h_rms":
+        yield (
+            "the paper's fractal term is nearly the whole gap, because gap/h_rms vanishes in the fractal "
+            "limit, and it can exceed the computed gap: take the extrapolated gap as a trend only"
+        )
+    if "label" in part:
+        yield "the paper gives no uncertainties of its coefficients"

@@ -1,0 +1,121 @@
+"""Scenes that are refused, and the words that say why."""
+
+import itertools
+import math
+
+import pytest
+from scene_tables import SURFACE, WAVE, refusal, tables
+
+from hpc_gfmd.scene import Scene
+
+BAD = {
+    "surface.kind": ["selfaffine", 1],
+    "surface.hurst": [-0.1, 1.1, True, "0.8", math.nan, [0.8], {}],
+    "surface.L_over_lam_l": [0.99, 0, -1, math.inf, 10**400, False],
+    "surface.lam_l_over_lam_s": [0.99, "2"],
+    "surface.lam_l_over_lam_r": [0.99, math.nan],
+    "surface.lam_s_over_a": [1.99],
+    "surface.seed": [-1, 1.0, 2**63, True],
+    "surface.g_rms": [0, "1"],
+    "surface.h_rms": [-1, 1e-200],
+    "surface.physical_sizes": [1, [1], [1, 0], [1, 1, 1], [1, math.inf]],
+    "material.E_star": [0, math.nan],
+    "material.E1": [-1],
+    "material.nu1": [0.51, True],
+    "material.nu2": [-1],
+    "load.p_star": [[], [0.1, -1], [0.1, math.nan], [True], 0, True, "0.1", {}],
+    "load.pressure": [[[0.1]], math.inf],
+    "solver.name": [7],
+    "solver.accuracy": [0, 1],
+    "solver.residual": [-1],
+    "solver.precision": ["half"],
+    "solver.max_iterations": [0, 1e5],
+    "solver.nested": [1, "yes"],
+    "solver.low_memory": [0],
+    "solver.options": [3, {"mass": "heavy"}],
+    "output.path": ["contact.txt", ".h5", "a\0.h5", ""],
+    "output.fields": ["gap", ["gap", "gap"], ["gaps"]],
+    "output.observables": [[1], ["a_r", "a_r"]],
+    "output.dtype": ["half"],
+    "output.compression": [1],
+    "machine.threads": [0, "all", True, 1.5],
+    "machine.wall_seconds": [0],
+    "machine.checkpoint_seconds": [-1],
+    "machine.memory_gib": ["8"],
+}
+
+
+@pytest.mark.parametrize(("path", "value"), [(path, value) for path in BAD for value in BAD[path]])
+def test_a_bad_value_is_named_with_its_key_and_what_is_allowed(path, value):
+    table, key = path.split(".")
+    data = tables() | {table: tables().get(table, {}) | {key: value}}
+    message = refusal(data)
+    assert message.startswith(path)
+    assert ": found " in message
+    assert "allowed: " in message
+
+
+@pytest.mark.parametrize(("data", "words"), [
+    (tables({"hurst": "0.8"}), "found '0.8', allowed: a number from 0 to 1"),
+    (tables({"seed": True}), "found true"),
+    (tables(solver={"options": {"mass": True}}), "solver.options.mass: found true, allowed: a table"),
+    (tables(solver={"options": {"mass": int("9" * 400)}}), "solver.options.mass: found 9999"),
+    (tables(load={"p_star": [0.1, -1]}), "load.p_star[1]: found -1"),
+    (tables({"g_rms": 1, "h_rms": 1}), "surface: found g_rms and h_rms"),
+    (tables(load={}), "load: found nothing, allowed: one of p_star, pressure"),
+    (tables(load={"p_star": 1, "pressure": 1}), "load: found p_star and pressure"),
+    (tables(solver={"accuracy": 0.1, "residual": 0.1}), "solver: found accuracy and residual"),
+    (tables(material={"E_star": 1, "E1": 1, "nu1": 0, "E2": 1, "nu2": 0}), "material: found E_star, E1"),
+    (tables(material={"E1": 1, "nu1": 0}), "material: found E1, nu1, allowed: E_star alone or all of"),
+    (tables({"L_over_lam_l": 1.9, "lam_l_over_lam_s": 16.1}), "= 61.18, allowed: a whole number"),
+    (tables({"L_over_lam_l": 1e60}), "allowed: from 1 to"),
+    (tables({"physical_sizes": [1, 1.7]}), "n_y = n_x * L_y/L_x"),
+    (tables({"lam_l_over_lam_r": 65}), "found lam_l_over_lam_r = 65, allowed: up to lam_l_over_lam_s = 64"),
+    (tables({"L_over_lam_l": 1.5, "lam_l_over_lam_s": 1}), "no wave vector"),
+    (tables(WAVE | {"periods": [0, 0]}), "surface: found periods = [0, 0]"),
+    (tables(WAVE | {"periods": [1, 4]}), "found 4 periods on 6 points"),
+    (tables(WAVE | {"n": [8, 6.0]}), "surface.n[1]: found 6.0"),
+    (tables(WAVE | {"n": 8}), "surface.n: found 8, allowed: two whole numbers"),
+    (tables(WAVE | {"amplitude": 0}), "load.p_star: found a flat surface"),
+    (tables({"kind": "wave"}), "surface.amplitude: found nothing, allowed: a number (and 1 more)"),
+    ({"load": {"p_star": 1}}, "surface: found nothing, allowed: a table [surface]"),
+    ({"surface": SURFACE}, "load: found nothing"),
+    (tables(load=3), "load: found 3, allowed: a table [load]"),
+    ({"surface": [SURFACE], "load": {"p_star": 1}}, "allowed: a table [surface]"),
+    ({"surface": {"hurst": 1}, "load": {"p_star": 1}}, "surface.kind: found nothing, allowed: "),
+    (tables(title="two\nlines"), "title: found 'two\\nlines', allowed: one line of text"),
+    (tables({"hurst": 2, "seed": -1}), "surface.hurst: found 2, allowed: a number from 0 to 1 (and 1 more)"),
+    ({}, "(and 1 more)"),
+])
+def test_messages(data, words):
+    assert words in refusal(data)
+
+
+@pytest.mark.parametrize(("data", "nearest"), [
+    (tables({"hurts": 0.8}), "surface.hurst,"),
+    ({"surface": {"kind": "self-affine", "hurts": 1}, "load": {"p_star": 1}}, "surface.hurst,"),
+    (tables(solvr={"name": "gfmd"}), "solver,"),
+    (tables(hurst=0.8), "surface.hurst,"),                  # right key, wrong table
+    (tables({"title": "late"}), "title,"),
+    (tables({"accuracy": 1e-3}), "solver.accuracy,"),
+    (tables({"radius": 1}), "surface."),
+    (tables({"kind": "sefl-affine"}), '"self-affine",'),
+    (tables(machine={"thread": 2}), "machine.threads,"),
+    (tables(xyzzy=1), "title,"),                            # something is always nearest
+])
+def test_an_unknown_key_names_the_nearest_valid_one(data, nearest):
+    message = refusal(data)
+    assert f"nearest: {nearest}" in message
+    assert "allowed: " in message
+
+
+@pytest.mark.parametrize(("low", "band"), list(itertools.product([1.0, 1.7, 2.5], [1.0, 1.1, 1.2])))
+def test_a_band_without_modes_is_refused_and_no_other(low, band):
+    high, size = low * band, 6
+    norms = [math.hypot(k, m) for k in range(size) for m in range(size)]
+    has_modes = any(low * (1 - 1e-12) <= norm <= high * (1 + 1e-12) for norm in norms)
+    data = tables({"L_over_lam_l": low, "lam_l_over_lam_s": band, "lam_s_over_a": 20 / high})
+    if has_modes:
+        assert Scene.from_dict(data).n == (20, 20)
+    else:
+        assert "no wave vector" in refusal(data)
