@@ -40,11 +40,10 @@ def drive(solver, target, watch=None):
     refreshes = 0
     next_check = CHECK_FROM
     best, best_at = np.inf, solver.iterations
-    begun = solver.iterations
     progress = solver.progress()
     while True:
         status = None
-        done = solver.iterations - begun
+        done = solver.iterations
         measure = _measure(progress, target)
         if measure < IMPROVEMENT * best:
             best, best_at = measure, solver.iterations

@@ -55,56 +55,73 @@ class Sweep:
             raise SceneError("load.p_star: found a flat surface (g_rms = 0), allowed: load.pressure")
         return load.p0(self.E_star, self.surface.g_rms)
 
-    def solve(self, p, watch=None):
-        """The contact at mean pressure p (unit of E_star)."""
+    def solve(self, p, watch=None, resumed=None):
+        """The contact at mean pressure p (unit of E_star).
+
+        watch(iterations, progress) is called after every iteration, a true value stops. resumed: a checkpoint of this load
+        (output/checkpoint.py) to go on from.
+        """
         if self.surface.g_rms == 0:
             return self._flat(p)
-        step = self._solve(p, watch)
+        if resumed is not None and resumed["dtype"] != self.surface.h.dtype:
+            self._to(resumed["dtype"])
+        step = self._solve(p, watch, resumed)
         promote = self.settings.precision == "auto" and self.surface.h.dtype == np.float32
         if promote and step.contact.outcome.status in ("stagnated", "nonfinite"):
             spent = step.fft_pairs
-            self._to_double()
-            step = self._solve(p, watch)
+            self._to(np.float64)
+            step = self._solve(p, watch, None)
             step = replace(step, fft_pairs=step.fft_pairs + spent)
         self.before = (p, step.contact.gap_mean)
         return step
 
-    def _solve(self, p, watch):
+    def pairs_so_far(self):
+        """FFT pairs that the present load has taken up to now."""
+        return self._spent + self.solver.pairs - self._first_pairs
+
+    def _solve(self, p, watch, resumed):
         p_star = p / (self.E_star * self.surface.g_rms)
         problem = Problem(self.surface.grid, self.surface.h, p_star)
-        full, pairs = self._full_contact(problem)
+        full, self._spent = (None, 0.0) if resumed else self._full_contact(problem)
         if full is not None:
-            return self._step(p, *full, iterations=0, pairs=pairs)
-        pairs += self._start(problem)
+            return self._step(p, *full, iterations=0, pairs=self._spent)
+        self._begin(problem, resumed)
         solver = self.solver
-        begun, first = solver.iterations, solver.pairs - self._start_pairs
         outcome = drive(solver, self.target, watch)
-        pairs += solver.pairs - first + outcome.check_pairs
-        return self._step(p, solver.g, solver.p, outcome, solver.iterations - begun, pairs)
+        pairs = self.pairs_so_far() + outcome.check_pairs
+        return self._step(p, solver.g, solver.p, outcome, solver.iterations, pairs)
 
     def _step(self, p, g, q, outcome, iterations, pairs):
         contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.before, self.lam_s)
         return Step(contact, iterations, float(pairs))
 
-    def _start(self, problem):
-        """Make or reuse the solver and give it a start; returns the pairs that other grids took."""
-        warm = self.solver is not None and self.solver.problem.h is problem.h and self._near(problem.p0)
-        if warm:
-            self._start_pairs = 0.0
-            self.solver.continue_at(problem.p0)
-            return 0.0
-        nested = self.settings.nested
-        if nested is True or nested == "auto":
-            g, pairs = nested_gap(problem, self._make)
-        else:
-            g, pairs = cold_gap(problem), 0.0
-        if self.solver is None or self.solver.problem.h is not problem.h:
+    def _begin(self, problem, resumed):
+        """Make or reuse the solver and give it a start: a checkpoint, the load before, coarser grids, or a flat plane."""
+        fresh = self.solver is None
+        if fresh and resumed is None:
+            g = self._starting_gap(problem)
+        if fresh:
             self.solver = self._make(problem)
-        self.solver.p0 = problem.p0
-        before = self.solver.pairs
-        self.solver.start(g)
-        self._start_pairs = self.solver.pairs - before
-        return pairs
+        solver = self.solver
+        self._first_pairs, solver.iterations = solver.pairs, 0
+        if resumed is not None:
+            solver.p0 = problem.p0
+            solver.load_state(resumed["arrays"](problem.grid), resumed["numbers"])
+            self._spent = resumed["pairs"]
+        elif not fresh and self._near(problem.p0):
+            solver.continue_at(problem.p0)
+        else:
+            if not fresh:
+                g = self._starting_gap(problem)
+            solver.p0 = problem.p0
+            solver.start(g)
+
+    def _starting_gap(self, problem):
+        if self.settings.nested is False:
+            return cold_gap(problem)
+        g, pairs = nested_gap(problem, self._make)
+        self._spent += pairs
+        return g
 
     def _make(self, problem):
         return self.solver_class(problem, self.settings.options)
@@ -123,9 +140,10 @@ class Sweep:
             return None, certificate.pairs
         return (g, q, Outcome("converged", (0.0, 0.0, 0.0), certificate, 0.0)), certificate.pairs
 
-    def _to_double(self):
+    def _to(self, dtype):
+        """Go on in another precision."""
         self.solver = None
-        self.surface = self.make_surface(np.dtype(np.float64))
+        self.surface = self.make_surface(np.dtype(dtype))
 
     def _flat(self, p):
         """A flat wall: full contact at any load, nothing to compute."""

@@ -1,17 +1,18 @@
 """Reading result files: whole ones, and what an interrupted run left. Executes nothing, needs no MPI."""
 
 import json
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import SceneError
-from ..parallel.h5 import Stored
+from ..parallel import h5_seal
+from ..parallel.guard import one_line
+from ..parallel.h5 import FORMAT, FORMAT_VERSION, Stored
 from . import lock
 
-FORMAT = "hpc-gfmd"
-FORMAT_VERSION = 1
 HEAD = "head.h5"  # of a partial folder
 
 
@@ -64,12 +65,12 @@ def read_partial(path) -> Result:
     head_path = folder / HEAD
     if not head_path.exists():
         raise SceneError(f"{path}: no such file, and no interrupted run beside it")
-    with _opened(head_path) as file:
+    with opened(head_path) as file:
         head, surface = _attributes(file), _attributes(file["surface"])
     steps = {}
     for index, step_path in step_files(folder).items():
         try:
-            with _opened(step_path) as file:
+            with opened(step_path) as file:
                 steps[index] = _step(file, step_path, "")
         except SceneError:
             continue
@@ -82,7 +83,7 @@ def step_files(folder: Path) -> dict[int, Path]:
 
 
 def _read_whole(path: Path) -> Result:
-    with _opened(path) as file:
+    with opened(path) as file:
         head, surface = _attributes(file), _attributes(file["surface"])
         names = sorted(name for name in file.get("steps", ()) if name.isdigit())
         steps = {int(name): _step(file[f"steps/{name}"], path, f"steps/{name}/") for name in names}
@@ -101,47 +102,46 @@ def _result(path, head, surface, steps, status, folder=None) -> Result:
     )
 
 
-class _opened:
-    """`with _opened(path) as file`: a checked file of ours; whatever goes wrong inside is one SceneError."""
+@contextmanager
+def opened(path):
+    """`with opened(path) as file`: a checked h5py file of ours; whatever goes wrong inside is one SceneError."""
+    import h5py
 
-    def __init__(self, path: Path):
-        self.path = path
-        self.file = None
+    path = Path(path)
+    try:
+        seal = _checked_seal(path)
+        with h5py.File(path, "r", locking=False) as file:
+            name, version = (_plain(file.attrs.get(key)) for key in ("format", "format_version"))
+            if name != FORMAT:
+                raise SceneError(f"{path}: not a result of hpc-gfmd (no attribute format = '{FORMAT}')")
+            if not isinstance(version, int) or version > FORMAT_VERSION:
+                known = f"this program reads up to {FORMAT_VERSION}"
+                raise SceneError(f"{path}: format_version is {version!r}, {known}")
+            if seal == "broken":
+                raise SceneError(f"{path}: the file is damaged, or was changed after it was written")
+            yield file
+    except FileNotFoundError:
+        raise SceneError(f"{path}: no such file") from None
+    except PermissionError:
+        raise SceneError(f"{path}: no permission to read it") from None
+    except SceneError:
+        raise
+    except Exception as error:
+        raise SceneError(f"{path}: the file is damaged ({one_line(error)})") from error
 
-    def __enter__(self):
-        import h5py
 
-        if self.path.is_dir():
-            raise SceneError(f"{self.path}: is a folder, not a result file")
-        try:
-            readable = h5py.is_hdf5(self.path) or self.path.open("rb").close()
-            if not readable:
-                raise SceneError(f"{self.path}: not an HDF5 file")
-            self.file = h5py.File(self.path, "r", locking=False)
-            found, version = (_plain(self.file.attrs.get(name)) for name in ("format", "format_version"))
-        except FileNotFoundError:
-            raise SceneError(f"{self.path}: no such file") from None
-        except PermissionError:
-            raise SceneError(f"{self.path}: no permission to read it") from None
-        except SceneError:
-            raise
-        except Exception as error:
-            self.__exit__(type(error), error, None)
-        if found != FORMAT:
-            self.file.close()
-            raise SceneError(f"{self.path}: not a result of hpc-gfmd (no attribute format = '{FORMAT}')")
-        if not isinstance(version, int) or version > FORMAT_VERSION:
-            self.file.close()
-            known = f"this program reads up to {FORMAT_VERSION}"
-            raise SceneError(f"{self.path}: format_version is {version!r}, {known}")
-        return self.file
-
-    def __exit__(self, kind, error, trace):
-        if self.file is not None:
-            self.file.close()
-        if isinstance(error, Exception) and not isinstance(error, SceneError):
-            what = "cut short" if "truncated" in str(error) else "damaged"
-            raise SceneError(f"{self.path}: the HDF5 file is {what}") from error
+def _checked_seal(path) -> str:
+    """Refuse what the HDF5 library had better not see."""
+    if path.is_dir():
+        raise SceneError(f"{path}: is a folder, not a result file")
+    seal = h5_seal.check(path)
+    if seal == "foreign":
+        raise SceneError(f"{path}: not an HDF5 file")
+    if seal == "short":
+        raise SceneError(f"{path}: the file is cut short")
+    if seal != "intact" and not h5_seal.survives_reading(path, FORMAT):
+        raise SceneError(f"{path}: the file is damaged")
+    return seal
 
 
 def _step(group, path: Path, prefix: str) -> tuple[dict, dict[str, Stored]]:

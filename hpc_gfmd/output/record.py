@@ -17,10 +17,9 @@ from ..errors import GfmdError, SceneError
 from ..parallel.guard import guarded, one_line
 from ..parallel.h5 import Slab, write_file
 from . import lock
-from .read import FORMAT, FORMAT_VERSION, HEAD, Result, partial_folder, read_partial
+from .read import HEAD, Result, partial_folder, read_partial
 
 _OURS = re.compile(r"(head|step-\d+|checkpoint[\w-]*)\.h5(\.tmp)?")
-_SIGNATURE = {"format": FORMAT, "format_version": FORMAT_VERSION}
 
 
 class RunFile:
@@ -54,7 +53,7 @@ class RunFile:
                 if comm.rank == 0:
                     found = self._claim(head.get("identity"), resume)
             self.finished, self.note, earlier = comm.bcast(found)
-            self._head = {"start_time": _now(), "ranks": comm.size} | earlier | head | _SIGNATURE
+            self._head = {"start_time": _now(), "ranks": comm.size} | earlier | head
             self._surface = dict(surface)
             self._write_head("running")
         except GfmdError:
@@ -71,6 +70,11 @@ class RunFile:
         self._head |= attributes
         self._write_head("running")
 
+    def update_surface(self, **attributes) -> None:
+        """Add or change attributes of the surface."""
+        self._surface |= attributes
+        self._write_head("running")
+
     def write_step(self, index: int, attributes: dict, fields: dict[str, np.ndarray] | None = None) -> None:
         """One finished load step: numbers and the local slabs, shape (rows, n_y), of the fields asked for.
 
@@ -78,7 +82,7 @@ class RunFile:
         """
         slabs = {name: Slab(data, self.rows[0], self.n, self.dtype) for name, data in (fields or {}).items()}
         target = self.partial / f"step-{index:04d}.h5"
-        self._write(target, {"/": attributes | _SIGNATURE}, slabs, compressed=self.compressed)
+        self._write(target, {"/": attributes}, slabs, compressed=self.compressed)
         self.finished = sorted({*self.finished, index})
 
     def finish(self, status: str, **attributes) -> None:

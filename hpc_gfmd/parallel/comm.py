@@ -86,6 +86,11 @@ def launched():
     return size is not None or any(k in os.environ for k in LAUNCHER_RANK), size
 
 
+def launcher_rank():
+    """This process's number as the launcher tells it; 0 without a launcher."""
+    return next((int(os.environ[k]) for k in LAUNCHER_RANK if os.environ.get(k, "").isdigit()), 0)
+
+
 _world = None
 
 

@@ -15,8 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import GfmdError
-from . import h5_fill
+from . import h5_fill, h5_seal
 from .guard import guarded
+
+FORMAT = "hpc-gfmd"
+FORMAT_VERSION = 1
+# HDF5 1.10 and later read it, and unlike the oldest layout it has checksums on most of the bookkeeping
+_LAYOUT = ("v110", "v110")
 
 
 @dataclass(frozen=True)
@@ -71,8 +76,8 @@ def read_rows(path, dataset: str, rows: tuple[int, int]) -> np.ndarray:
 def write_file(comm, path, groups, fields, *, copies=None, compressed=False, transport=None) -> None:
     """Write one HDF5 file, all of it or nothing. Collective.
 
-    groups: {group: {attribute: value}}, used from rank 0; fields: {dataset: Slab or Stored}, the same names
-    on every rank; copies: {dataset: Stored}, copied by rank 0 as they are, compression included;
+    groups: {group: {attribute: value}}, used from rank 0; the root's format and format_version are added;
+    fields: {dataset: Slab or Stored}, the same names on every rank; copies: {dataset: Stored}, copied by rank 0 as they are, compression included;
     compressed: shuffle and gzip; transport: "direct", "root" or "mpio", see h5_fill (default: the best).
     Raises GfmdError on every rank when any of them fails (disk full, folder gone, field of a wrong shape).
     """
@@ -90,6 +95,7 @@ def write_file(comm, path, groups, fields, *, copies=None, compressed=False, tra
             h5_fill.fill(comm, tmp, fields, comm.bcast(offsets), doing, transport)
         with guarded(comm, doing):
             if comm.rank == 0:
+                h5_seal.seal(tmp)
                 sync(tmp)
                 os.replace(tmp, path)
                 sync(path.parent)
@@ -126,7 +132,8 @@ def _lay_out(tmp, groups, fields, copies, compressed) -> dict[str, int | None]:
     """Everything but the fields' numbers; returns where in the file those go, None for compressed ones."""
     import h5py
 
-    with h5py.File(tmp, "w", locking=False) as file:
+    with h5py.File(tmp, "w", locking=False, libver=_LAYOUT, userblock_size=h5_seal.BLOCK) as file:
+        file.attrs.update(format=FORMAT, format_version=FORMAT_VERSION)
         for name, attributes in groups.items():
             group = file.require_group(name)
             for key, value in attributes.items():

@@ -79,6 +79,9 @@ class Solver:
         """The inverse of `state`."""
         for name in self.state_names:
             getattr(self, name)[...] = arrays[name]
+        self._set_numbers(numbers)
+
+    def _set_numbers(self, numbers):
         for name in self.scalar_names:
             setattr(self, name, numbers[name])
 

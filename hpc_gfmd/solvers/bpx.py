@@ -63,9 +63,7 @@ class Bpx(Solver):
 
     def refresh(self):
         self.d[...] = 0
-        zero = np.zeros((self.fft.R, self.grid.n[1]), self.problem.dtype)
-        sums = [self._update_rows(a, b, zero, 0.0) for a, b in self.passes]
-        self._begin(np.sum(np.reshape(sums, (-1, 8)), axis=0))
+        self._begin(self._update_still())
 
     def _begin(self, sums):
         """A new descent begins: no momentum, no memory of Rayleigh quotients."""
@@ -73,6 +71,12 @@ class Bpx(Solver):
         self.rayleigh, self.plain = [], True
         self.gaps, self.contacts = [], []
         self._measure(sums)
+
+    def load_state(self, arrays, numbers):
+        super().load_state(arrays, numbers)
+        self._update_still()
+        self.levels.sweep()  # z on the coarse levels follows from g and p
+        self._set_numbers(numbers)
 
     # -- one iteration -------------------------------------------------------------------------------------------------------
 
@@ -131,6 +135,12 @@ class Bpx(Solver):
     def _update(self, s):
         """Last pass: x = K d by rows, new g and p; returns this rank's sums (see kernels/contact.py)."""
         sums = self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes)
+        return np.sum(np.reshape(sums, (-1, 8)), axis=0)
+
+    def _update_still(self):
+        """The sums of `_update` for the state as it is."""
+        zero = np.zeros((self.fft.R, self.grid.n[1]), self.problem.dtype)
+        sums = [self._update_rows(a, b, zero, 0.0) for a, b in self.passes]
         return np.sum(np.reshape(sums, (-1, 8)), axis=0)
 
     def _update_rows(self, i0, i1, x, s):

@@ -1,0 +1,7 @@
+"""`python -m hpc_gfmd` is the command hpc-gfmd."""
+
+import sys
+
+from .cli import main
+
+sys.exit(main())

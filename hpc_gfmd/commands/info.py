@@ -1,0 +1,48 @@
+"""`hpc-gfmd info`: what this installation can do."""
+
+import os
+
+
+def add_parser(subparsers):
+    parser = subparsers.add_parser("info", help="versions, MPI, parallel HDF5, FFT, threads")
+    parser.set_defaults(main=main)
+    return parser
+
+
+def main(args) -> int:
+    """Print one line per fact."""
+    for name, value in facts().items():
+        print(f"{name + ':':16}{value}")
+    return 0
+
+
+def facts():
+    """{name: text} of everything that speed or results may depend on."""
+    import h5py
+    import numba
+
+    from ..driver.memory import available_gib
+    from ..parallel.plans import cache_folder, fft_library
+    from ..registry import solver_names
+    from ..versions import versions
+
+    found = {name: version for name, version in versions().items() if version}
+    found["FFT"] = fft_library()
+    found["MPI"] = _mpi_library()
+    found["HDF5"] = f"{h5py.version.hdf5_version}, {'parallel' if h5py.get_config().mpi else 'serial'}"
+    found["solvers"] = "auto (bpx), " + ", ".join(solver_names())
+    found["cores"] = f"{len(os.sched_getaffinity(0))}, vector unit of {numba.config.CPU_NAME or 'the host'}"
+    found["memory"] = f"{available_gib():.1f} GiB free"
+    found["cache"] = str(cache_folder())
+    return found
+
+
+def _mpi_library():
+    try:
+        import mpi4py
+
+        mpi4py.rc.initialize = False
+        from mpi4py import MPI
+    except ImportError as error:
+        return f"none ({error})"
+    return MPI.Get_library_version().split(",")[0].split("\n")[0]

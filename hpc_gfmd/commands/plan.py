@@ -1,0 +1,58 @@
+"""`hpc-gfmd plan`: what a scene would take, without allocating it."""
+
+import json
+import os
+
+
+def add_parser(subparsers):
+    parser = subparsers.add_parser(
+        "plan", help="grid, memory per rank, expected time of a scene",
+        description="Say what a scene takes on a number of ranks of this machine. Exit code 2 if it does not fit.")
+    parser.add_argument("scene", metavar="SCENE.toml")
+    parser.add_argument("--ranks", type=int, default=1, metavar="K", help="number of ranks (default 1)")
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the scene: table.key=value")
+    parser.add_argument("--json", action="store_true")
+    parser.set_defaults(main=main)
+    return parser
+
+
+def main(args) -> int:
+    """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
+    from ..contact import FIELDS
+    from ..driver.memory import available_gib, memory_of
+    from ..driver.timing import expected_seconds
+    from ..errors import SceneError
+    from ..registry import all_observables, solver_names
+    from ..scene import check_names, load_scene
+    from ..surface import surface_size
+
+    if args.ranks < 1:
+        raise SceneError(f"--ranks: found {args.ranks}, allowed: a whole number from 1")
+    scene = load_scene(args.scene, args.set)
+    check_names(scene, solver_names(), all_observables(), FIELDS)
+    n = surface_size(scene.surface)
+    memory = memory_of(scene, n, args.ranks)
+    there = scene.machine.memory_gib or available_gib()
+    columns = n[1] // 2 + 1
+    plan = {
+        "n": list(n), "points": n[0] * n[1], "loads": len(scene.load.p_star or scene.load.pressure), "ranks": args.ranks,
+        "idle_ranks": max(0, args.ranks - n[0]), "idle_ranks_of_columns": max(0, args.ranks - columns),
+        "gib_per_rank": memory.total, "gib": memory.total * args.ranks, "gib_available": there,
+        "fields_gib": memory.fields, "transforms_gib": memory.transforms, "certificate_gib": memory.certificate,
+        "process_gib": memory.process,
+        "seconds": expected_seconds(scene, n, args.ranks, len(os.sched_getaffinity(0))),
+    }
+    if args.json:
+        print(json.dumps(plan, indent=1))
+    else:
+        print(f"{n[0]} x {n[1]} = {plan['points']:.4g} points, {plan['loads']} loads, {args.ranks} ranks")
+        print(f"memory: {memory.total:.2f} GiB per rank, {plan['gib']:.2f} GiB in all, {there:.2f} GiB available")
+        print(f"        of it fields {memory.fields:.2f}, transforms {memory.transforms:.2f}, "
+              f"certificate {memory.certificate:.2f}, process {memory.process:.2f}")
+        print(f"time:   about {plan['seconds']:.2g} s of solving on this machine")
+        if plan["idle_ranks"] or plan["idle_ranks_of_columns"]:
+            print(f"idle:   {plan['idle_ranks']} ranks have no rows, {plan['idle_ranks_of_columns']} no columns of the spectrum")
+    if plan["gib"] > there:
+        raise SceneError(f"surface: {n[0]} x {n[1]} points need {plan['gib']:.2f} GiB on {args.ranks} ranks, this machine has "
+                         f"{there:.2f} GiB: use more machines, fewer points or single precision")
+    return 0

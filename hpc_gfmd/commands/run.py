@@ -1,0 +1,33 @@
+"""`hpc-gfmd run` and `hpc-gfmd restart`."""
+
+
+def add_parser(subparsers):
+    parser = subparsers.add_parser(
+        "run", help="solve a scene",
+        description="Solve a scene, alone or under mpirun/srun, and write its result file. Exit code 3: a step did not converge.")
+    parser.add_argument("scene", metavar="SCENE.toml", help="scene file")
+    parser.add_argument("-o", "--output", metavar="OUT.h5", help="result file instead of the scene's")
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the scene: table.key=value")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    parser.set_defaults(main=main, parallel=True)
+
+    again = subparsers.add_parser("restart", help="continue an interrupted run",
+                                  description="Continue the interrupted run of a result file, on any number of ranks.")
+    again.add_argument("file", metavar="OUT.h5", help="result file that the run was to write")
+    again.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    again.set_defaults(main=main_restart, parallel=True)
+    return parser
+
+
+def main(args) -> int:
+    """Solve; the exit code tells whether every step converged."""
+    from ..run import run_scene
+
+    return run_scene(args.scene, args.set, args.output, quiet=args.quiet).exit_code
+
+
+def main_restart(args) -> int:
+    """Continue; the exit code is that of the whole run."""
+    from ..run import restart
+
+    return restart(args.file, quiet=args.quiet).exit_code

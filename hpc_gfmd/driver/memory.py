@@ -1,0 +1,69 @@
+"""How much memory a scene takes on each rank, and whether it is there."""
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SceneError
+from ..parallel.fft import row_starts
+from .sweep import first_precision
+
+FIELDS = 4  # h, g, p, d
+LEVELS = 3 / 4 + 2 / 16 + 2 / 64 + 1 / 24  # coarse levels of the preconditioner, in fields
+PROCESS_GIB = 0.35  # interpreter, libraries, compiled kernels, MPI buffers
+GIB = 2**30
+
+
+@dataclass(frozen=True)
+class Memory:
+    """GiB on the rank with most rows: fields and levels, transforms of the solver, of the certificate, the process; and the sum."""
+
+    fields: float
+    transforms: float
+    certificate: float
+    process: float
+
+    @property
+    def total(self):
+        """GiB per rank."""
+        return self.fields + self.transforms + self.certificate + self.process
+
+
+def memory_of(scene, n, ranks):
+    """The Memory of a scene on a number of ranks."""
+    itemsize = first_precision(scene.solver).itemsize
+    points = int(np.diff(row_starts(n[0], ranks)).max()) * n[1] / GIB
+    spectrum = points * (1 + 2 / n[1])
+    fields = points * itemsize * (FIELDS + LEVELS)
+    largest_output = points * itemsize * 2 if scene.output.fields else 0.0
+    return Memory(fields + largest_output, spectrum * itemsize, spectrum * 8 if itemsize == 4 else 0.0, PROCESS_GIB)
+
+
+def available_gib():
+    """Memory of this machine that a new process can get, of its control group if that is less."""
+    gib = float("inf")
+    try:
+        with open("/proc/meminfo") as file:
+            gib = next(int(line.split()[1]) for line in file if line.startswith("MemAvailable")) / 2**20
+    except (OSError, StopIteration, ValueError):
+        gib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
+    for limit, used in (("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),):
+        try:
+            with open(limit) as a, open(used) as b:
+                gib = min(gib, (int(a.read()) - int(b.read())) / GIB)
+        except (OSError, ValueError):
+            pass
+    return gib
+
+
+def require_memory(comm, scene, n, threads):
+    """Raise SceneError on all ranks if the ranks of some machine need more memory than it has. Collective."""
+    need = memory_of(scene, n, comm.size).total
+    here = comm.allgather((os.uname().nodename, available_gib()))
+    for node in {name for name, _ in here}:
+        count = sum(name == node for name, _ in here)
+        there = scene.machine.memory_gib or min(gib for name, gib in here if name == node)
+        if need * count > there:
+            raise SceneError(f"surface: {n[0]} x {n[1]} points need {need:.2f} GiB on each of {count} ranks, {node} has "
+                             f"{there:.2f} GiB: use more machines, fewer points or single precision")

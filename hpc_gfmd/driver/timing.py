@@ -1,0 +1,63 @@
+"""How long a scene will take, from a measurement of a few seconds that is kept in the user's cache."""
+
+import json
+import os
+import time
+
+import numpy as np
+
+from ..parallel.plans import cache_folder
+from ..scene import Scene
+from .sweep import Sweep, first_precision
+
+SAMPLE = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 2, "lam_l_over_lam_s": 256, "lam_s_over_a": 2, "seed": 1}
+# FFT pairs to an accuracy of 1e-3, everything counted, and further ones per decade, for the default solver
+PAIRS, PAIRS_PER_DECADE = 13.0, 3.5
+BASELINE_PAIRS = {"gfmd": 150.0, "fire": 400.0, "ccg": 150.0}
+
+
+def expected_seconds(scene, n, ranks, cores):
+    """Seconds of solving all loads of a scene on `ranks` ranks that share `cores` cores of this machine."""
+    settings = scene.solver
+    decades = max(0.0, -np.log10(settings.accuracy) - 3) if settings.accuracy else max(0.0, -np.log10(settings.residual))
+    pairs = BASELINE_PAIRS.get(settings.name, PAIRS) * (1 + decades * PAIRS_PER_DECADE / PAIRS)
+    points = n[0] * n[1]
+    work = points * np.log2(max(points, 2))
+    loads = len(scene.load.p_star or scene.load.pressure)
+    return float(loads * pairs * work * seconds_per_work(first_precision(settings)) / min(ranks, cores))
+
+
+def seconds_per_work(dtype):
+    """Seconds per FFT pair (with everything that goes along with it) and N log2 N; measured once, then read."""
+    path = cache_folder() / f"speed-{np.dtype(dtype).name}.json"
+    try:
+        known = json.loads(path.read_text())
+        if known["host"] == os.uname().nodename:
+            return float(known["seconds_per_work"])
+    except (OSError, ValueError, KeyError):
+        pass
+    value = _measure(dtype)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        aside = path.with_suffix(f".{os.getpid()}")
+        aside.write_text(json.dumps({"host": os.uname().nodename, "seconds_per_work": value, "time": time.time()}))
+        os.replace(aside, path)
+    except OSError:
+        pass
+    return value
+
+
+def _measure(dtype):
+    from ..parallel.comm import SerialComm
+    from ..surface import build_surface
+
+    precision = "single" if np.dtype(dtype) == np.float32 else "double"
+    scene = Scene.from_dict({"surface": SAMPLE, "load": {"p_star": 0.05}, "solver": {"precision": precision}})
+    sweep = Sweep(lambda d: build_surface(scene.surface, SerialComm(), d), scene.solver)
+    best = np.inf
+    for p_star in (0.05, 0.4, 0.01):  # far apart: each starts anew
+        begun = time.perf_counter()
+        step = sweep.solve(p_star * sweep.surface.g_rms)
+        best = min(best, (time.perf_counter() - begun) / step.fft_pairs)
+    N = sweep.surface.grid.N
+    return best / (N * np.log2(N))

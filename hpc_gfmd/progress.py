@@ -1,0 +1,53 @@
+"""What a person sees while a run works: a bar on a terminal, plain lines in a batch job. Only rank 0 speaks."""
+
+import math
+import os
+import sys
+import time
+
+LINE_SECONDS = 10.0  # between two log lines of one load step
+
+
+class Reporter:
+    """say(text) prints a line; step(...) begins a load step; watch(iterations, progress) after every iteration; done() ends it."""
+
+    def __init__(self, comm, target, quiet=False):
+        self.silent = comm.rank != 0 or quiet
+        self.bar_wanted = not self.silent and (os.environ.get("HPC_GFMD_PROGRESS") == "bar" or sys.stderr.isatty())
+        self.target = target
+        self.bar = None
+
+    def say(self, text):
+        if not self.silent:
+            print(text, flush=True)
+
+    def step(self, index, count, p_star):
+        self.name = f"load {index + 1}/{count}, p* = {p_star:.4g}"
+        self.begun = self.last = time.monotonic()
+        self.first = None
+        if self.bar_wanted:
+            from tqdm import tqdm
+
+            self.bar = tqdm(total=1.0, desc=self.name, leave=False, file=sys.stderr,
+                            bar_format="{desc} |{bar}| {postfix} {elapsed}")
+
+    def watch(self, iterations, progress):
+        if self.silent:
+            return
+        error = progress.residual if self.target.residual is not None else max(progress.estimates or (progress.residual,))
+        wanted = self.target.residual or self.target.accuracy
+        self.first = self.first or (error if math.isfinite(error) and error > 0 else None)
+        if self.bar is not None:
+            if self.first and 0 < error < math.inf and self.first > wanted:
+                done = math.log(self.first / error) / math.log(self.first / wanted)
+                self.bar.n = min(max(done, self.bar.n), 1.0)
+            self.bar.set_postfix_str(f"iteration {iterations}, error {error:.1e}")
+        elif time.monotonic() - self.last > LINE_SECONDS:
+            self.last = time.monotonic()
+            self.say(f"{self.name}: iteration {iterations}, error {error:.1e} (wanted {wanted:.0e}), "
+                     f"{self.last - self.begun:.0f} s")
+
+    def done(self):
+        if self.bar is not None:
+            self.bar.close()
+            self.bar = None

@@ -1,0 +1,203 @@
+"""From a scene to its result file: the composition, top to bottom."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from .contact import FIELDS
+from .driver.memory import require_memory
+from .driver.sweep import Sweep, first_precision
+from .driver.warmup import compile_once
+from .errors import SceneError
+from .output.checkpoint import read_checkpoint, write_checkpoint
+from .output.read import read_partial
+from .output.record import RunFile
+from .output.table import table
+from .parallel.comm import world
+from .parallel.fft import row_starts
+from .parallel.guard import guarded
+from .parallel.interrupt import Interrupt
+from .progress import Reporter
+from .registry import all_observables, solver_names
+from .scene import Scene, check_names, load_scene
+from .surface import build_surface, surface_size
+from .versions import versions
+
+STATUS_ORDER = ("converged", "max_iterations", "stagnated", "nonfinite", "interrupted")
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """path: the result file; steps: attributes of every load step; status: the worst of them; exit_code: of the command line."""
+
+    path: Path
+    steps: list
+    status: str
+    exit_code: int
+
+
+def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=None):
+    """Solve a scene (path of a TOML file, or scene.Scene) and write its result file. Collective.
+
+    overrides: "table.key=value" texts; out: path of the result instead of the scene's; resume: keep the finished steps and the
+    checkpoint of an interrupted run. Raises SceneError on all ranks for a wrong scene, GfmdError for what failed while running.
+    """
+    begun = time.monotonic()
+    comm = comm or world()
+    with guarded(comm, "reading the scene"):
+        read = _read_scene(comm, scene, overrides, out)
+    scene = comm.bcast(read)
+    observables = all_observables()
+    check_names(scene, solver_names(), observables, FIELDS)
+    with guarded(comm, "reading the surface"):
+        n = surface_size(scene.surface)
+    threads = scene.machine.threads if scene.machine.threads != "auto" else 1
+    say = Reporter(comm, scene.solver, quiet)
+    require_memory(comm, scene, n, threads)
+    starts = row_starts(n[0], comm.size)
+    rows = (int(starts[comm.rank]), int(starts[comm.rank + 1]))
+    head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
+
+    with RunFile(comm, scene.output.path, n, rows, head, {}, resume=resume,
+                 compressed=scene.output.compression, dtype=scene.output.dtype) as file, \
+            Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt:
+        for line in filter(None, [file.note, *scene.warnings()]):
+            say.say(f"note: {line}")
+        compile_once(comm, scene.solver)
+        lam_s = getattr(scene.surface, "lam_s", None)
+        sweep = Sweep(lambda dtype: build_surface(scene.surface, comm, dtype, threads), scene.solver, scene.material.E_star, lam_s)
+        pressures = sweep.pressures(scene.load)
+        file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))
+        file.update_head(setup_seconds=time.monotonic() - begun)
+        say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
+        run = _Run(comm, scene, file, sweep, observables, say, interrupt)
+        return run.all_steps(pressures)
+
+
+def restart(path, quiet=False, comm=None):
+    """Continue the interrupted run that writes `path`, on any number of ranks. Raises SceneError if there is none."""
+    comm = comm or world()
+    with guarded(comm, "reading the interrupted run"):
+        if comm.rank == 0 and not Path(path).with_name(Path(path).name + ".partial").is_dir():
+            there = "is complete already" if Path(path).exists() else "has no interrupted run beside it"
+            raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
+        text = read_partial(path).scene_toml
+    return run_scene(Scene.from_toml(text, str(path)), out=path, resume=True, quiet=quiet, comm=comm)
+
+
+def _read_scene(comm, scene, overrides, out):
+    if comm.rank != 0:
+        return None
+    if not isinstance(scene, Scene):
+        scene = load_scene(scene, overrides)
+    if out is not None:
+        output = scene.output.model_dump() | {"path": str(out)}
+        scene = Scene.from_dict(scene.model_dump(exclude_none=True) | {"output": {k: v for k, v in output.items() if v is not None}},
+                                "-o")
+    return scene
+
+
+def _surface_attributes(spec, surface, n):
+    names = ("eps_t", "eps_f", "eps_c", "seed")
+    nan = float("nan")
+    return {"n": list(n), "physical_sizes": list(spec.physical_sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
+            "kind": spec.kind} | {name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
+            {"hurst": spec.hurst} if hasattr(spec, "hurst") else {})
+
+
+def _headline(scene, surface, n, comm, seconds):
+    wanted = f"accuracy {scene.solver.accuracy:g}" if scene.solver.accuracy else f"residual {scene.solver.residual:g}"
+    one_d = "" if surface.reduced_axis is None else ", varies along one axis only"
+    return (f"{scene.title or scene.surface.kind}: {n[0]} x {n[1]} points{one_d}, {comm.size} rank{'s' * (comm.size > 1)}, "
+            f"{first_precision(scene.solver)} precision, {wanted}; h_rms = {surface.h_rms:.4g}, g_rms = {surface.g_rms:.4g}; "
+            f"ready after {seconds:.1f} s")
+
+
+class _Run:
+    """The load steps of one run."""
+
+    def __init__(self, comm, scene, file, sweep, observables, say, interrupt):
+        self.comm, self.scene, self.file, self.sweep = comm, scene, file, sweep
+        self.say, self.interrupt = say, interrupt
+        wanted = scene.output.observables
+        self.observables = {k: f for k, f in observables.items() if wanted is None or k in wanted}
+        self.checkpointable = sweep.surface.reduced_axis is None and sweep.surface.g_rms > 0
+
+    def all_steps(self, pressures):
+        """Solve what is not finished; returns a RunResult."""
+        for index, p in enumerate(pressures):
+            if index in self.file.finished:
+                self.sweep.before = self._gap_of(index)
+                continue
+            resumed = None
+            if self.checkpointable:
+                resumed = read_checkpoint(self.comm, self.file.checkpoint, index, self.sweep.solver_class.name)
+            status = self._one_step(index, p, len(pressures), resumed)
+            if status == "interrupted":
+                self.say.say(f"stopped; continue with: hpc-gfmd restart {self.file.path}")
+                self.file.update_head(status="interrupted")
+                return RunResult(self.file.path, self._done(), "interrupted", self.interrupt.exit_code)
+        steps = self._done()
+        status = max((s["status"] for s in steps), key=STATUS_ORDER.index)
+        self.file.finish(status)
+        self.say.say(table(steps))
+        return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
+
+    def _gap_of(self, index):
+        """(p, mean gap) of a finished step, for the stiffness of the next one."""
+        step = self._done()[self.file.finished.index(index)]
+        return (step["p"], step["gap_mean"]) if "gap_mean" in step else None
+
+    def _done(self):
+        steps = None
+        with guarded(self.comm, f"reading {self.file.partial}"):
+            if self.comm.rank == 0:
+                steps = read_partial(self.file.path).steps
+        return self.comm.bcast(steps)
+
+    def _one_step(self, index, p, count, resumed):
+        begun = time.monotonic() - (resumed["seconds"] if resumed else 0.0)
+        p_star = p / (self.sweep.E_star * self.sweep.surface.g_rms) if self.sweep.surface.g_rms else float("nan")
+        self.say.step(index, count, p_star)
+
+        def save():
+            if self.checkpointable and self.sweep.solver is not None:
+                spent = (self.sweep.pairs_so_far(), time.monotonic() - begun)
+                write_checkpoint(self.comm, self.file.checkpoint, self.sweep.surface.grid, index, self.sweep.solver, spent)
+
+        def watch(iterations, progress):
+            self.say.watch(iterations, progress)
+            stop, due = self.interrupt.poll()
+            if stop or due:
+                save()
+            return stop
+
+        try:
+            step = self.sweep.solve(p, watch, resumed)
+        finally:
+            self.say.done()
+        if step.contact.outcome.status == "interrupted":
+            return "interrupted"
+        seconds = time.monotonic() - begun
+        contact = step.contact
+        numbers = {name: f(contact) for name, f in self.observables.items()}
+        area, gap, pressure = contact.outcome.errors
+        attributes = {"p": p, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
+                      "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area, "gap_error": gap,
+                      "pressure_error": pressure, "precision": contact.g.dtype.name, "residual": contact.certificate.residual,
+                      "note": _note(contact)}
+        attributes |= contact.certificate.attributes() | numbers
+        fields = {name: contact.field(name) for name in self.scene.output.fields}
+        self.file.write_step(index, {k: v for k, v in attributes.items() if v is not None}, fields)
+        stop, _ = self.interrupt.poll()
+        return "interrupted" if stop else contact.outcome.status
+
+
+def _note(contact):
+    """What a reader should know of a solution that is converged and yet says little."""
+    points = contact.contact_points
+    if contact.g_rms > 0 and points < 100:
+        return f"only {points} points touch: the area is known to {100 / max(points, 1):.0f} % at best"
+    if 0 < contact.certificate.gap_mean < 1e-6 and contact.g.dtype.name == "float32":
+        return "the gap is all rounding at this load in single precision"
+    return None
