@@ -13,7 +13,7 @@ from .output.checkpoint import read_checkpoint, write_checkpoint
 from .output.read import read_partial
 from .output.record import RunFile
 from .output.table import table
-from .parallel.comm import world
+from .parallel.comm import threads_of, world
 from .parallel.fft import row_starts
 from .parallel.guard import guarded
 from .parallel.interrupt import Interrupt
@@ -51,7 +51,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
     check_names(scene, solver_names(), observables, FIELDS)
     with guarded(comm, "reading the surface"):
         n = surface_size(scene.surface)
-    threads = scene.machine.threads if scene.machine.threads != "auto" else 1
+    threads = threads_of(comm, scene.machine.threads)
     say = Reporter(comm, scene.solver, quiet)
     require_memory(comm, scene, n, threads)
     starts = row_starts(n[0], comm.size)

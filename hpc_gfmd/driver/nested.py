@@ -16,6 +16,7 @@ COARSEST = 32  # points along an axis below which there is no coarser grid
 RESIDUAL = 0.03  # of the coarse solutions
 ITERATIONS = 60  # at most, on a coarse grid
 WHOLE_POINTS = 256 * 256  # grids of at most this many points are solved by every rank alone
+THIN_ROWS = 4  # and so are grids of which some rank has fewer rows
 FLAT_START = 0.1  # p* below which the flat start rests on the heights above mean + rms
 
 
@@ -41,37 +42,46 @@ def coarser_grid(grid):
     return Grid(n, grid.sizes, grid.comm, grid.threads, starts)
 
 
-def nested_gap(problem, make_solver):
-    """A starting gap (local slab) for a problem, and the FFT pairs that it took, in pairs of the problem's grid."""
-    coarse = _coarser(problem)
-    if coarse is None:
-        return cold_gap(problem), 0.0
-    g, pairs = nested_gap(coarse, make_solver)
-    solver = make_solver(coarse)
-    solver.start(g)
-    for _ in range(ITERATIONS):
-        progress = solver.progress()
-        if progress.residual < RESIDUAL or not progress.finite:
-            break
-        solver.step()
-    pairs = (pairs + solver.pairs) * coarse.grid.N / problem.grid.N
-    return _prolong(problem, coarse, solver.g, full=solver.progress().contact == coarse.grid.N), pairs
+class Nested:
+    """The decimated grids of a grid, planned once; `start` solves on them."""
+
+    def __init__(self, grid, dtype):
+        self.steps = []  # (fine grid, its decimation), finest first
+        while (coarse := coarser_grid(grid)) is not None:
+            thin = np.diff(coarse.starts).min() < THIN_ROWS
+            if grid.comm.size > 1 and (coarse.N <= WHOLE_POINTS or thin):
+                coarse = Grid(coarse.n, coarse.sizes, SerialComm(), coarse.threads)
+            coarse.fft(dtype)
+            self.steps.append((grid, coarse))
+            grid = coarse
+
+    def start(self, problem, make_solver):
+        """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in pairs of that grid."""
+        problems = [problem]
+        for fine, coarse in self.steps:
+            problems.append(_decimated(problems[-1], fine, coarse))
+        g, pairs = cold_gap(problems[-1]), 0.0
+        for fine, coarse in zip(problems[-2::-1], problems[:0:-1], strict=True):
+            solver = make_solver(coarse)
+            solver.start(g)
+            for _ in range(ITERATIONS):
+                progress = solver.progress()
+                if progress.residual < RESIDUAL or not progress.finite:
+                    break
+                solver.step()
+            pairs = (pairs + solver.pairs) * coarse.grid.N / fine.grid.N
+            full = solver.progress().contact == coarse.grid.N
+            g = _prolong(fine, coarse, solver.g, full)
+        return g, pairs
 
 
-def _coarser(problem):
-    grid = coarser_grid(problem.grid)
-    if grid is None:
-        return None
-    step = [2 if a != b else 1 for a, b in zip(grid.n, problem.grid.n)]
-    start = problem.grid.rows[0]
-    h = np.ascontiguousarray(problem.h[(-start) % step[0]::step[0], ::step[1]])
-    thin = np.diff(grid.starts).min() < 4
-    if grid.comm.size > 1 and (grid.N <= WHOLE_POINTS or thin):
-        h = np.concatenate(grid.comm.allgather(h))
-        grid = Grid(grid.n, grid.sizes, SerialComm())
-    # Units of height and pressure stay those of the fine grid, lengths become those of the coarse one.
-    ratio = grid.a / problem.grid.a
-    return Problem(grid, h / h.dtype.type(ratio), problem.p0)
+def _decimated(problem, fine, grid):
+    """The problem of every second point. Units of height and pressure stay, lengths become those of the coarser grid."""
+    step = [2 if a != b else 1 for a, b in zip(grid.n, fine.n, strict=True)]
+    h = np.ascontiguousarray(problem.h[(-fine.rows[0]) % step[0]::step[0], ::step[1]])
+    if grid.comm.size != fine.comm.size:
+        h = np.concatenate(fine.comm.allgather(h))
+    return Problem(grid, h / h.dtype.type(grid.a / fine.a), problem.p0)
 
 
 def _prolong(problem, coarse, g, full):

@@ -10,7 +10,7 @@ from ..problem import Problem
 from ..registry import solver_class
 from .certificate import Certificate, certify
 from .drive import Outcome, Target, drive
-from .nested import cold_gap, nested_gap
+from .nested import Nested, cold_gap
 
 SINGLE_ACCURACY = 1e-4  # the finest accuracy that is tried in single precision
 WARM_RATIO = 1.25  # loads that differ by a smaller factor start from each other's solution, others from coarser grids
@@ -45,9 +45,8 @@ class Sweep:
         self.E_star, self.lam_s = float(E_star), lam_s
         self.solver_class = solver_class(settings.name)
         self.target = Target(settings.accuracy, settings.residual, settings.max_iterations)
-        self.surface = make_surface(first_precision(settings))
-        self.solver = None
         self.before = None
+        self._to(first_precision(settings))
 
     def pressures(self, load):
         """The absolute mean pressures of scene.Load on this surface. Raises SceneError for p_star on a flat surface."""
@@ -117,9 +116,9 @@ class Sweep:
             solver.start(g)
 
     def _starting_gap(self, problem):
-        if self.settings.nested is False:
+        if self.nested is None:
             return cold_gap(problem)
-        g, pairs = nested_gap(problem, self._make)
+        g, pairs = self.nested.start(problem, self._make)
         self._spent += pairs
         return g
 
@@ -141,9 +140,15 @@ class Sweep:
         return (g, q, Outcome("converged", (0.0, 0.0, 0.0), certificate, 0.0)), certificate.pairs
 
     def _to(self, dtype):
-        """Go on in another precision."""
+        """Make the surface in this precision and plan all transforms that its contacts need."""
+        dtype = np.dtype(dtype)
         self.solver = None
-        self.surface = self.make_surface(np.dtype(dtype))
+        self.surface = self.make_surface(dtype)
+        if self.surface.g_rms > 0:
+            grid = self.surface.grid
+            grid.fft(dtype)
+            grid.fft(np.float64)  # of the certificate
+            self.nested = None if self.settings.nested is False else Nested(grid, dtype)
 
     def _flat(self, p):
         """A flat wall: full contact at any load, nothing to compute."""

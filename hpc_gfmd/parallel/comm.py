@@ -122,6 +122,16 @@ def world():
     return _world
 
 
+def threads_of(comm, wanted):
+    """Threads for each rank: a number as it is; "auto": the cores that this rank may use, shared with the ranks beside it."""
+    if wanted != "auto":
+        return int(wanted)
+    cores = sorted(os.sched_getaffinity(0))
+    here = comm.allgather((os.uname().nodename, cores))
+    beside = sum(other == here[comm.rank] for other in here)  # ranks that are bound elsewhere do not share our cores
+    return max(1, len(cores) // beside)
+
+
 def _abort_on_error(mpi, hook):
     """An exception that nobody caught on one rank ends all ranks: the others would wait for it forever."""
 

@@ -24,9 +24,9 @@ THIN_ROWS = 2  # and so are levels of which some rank has fewer rows than this
 
 
 class Multilevel:
-    """The sweep for one grid in one precision. longest: rows per pass of the solver."""
+    """The sweep for one grid in one precision. longest: rows per pass of the solver; whole_points: see WHOLE_POINTS."""
 
-    def __init__(self, grid, dtype, longest):
+    def __init__(self, grid, dtype, longest, whole_points=WHOLE_POINTS):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
         self.c, self.w = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
         hierarchy = levels(grid)
@@ -41,7 +41,7 @@ class Multilevel:
             self.transfers.append(transfer)
             starts = transfer.coarse_starts
             thin = np.diff(starts).min() < THIN_ROWS
-            small = coarse.n[0] * coarse.n[1] <= WHOLE_POINTS
+            small = coarse.n[0] * coarse.n[1] <= whole_points
             if (thin and self.comm.size > 1) or small or coarse is hierarchy[-1]:
                 break
             self.spread.append(coarse)

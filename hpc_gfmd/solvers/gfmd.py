@@ -1,0 +1,111 @@
+"""Green's function molecular dynamics, the algorithm of the paper's appendix: damped Verlet dynamics of the displacement.
+
+    u_new = 2 u_now - u_old - dt^2 [p + eta (u_now - u_old)],    u_new <- max(u_new, -h),    p = p0 + K u,
+
+with one scalar mass (1 here) and one scalar damping eta in real space, and zero restitution: u_old <- u_now where the wall was hit.
+With d = u_now - u_old and the gap g = u + h this is d <- b d - a p, g <- max(g + d, 0), a = dt^2, b = 1 - eta dt^2, and p changes
+by K times the change of g: one FFT pair per time step, in two passes over memory.
+
+If the slowest free mode has the stiffness mu and the stiffest lambda, then a = 4/(sqrt(lambda) + sqrt(mu))^2 is at the stability
+limit and b = [(sqrt(lambda) - sqrt(mu))/(sqrt(lambda) + sqrt(mu))]^2 damps the slowest mode critically. lambda is known, mu depends on
+load and roughness: it is measured in every step. The velocity d soon lives in the slow modes, so that its Rayleigh quotient
+<d, K d>/<d, d> falls towards mu; too much damping lowers it further, too little brings faster modes back. Half of it leaves the slow
+modes slightly underdamped; whenever the pressure does negative work on the motion, <p, d> > 0, the velocity is dropped.
+"""
+
+import numpy as np
+
+from ..elasticity import HalfSpace
+from ..kernels.dynamics import move, settle
+from ..options import read_options
+from .base import Progress, Solver
+
+DT = 0.95  # default time step, relative to the stability limit
+UNDERDAMPED = 0.5  # share of the Rayleigh quotient that is taken as mu
+PATIENCE = 20  # stagnation is judged over that many time scales sqrt(lambda/mu) of the longest wave
+
+
+class Gfmd(Solver):
+    """options: dt, time step relative to the stability limit, 0.01 to 1 (default 0.95); damping, constant, in units of the critical
+    damping of the longest wave, 0 to 1e6 (default: measured, see above). Raises SceneError for others."""
+
+    name = "gfmd"
+    state_names = ("g", "p", "d")
+    scalar_names = ("rr", "pp", "pd", "dd", "dx", "contact", "gap", "iterations")
+    allowed = {"dt": (0.01, 1.0), "damping": (0.0, 1e6)}
+
+    def __init__(self, problem, options=None):
+        super().__init__(problem, options)
+        self.options = read_options(self.name, self.options, self.allowed)
+        grid, dtype = self.grid, problem.dtype
+        self.elastic = HalfSpace(grid, dtype)
+        self.g, self.p, self.d = grid.empty(dtype), grid.empty(dtype), np.zeros(grid.shape, dtype)
+        self.stiffest = grid.q_nyquist / np.sqrt(2)
+        self.longest = min((np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1), default=self.stiffest)
+        self.patience = max(4 * self.patience, int(PATIENCE * np.sqrt(self.stiffest / self.longest)))
+
+    # -- starting ------------------------------------------------------------------------------------------------------------
+
+    def start(self, g):
+        h = self.problem.h
+        self.g[...] = g
+        self.p[...] = self.p0
+        self.d[...] = 0
+
+        def fill(i0, i1, x):
+            np.subtract(self.g[i0:i1], h[i0:i1], out=x[: i1 - i0])
+
+        self.elastic.pressure_rows(fill)
+        self.elastic.pressure_columns()
+        self._measure(self.elastic.use_rows(self._settle))
+        self._begin()
+
+    def continue_at(self, p0):
+        self.p += self.problem.dtype.type(p0 - self.p0)
+        self.p0 = float(p0)
+        self.refresh()
+
+    def refresh(self):
+        self.d[...] = 0
+        fft = self.elastic.fft
+        zero = np.zeros((fft.R, self.grid.n[1]), self.problem.dtype)
+        self._measure([self._settle(i0, i1, zero) for i0, i1 in fft.passes()])
+        self._begin()
+
+    def _begin(self):
+        """The solids are at rest."""
+
+    # -- one time step -------------------------------------------------------------------------------------------------------
+
+    def step(self):
+        a, b = (self.problem.dtype.type(c) for c in self._coefficients())
+        self.elastic.pressure_rows(lambda i0, i1, x: move(self.g, self.p, self.d, x, i0, i1, a, b))
+        self.elastic.pressure_columns()
+        self._measure(self.elastic.use_rows(self._settle))
+        self.iterations += 1
+
+    def _coefficients(self):
+        """a and b of d <- b d - a p."""
+        damping = self.options.get("damping")
+        if damping is not None:
+            mu = min(damping * damping * self.longest, self.stiffest)
+        else:
+            mu = UNDERDAMPED * min(max(self.dx / self.dd, 0.0), self.stiffest) if self.dd > 0 else 0.0
+        ratio = np.sqrt(mu / self.stiffest)
+        a = 4 * self.options.get("dt", DT) ** 2 / (self.stiffest * (1 + ratio) ** 2)
+        uphill = self.pd > 0 and damping is None
+        return a, 0.0 if uphill else ((1 - ratio) / (1 + ratio)) ** 2
+
+    def _settle(self, i0, i1, x):
+        return settle(self.g, self.p, self.d, x, i0, i1)
+
+    def _measure(self, parts):
+        """Sum over passes and ranks: p^2 on F, p^2, p d, d^2, d K d, points in contact, gap."""
+        sums = self.grid.comm.sum(np.sum(np.reshape(parts, (-1, 7)), axis=0))
+        self.rr, self.pp, self.pd, self.dd, self.dx, self.contact, self.gap = (float(s) for s in sums)
+
+    # -- how far -------------------------------------------------------------------------------------------------------------
+
+    def progress(self):
+        residual = float(np.sqrt(self.rr / self.N)) / self.p0
+        return Progress(residual, self.contact, self.gap / self.N, None, bool(np.isfinite(self.pp + self.gap)))

@@ -1,0 +1,117 @@
+"""Markers and fixtures of all tests. Tests marked `mpi` take
+
+comm:    and then run inside mpirun on every rank at once (see mpi_harness.py), or
+mpirun:  a function that runs the command line on that many ranks and returns its exit code, stdout and stderr.
+"""
+
+import shutil
+import tempfile
+from functools import partial
+from pathlib import Path
+
+import mpi_harness
+import pytest
+
+_results = {}  # (file, ranks): {child's node id: (outcome, text)}
+
+
+def pytest_configure(config):
+    if mpi_harness.is_child():
+        config.pluginmanager.register(mpi_harness.Child())
+        return
+    try:
+        import mpi4py
+    except ImportError:
+        return
+    mpi4py.rc.initialize = False  # a process that initialised MPI cannot start mpirun
+
+
+def pytest_generate_tests(metafunc):
+    if metafunc.definition.get_closest_marker("mpi") and not mpi_harness.is_child():
+        counts = mpi_harness.rank_counts()
+        metafunc.fixturenames.append("ranks")
+        metafunc.parametrize("ranks", counts, indirect=True, ids=[f"n{k}" for k in counts])
+
+
+def pytest_collection_modifyitems(config, items):
+    lacking = mpi_harness.missing()
+    marked = [item for item in items if item.get_closest_marker("mpi")]
+    if lacking and marked:
+        if mpi_harness.must_run():
+            raise pytest.UsageError(f"tests on several ranks were asked for, but {lacking} is missing")
+        for item in marked:
+            item.add_marker(pytest.mark.skip(reason=f"{lacking} is missing: no tests on several ranks"))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem):
+    """Instead of calling a test that wants `comm`, report what it did on the ranks."""
+    if mpi_harness.is_child() or not _on_ranks(pyfuncitem):
+        return None
+    ranks = pyfuncitem.callspec.params["ranks"]
+    key = pyfuncitem.path, ranks
+    if key not in _results:
+        names = [_child_id(item) for item in pyfuncitem.session.items
+                 if item.path == key[0] and _on_ranks(item) and item.callspec.params["ranks"] == ranks]
+        _results[key] = mpi_harness.run_file(pyfuncitem.config.rootpath, ranks, names)
+    outcome, text = _results[key][_child_id(pyfuncitem)]
+    if outcome == "failed":
+        pytest.fail(text, pytrace=False)
+    if outcome == "skipped":
+        pytest.skip(text)
+    return True
+
+
+def _on_ranks(item):
+    return item.get_closest_marker("mpi") is not None and "comm" in getattr(item, "fixturenames", ())
+
+
+def _child_id(item):
+    """The node id without the rank count, which comes first."""
+    ranks = f"n{item.callspec.params['ranks']}"
+    head, _, bracket = item.nodeid.partition("[")
+    rest = bracket.removesuffix("]").removeprefix(ranks).removeprefix("-")
+    return f"{head}[{rest}]" if rest else head
+
+
+@pytest.fixture
+def ranks(request):
+    """Number of ranks of this item."""
+    return request.param
+
+
+@pytest.fixture
+def mpirun(ranks):
+    """mpirun(*args, env=None, cwd=None, timeout=None): `mpirun -n ranks hpc-gfmd args`, see mpi_harness.call."""
+    def run(*args, **how):
+        return mpi_harness.call(ranks, args, **how)
+
+    run.start = partial(mpi_harness.start, ranks)
+    return run
+
+
+@pytest.fixture(scope="session")
+def comm():
+    """The communicator of all ranks (the parent, which only reports, has none); rank 0 has compiled the kernels."""
+    if not mpi_harness.is_child():
+        return None
+    from hpc_gfmd.driver.warmup import compile_once
+    from hpc_gfmd.parallel.comm import world
+    from hpc_gfmd.scene import Solver
+
+    for precision in ("single", "double"):
+        compile_once(world(), Solver(precision=precision))
+    return world()
+
+
+@pytest.fixture
+def shared_path(comm):
+    """A temporary folder that all ranks see; removed when all are done with it."""
+    if comm is None:
+        yield None
+        return
+    path = Path(comm.bcast(tempfile.mkdtemp(prefix="hpc-gfmd-") if comm.rank == 0 else None))
+    yield path
+    comm.barrier()
+    if comm.rank == 0:
+        shutil.rmtree(path, ignore_errors=True)

@@ -1,0 +1,55 @@
+"""Short cuts for tests: sweeps from tables as in a scene, and random heights."""
+
+import numpy as np
+
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.surface import build_surface
+
+EXACT = {"residual": 1e-11, "precision": "double"}
+
+
+def rough(n_over=(2, 16, 2), hurst=0.8, seed=1, **others):
+    """[surface] of a self-affine wall; n_over: L/lam_l, lam_l/lam_s, lam_s/a."""
+    names = ("L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a")
+    return {"kind": "self-affine", "hurst": hurst, "seed": seed} | dict(zip(names, n_over, strict=True)) | others
+
+
+def sweep_of(surface, E_star=1.0, comm=None, **solver):
+    """A Sweep over a [surface] table with keys of [solver]; `comm` defaults to this process."""
+    scene = Scene.from_dict({"surface": surface, "load": {"pressure": 1.0}, "solver": solver or EXACT})
+    comm = comm or SerialComm()
+    return Sweep(lambda dtype: build_surface(scene.surface, comm, dtype), scene.solver, E_star, getattr(scene.surface, "lam_s", None))
+
+
+def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):
+    """The Step of one load p* on a [surface] table."""
+    sweep = sweep_of(surface, E_star, comm, **solver)
+    return sweep.solve(p_star * E_star * sweep.surface.g_rms)
+
+
+def heights_of(surface):
+    """Heights (peaks up) of a [surface] table, on one process, in the scene's units."""
+    made = sweep_of(surface).surface
+    return -made.h * made.height_unit
+
+
+def random_heights(n, seed=0, correlated=True):
+    """Random heights of order one, smoothed a little so that contacts have more than one point."""
+    z = np.random.default_rng(seed).standard_normal(n)
+    if correlated:
+        for axis in (0, 1):
+            if n[axis] > 4:
+                z = z + 0.5 * (np.roll(z, 1, axis) + np.roll(z, -1, axis))
+    return z
+
+
+def relative(found, wanted):
+    """Relative L2 distance of two fields."""
+    return np.linalg.norm(np.asarray(found, float) - wanted) / np.linalg.norm(wanted)
+
+
+def order(n, errors):
+    """Slope of log error over log 1/n: the order of convergence."""
+    return -np.polyfit(np.log(n), np.log(errors), 1)[0]

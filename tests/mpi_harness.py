@@ -1,0 +1,206 @@
+"""Tests on several ranks from a plain pytest: every file of them is started once under mpirun for each rank count.
+
+The pytest that a person starts (the parent) never initialises MPI. It gives a test marked `mpi` one item per rank count. The first
+item of a file and count starts `mpirun -n k pytest` (the children) on all of them; each rank appends what happened to a file of JSON
+lines, from which the parent reports the items one by one. A test that hangs or crashes fails alone: the rest is started again.
+"""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from importlib.util import find_spec
+from pathlib import Path
+
+import hpc_gfmd
+
+REPORT = "HPC_GFMD_TEST_REPORT"  # set for children: the folder of the reports
+RANKS = "HPC_GFMD_TEST_RANKS"
+TIMEOUT = float(os.environ.get("HPC_GFMD_TEST_TIMEOUT", "120"))  # seconds for one test
+GRACE = 15  # seconds that a rank which failed waits for the others before it ends them
+
+
+def is_child():
+    """Whether mpirun started this pytest."""
+    return REPORT in os.environ
+
+
+def rank_counts():
+    """The rank counts to test."""
+    return [int(os.environ[RANKS])] if os.environ.get(RANKS) else [1, 2, 3, 4]
+
+
+def missing():
+    """What the tests on several ranks lack here, or ""."""
+    lacking = [] if shutil.which("mpirun") else ["mpirun"]
+    return " and ".join(lacking + ([] if find_spec("mpi4py") else ["mpi4py"]))
+
+
+def must_run():
+    """Whether missing MPI is an error: in continuous integration, or where a rank count was asked for."""
+    return bool(os.environ.get(RANKS)) or os.environ.get("CI", "").lower() in ("1", "true", "yes")
+
+
+def environment(**extra):
+    """The environment of processes that tests start: this package, and an MPI library that takes root and many ranks."""
+    launcher = ("OMPI_COMM", "PMIX_", "PMI_", "PRTE_", "ORTE_")  # of a launcher around the parent
+    env = {k: v for k, v in os.environ.items() if not k.startswith(launcher)}
+    paths = [str(Path(hpc_gfmd.__file__).parents[1]), env.get("PYTHONPATH", "")]
+    env |= {"PYTHONPATH": os.pathsep.join(filter(None, paths)), "OMP_NUM_THREADS": "1", "OMPI_MCA_orte_execute_quiet": "1"}
+    env |= {"OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
+    env |= {"OMPI_MCA_mpi_yield_when_idle": "1"}  # more ranks than cores: do not spin
+    if os.getuid() == 0:
+        env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    return env | extra
+
+
+def start(ranks, args, output, env=None, cwd=None):
+    """Start `mpirun -n ranks python args...` in a process group of its own, its output going to the open file `output`."""
+    command = ["mpirun", "-n", str(ranks), sys.executable, *map(str, args)]
+    return subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT if output is not subprocess.PIPE else subprocess.PIPE,
+                            stdin=subprocess.DEVNULL, env=env or environment(), cwd=cwd, start_new_session=True)
+
+
+def end(process):
+    """End a process and all that it started."""
+    for sign in (signal.SIGTERM, signal.SIGKILL):  # mpirun kills its ranks, which have groups of their own, on SIGTERM
+        if process.poll() is None:
+            os.killpg(process.pid, sign)
+            try:
+                process.wait(10)
+            except subprocess.TimeoutExpired:
+                continue
+
+
+def call(ranks, args, env=None, cwd=None, timeout=None):
+    """Run `python -m hpc_gfmd args` on some ranks (None: without mpirun); returns a CompletedProcess with texts.
+
+    A run that takes too long is ended and fails the test.
+    """
+    args = ["-m", "hpc_gfmd", *args]
+    if ranks is None:
+        return subprocess.run([sys.executable, *map(str, args)], capture_output=True, text=True, env=env or environment(), cwd=cwd,
+                              stdin=subprocess.DEVNULL, timeout=timeout or TIMEOUT, check=False)
+    process = start(ranks, args, subprocess.PIPE, env, cwd)
+    try:
+        out, err = process.communicate(timeout=timeout or TIMEOUT)
+    except subprocess.TimeoutExpired:
+        end(process)
+        raise AssertionError(f"{ranks} ranks did not end within {timeout or TIMEOUT:g} s: {args}") from None
+    return subprocess.CompletedProcess(args, process.returncode, out.decode(), err.decode())
+
+
+# ---- the parent ----------------------------------------------------------------------------------------------------------------
+
+
+def run_file(root, ranks, names):
+    """Run tests (node ids of one file, without rank counts) under mpirun; returns {name: (outcome, text)}."""
+    results, left = {}, list(names)
+    while left:
+        done = _launch(root, ranks, left)
+        results |= done
+        left = [name for name in left if name not in done]
+    return results
+
+
+def _launch(root, ranks, names):
+    """One mpirun; returns what it brought, at least the outcome of one test."""
+    with tempfile.TemporaryDirectory(prefix="hpc-gfmd-test-") as folder:
+        folder = Path(folder)
+        args = ["-m", "mpi4py", "-m", "pytest", "-q", "--tb=short", "-p", "no:cacheprovider", f"--basetemp={folder}/unused",
+                "-o", f"faulthandler_timeout={TIMEOUT * 0.8:g}", *names]
+        with open(folder / "output", "w+b") as output:
+            process = start(ranks, args, output, environment(**{REPORT: str(folder)}), cwd=root)
+            why = _wait(process, folder, ranks)
+            output.seek(0)
+            text = output.read().decode(errors="replace")
+        return _merge(folder, ranks, names, why, text)
+
+
+def _wait(process, folder, ranks):
+    """Wait for the end, or end it when no rank has had news for TIMEOUT; returns what was wrong."""
+    size, since = -1, time.monotonic()
+    while process.poll() is None:
+        time.sleep(0.05)
+        now = sum(p.stat().st_size for p in folder.glob("report.*"))
+        if now != size:
+            size, since = now, time.monotonic()
+        elif time.monotonic() - since > TIMEOUT:
+            end(process)
+            return f"nothing happened for {TIMEOUT:g} s on {ranks} ranks"
+    return f"mpirun ended with exit code {process.returncode}"
+
+
+def _merge(folder, ranks, names, why, output):
+    reports = [_read(folder / f"report.{rank}") for rank in range(ranks)]
+    results = {}
+    for name in names:
+        found = [report.get(name) for report in reports]
+        outcomes = [f["outcome"] for f in found if f]
+        text = "\n".join(f"---- rank {rank} of {ranks}\n{f['text']}" for rank, f in enumerate(found) if f and f["text"])
+        if "failed" in outcomes:
+            results[name] = "failed", text
+        elif "started" in outcomes:
+            results[name] = "failed", f"{why}\n{text}\n{output[-6000:]}"
+        elif len(outcomes) == ranks:
+            results[name] = ("skipped" if "skipped" in outcomes else "passed"), text
+    if not results:  # it did not even begin: nothing else would
+        results = dict.fromkeys(names, ("failed", f"{why}\n{output[-6000:]}"))
+    return results
+
+
+def _read(path):
+    """The last word on every test."""
+    lines = path.read_text().splitlines() if path.exists() else []
+    found = {}
+    for line in lines:
+        try:
+            entry = json.loads(line)
+        except ValueError:  # cut off by the end of the process
+            continue
+        found[entry["test"]] = entry
+    return found
+
+
+# ---- the children --------------------------------------------------------------------------------------------------------------
+
+
+class Child:
+    """Plugin of the pytest on each rank: writes reports, and lets no rank begin a test before all have ended the one before."""
+
+    def __init__(self):
+        from mpi4py import MPI
+
+        self.mpi = MPI.COMM_WORLD
+        self.agreement = self.mpi.Dup()  # the other one may be in the middle of something when a rank fails
+        self.file = open(Path(os.environ[REPORT]) / f"report.{self.mpi.rank}", "a", encoding="utf-8")  # noqa: SIM115
+        self.outcome, self.text = "passed", ""
+
+    def _write(self, test, outcome, text=""):
+        self.file.write(json.dumps({"test": test, "outcome": outcome, "text": text}) + "\n")
+        self.file.flush()
+
+    def pytest_runtest_logstart(self, nodeid, location):
+        self.outcome, self.text = "passed", ""
+        self._write(nodeid, "started")
+
+    def pytest_runtest_logreport(self, report):
+        if report.outcome == "failed":
+            sections = "".join(f"\n{title}\n{text}" for title, text in report.sections)
+            self.outcome, self.text = "failed", self.text + report.longreprtext + sections
+            self._write(report.nodeid, "failed", self.text)
+        elif report.outcome == "skipped" and self.outcome == "passed":
+            self.outcome, self.text = "skipped", str(report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr)
+
+    def pytest_runtest_logfinish(self, nodeid, location):
+        arrived, since = self.agreement.Ibarrier(), time.monotonic()
+        while not arrived.Test():
+            time.sleep(0.001)
+            if self.outcome == "failed" and time.monotonic() - since > GRACE:
+                self.mpi.Abort(1)
+        if self.outcome != "failed":
+            self._write(nodeid, self.outcome, self.text)
