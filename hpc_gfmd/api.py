@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .contact import FIELDS
 from .driver.sweep import Sweep
 from .errors import SceneError
 from .parallel.comm import SerialComm
@@ -57,7 +58,7 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=1e-
     contact = step.contact
     a_r = contact.contact_points / contact.N
     return Solution(a_r, a_r / contact.p_star if contact.g_rms > 0 else float("nan"), contact.gap_mean,
-                    contact.field("pressure"), contact.field("gap"), contact.field("displacement"), contact.outcome.status,
+                    *(np.asarray(contact.field(name)) for name in FIELDS), contact.outcome.status,
                     step.iterations, step.fft_pairs, contact.outcome.errors, contact.p_star)
 
 

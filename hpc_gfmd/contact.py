@@ -82,17 +82,45 @@ class Contact:
         return int(grid.comm.sum([contact_edges(self.g, self.q, below[0], below[1])])[0])
 
     def field(self, name):
-        """One of FIELDS as a local slab of the whole grid, in the precision of the solution.
+        """One of FIELDS as a local slab of the whole grid, in the precision of the solution, computed as it is read.
 
         pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: u >= -h, positive away from the wall.
         Raises SceneError for an unknown name.
         """
-        if name == "pressure":
-            values = np.where((self.g <= 0) & (self.q > 0), self.q, 0) * self.q.dtype.type(self.pressure_unit)
-        elif name == "gap":
-            values = self.g * self.g.dtype.type(self.surface.height_unit)
-        elif name == "displacement":
-            values = (self.g - self.surface.h) * self.g.dtype.type(self.surface.height_unit)
-        else:
+        if name not in FIELDS:
             raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")
-        return self.surface.spread(values)
+        start, stop = self.surface.rows
+        return LazyField(lambda i0, i1: self._field_rows(name, i0, i1), (stop - start, self.surface.n[1]), self.g.dtype)
+
+    def _field_rows(self, name, i0, i1):
+        left_out = self.surface.reduced_axis
+        if left_out == 0:
+            take = slice(0, 1)
+        else:  # with the other axis left out every rank has all rows
+            first = self.surface.rows[0] if left_out == 1 else 0
+            take = slice(first + i0, first + i1)
+        g, q = self.g[take], self.q[take]
+        if name == "pressure":
+            values = np.where((g <= 0) & (q > 0), q, 0) * q.dtype.type(self.pressure_unit)
+        else:
+            values = (g if name == "gap" else g - self.surface.h[take]) * g.dtype.type(self.surface.height_unit)
+        return values if left_out is None else np.broadcast_to(values, (i1 - i0, self.surface.n[1]))
+
+
+class LazyField:
+    """A local slab that is computed a few rows at a time when it is sliced; np.asarray makes all of it."""
+
+    ndim = 2
+
+    def __init__(self, rows, shape, dtype):
+        self.rows, self.shape, self.dtype = rows, shape, np.dtype(dtype)
+
+    def __len__(self):
+        return self.shape[0]
+
+    def __getitem__(self, rows):
+        i0, i1, _ = rows.indices(self.shape[0])
+        return self.rows(i0, max(i0, i1))
+
+    def __array__(self, dtype=None, copy=None):
+        return np.array(self[:], dtype=dtype)

@@ -19,20 +19,23 @@ class HalfSpace:
         self.q_y, self.weight = (np.repeat(t, 2, axis=1) for t in grid.column_tables(self.fft))
         self.pairs = 0.0
 
-    def _columns(self, kernel, factor, backward=True):
+    def _columns(self, kernel, factor, backward=True, add=None):
         scale = self.fft.scale
-        sums = self.fft.columns(
-            lambda block, m: kernel(block.view(self.fft.dtype), self.q_x, self.q_y[m], self.weight[m], self.fft.dtype.type(factor * scale)),
-            backward=backward)
-        return float(sum(sums))
+
+        def apply(block, m):
+            if add is not None:
+                add(block, m)
+            return kernel(block.view(self.fft.dtype), self.q_x, self.q_y[m], self.weight[m], self.fft.dtype.type(factor * scale))
+
+        return float(sum(self.fft.columns(apply, backward=backward)))
 
     def pressure_rows(self, fill, passes=None):
         """First third of an application of K: rows of u are made by fill; returns what it returned."""
         return self.fft.forward_rows(fill, passes)
 
-    def pressure_columns(self):
-        """Second third; returns this rank's share of <u, K u>, summed over all points."""
-        return self._columns(multiply_stiffness, 0.5)
+    def pressure_columns(self, add=None):
+        """Second third; returns this rank's share of <u, K u>, summed over all points. add(block, m) completes the columns first."""
+        return self._columns(multiply_stiffness, 0.5, add=add)
 
     def use_rows(self, use, passes=None):
         """Last third: rows of K u are given to use; returns what it returned."""

@@ -13,13 +13,35 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Problem:
-    """h: local slab of the initial gap, >= 0 with minimum 0, in the working precision; p0: mean pressure."""
+    """h: local slab of the initial gap, >= 0 with minimum 0, in the working precision; p0: mean pressure.
+
+    Without h (None) the displacement u = g - h is formed in Fourier space, where add_spectrum(fft) gives a function (block, m) that
+    adds the transform of -h to a block of columns; dtype then tells the working precision.
+    """
 
     grid: object
-    h: np.ndarray
+    h: np.ndarray | None
     p0: float
+    add_spectrum: object = None
+    working: np.dtype | None = None
 
     @property
     def dtype(self):
         """The working precision."""
-        return self.h.dtype
+        return self.working if self.h is None else self.h.dtype
+
+    def displacement_rows(self, g):
+        """fill(i0, i1, x): rows of u = g - h, or of g where `adder` does the rest; x may be of another precision."""
+        from .kernels.certify import displacement_rows
+
+        if self.h is not None:
+            return lambda i0, i1, x: displacement_rows(g, self.h, x, i0, i1)
+
+        def fill(i0, i1, x):
+            x[: i1 - i0] = g[i0:i1]
+
+        return fill
+
+    def adder(self, fft):
+        """What completes the columns of u after a transform of its rows: None where the rows are those of u already."""
+        return None if self.h is not None else self.add_spectrum(fft)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .contact import FIELDS
+from .driver.lowmemory import LowMemorySweep
 from .driver.memory import require_memory
 from .driver.sweep import Sweep, first_precision
 from .driver.warmup import compile_once
@@ -49,6 +50,8 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
     scene = comm.bcast(read)
     observables = all_observables()
     check_names(scene, solver_names(), observables, FIELDS)
+    if scene.solver.low_memory and "displacement" in scene.output.fields:
+        raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap')
     with guarded(comm, "reading the surface"):
         n = surface_size(scene.surface)
     threads = threads_of(comm, scene.machine.threads)
@@ -65,7 +68,8 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
             say.say(f"note: {line}")
         compile_once(comm, scene.solver)
         lam_s = getattr(scene.surface, "lam_s", None)
-        sweep = Sweep(lambda dtype: build_surface(scene.surface, comm, dtype, threads), scene.solver, scene.material.E_star, lam_s)
+        kind = LowMemorySweep if scene.solver.low_memory else Sweep
+        sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads), scene.solver, scene.material.E_star, lam_s)
         pressures = sweep.pressures(scene.load)
         file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))
         file.update_head(setup_seconds=time.monotonic() - begun)

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from ..elasticity import HalfSpace
-from ..kernels.certify import displacement_rows, dual_rows, judge
+from ..kernels.certify import dual_rows, judge
 
 GAP_FACTOR = 2.03  # error of the mean gap over sqrt(G/(p0 gap_mean)): the largest ratio ever seen
 
@@ -53,11 +53,11 @@ def certify(problem, g, p, dtype=np.float64, dual=True):
     """Judge the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local slab). One pair, half more if dual."""
     grid = problem.grid
     elastic = HalfSpace(grid, dtype)
-    h, p0, N = problem.h, float(problem.p0), grid.N
+    p0, N = float(problem.p0), grid.N
     passes = elastic.fft.passes()
 
-    elastic.pressure_rows(lambda i0, i1, x: displacement_rows(g, h, x, i0, i1), passes)
-    uKu = elastic.pressure_columns()
+    elastic.pressure_rows(problem.displacement_rows(g), passes)
+    uKu = elastic.pressure_columns(problem.adder(elastic.fft))
     parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, p0, i0, i1), passes)
     parts = np.reshape(parts, (-1, 8)) if parts else np.zeros((1, 8))
     *sums, uKu = grid.comm.sum([*parts[:, :6].sum(axis=0), uKu])

@@ -13,11 +13,13 @@ IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progre
 
 @dataclass(frozen=True)
 class Target:
-    """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per load."""
+    """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per load; judged_in: precision of the
+    certificate."""
 
     accuracy: float | None = None
     residual: float | None = None
     max_iterations: int = 100_000
+    judged_in: type = np.float64
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ def drive(solver, target, watch=None):
         if not progress.finite:
             status = "nonfinite"
         elif measure < 1.0 or (progress.estimates is None and target.residual is None and done >= next_check):
-            certificate = certify(solver.problem_now, solver.g, solver.p)
+            certificate = certify(solver.problem_now, solver.g, solver.p, target.judged_in)
             checks += certificate.pairs
             errors = _errors(progress, certificate, solver.N)
             if _reached(target, errors, certificate):
@@ -68,7 +70,7 @@ def drive(solver, target, watch=None):
         elif watch is not None and watch(solver.iterations, progress):
             status = "interrupted"
         if status is not None:
-            certificate = certify(solver.problem_now, solver.g, solver.p)
+            certificate = certify(solver.problem_now, solver.g, solver.p, target.judged_in)
             errors = _errors(progress, certificate, solver.N)
             if status != "nonfinite" and _reached(target, errors, certificate):
                 status = "converged"

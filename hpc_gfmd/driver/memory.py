@@ -9,7 +9,7 @@ from ..errors import SceneError
 from ..parallel.fft import row_starts
 from .sweep import first_precision
 
-FIELDS = 4  # h, g, p, d
+FIELDS = 4  # h, g, p, d; in low memory h is not kept
 LEVELS = 3 / 4 + 2 / 16 + 2 / 64 + 1 / 24  # coarse levels of the preconditioner, in fields
 PROCESS_GIB = 0.35  # interpreter, libraries, compiled kernels, MPI buffers
 GIB = 2**30
@@ -35,9 +35,10 @@ def memory_of(scene, n, ranks):
     itemsize = first_precision(scene.solver).itemsize
     points = int(np.diff(row_starts(n[0], ranks)).max()) * n[1] / GIB
     spectrum = points * (1 + 2 / n[1])
-    fields = points * itemsize * (FIELDS + LEVELS)
-    largest_output = points * itemsize * 2 if scene.output.fields else 0.0
-    return Memory(fields + largest_output, spectrum * itemsize, spectrum * 8 if itemsize == 4 else 0.0, PROCESS_GIB)
+    low = scene.solver.low_memory
+    fields = points * itemsize * (FIELDS - low + LEVELS)
+    certificate = 0.0 if low or itemsize == 8 else spectrum * 8
+    return Memory(fields, spectrum * itemsize, certificate, PROCESS_GIB)
 
 
 def available_gib():

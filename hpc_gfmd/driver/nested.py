@@ -55,8 +55,11 @@ class Nested:
             self.steps.append((grid, coarse))
             grid = coarse
 
-    def start(self, problem, make_solver):
-        """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in pairs of that grid."""
+    def start(self, problem, make_solver, into=None):
+        """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in pairs of that grid.
+
+        into: memory for the gap; may be that of problem.h, which is then lost.
+        """
         problems = [problem]
         for fine, coarse in self.steps:
             problems.append(_decimated(problems[-1], fine, coarse))
@@ -71,7 +74,10 @@ class Nested:
                 solver.step()
             pairs = (pairs + solver.pairs) * coarse.grid.N / fine.grid.N
             full = solver.progress().contact == coarse.grid.N
-            g = _prolong(fine, coarse, solver.g, full)
+            g = _prolong(fine, coarse, solver.g, full, into if fine is problem else None)
+        if into is not None and g is not into:  # no coarser grid
+            into[...] = g
+            g = into
         return g, pairs
 
 
@@ -84,11 +90,13 @@ def _decimated(problem, fine, grid):
     return Problem(grid, h / h.dtype.type(grid.a / fine.a), problem.p0)
 
 
-def _prolong(problem, coarse, g, full):
+def _prolong(problem, coarse, g, full, into):
     """max(P u, -h) + h with cubic interpolation along each axis."""
     fine = problem.grid
+    out = fine.empty(problem.dtype) if into is None else into
     if full:
-        return np.zeros(fine.shape, problem.dtype)
+        out[...] = 0
+        return out
     ratio = problem.dtype.type(coarse.grid.a / fine.a)
     u = g
     np.subtract(g, coarse.h, out=u)
@@ -103,6 +111,5 @@ def _prolong(problem, coarse, g, full):
         take = np.arange(first - 2, last + 2) % n
         before, u, after = u[take[:2]], u[take[2:-2]], u[take[-2:]]
     u = np.concatenate([before, u, after])
-    out = fine.empty(problem.dtype)
     prolong_gap(u, problem.h, out, start, first - 2, step_x, coarse.grid.n[1] != fine.n[1])
     return out

@@ -62,10 +62,10 @@ class Sweep:
         """
         if self.surface.g_rms == 0:
             return self._flat(p)
-        if resumed is not None and resumed["dtype"] != self.surface.h.dtype:
+        if resumed is not None and resumed["dtype"] != self.dtype:
             self._to(resumed["dtype"])
         step = self._solve(p, watch, resumed)
-        promote = self.settings.precision == "auto" and self.surface.h.dtype == np.float32
+        promote = self.settings.precision == "auto" and self.dtype == np.float32
         if promote and step.contact.outcome.status in ("stagnated", "nonfinite"):
             spent = step.fft_pairs
             self._to(np.float64)
@@ -141,7 +141,7 @@ class Sweep:
 
     def _to(self, dtype):
         """Make the surface in this precision and plan all transforms that its contacts need."""
-        dtype = np.dtype(dtype)
+        self.dtype = dtype = np.dtype(dtype)
         self.solver = None
         self.surface = self.make_surface(dtype)
         if self.surface.g_rms > 0:

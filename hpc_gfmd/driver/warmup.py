@@ -24,5 +24,5 @@ def _tiny_contact(settings):
                              "solver": settings.model_dump(exclude_none=True) | {"max_iterations": 3}})
     sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
     sweep.solve(0.05)
-    grid, dtype = sweep.surface.grid, sweep.surface.h.dtype
+    grid, dtype = sweep.surface.grid, sweep.dtype
     Multilevel(grid, dtype, grid.n[0], whole_points=0).sweep()  # levels that only larger grids spread

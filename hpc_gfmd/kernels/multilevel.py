@@ -176,28 +176,25 @@ def smooth_level(rt, z_coarse, out, weight, c, w, k0, f_x, mode, j0, f):
 def sweep_whole(r, t, shapes, offsets, weights, c, w):
     """The sweep over the levels that one rank holds completely, in place: r of the finest of them becomes z.
 
-    r, t: flat storage of all levels; level l is r[offsets[l]:...] of shape shapes[l]; r and t of level 0 are given.
+    r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of level 0 are given.
     """
     levels = shapes.shape[0]
-    for l in range(levels - 1):
-        n_x, n_y = shapes[l]
-        m_x, m_y = shapes[l + 1]
-        fine_r = r[offsets[l]:offsets[l] + n_x * n_y].reshape(n_x, n_y)
-        fine_t = t[offsets[l]:offsets[l] + n_x * n_y].reshape(n_x, n_y)
-        coarse_r = r[offsets[l + 1]:offsets[l + 1] + m_x * m_y].reshape(m_x, m_y)
-        coarse_t = t[offsets[l + 1]:offsets[l + 1] + m_x * m_y].reshape(m_x, m_y)
-        _restrict_whole(fine_r, coarse_r)
-        _restrict_whole(fine_t, coarse_t)
-    for l in range(levels - 1, -1, -1):
-        n_x, n_y = shapes[l]
-        k = offsets[l]
-        weight = weights[l]
-        for i in range(n_x * n_y):
-            r[k + i] = r[k + i] / (weight + c * t[k + i])
-        if l < levels - 1:
-            m_x, m_y = shapes[l + 1]
-            _interpolate_whole(r[offsets[l + 1]:offsets[l + 1] + m_x * m_y].reshape(m_x, m_y),
-                               r[k:k + n_x * n_y].reshape(n_x, n_y), w)
+    for k in range(levels - 1):
+        n_x, n_y = shapes[k]
+        m_x, m_y = shapes[k + 1]
+        a, b = offsets[k], offsets[k + 1]
+        _restrict_whole(r[a:a + n_x * n_y].reshape(n_x, n_y), r[b:b + m_x * m_y].reshape(m_x, m_y))
+        _restrict_whole(t[a:a + n_x * n_y].reshape(n_x, n_y), t[b:b + m_x * m_y].reshape(m_x, m_y))
+    for k in range(levels - 1, -1, -1):
+        n_x, n_y = shapes[k]
+        a = offsets[k]
+        weight = weights[k]
+        for i in range(a, a + n_x * n_y):
+            r[i] = r[i] / (weight + c * t[i])
+        if k < levels - 1:
+            m_x, m_y = shapes[k + 1]
+            b = offsets[k + 1]
+            _interpolate_whole(r[b:b + m_x * m_y].reshape(m_x, m_y), r[a:a + n_x * n_y].reshape(n_x, n_y), w)
 
 
 @inline

@@ -70,7 +70,7 @@ def direct(t, w, q, x, i0, i1, shift, a, b, c):
 
 
 @kernel
-def respond(t, q, x, i0, i1):
+def respond(q, x, i0, i1):
     """Of x = S t: its sum in contact, and the number of points in contact."""
     zero = q.dtype.type(0)
     R = 0.0
@@ -132,12 +132,12 @@ def respace(q, w, h, x, i0, i1, scale, offset):
 def close(q, w, g, p, shift):
     """The admissible state: p = q, g = 0 in contact and max(e, 0) elsewhere.
 
-    Returns sums: e^2 in contact, e^2 where negative out of contact, q^2, points in contact, g.
+    Returns sums: e^2 in contact, e^2 where negative out of contact, points in contact, g.
     """
     zero = q.dtype.type(0)
-    EE = NEGATIVE = QQ = CONTACT = GAP = 0.0
+    EE = NEGATIVE = CONTACT = GAP = 0.0
     for i in range(q.shape[0]):
-        ee = negative = qq = gap = zero
+        ee = negative = gap = zero
         contact = 0
         for j in range(q.shape[1]):
             e = w[i, j] - shift
@@ -145,7 +145,6 @@ def close(q, w, g, p, shift):
             below = e < zero and not touching
             ee += e * e if touching else zero
             negative += e * e if below else zero
-            qq += q[i, j] * q[i, j]
             contact += 1 if touching else 0
             d = zero if touching or below else e
             g[i, j] = d
@@ -153,7 +152,6 @@ def close(q, w, g, p, shift):
             gap += d
         EE += ee
         NEGATIVE += negative
-        QQ += qq
         CONTACT += contact
         GAP += gap
-    return EE, NEGATIVE, QQ, CONTACT, GAP
+    return EE, NEGATIVE, CONTACT, GAP

@@ -51,8 +51,10 @@ def _mode(seed, k_x, k_y, aspect, low, high, rolloff, exponent):
 
 
 @kernel
-def self_affine(block, j0, columns, n_y, seed, aspect, low, high, rolloff, exponent):
-    """Fill a block of complete columns (n_x, W) of the half spectrum; column w is mode number k_y = j0 + w, w < columns.
+def self_affine(block, keep, factor, j0, columns, n_y, seed, aspect, low, high, rolloff, exponent):
+    """block = keep block + factor spectrum; block: complete columns (n_x, W) of the half spectrum.
+
+    Column w is mode number k_y = j0 + w, w < columns.
 
     A mode number of exactly half the points is the sum of the two modes that the grid cannot tell apart.
     """
@@ -70,4 +72,4 @@ def self_affine(block, j0, columns, n_y, seed, aspect, low, high, rolloff, expon
                         a, b = _mode(seed, x, k_y if t == 0 else -k_y, aspect, low, high, rolloff, exponent)
                         re += a
                         im += b
-            block[i, w] = complex(re, im)
+            block[i, w] = keep * block[i, w] + factor * complex(re, im)

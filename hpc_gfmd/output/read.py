@@ -10,7 +10,8 @@ import numpy as np
 from ..errors import SceneError
 from ..parallel import h5_seal
 from ..parallel.guard import one_line
-from ..parallel.h5 import FORMAT, FORMAT_VERSION, Stored
+from ..parallel.h5 import Stored
+from ..parallel.h5_layout import FORMAT, FORMAT_VERSION
 from . import lock
 
 HEAD = "head.h5"  # of a partial folder
@@ -112,13 +113,13 @@ def opened(path):
         seal = _checked_seal(path)
         with h5py.File(path, "r", locking=False) as file:
             name, version = (_plain(file.attrs.get(key)) for key in ("format", "format_version"))
-            if name != FORMAT:
-                raise SceneError(f"{path}: not a result of hpc-gfmd (no attribute format = '{FORMAT}')")
-            if not isinstance(version, int) or version > FORMAT_VERSION:
+            if name == FORMAT and (not isinstance(version, int) or version > FORMAT_VERSION):
                 known = f"this program reads up to {FORMAT_VERSION}"
                 raise SceneError(f"{path}: format_version is {version!r}, {known}")
             if seal == "broken":
                 raise SceneError(f"{path}: the file is damaged, or was changed after it was written")
+            if name != FORMAT:
+                raise SceneError(f"{path}: not a result of hpc-gfmd (no attribute format = '{FORMAT}')")
             yield file
     except FileNotFoundError:
         raise SceneError(f"{path}: no such file") from None

@@ -70,8 +70,11 @@ def surface_line(surface: dict) -> str:
         parts.append(" x ".join(str(int(n)) for n in surface["n"]) + " points")
     if "physical_sizes" in surface:
         parts.append("L = " + " x ".join(f"{size:.4g}" for size in surface["physical_sizes"]))
-    names = ("hurst", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c", "seed")
-    parts += [f"{name} = {_number(surface[name])}" for name in names if surface.get(name) is not None]
+    for name in ("hurst", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c"):
+        if isinstance(surface.get(name), int | float) and isfinite(surface[name]):
+            parts.append(f"{name} = {surface[name]:.{DIGITS}g}")
+    if surface.get("seed", -1) >= 0:  # other surfaces have none
+        parts.append(f"seed = {surface['seed']}")
     return ", ".join(parts)
 
 
@@ -88,10 +91,6 @@ def _cell(step, key, error_key) -> str:
     if key == "fft_pairs":
         return f"{value:.1f}" if value < 1000 else f"{value:.0f}"
     return with_error(value, step.get(error_key)) if isinstance(value, float) else str(value)
-
-
-def _number(value) -> str:
-    return f"{value:.{DIGITS}g}" if isinstance(value, int | float) else str(value)
 
 
 def _remarks(indices, steps) -> list[str]:

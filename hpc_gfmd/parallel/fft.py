@@ -157,9 +157,11 @@ class SlabFFT:
                 if forward:
                     slab = self.blocks[k * size:(k + 1) * size]
                     mpi.Alltoallv([slab.view(np.uint8), *here, _BYTE()], [scratch[2].view(np.uint8), *there, _BYTE()])
-            results += self._map(
-                lambda k, _, __: self._one_block(self._scratch[k - k0][2], k * size + rank, apply, forward, backward),
-                [(k, k) for k in group])
+
+            def one(k, first, _):
+                return self._one_block(self._scratch[k - first][2], k * size + rank, apply, forward, backward)
+
+            results += self._map(one, [(k, k0) for k in group])
             for k, scratch in zip(group, self._scratch):
                 if backward:
                     slab = self.blocks[k * size:(k + 1) * size]

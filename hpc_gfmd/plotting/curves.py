@@ -38,7 +38,7 @@ def _points(ax, steps, against, key, error_key, colour, marker, label) -> None:
         how = {"color": colour, "marker": marker, "label": label}
         if not good_ones:
             how = {"color": WARNING, "marker": "x", "label": "not converged"}
-        ax.errorbar(x, y, np.abs(y) * np.nan_to_num(relative), linestyle="", capsize=2, **how)
+        ax.errorbar(x, y, np.abs(y) * np.where(np.isfinite(relative), relative, 0), linestyle="", capsize=2, **how)
 
 
 def _theory(area, kappa, gap, result, pressures) -> None:

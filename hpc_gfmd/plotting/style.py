@@ -13,7 +13,7 @@ WARNING = "#D55E00"
 THEORY = {"color": "0.35", "linewidth": 1.2}
 CONTACT_MAP, PRESSURE_MAP, GAP_MAP = "Greys", "cividis_r", "viridis"
 
-_RC = {
+RC = {
     "font.size": 9,
     "axes.labelsize": 9,
     "axes.titlesize": 9,
@@ -33,7 +33,7 @@ _RC = {
 @contextmanager
 def figure(path: Path, width: float, height: float):
     """`with figure(path, width, height) as fig`: drawn by Agg and saved under path in one move; inches."""
-    with matplotlib.rc_context(_RC):
+    with matplotlib.rc_context(RC):
         fig = Figure(figsize=(width, height), layout="constrained")
         yield fig
         tmp = path.with_name(f".{path.name}.tmp")

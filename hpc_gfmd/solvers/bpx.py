@@ -23,20 +23,21 @@ DESCENT = 0.2  # share of the predicted descent that clipping must leave
 
 
 class Bpx(Solver):
-    """The default solver. options: none."""
+    """The default solver. options: none. g: memory for the gap, taken over."""
 
     name = "bpx"
     state_names = ("g", "p", "d")
     scalar_names = ("s", "rayleigh", "plain", "gaps", "contacts", "rz", "rd", "zq", "dq", "rr", "pp", "lifting", "iterations")
 
-    def __init__(self, problem, options=None):
+    def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
         grid, dtype = self.grid, problem.dtype
         self.elastic = HalfSpace(grid, dtype)
         self.fft = self.elastic.fft
         self.levels = Multilevel(grid, dtype, self.fft.R)
         self.passes = self.levels.passes
-        self.g, self.p, self.d = grid.empty(dtype), grid.empty(dtype), np.zeros(grid.shape, dtype)
+        self.g = grid.empty(dtype) if g is None else g
+        self.p, self.d = grid.empty(dtype), np.zeros(grid.shape, dtype)
         self.kap = 2.0 / grid.q_nyquist
         self._rows = {id(x): np.zeros((6, grid.n[1] + 1), dtype) for x in self.fft.row_scratch}
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
@@ -44,16 +45,12 @@ class Bpx(Solver):
     # -- starting ------------------------------------------------------------------------------------------------------------
 
     def start(self, g):
-        h = self.problem.h
-        self.g[...] = g
+        if g is not self.g:
+            self.g[...] = g
         self.p[...] = self.p0
         self.d[...] = 0
-
-        def fill(i0, i1, x):
-            np.subtract(self.g[i0:i1], h[i0:i1], out=x[: i1 - i0])
-
-        self.elastic.pressure_rows(fill, self.passes)
-        self.elastic.pressure_columns()
+        self.elastic.pressure_rows(self.problem.displacement_rows(self.g), self.passes)
+        self.elastic.pressure_columns(self.problem.adder(self.fft))
         self._begin(self._update(1.0))
 
     def continue_at(self, p0):

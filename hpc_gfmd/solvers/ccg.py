@@ -1,19 +1,23 @@
 """Constrained conjugate gradients on the pressure (Polonsky and Keer, Wear 231, 206, 1999).
 
-Minimises 1/2 <q, S q> + <q, h> over pressures q >= 0 of mean p0. In contact, {q > 0}, the gap e = S q + h - shift has to vanish; shift
-is its mean there. One iteration: conjugate direction t from e, exact line search (one convolution with S), q <- max(q - tau t, 0),
-pressure for points out of contact that penetrate (the direction is then forgotten), rescaling of q to the mean p0 (the load balance), and
-the new gap (a second convolution): two FFT pairs. With the option `preconditioned` the direction is made from K e, a third one.
+Minimises 1/2 <q, S q> + <q, h> over pressures q >= 0 of mean p0, S = 2/|q| the inverse of K. In contact, {q > 0}, the gap
+e = S q + h - constant has to vanish; the constant is such that its mean there does. One iteration: conjugate direction t from e, exact
+line search (one convolution with S), q <- max(q - tau t, 0), pressure for points out of contact that penetrate (the direction is then
+forgotten), rescaling of q to the mean p0 (the load balance), and the new gap (a second convolution): two FFT pairs. With the option
+`preconditioned` the direction is made from K e instead of e, which takes a third.
 
-The returned gap is closed, g = 0, wherever q > 0 and max(e, 0) elsewhere.
+The gap that is returned is closed, g = 0, wherever q > 0, and max(e, 0) elsewhere.
 """
 
 import numpy as np
 
-from ..elasticity import HalfSpace
+from ..elasticity import HalfSpace, reader
 from ..kernels.pressure import advance, close, conjugate, direct, gradient, press, respace, respond
+from ..kernels.spectral import multiply_compliance
 from ..options import read_options
 from .base import Progress, Solver
+
+STIFFNESS = 0.5  # of a point that comes into contact, preconditioned, relative to the largest of K
 
 
 class Ccg(Solver):
@@ -21,7 +25,7 @@ class Ccg(Solver):
 
     name = "ccg"
     state_names = ("g", "p", "q", "w", "t")
-    scalar_names = ("shift", "offset", "size", "previous", "ee", "below", "qq", "contact", "gap", "iterations")
+    scalar_names = ("offset", "shift", "ee", "below", "contact", "gap", "previous", "fresh", "iterations")
     allowed = {"preconditioned": (0, 1)}
 
     def __init__(self, problem, options=None):
@@ -33,33 +37,111 @@ class Ccg(Solver):
         self.real = dtype.type
         self.g, self.p, self.q, self.w = (grid.empty(dtype) for _ in range(4))
         self.t = np.zeros(grid.shape, dtype)
-        self.stiffness = grid.q_nyquist / np.sqrt(2)  # largest eigenvalue of K
+        self.stiffest = grid.q_nyquist / np.sqrt(2)  # the largest eigenvalue of K
         self.patience = 5 * self.patience
 
     # -- starting ------------------------------------------------------------------------------------------------------------
 
     def start(self, g):
+        h, p0 = self.problem.h, self.real(self.p0)
         self.g[...] = g
-        h = self.problem.h
 
         def fill(i0, i1, x):
             np.subtract(self.g[i0:i1], h[i0:i1], out=x[: i1 - i0])
 
         self.elastic.pressure_rows(fill)
         self.elastic.pressure_columns()
-        p0 = self.real(self.p0)
         load, = self._sum(self.elastic.use_rows(lambda i0, i1, x: press(self.g, self.q, x, p0, i0, i1)), 1)
         if load <= 0:  # nothing is closed yet
             self.q[...] = self.p0
             load = self.N * self.p0
         self.offset = self.shift = 0.0
-        self._forget()
-
-        def copy(i0, i1, x):
-            x[: i1 - i0] = self.q[i0:i1]
-
-        self._respace(self.elastic.compliance(copy), load)
+        self.elastic.pressure_rows(reader(self.q))
+        self._new_gap(load)
+        self.refresh()
 
     def continue_at(self, p0):
-        """The pressure in proportion."""
-        ...
+        scale = self.real(p0 / self.p0)
+        self.p0 = float(p0)
+        x = np.empty((self.elastic.fft.R, self.grid.n[1]), self.problem.dtype)
+
+        def scaled(i0, i1):
+            rows = x[: i1 - i0]
+            np.subtract(self.w[i0:i1], self.problem.h[i0:i1], out=rows)
+            rows += self.real(self.offset)  # S q
+            return respace(self.q, self.w, self.problem.h, x, i0, i1, scale, self.real(self.offset))
+
+        self._close([scaled(i0, i1) for i0, i1 in self.elastic.fft.passes()])
+        self.refresh()
+
+    def refresh(self):
+        """Only the direction is carried on from one iteration to the next: it is forgotten."""
+        self.fresh, self.previous = True, 1.0
+
+    # -- one iteration -------------------------------------------------------------------------------------------------------
+
+    def step(self):
+        tau = self._search()
+        kick = tau * (STIFFNESS * self.stiffest if self.preconditioned else 1.0)
+        args = self.real(self.shift), self.real(tau), self.real(kick)
+        load, taken = self._sum(self.elastic.pressure_rows(
+            lambda i0, i1, x: advance(self.q, self.t, self.w, x, i0, i1, *args)), 2)
+        self._new_gap(load)
+        self.fresh = bool(taken > 0)
+        self.iterations += 1
+
+    def _search(self):
+        """The direction t, and the step tau along it that minimises the energy at constant mean pressure."""
+        shift = self.real(self.shift)
+        size, a, c = self.ee, 1.0, 0.0
+        if self.preconditioned:
+            self.elastic.pressure_rows(lambda i0, i1, x: gradient(self.w, self.q, x, i0, i1, shift))
+            size = float(self.grid.comm.sum([self.elastic.pressure_columns()])[0])
+        b = 0.0 if self.fresh or self.previous <= 0 else size / self.previous
+        self.previous = size
+        if self.preconditioned:
+            b_ = self.real(b)
+            z, n = self._sum(self.elastic.use_rows(lambda i0, i1, x: conjugate(self.t, self.q, x, i0, i1, b_)), 2)
+            a, b, c = 0.0, 1.0, z / n
+        args = shift, self.real(a), self.real(b), self.real(c)
+        et = self.elastic.pressure_rows(lambda i0, i1, x: direct(self.t, self.w, self.q, x, i0, i1, *args))
+        tSt = self._deflect()
+        r = self.elastic.use_rows(lambda i0, i1, x: respond(self.q, x, i0, i1))
+        et, t, r, n, tSt = self.grid.comm.sum([*_total(et, 2), *_total(r, 2), tSt])
+        curvature = tSt - r * t / n
+        return float(et / curvature) if curvature > 0 else 0.0
+
+    def _new_gap(self, load):
+        """Scale q, the rows of which are transformed, to the mean p0, and compute its gap."""
+        scale = self.real(self.N * self.p0 / load)
+        self.offset += self.shift
+        offset = self.real(self.offset)
+        self._deflect()
+        self._close(self.elastic.use_rows(
+            lambda i0, i1, x: respace(self.q, self.w, self.problem.h, x, i0, i1, scale, offset)))
+
+    def _deflect(self):
+        """S between the row transforms; returns this rank's share of <x, S x>."""
+        return self.elastic._columns(multiply_compliance, 2.0)
+
+    def _close(self, parts):
+        """The mean of w in contact, and the state that is returned; parts: what `respace` returned."""
+        w, n = self._sum(parts, 2)
+        self.shift = float(w / n)
+        sums = close(self.q, self.w, self.g, self.p, self.real(self.shift))
+        self.ee, self.below, self.contact, self.gap = (float(s) for s in self.grid.comm.sum(sums))
+
+    def _sum(self, parts, count):
+        return self.grid.comm.sum(_total(parts, count))
+
+    # -- how far -------------------------------------------------------------------------------------------------------------
+
+    def progress(self):
+        """residual: the pressure that it takes at most to move what is left of the gap, K (e in contact, e < 0 elsewhere)."""
+        residual = self.stiffest * float(np.sqrt((self.ee + self.below) / self.N)) / self.p0
+        return Progress(residual, self.contact, self.gap / self.N, None, bool(np.isfinite(residual + self.gap)))
+
+
+def _total(parts, count):
+    """Sum of what the passes returned."""
+    return np.sum(np.reshape(parts, (-1, count)), axis=0)

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..errors import SceneError
 from ..grid import Grid
-from ..parallel.guard import guarded
 from ..parallel.comm import SerialComm
+from ..parallel.guard import guarded
 from .analytic import sphere_rows, wave_rows
 from .files import HeightMap
 from .selfaffine import self_affine_heights
@@ -21,7 +21,8 @@ class Surface:
     """h: initial gap, local slab of `grid`, >= 0 with minimum 0, in units of g_rms a; h_rms, g_rms: realised, in the scene's units.
 
     A surface that varies along one axis only lives on a grid with one point along the other; `n` is the size asked for, and every
-    rank then holds all of `grid`. rows: (start, stop) of the size asked for that this rank owns. A flat surface has g_rms = 0 and h in the scene's unit.
+    rank then holds all of `grid`. A flat surface has g_rms = 0 and h in the scene's unit. rows: (start, stop) of the size asked for
+    that this rank owns. add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum.
     """
 
     grid: Grid
@@ -30,6 +31,7 @@ class Surface:
     h_rms: float
     g_rms: float
     rows: tuple[int, int]
+    add_spectrum: object = None
 
     @property
     def height_unit(self):
@@ -40,12 +42,6 @@ class Surface:
     def reduced_axis(self):
         """The axis that was left out (0 or 1), or None."""
         return next((axis for axis in (0, 1) if self.grid.n[axis] != self.n[axis]), None)
-
-    def spread(self, values):
-        """A local slab of `grid` as a slab of the size asked for: repeated along the axis that was left out."""
-        if self.reduced_axis is None:
-            return values
-        return np.ascontiguousarray(np.broadcast_to(values, self.n)[slice(*self.rows)])
 
 
 def surface_size(spec):
@@ -58,9 +54,9 @@ def build_surface(spec, comm, dtype, threads=1):
     dtype = np.dtype(dtype)
     if spec.kind == "self-affine":
         grid = Grid(spec.n, spec.physical_sizes, comm, threads)
-        z, h_over_g = self_affine_heights(spec, grid, dtype)
+        z, h_over_g, add_spectrum = self_affine_heights(spec, grid, dtype)
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
-        return Surface(grid, _gap(comm, z), spec.n, h_over_g * g_rms * grid.a, g_rms, grid.rows)
+        return Surface(grid, _gap(comm, z), spec.n, h_over_g * g_rms * grid.a, g_rms, grid.rows, add_spectrum)
     with guarded(comm, "reading the surface"):
         if spec.kind == "wave":
             n, rows = spec.n, wave_rows(spec, spec.n)

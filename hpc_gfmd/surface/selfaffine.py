@@ -7,23 +7,28 @@ from .statistics import rms_of_columns
 
 
 def self_affine_heights(spec, grid, dtype):
-    """Heights (local slab, dtype) with g_rms = 1 per grid spacing, and their h_rms; spec: scene.SelfAffine."""
+    """Heights (local slab, dtype) with g_rms = 1 per grid spacing, their h_rms, and `add_spectrum`; spec: scene.SelfAffine.
+
+    add_spectrum(fft) returns a function (block, m) that adds the transform of the heights (as the transforms here leave it, without
+    1/N) to a block of columns: who has it can do without the heights.
+    """
     fft = grid.fft(dtype)
-    low = spec.L_over_lam_l
-    high = low * spec.lam_l_over_lam_s
-    rolloff = low * spec.lam_l_over_lam_r
-    seed = np.uint64(spec.seed)
+    low = float(spec.L_over_lam_l)
+    high = low * float(spec.lam_l_over_lam_s)
+    numbers = (np.uint64(spec.seed), float(spec.aspect), low, high, low * float(spec.lam_l_over_lam_r), 1.0 + spec.hurst)
 
-    def make(block, m):
-        j0, j1 = fft.columns_of(m)
-        self_affine(block, j0, j1 - j0, grid.n[1], seed, float(spec.aspect), float(low), float(high), float(rolloff),
-                    1.0 + spec.hurst)
+    def adder(fft, keep, factor):
+        def add(block, m):
+            j0, j1 = fft.columns_of(m)
+            self_affine(block, fft.dtype.type(keep), fft.dtype.type(factor), j0, j1 - j0, grid.n[1], *numbers)
 
-    h_rms, g_rms = rms_of_columns(grid, fft, make, backward=True)
+        return add
+
+    h_rms, g_rms = rms_of_columns(grid, fft, adder(fft, 0.0, 1.0), backward=True)
     z = grid.empty(dtype)
 
     def use(i0, i1, x):
         np.multiply(x[: i1 - i0], fft.dtype.type(1.0 / g_rms), out=z[i0:i1])
 
     fft.backward_rows(use)
-    return z, h_rms / g_rms
+    return z, h_rms / g_rms, lambda fft: adder(fft, 1.0, grid.N / g_rms)

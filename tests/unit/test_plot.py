@@ -10,7 +10,13 @@ from hpc_gfmd.commands import plot
 from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.plotting import plot_result, survey
+from hpc_gfmd.plotting import plot_result, style, survey
+
+
+@pytest.fixture(autouse=True)
+def _coarse_pictures(monkeypatch):
+    monkeypatch.setitem(style.RC, "savefig.dpi", 60)
+
 
 SCENE = '[surface]\nkind = "self-affine"\nhurst = 0.8\n'
 
@@ -86,9 +92,14 @@ def test_nothing_to_draw_or_nowhere_to_put_it(tmp_path):
 
 
 def test_damaged_fields_are_an_error_in_one_line(tmp_path, monkeypatch):
-    monkeypatch.setattr("hpc_gfmd.parallel.h5.Stored.read", lambda *_: (_ for _ in ()).throw(OSError("bad chunk")))
+    file = write(tmp_path / "run.h5", steps=1, fields=("gap",))
+
+    def read(*_):
+        raise OSError("bad chunk")
+
+    monkeypatch.setattr("hpc_gfmd.parallel.h5.Stored.read", read)
     with pytest.raises(GfmdError, match=r"drawing .*run\.h5: bad chunk"):
-        plot_result(write(tmp_path / "run.h5", steps=1, fields=("gap",)))
+        plot_result(file)
 
 
 class Whole:

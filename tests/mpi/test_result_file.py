@@ -1,12 +1,6 @@
-"""The result file on any number of ranks: empty slabs, every transport, restart, agreed errors.
+"""The result file on any number of ranks: empty slabs, every transport, restart, agreed errors."""
 
-Run by hand: mpirun -n 3 python -m mpi4py tests/mpi/check_output.py
-"""
-
-import os
 import shutil
-import tempfile
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +9,8 @@ from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel import h5, h5_fill
-from hpc_gfmd.parallel.comm import world
+
+pytestmark = pytest.mark.mpi
 
 HEAD = {"scene": "title = 'x'", "identity": "abc", "versions": {"numpy": "2"}}
 SURFACE = {"n": [7, 5], "h_rms": 0.5}
@@ -51,17 +46,17 @@ def transports(comm):
     return ("direct", "root", "mpio") if comm.size > 1 and h5py.get_config().mpi else ("direct", "root")
 
 
-def check_round_trip(comm, folder):
+def test_round_trip(comm, shared_path):
     for n in [(7, 5), (3, 4), (1, 1)]:
         for transport in transports(comm):
             for rows in layouts(comm, n[0]):
                 for compressed in (False, True):
                     for dtype in (None, "single") if n == (7, 5) else (None,):
-                        round_trip(comm, folder, n, rows, transport, compressed, dtype)
+                        round_trip(comm, shared_path, n, rows, transport, compressed, dtype)
 
 
-def round_trip(comm, folder, n, rows, transport, compressed, dtype):
-    path = folder / "round.h5"
+def round_trip(comm, shared_path, n, rows, transport, compressed, dtype):
+    path = shared_path / "round.h5"
     fields = {"pressure": field(n), "gap": field(n, "float32")}
     how = {"transport": transport, "compressed": compressed, "dtype": dtype}
     local = {name: whole[slice(*rows)] for name, whole in fields.items()}
@@ -86,10 +81,10 @@ def round_trip(comm, folder, n, rows, transport, compressed, dtype):
     comm.barrier()
 
 
-def check_many_pieces(comm, folder):
+def test_many_pieces(comm, shared_path):
     """Slabs larger than one call may write, with a different number of calls on every rank."""
     n, whole = (60, 50), field((60, 50))
-    path = folder / "pieces.h5"
+    path = shared_path / "pieces.h5"
     before, h5_fill.PIECE_BYTES = h5_fill.PIECE_BYTES, 7 * 50 * 8
     try:
         for transport in transports(comm):
@@ -104,9 +99,9 @@ def check_many_pieces(comm, folder):
         h5_fill.PIECE_BYTES = before
 
 
-def check_not_contiguous(comm, folder):
+def test_not_contiguous(comm, shared_path):
     """Views with padded rows, transposed and complex arrays, as states of solvers are."""
-    rows, path = slab(comm, 7), folder / "views.h5"
+    rows, path = slab(comm, 7), shared_path / "views.h5"
     padded, turned = field((7, 8)), field((5, 7)).T
     spectrum = field((7, 5)) + 1j
     for transport in transports(comm):
@@ -121,8 +116,8 @@ def check_not_contiguous(comm, folder):
         comm.barrier()
 
 
-def check_resume(comm, folder):
-    path, rows, n = folder / "resume.h5", slab(comm, 7), (7, 5)
+def test_resume(comm, shared_path):
+    path, rows, n = shared_path / "resume.h5", slab(comm, 7), (7, 5)
     whole = field(n)
     run = RunFile(comm, path, n, rows, HEAD, SURFACE)
     run.write_step(0, {"status": "converged"}, {"gap": whole[slice(*rows)]})
@@ -144,8 +139,8 @@ def check_resume(comm, folder):
     comm.barrier()
 
 
-def check_locked(comm, folder):
-    path, rows = folder / "locked.h5", slab(comm, 7)
+def test_locked(comm, shared_path):
+    path, rows = shared_path / "locked.h5", slab(comm, 7)
     with RunFile(comm, path, (7, 5), rows, HEAD, SURFACE):
         assert read_partial(path).status == "running"
         comm.barrier()
@@ -154,14 +149,14 @@ def check_locked(comm, folder):
     comm.barrier()
 
 
-def check_errors_are_agreed(comm, folder):
+def test_errors_are_agreed(comm, shared_path):
     """What fails on one rank fails on all, and what was there before is untouched."""
     rows, n, last = slab(comm, 7), (7, 5), comm.rank == comm.size - 1
     good = field(n)[slice(*rows)]
     with pytest.raises(SceneError, match=r"folder .* does not exist"):
-        RunFile(comm, folder / "missing" / "a.h5", n, rows, HEAD, SURFACE)
+        RunFile(comm, shared_path / "missing" / "a.h5", n, rows, HEAD, SURFACE)
     for transport in transports(comm):
-        with RunFile(comm, folder / "agreed.h5", n, rows, HEAD, SURFACE, transport=transport) as run:
+        with RunFile(comm, shared_path / "agreed.h5", n, rows, HEAD, SURFACE, transport=transport) as run:
             run.write_step(0, {}, {"gap": good})
             with pytest.raises(GfmdError, match="local shape"):
                 run.write_step(1, {}, {"gap": good[:, :3] if last else good})
@@ -171,6 +166,7 @@ def check_errors_are_agreed(comm, folder):
             fields = {"gap": Broken(good, rows[0], n) if last else h5.Slab(good, rows[0], n)}
             with pytest.raises(GfmdError, match="no such number"):
                 h5.write_file(comm, run.partial / "step-0001.h5", {}, fields, transport=transport)
+            comm.barrier()
             assert sorted(p.name for p in run.partial.iterdir()) == ["head.h5", "lock", "step-0000.h5"]
             comm.barrier()
             if comm.rank == 0:
@@ -183,23 +179,3 @@ def check_errors_are_agreed(comm, folder):
 class Broken(h5.Slab):
     def read(self, start, stop):
         raise ValueError("no such number")
-
-
-CHECKS = [value for name, value in sorted(globals().items()) if name.startswith("check_")]
-
-
-def main():
-    comm = world()
-    folder = Path(comm.bcast(tempfile.mkdtemp() if comm.rank == 0 else None))
-    for check in CHECKS:
-        check(comm, folder)
-        comm.barrier()
-        if comm.rank == 0:
-            print(f"{comm.size} ranks: {check.__name__} passed", flush=True)
-    if comm.rank == 0:
-        shutil.rmtree(folder)
-    return os.EX_OK
-
-
-if __name__ == "__main__":
-    main()

@@ -1,0 +1,152 @@
+"""Other codes for the same contact, each in its own way; run by peers.py with the Python of the peers' environment.
+
+    python peer_worker.py NAME
+
+Reads one JSON object per line and answers each with one:
+    {"heights": path.npy, "pressure": p0}     plan for this surface (float64, n x n, peaks up, cell 1 x 1, E* = 1)
+    {"tolerance": t, "pressure_to": path.npy} solve from scratch; answers seconds, cpu_seconds, iterations, status
+
+Stands alone: imports nothing of the package that it is compared with. Planning and compilation are never inside of the times.
+"""
+
+import json
+import os
+import sys
+import time
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[_name] = "1"
+
+import numpy as np
+
+MAX_ITERATIONS = 20000
+
+
+class Aspher:
+    """solve_nested(backend="periodic"), ASPHER's fastest for this problem, with its default preconditioner."""
+
+    precision = "double"
+
+    def __init__(self, heights, p0):
+        self.n, self.p0 = len(heights), p0
+        self.gap = np.ascontiguousarray(heights.max() - heights).ravel()
+        self.solve(1e-2)  # FFTW keeps the plans
+
+    def solve(self, tolerance):
+        import aspher
+
+        result = aspher.solve_nested(grid_size=self.n, gap=self.gap, p_nominal=self.p0, domain_size=1.0, E_star=1.0, coarsest=min(64, self.n),
+                                     tol=tolerance, max_iter=MAX_ITERATIONS, backend="periodic", precision=self.precision,
+                                     light_result=True)
+        return result, int(result.iterations), str(result.status)
+
+    @staticmethod
+    def pressure(result):
+        return np.asarray(result.pressure)
+
+
+class AspherFloat(Aspher):
+    """The same in single precision."""
+
+    precision = "float"
+
+
+class AspherMixed(Aspher):
+    """The same in single precision first, then in double precision."""
+
+    precision = "float_then_double"
+
+
+class Tamaas:
+    """PolonskyKeerRey with the pressure as its variable."""
+
+    def __init__(self, heights, p0):
+        import tamaas as tm
+
+        tm.initialize(1)
+        tm.set_log_level(tm.LogLevel.error)
+        self.tm, self.p0, self.heights = tm, p0, np.ascontiguousarray(heights)
+        n = len(heights)
+        self.model = tm.Model(tm.model_type.basic_2d, [1.0, 1.0], [n, n])
+        self.model.E, self.model.nu = 1.0, 0.0
+        self.solve(1e-1, 3)
+
+    def solve(self, tolerance, max_iterations=MAX_ITERATIONS):
+        self.model.traction[...] = 0
+        self.model.displacement[...] = 0
+        solver = self.tm.PolonskyKeerRey(self.model, self.heights, tolerance)
+        solver.max_iter, solver.dump_freq = max_iterations, 10 * max_iterations
+        left = solver.solve(self.p0)
+        return None, None, "converged" if left <= tolerance else "not converged"
+
+    def pressure(self, _):
+        return np.asarray(self.model.traction).reshape(self.heights.shape)
+
+
+class ContactMechanicsPK:
+    """constrained_conjugate_gradients: Polonsky and Keer at a given force. Its three tolerances are tied to one relative number."""
+
+    def __init__(self, heights, p0):
+        from ContactMechanics import PeriodicFFTElasticHalfSpace
+        from ContactMechanics.Factory import make_system
+        from SurfaceTopography import Topography
+
+        n = len(heights)
+        self.substrate = PeriodicFFTElasticHalfSpace((n, n), 1.0, (1.0, 1.0))
+        self.surface = Topography(heights, (1.0, 1.0), periodic=True)
+        self.system = make_system(interaction="hardwall", substrate=self.substrate, surface=self.surface)
+        self.h_rms, self.force = heights.std(), p0 / n**2  # force per pixel
+        self.n, self.p0 = n, p0
+        self.substrate.evaluate_disp(np.ones((n, n)))
+
+    def solve(self, tolerance):
+        result = self.system.minimize_proxy(external_force=self.p0, pentol=tolerance * self.h_rms, forcetol=tolerance * self.force,
+                                            thermotol=tolerance, maxiter=MAX_ITERATIONS)
+        return result.jac, int(result.nit), "converged" if result.success else "not converged"
+
+    def pressure(self, forces):
+        return np.asarray(forces).reshape(self.n, self.n) * self.n**2
+
+
+class ContactMechanicsCCG(ContactMechanicsPK):
+    """Constrained conjugate gradients without restart (Bugnicourt et al.) in the pixel forces, at a given mean force."""
+
+    def solve(self, tolerance):
+        from NuMPI.Optimization import CCGWithoutRestart
+
+        result = CCGWithoutRestart.constrained_conjugate_gradients(
+            self.system.dual_objective(0.0, gradient=True), self.system.dual_hessian_product,
+            np.full((self.n, self.n), self.force), mean_val=self.force, gtol=tolerance * self.h_rms, maxiter=MAX_ITERATIONS)
+        return result.x, int(result.nit), "converged" if result.success else "not converged"
+
+
+PEERS = {"aspher": Aspher, "aspher-float": AspherFloat, "aspher-mixed": AspherMixed, "tamaas": Tamaas,
+         "contactmechanics-pk": ContactMechanicsPK, "contactmechanics-ccg": ContactMechanicsCCG}
+
+
+def main():
+    # What the codes print must not mix with the answers.
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    peer = None
+    for line in sys.stdin:
+        asked = json.loads(line)
+        try:
+            if "heights" in asked:
+                peer = None
+                peer = PEERS[sys.argv[1]](np.load(asked["heights"]), float(asked["pressure"]))
+                answer = {"ready": True}
+            else:
+                begun, cpu = time.perf_counter(), time.process_time()
+                result, iterations, status = peer.solve(float(asked["tolerance"]))
+                answer = {"seconds": time.perf_counter() - begun, "cpu_seconds": time.process_time() - cpu,
+                          "iterations": iterations, "status": status}
+                np.save(asked["pressure_to"], peer.pressure(result))
+        except Exception as error:  # whatever goes wrong in there is the caller's to report
+            answer = {"error": f"{type(error).__name__}: {error}"}
+        answers.write(json.dumps(answer) + "\n")
+        answers.flush()
+
+
+if __name__ == "__main__":
+    main()

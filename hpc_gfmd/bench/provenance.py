@@ -1,0 +1,38 @@
+"""Where and with what a measurement was made: part of every row of results."""
+
+import os
+import platform
+import subprocess
+import time
+from pathlib import Path
+
+from ..versions import versions
+
+
+def provenance(comm=None, threads=1):
+    """Host, processor, load, versions, commit, time, threads and ranks."""
+    return {"host": platform.node(), "cpu": _cpu(), "cores": len(os.sched_getaffinity(0)), "load_average": round(os.getloadavg()[0], 2),
+            "ranks": comm.size if comm else 1, "threads": threads, "time": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+            "commit": _commit(), "versions": versions()}
+
+
+def _cpu():
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def _commit():
+    """The commit of the source tree that runs, with a + if it was changed since; None outside of one."""
+    here = Path(__file__).resolve().parents[2]
+    if not (here / ".git").exists():
+        return None
+    git = ["git", "-C", str(here)]
+    try:
+        commit = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True).stdout.strip()
+        changed = subprocess.run([*git, "status", "--porcelain", "--", "hpc_gfmd"], capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return commit + ("+" if changed.strip() else "")

@@ -1,0 +1,53 @@
+"""The sweep for the largest systems: the heights are not kept while iterating, so four fields and a bit are all there is.
+
+The starting gap takes the memory of the heights; where p = p0 + K u needs the displacement u = g - h, the transform of h, which is
+known mode by mode, is added in Fourier space. The certificate is computed in the working precision. Every load that does not start
+from the one before makes the surface anew.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import SceneError
+from ..problem import Problem
+from .nested import Nested
+from .sweep import Sweep
+
+
+class LowMemorySweep(Sweep):
+    """As Sweep. Raises SceneError for surfaces that are not known by their spectrum and for other solvers than bpx."""
+
+    def _to(self, dtype):
+        self.dtype = np.dtype(dtype)
+        self.target = replace(self.target, judged_in=self.dtype.type)
+        self.solver = None
+        self.surface = self.make_surface(self.dtype)
+        if self.surface.add_spectrum is None or self.solver_class.name != "bpx":
+            raise SceneError('solver.low_memory: found true, allowed: with surface.kind = "self-affine" and solver.name = "bpx"')
+
+    def _full_contact(self, problem):
+        return None, 0.0  # the nested start finds out
+
+    def _begin(self, problem, resumed):
+        near = self.solver is not None and self._near(problem.p0)
+        if resumed is None and near:
+            self._first_pairs, self.solver.iterations = self.solver.pairs, 0
+            self.solver.continue_at(problem.p0)
+            return
+        self.solver = None  # its memory is needed now
+        h = self.surface.h if self.surface.h is not None else self.make_surface(self.dtype).h
+        if resumed is None:
+            g, pairs = Nested(self.surface.grid, self.dtype).start(replace(problem, h=h), self._make, into=h)
+            self._spent += pairs
+        else:
+            g = h
+        self.surface = replace(self.surface, h=None)
+        bare = Problem(self.surface.grid, None, problem.p0, self.surface.add_spectrum, self.dtype)
+        self.solver = self.solver_class(bare, self.settings.options, g=g)
+        self._first_pairs = 0.0
+        if resumed is None:
+            self.solver.start(g)
+        else:
+            self.solver.load_state(resumed["arrays"](problem.grid), resumed["numbers"])
+            self._spent = resumed["pairs"]

@@ -1,0 +1,111 @@
+"""Stopped by a signal or by its time limit, a run leaves a checkpoint from which any number of ranks goes on."""
+
+import os
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+from contacts import EXACT, rough
+
+from hpc_gfmd.output.read import partial_folder, read_result
+from hpc_gfmd.run import restart, run_scene
+from hpc_gfmd.scene import Scene
+
+pytestmark = pytest.mark.mpi
+
+
+def scene(**machine):
+    return Scene.from_dict({"surface": rough((2, 32, 2)), "load": {"p_star": [0.02, 0.2]}, "solver": EXACT,
+                            "output": {"fields": ["gap"]}, "machine": machine})
+
+
+def test_time_limit_and_restart(comm, shared_path):
+    """Stopped in every iteration, one process and all ranks in turns, it ends with the answer of an uninterrupted run."""
+    whole = run_scene(scene(), out=shared_path / "whole.h5", quiet=True, comm=comm)
+    path = shared_path / "pieces.h5"
+    run = run_scene(scene(wall_seconds=1e-9), out=path, quiet=True, comm=comm)
+    assert (run.status, run.exit_code) == ("interrupted", 143)
+    assert not path.exists()
+    assert (partial_folder(path) / "checkpoint.h5").exists()
+    assert read_result(path).status == "interrupted"
+    comm.barrier()
+    again = run_scene(scene(wall_seconds=1e-9), out=path, resume=True, quiet=True, comm=comm)
+    assert again.status == "interrupted"
+    run = run_scene(scene(), out=path, resume=True, quiet=True, comm=comm)
+    assert run.exit_code == 0
+    for found, wanted in zip(run.steps, whole.steps, strict=True):
+        for name in ("a_r", "gap_mean", "energy", "kappa", "iterations", "fft_pairs"):
+            assert found[name] == pytest.approx(wanted[name], rel=1e-10), name
+    found, wanted = (read_result(p).fields[1]["gap"].read(0, 128) for p in (path, shared_path / "whole.h5"))
+    assert np.abs(found - wanted).max() < 1e-10 * wanted.max()
+    assert not partial_folder(path).exists()
+    comm.barrier()
+
+
+def test_another_number_of_ranks(comm, shared_path):
+    """Begun by all ranks, continued by one, and the other way round."""
+    from hpc_gfmd.parallel.comm import SerialComm
+
+    whole = run_scene(scene(), out=shared_path / "whole.h5", quiet=True, comm=comm)
+    for name, first, then in (("a", comm, SerialComm()), ("b", SerialComm(), comm)):
+        path = shared_path / f"{name}.h5"
+        if first is comm or comm.rank == 0:
+            assert run_scene(scene(wall_seconds=1e-9), out=path, quiet=True, comm=first).status == "interrupted"
+        comm.barrier()
+        if then is comm or comm.rank == 0:
+            run = run_scene(scene(), out=path, resume=True, quiet=True, comm=then)
+            assert run.exit_code == 0
+            for found, wanted in zip(run.steps, whole.steps, strict=True):
+                assert found["a_r"] == pytest.approx(wanted["a_r"], rel=1e-10)
+                assert found["gap_mean"] == pytest.approx(wanted["gap_mean"], rel=1e-10)
+        comm.barrier()
+
+
+def test_restart_of_what_is_not_there(comm, shared_path):
+    from hpc_gfmd.errors import SceneError
+
+    with pytest.raises(SceneError, match="no interrupted run"):
+        restart(shared_path / "nothing.h5", comm=comm)
+
+
+SLOW = """
+[surface]
+kind = "self-affine"
+hurst = 0.8
+L_over_lam_l = 2
+lam_l_over_lam_s = 128
+lam_s_over_a = 2
+seed = 1
+[load]
+p_star = [0.02, 0.2]
+[solver]
+residual = 1e-14
+precision = "double"
+max_iterations = 10000000
+[output]
+path = "slow.h5"
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGINT"])
+def test_signal(mpirun, ranks, tmp_path, name):
+    """A signal to the job in its first load step: checkpoint, exit, and `restart` on another number of ranks."""
+    (tmp_path / "scene.toml").write_text(SLOW)
+    process = mpirun.start(["-m", "hpc_gfmd", "run", "scene.toml"], subprocess.PIPE, cwd=tmp_path)
+    try:
+        head, since = tmp_path / "slow.h5.partial" / "head.h5", time.monotonic()
+        while not (head.exists() and b"setup_seconds" in head.read_bytes()):
+            assert process.poll() is None, process.communicate()
+            assert time.monotonic() - since < 60
+            time.sleep(0.02)
+        time.sleep(0.3)
+        os.kill(process.pid, getattr(signal, name))  # mpirun passes it on
+        _, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode != 0
+    assert b"Traceback" not in err
+    assert not (tmp_path / "slow.h5").exists()
+    assert (tmp_path / "slow.h5.partial" / "checkpoint.h5").exists(), err

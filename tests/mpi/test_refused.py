@@ -1,0 +1,94 @@
+"""Bad scenes on any number of ranks: exit code 2, one line on stderr, once, nothing written, no hang."""
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.cli import main
+
+pytestmark = pytest.mark.mpi
+GOOD = """
+[surface]
+kind = "wave"
+amplitude = 0.1
+n = [8, 8]
+[load]
+pressure = 0.1
+"""
+
+BAD = {  # name: overrides of the good scene, and what the message names
+    "unknown key": (["load.presure=1"], "pressure"),
+    "negative load": (["load.pressure=-1"], "load.pressure"),
+    "no points": (["surface.n=[0, 8]"], "surface.n"),
+    "unknown solver": (["solver.name=bqx"], "bpx"),
+    "unknown observable": (['output.observables=["a_rr"]'], "a_r"),
+    "unknown option": (["solver.options={bogus = 1}"], "bogus"),
+    "no folder": (["output.path=missing/a.h5"], "missing"),
+    "p_star of a flat wall": (["surface.amplitude=0", "load={p_star = [0.1]}"], "load.p_star"),
+    "missing file": (['surface={kind = "file", path = "none.npy"}'], "none.npy"),
+    "text as heights": (['surface={kind = "file", path = "text.npy"}'], "text.npy"),
+    "nan in the last row": (['surface={kind = "file", path = "nan.npy"}'], "nan"),
+    "complex heights": (['surface={kind = "file", path = "complex.npy"}'], "complex"),
+    "three axes": (['surface={kind = "file", path = "cube.npy"}'], "cube.npy"),
+    "no data set": (['surface={kind = "file", path = "z.h5", dataset = "q"}'], "height"),
+    "too large": (["surface.n=[16777216, 16777216]"], "GiB"),
+    "constant file, p_star": (['surface={kind = "file", path = "flat.npy"}', "load={p_star = 0.1}"], "load.p_star"),
+    "gone": (None, "gone.toml"),
+}
+
+
+@pytest.fixture
+def folder(comm, shared_path):
+    if comm is not None and comm.rank == 0:
+        import h5py
+
+        (shared_path / "scene.toml").write_text(GOOD)
+        (shared_path / "text.npy").write_text("no heights")
+        z = np.zeros((9, 8))
+        np.save(shared_path / "flat.npy", z)
+        np.save(shared_path / "complex.npy", z + 1j)
+        np.save(shared_path / "cube.npy", np.zeros((2, 2, 2)))
+        z[-1, -1] = np.nan
+        np.save(shared_path / "nan.npy", z)
+        with h5py.File(shared_path / "z.h5", "w") as file:
+            file["height"] = z
+    if comm is not None:
+        comm.barrier()
+    return shared_path
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_refused(comm, folder, name, capfd, monkeypatch):
+    monkeypatch.chdir(folder)
+    overrides, named = BAD[name]
+    scene = "scene.toml" if overrides is not None else "gone.toml"
+    before = sorted(folder.iterdir())
+    comm.barrier()
+    code = main(["run", scene, *[part for o in overrides or () for part in ("--set", o)]])
+    err = capfd.readouterr().err
+    assert code == 2, err
+    if comm.rank == 0:
+        assert err.count("\n") == 1
+        assert named in err
+        assert "Traceback" not in err
+    else:
+        assert err == ""
+    comm.barrier()
+    assert sorted(folder.iterdir()) == before
+    comm.barrier()
+
+
+def test_by_mpirun(mpirun, tmp_path):
+    """The same from outside: what a user and a job script see."""
+    (tmp_path / "scene.toml").write_text(GOOD)
+    run = mpirun("run", "scene.toml", "--set", "surface.m=[3, 3]", cwd=tmp_path)
+    assert run.returncode == 2
+    assert run.stdout == ""
+    assert run.stderr.strip().count("\n") == 0
+    assert "surface.n" in run.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
+
+
+def test_wrong_arguments_by_mpirun(mpirun, tmp_path):
+    run = mpirun("run", "--sett", "a=b", cwd=tmp_path)
+    assert run.returncode == 2
+    assert len(run.stderr.strip().splitlines()) == 1

@@ -1,0 +1,144 @@
+"""The answer does not depend on the number of ranks: areas, gaps, pressures, iterations, surfaces, files."""
+
+import h5py
+import numpy as np
+import pytest
+from contacts import EXACT, heights_of, random_heights, rough, solve_scene, sweep_of
+
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.registry import all_observables, solver_names
+from hpc_gfmd.run import run_scene
+from hpc_gfmd.scene import Scene, Solver
+from hpc_gfmd.surface import surface_from_rows
+from hpc_gfmd.driver.sweep import Sweep
+
+pytestmark = pytest.mark.mpi
+TOLERANCE = 1e-10
+
+
+def assert_same(comm, step, serial, tolerance=TOLERANCE):
+    """Numbers on all ranks and this rank's rows of all fields equal those of one process."""
+    observables = {k: (f(step.contact), f(serial.contact)) for k, f in all_observables().items()}
+    for name, (found, wanted) in observables.items():
+        assert found == pytest.approx(wanted, rel=tolerance), name
+    assert step.contact.outcome.status == serial.contact.outcome.status
+    assert step.iterations == serial.iterations
+    mine = slice(*step.contact.surface.rows)
+    for name in ("pressure", "gap", "displacement"):
+        found, wanted = step.contact.field(name), serial.contact.field(name)
+        assert found.shape == wanted[mine].shape
+        assert np.abs(found - wanted[mine]).max(initial=0) <= tolerance * np.abs(wanted).max()
+    assert all(s == observables["a_r"][0] for s in comm.allgather(observables["a_r"][0]))
+
+
+@pytest.mark.parametrize("p_star", [0.02, 0.3])
+@pytest.mark.parametrize("surface", [
+    rough((2, 16, 2)), rough((1, 31, 2.0), seed=3), rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
+    rough((1, 97, 2), hurst=1.0)], ids=["64x64", "62x62", "48x24", "194x194"])
+def test_rough(comm, surface, p_star):
+    assert_same(comm, solve_scene(surface, p_star, comm=comm, **EXACT), solve_scene(surface, p_star, **EXACT))
+
+
+@pytest.mark.parametrize("n", [(3, 16), (5, 12), (7, 11), (2, 40), (40, 2), (40, 3), (67, 71), (130, 128)], ids=str)
+def test_any_grid(comm, n):
+    """Ranks without rows or columns, odd and prime numbers of points, a rectangular cell."""
+    z = random_heights(n, seed=4)
+    steps = []
+    for world in (comm, SerialComm()):
+        sweep = Sweep(lambda dtype, world=world: surface_from_rows(n, (1.0, 1.3), lambda a, b: z[a:b], world, dtype),
+                      Solver(**EXACT))
+        steps.append(sweep.solve(0.1 * sweep.surface.g_rms))
+    assert_same(comm, *steps)
+
+
+@pytest.mark.parametrize("name", solver_names())
+def test_every_solver(comm, name):
+    accurate = EXACT | {"name": name, "residual": 1e-8}
+    surface = rough((1, 16, 2), seed=2)
+    assert_same(comm, solve_scene(surface, 0.1, comm=comm, **accurate), solve_scene(surface, 0.1, **accurate), 1e-8)
+
+
+@pytest.mark.parametrize("surface", [
+    {"kind": "wave", "amplitude": 0.1, "n": [48, 30]}, {"kind": "wave", "amplitude": 0.1, "n": [30, 48], "periods": [0, 2]},
+    {"kind": "wave", "amplitude": 0.1, "n": [32, 32], "periods": [1, 1]}, {"kind": "sphere", "radius": 1.0, "n": [33, 32]},
+    {"kind": "wave", "amplitude": 0.0, "n": [9, 8]}], ids=["along x", "along y", "both", "sphere", "flat"])
+def test_analytic_surfaces(comm, surface):
+    steps = [sweep_of(surface, comm=world, **EXACT).solve(0.01) for world in (comm, SerialComm())]
+    found, wanted = steps
+    mine = slice(*found.contact.surface.rows)
+    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=TOLERANCE)
+    for name in ("pressure", "gap"):
+        field = wanted.contact.field(name)
+        assert np.abs(found.contact.field(name) - field[mine]).max(initial=0) <= TOLERANCE * np.abs(field).max()
+
+
+def test_single_precision(comm):
+    surface = rough((2, 32, 2))
+    found, wanted = (solve_scene(surface, 0.1, comm=world, accuracy=1e-3, precision="single") for world in (comm, SerialComm()))
+    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-3)
+    assert all_observables()["a_r"](found.contact) == pytest.approx(all_observables()["a_r"](wanted.contact), rel=2e-3)
+
+
+@pytest.mark.parametrize("surface", [rough((2, 16, 2)), rough((1, 15, 3.0), hurst=0.0), rough((3, 5, 2.0), physical_sizes=[1.0, 0.1])],
+                         ids=["even", "odd", "three rows of columns"])
+def test_surface(comm, surface):
+    """The heights of a seed are the same on every rank count."""
+    z = heights_of(surface)
+    made = sweep_of(surface, comm=comm).surface
+    assert np.abs(-made.h * made.height_unit - z[slice(*made.rows)]).max(initial=0) < 1e-12 * np.ptp(z)
+
+
+@pytest.mark.parametrize("file", ["z.npy", "z.h5"])
+def test_height_map(comm, shared_path, file):
+    """A file is read by every rank and solved as the array is."""
+    n, path = (37, 30), shared_path / file
+    z = random_heights(n, seed=5)
+    if comm.rank == 0 and file == "z.npy":
+        np.save(path, z)
+    elif comm.rank == 0:
+        with h5py.File(path, "w") as made:
+            made["a/heights"] = z
+    comm.barrier()
+    surface = {"kind": "file", "path": str(path), "dataset": "a/heights", "physical_sizes": [2.0, 1.5]}
+    whole = Sweep(lambda dtype: surface_from_rows(n, (2.0, 1.5), lambda a, b: z[a:b], SerialComm(), dtype), Solver(**EXACT), 3.0)
+    assert_same(comm, sweep_of(surface, 3.0, comm, **EXACT).solve(0.7), whole.solve(0.7))
+
+
+def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):
+    from hpc_gfmd.surface.files import HeightMap
+
+    n, path = (300, 8), shared_path / "z.npy"
+    if comm.rank == 0:
+        np.save(path, random_heights(n))
+    comm.barrier()
+    asked, rows = [], HeightMap.rows
+    monkeypatch.setattr(HeightMap, "rows", lambda self, start, stop: asked.append((start, stop)) or rows(self, start, stop))
+    made = sweep_of({"kind": "file", "path": str(path)}, comm=comm).surface
+    assert asked[0][0] == made.rows[0]
+    assert asked[-1][1] == made.rows[1]
+    assert max(stop - start for start, stop in asked) < n[0]
+
+
+def test_result_file(comm, shared_path):
+    """The file of the whole run: numbers and fields of several loads, as from one process."""
+    scene = Scene.from_dict({
+        "surface": rough((2, 8, 3), seed=6), "load": {"p_star": [0.05, 0.06, 0.3]}, "solver": EXACT,
+        "output": {"fields": ["pressure", "gap", "displacement"]}})
+    paths = [shared_path / "all.h5", shared_path / f"one{comm.rank}.h5"]
+    for path, world in zip(paths, (comm, SerialComm()), strict=True):
+        run = run_scene(scene, out=path, quiet=True, comm=world)
+        assert (run.status, run.exit_code) == ("converged", 0)
+    comm.barrier()
+    together, alone = (read_result(path) for path in paths)
+    assert together.head["ranks"] == comm.size
+    for found, wanted in zip(together.steps, alone.steps, strict=True):
+        assert set(found) == set(wanted)
+        for name in ("a_r", "gap_mean", "energy", "kappa", "stiffness", "iterations"):
+            if name in wanted:
+                assert found[name] == pytest.approx(wanted[name], rel=TOLERANCE), name
+    for found, wanted in zip(together.fields, alone.fields, strict=True):
+        for name in ("pressure", "gap", "displacement"):
+            field = wanted[name].read(0, 48)
+            assert np.abs(found[name].read(0, 48) - field).max() <= TOLERANCE * np.abs(field).max()
+    comm.barrier()
