@@ -13,7 +13,8 @@ class Reporter:
 
     def __init__(self, comm, target, quiet=False):
         self.silent = comm.rank != 0 or quiet
-        self.bar_wanted = not self.silent and (os.environ.get("HPC_GFMD_PROGRESS") == "bar" or sys.stderr.isatty())
+        wanted = os.environ.get("HPC_GFMD_PROGRESS") or ("bar" if sys.stderr.isatty() else "log")
+        self.bar_wanted = wanted == "bar" and not self.silent
         self.target = target
         self.bar = None
 

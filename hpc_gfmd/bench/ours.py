@@ -1,11 +1,13 @@
-"""One of this package's solvers on one case, as a user gets it: with its start on coarser grids and its certificate."""
+"""This package's solvers on one case, as a user gets them: with the start on coarser grids and the certificate."""
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
+from ..driver.drive import Target
 from ..driver.sweep import Sweep
+from ..registry import solver_class
 from ..scene import Solver
 
 
@@ -26,18 +28,18 @@ class Solved:
 
 
 class Ours:
-    """Plans everything in __init__; `solve` can then be called again and again, and begins anew each time."""
+    """Plans everything for a case and a precision; `solve` can then be called again and again, and begins anew each time."""
 
-    def __init__(self, case, solver="bpx", precision="double", nested=True, max_iterations=100_000):
-        self.case = case
-        self.settings = Solver(name=solver, precision=precision, nested=nested, max_iterations=max_iterations)
-        self.sweep = Sweep(case.surface, self.settings)
+    def __init__(self, case, precision="double"):
+        self.sweep = Sweep(case.surface, Solver(precision=precision, nested=True))
         self.p = case.p_star * self.sweep.surface.g_rms
+        self.nested = self.sweep.nested
 
-    def solve(self, accuracy):
-        """Solved to a relative accuracy of area, mean gap and pressure."""
+    def solve(self, accuracy, solver="bpx", nested=True, max_iterations=100_000):
+        """Solved to a relative accuracy of area, mean gap and pressure, from coarser grids (nested) or from a flat plane."""
         sweep = self.sweep
-        sweep.target = replace(sweep.target, accuracy=accuracy, residual=None)
+        sweep.target = Target(accuracy, None, max_iterations)
+        sweep.solver_class, sweep.nested = solver_class(solver), self.nested if nested else None
         sweep.solver = sweep.before = None  # nothing is left of the solve before
         begun, cpu = time.perf_counter(), time.process_time()
         step = sweep.solve(self.p)

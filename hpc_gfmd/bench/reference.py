@@ -44,7 +44,7 @@ def reference(case):
         return Reference(**json.loads(about.read_text()), pressure=np.load(path))
     except (OSError, ValueError, TypeError):
         pass
-    solved = Ours(case, "bpx", "double").solve(ACCURACY)
+    solved = Ours(case, "double").solve(ACCURACY)
     error = float(solved.estimates[2])
     if not error < WORST:
         raise GfmdError(f"reference of {case}: {solved.status} at an estimated pressure error of {error:.1e}, allowed: below {WORST:g}")

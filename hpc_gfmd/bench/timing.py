@@ -20,32 +20,37 @@ class Sample:
     def median(self):
         return float(np.median(self.seconds))
 
-    def record(self):
-        """What a row of results says of it."""
-        return {"seconds_min": self.min, "seconds_median": self.median, "repeats": len(self.seconds)}
 
+class Clock:
+    """Measures functions. cpu: by the processor's clock of this process, for a machine that others use too."""
 
-def clock(run, comm=None):
-    """Seconds of run() on the slowest rank. run may return a number of seconds that it measured itself."""
-    if comm is not None:
-        comm.barrier()
-    begun = time.perf_counter()
-    told = run()
-    seconds = told if isinstance(told, float) else time.perf_counter() - begun
-    return float(comm.max([seconds])[0]) if comm is not None else seconds
+    def __init__(self, comm=None, cpu=False):
+        self.comm, self.now = comm, time.process_time if cpu else time.perf_counter
+        self.name = "cpu" if cpu else "wall"
 
+    def slowest(self, seconds):
+        """The largest of the ranks' numbers."""
+        return float(self.comm.max([seconds])[0]) if self.comm is not None else float(seconds)
 
-def alternate(runs, repeats, comm=None, warmup=1):
-    """{name: Sample} of {name: function}: all in turn, every other round backwards (A B B A), so that a drift of the machine's speed
-    hits all alike. The warm-up rounds are not timed."""
-    seconds = {name: [] for name in runs}
-    for _ in range(warmup):
-        for run in runs.values():
-            run()
-    for k in range(repeats):
-        for name in list(runs)[:: 1 if k % 2 == 0 else -1]:
-            seconds[name].append(clock(runs[name], comm))
-    return {name: Sample(tuple(s)) for name, s in seconds.items()}
+    def measure(self, run):
+        """Seconds of run() on the slowest rank."""
+        if self.comm is not None:
+            self.comm.barrier()
+        begun = self.now()
+        run()
+        return self.slowest(self.now() - begun)
+
+    def alternate(self, runs, repeats, warmup=1):
+        """{name: Sample} of {name: function}: all in turn, every other round backwards (A B B A), so that a drift of the machine's
+        speed hits all alike. The warm-up rounds are not timed."""
+        seconds = {name: [] for name in runs}
+        for _ in range(warmup):
+            for run in runs.values():
+                run()
+        for k in range(repeats):
+            for name in list(runs)[:: 1 if k % 2 == 0 else -1]:
+                seconds[name].append(self.measure(runs[name]))
+        return {name: Sample(tuple(s)) for name, s in seconds.items()}
 
 
 def ratio(a, b):

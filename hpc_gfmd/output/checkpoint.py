@@ -6,6 +6,7 @@ import numpy as np
 
 from ..errors import GfmdError, SceneError
 from ..parallel.h5 import Slab, read_rows, write_file
+from .read import opened
 
 
 def write_checkpoint(comm, path, grid, step, solver, spent):
@@ -37,15 +38,13 @@ def read_checkpoint(comm, path, step, solver_name):
 
 
 def _read_head(path, step, solver_name):
-    import h5py
-
     try:
-        with h5py.File(path, "r", locking=False) as file:
+        with opened(path) as file:
             head = dict(file.attrs)
             if int(head["step"]) != step or head["solver"] != solver_name:
                 return None
             return {"numbers": json.loads(head["numbers"]), "p0": float(head["p0"]), "pairs": float(head["pairs"]),
                     "seconds": float(head["seconds"]), "dtype": np.dtype(head["dtype"]), "names": list(file),
                     "n": [int(n) for n in head["n"]]}
-    except (OSError, KeyError, ValueError, GfmdError):
+    except (OSError, KeyError, ValueError, GfmdError, SceneError):
         return None

@@ -17,7 +17,8 @@ from ..kernels.spectral import multiply_compliance
 from ..options import read_options
 from .base import Progress, Solver
 
-STIFFNESS = 0.5  # of a point that comes into contact, preconditioned, relative to the largest of K
+TAKEN = 0.05  # stiffness of a point that is taken into contact, preconditioned, relative to the largest eigenvalue of K
+RESIDUAL = 0.25  # of the same, at which gaps left in contact count as pressure: up to 2 times more than what the certificate finds
 
 
 class Ccg(Solver):
@@ -82,7 +83,7 @@ class Ccg(Solver):
 
     def step(self):
         tau = self._search()
-        kick = tau * (STIFFNESS * self.stiffest if self.preconditioned else 1.0)
+        kick = tau * (TAKEN * self.stiffest if self.preconditioned else 1.0)
         args = self.real(self.shift), self.real(tau), self.real(kick)
         load, taken = self._sum(self.elastic.pressure_rows(
             lambda i0, i1, x: advance(self.q, self.t, self.w, x, i0, i1, *args)), 2)
@@ -109,7 +110,9 @@ class Ccg(Solver):
         r = self.elastic.use_rows(lambda i0, i1, x: respond(self.q, x, i0, i1))
         et, t, r, n, tSt = self.grid.comm.sum([*_total(et, 2), *_total(r, 2), tSt])
         curvature = tSt - r * t / n
-        return float(et / curvature) if curvature > 0 else 0.0
+        # S_CC >= 1/(largest eigenvalue of K), S_CC K_CC >= 1; where nothing is left to do in contact the quotient is noise
+        largest = 1.0 if self.preconditioned else self.stiffest
+        return float(np.clip(et / curvature, 0.0, largest)) if curvature > 0 else largest
 
     def _new_gap(self, load):
         """Scale q, the rows of which are transformed, to the mean p0, and compute its gap."""
@@ -137,8 +140,8 @@ class Ccg(Solver):
     # -- how far -------------------------------------------------------------------------------------------------------------
 
     def progress(self):
-        """residual: the pressure that it takes at most to move what is left of the gap, K (e in contact, e < 0 elsewhere)."""
-        residual = self.stiffest * float(np.sqrt((self.ee + self.below) / self.N)) / self.p0
+        """residual: an estimate of K applied to what is left of the gap: e in contact, and e < 0 elsewhere."""
+        residual = RESIDUAL * self.stiffest * float(np.sqrt((self.ee + self.below) / self.N)) / self.p0
         return Progress(residual, self.contact, self.gap / self.N, None, bool(np.isfinite(residual + self.gap)))
 
 

@@ -34,7 +34,7 @@ class Fire(Gfmd):
 
     def _coefficients(self):
         mix, keep = 0.0, 0.0
-        if self.pd < 0:
+        if self.pd < 0 < self.rr:
             mix = self.alpha * np.sqrt(self.dd / self.rr) / self.dt_last
             keep = (1 - self.alpha) / self.dt_last
             self.downhill += 1

@@ -10,7 +10,7 @@ from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import all_observables, solver_names
 from hpc_gfmd.run import run_scene
 from hpc_gfmd.scene import Scene, Solver
-from hpc_gfmd.surface import surface_from_rows
+from hpc_gfmd.surface.build import surface_from_rows
 from hpc_gfmd.driver.sweep import Sweep
 
 pytestmark = pytest.mark.mpi

@@ -1,0 +1,72 @@
+"""Time and FFT pairs of the solvers against the true errors of what they return.
+
+Every solver is run to a series of accuracies, each from its start: reading errors along the iterations would disturb the times. What
+is reported is the true error of the result, not what was asked.
+"""
+
+import numpy as np
+
+from ..errors import GfmdError
+from .cases import Case
+from .ours import Ours
+from .picture import draw
+from .reference import reference
+from .report import Report
+
+COLUMNS = {"n": ("n", "5d"), "hurst": ("H", "4.2g"), "p_star": ("p*", "8.4g"), "precision": ("precision", "9"), "solver": ("solver", "6"),
+           "start": ("start", "6"), "accuracy": ("asked", "7.0e"), "error": ("true", "8.1e"), "area_error": ("area", "8.1e"),
+           "gap_error": ("gap", "8.1e"), "pressure_error": ("pressure", "8.1e"), "iterations": ("iter", "6d"),
+           "fft_pairs": ("pairs", "8.2f"), "seconds_min": ("s (min)", "9.3g"), "seconds_median": ("s (median)", "10.3g"),
+           "cpu_seconds_min": ("cpu s (min)", "11.3g"), "status": ("status", "14")}
+
+
+def bench_accuracy(args):
+    """All cases. args: n, hurst, p_star, precision, solvers, start, accuracy (lists), max_iterations, repeats, budget, out."""
+    report = Report("accuracy", COLUMNS, args.out)
+    for n in args.n:
+        for hurst in args.hurst:
+            for p_star in args.p_star:
+                case = Case(n, hurst, p_star)
+                try:
+                    known = reference(case)
+                except GfmdError as error:
+                    report.say(f"# {error}")
+                    continue
+                for precision in args.precision:
+                    _one_case(case, precision, known, args, report)
+    report.finish()
+    if args.out:
+        draw(report.rows, report.folder / "accuracy.png", "cpu_seconds_min" if args.cpu else "seconds_min")
+    return report.rows
+
+
+def _one_case(case, precision, known, args, report):
+    ours = Ours(case, precision)
+    ours.solve(0.1)
+    runs, rows = {}, {}  # by (solver, start, accuracy)
+    for solver in args.solvers:
+        for start in args.start:
+            for accuracy in sorted(args.accuracy, reverse=True):
+                solved = ours.solve(accuracy, solver, start == "nested", args.max_iterations)
+                key = solver, start, accuracy
+                rows[key] = _row(solved, known)
+                slow = solved.seconds > args.budget
+                runs[key] = [solved] if slow else []
+                if slow or solved.status != "converged":
+                    break
+    again = [key for key, taken in runs.items() if not taken]
+    for k in range(args.repeats):
+        for solver, start, accuracy in again[:: 1 if k % 2 == 0 else -1]:
+            solved = ours.solve(accuracy, solver, start == "nested", args.max_iterations)
+            runs[solver, start, accuracy].append(solved)
+    for (solver, start, accuracy), taken in runs.items():
+        seconds = [s.seconds for s in taken]
+        report.add(**case.label, precision=precision, solver=solver, start=start, accuracy=accuracy, repeats=len(taken),
+                   seconds_min=min(seconds), seconds_median=float(np.median(seconds)), cpu_seconds_min=min(s.cpu_seconds for s in taken),
+                   **rows[solver, start, accuracy])
+
+
+def _row(solved, known):
+    area, gap, pressure = known.errors(solved.a_r, solved.gap_mean, solved.pressure)
+    return {"error": max(area, gap, pressure), "area_error": area, "gap_error": gap, "pressure_error": pressure,
+            "estimates": list(solved.estimates), "iterations": solved.iterations, "fft_pairs": solved.fft_pairs, "status": solved.status}

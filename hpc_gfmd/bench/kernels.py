@@ -1,0 +1,108 @@
+"""Passes of the default solver while it solves: bytes moved, share of a copy's bandwidth, iteration over bare FFT pair."""
+
+import numpy as np
+
+from ..parallel.bare_fft import bare_pairs
+from ..parallel.comm import world
+from ..problem import Problem
+from ..registry import solver_class
+from .cases import Case
+from .report import Report
+from .timing import Clock, Sample, ratio
+from .traffic import COPY, field_passes
+from .transforms import DTYPES
+
+HURST = 0.8
+ITERATIONS = 16  # after which the contact is begun anew: what is iterated is not a solution
+COLUMNS = {"n": ("n", "5d"), "precision": ("precision", "9"), "what": ("pass", "16"), "ms_min": ("ms (min)", "9.3f"),
+           "ms_median": ("ms (median)", "11.3f"), "bytes_per_point": ("bytes/point", "11.1f"), "gb_per_s": ("GB/s", "7.2f"),
+           "share_of_copy": ("of copy", "7.3f"), "iteration_over_this": ("iteration/this", "14.3f")}
+
+
+class TimedSolver:
+    """The default solver, begun from a flat plane, whose passes tell how long they took."""
+
+    def __init__(self, case, dtype, comm, clock):
+        surface = case.surface(dtype, comm)
+        self.solver = solver_class("auto")(Problem(surface.grid, surface.h, case.p_star), {})
+        self.clock = clock
+        self.start = np.maximum(surface.h - surface.h.dtype.type(surface.h.mean()), 0)
+        self.spent = {}
+        solver = self.solver
+        self._time(solver, "_propose", "propose + rows")
+        self._time(solver.elastic, "pressure_columns", "columns")
+        self._time(solver, "_update", "update + rows")
+        self._time(solver.levels, "sweep", "sweep")
+        self.left = 0
+
+    def _time(self, owner, method, name):
+        run = getattr(owner, method)
+
+        def timed(*args):
+            begun = self.clock.now()
+            result = run(*args)
+            self.spent[name] = self.spent.get(name, 0.0) + self.clock.now() - begun
+            return result
+
+        setattr(owner, method, timed)
+
+    def __call__(self):
+        if self.left == 0:
+            self.solver.start(self.start)
+            self.solver.step()  # the first one is a plain projected gradient
+            self.left = ITERATIONS
+        self.left -= 1
+        self.spent = {}
+        begun = self.clock.now()
+        self.solver.step()
+        self.spent["iteration"] = self.clock.now() - begun
+
+
+def bench_kernels(sizes, precisions, p_star, repeats, cpu, out):
+    """One table row per pass, and for the iteration, the copy and the bare FFT pairs."""
+    comm = world()
+    clock = Clock(comm, cpu)
+    report = Report("kernels", COLUMNS, out, comm)
+    report.say(f"# H = {HURST}, p* = {p_star:g}; {clock.name} time; of copy: bandwidth over that of a copy of one field in the same run; "
+               "iteration/this: median over runs in turn")
+    for n in sizes:
+        for precision in precisions:
+            _one(n, DTYPES[precision], precision, p_star, repeats, comm, clock, report)
+    report.finish()
+    return report.rows
+
+
+def _one(n, dtype, precision, p_star, repeats, comm, clock, report):
+    timed = TimedSolver(Case(n, HURST, p_star), dtype, comm, clock)
+    grid = timed.solver.grid
+    source, target = np.zeros(grid.shape, dtype), np.zeros(grid.shape, dtype)
+    others = {"copy": lambda: np.copyto(target, source)} | bare_pairs((n, n), dtype, comm)
+    fields = field_passes([level.n for level in timed.solver.levels.levels])
+    names = [*fields, "iteration"]
+    seconds = {name: [] for name in [*names, *others]}
+    for k in range(-2, repeats):
+        for name in (["iteration", *others] if k % 2 == 0 else [*reversed(others), "iteration"]):
+            if name != "iteration":
+                taken = {name: clock.measure(others[name])}
+            else:
+                comm.barrier()
+                if timed.left == 0:
+                    timed()  # begins anew: not counted
+                timed()
+                taken = {part: clock.slowest(timed.spent.get(part, 0.0)) for part in names}
+            if k >= 0:
+                for part, value in taken.items():
+                    seconds[part].append(value)
+    samples = {name: Sample(tuple(s)) for name, s in seconds.items()}
+    size = np.dtype(dtype).itemsize
+    counted = {name: f * size for name, f in fields.items()} | {"iteration": sum(fields.values()) * size, "copy": COPY * size}
+    N = n * n
+    copy = COPY * size / samples["copy"].median
+    for name, sample in samples.items():
+        row = {"n": n, "precision": precision, "what": name, "p_star": p_star, "clock": clock.name, "repeats": repeats,
+               "ms_min": 1e3 * sample.min, "ms_median": 1e3 * sample.median,
+               "iteration_over_this": ratio(samples["iteration"], sample)}
+        if name in counted:
+            row |= {"bytes_per_point": counted[name], "gb_per_s": 1e-9 * N * counted[name] / sample.min,
+                    "share_of_copy": counted[name] / sample.median / copy}
+        report.add(**row)

@@ -1,0 +1,167 @@
+"""This package against other codes: time at equal true error of the pressure field, on the same surfaces, one thread each.
+
+A code's tolerance says little about its error, so every code is first given the loosest tolerance at which its true error (relative
+L2 norm of the pressure field against a reference solved far tighter) is below the same target. Then all run in turn.
+"""
+
+import json
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import GfmdError, SceneError
+from .cases import Case
+from .loosest import loosest
+from .ours import Ours
+from .reference import reference
+from .report import Report
+
+NAMES = ("aspher", "aspher-float", "aspher-mixed", "tamaas", "contactmechanics-pk", "contactmechanics-ccg")
+COLUMNS = {"n": ("n", "5d"), "p_star": ("p*", "8.4g"), "code": ("code", "<20"), "tolerance": ("tolerance", "9.2g"),
+           "error": ("L2 error", "9.2g"), "iterations": ("iter", "6d"), "seconds_min": ("s (min)", "9.3g"),
+           "seconds_median": ("s (median)", "10.3g"), "cpu_seconds_min": ("cpu s (min)", "11.3g"), "repeats": ("runs", "4d"),
+           "times_slower": ("x ours", "7.1f"), "cpu_times_slower": ("x (cpu)", "7.1f"), "status": ("status", "<13")}
+
+
+def peers_python():
+    """The interpreter of the environment that scripts/bench-peers-setup makes. Raises SceneError where there is none."""
+    root = os.environ.get("HPC_GFMD_PEERS") or Path(__file__).resolve().parents[2] / ".venv-peers"
+    python = Path(root) / "bin" / "python"
+    if not python.exists():
+        raise SceneError(f"bench peers: found no {python}, allowed: an environment made by scripts/bench-peers-setup "
+                         "(HPC_GFMD_PEERS names another folder)")
+    return python
+
+
+class _Peer:
+    """A process that solves with another code."""
+
+    def __init__(self, name, python, folder):
+        self.name, self.pressure_path = name, Path(folder) / f"{name}.npy"
+        environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "OMPI_", "PMI", "VIRTUAL_ENV"))}
+        environment["OMP_NUM_THREADS"] = "1"
+        self.process = subprocess.Popen([python, Path(__file__).with_name("peer_worker.py"), name], stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment)
+
+    def _ask(self, **what):
+        try:
+            self.process.stdin.write(json.dumps(what) + "\n")
+            self.process.stdin.flush()
+            line = self.process.stdout.readline()
+        except BrokenPipeError:
+            line = ""
+        answer = json.loads(line) if line else {"error": "the process died"}
+        if "error" in answer:
+            raise GfmdError(f"{self.name}: {answer['error']}")
+        return answer
+
+    def prepare(self, heights, pressure):
+        self._ask(heights=str(heights), pressure=pressure)
+
+    def solve(self, tolerance):
+        """Numbers of the solve, and the pressure field."""
+        answer = self._ask(tolerance=tolerance, pressure_to=str(self.pressure_path))
+        return answer, np.load(self.pressure_path)
+
+    def close(self):
+        self.process.stdin.close()
+        try:
+            self.process.wait(10)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+
+
+class _We:
+    """This package's default solver in one precision, with the same methods."""
+
+    def __init__(self, precision):
+        self.name, self.precision = f"hpc-gfmd {precision}", precision
+
+    def prepare(self, case):
+        self.ours = Ours(case, self.precision)
+        self.ours.solve(0.1)
+
+    def solve(self, tolerance):
+        solved = self.ours.solve(tolerance)
+        return {"seconds": solved.seconds, "cpu_seconds": solved.cpu_seconds, "iterations": solved.iterations,
+                "status": solved.status, "fft_pairs": solved.fft_pairs}, solved.pressure
+
+    def close(self):
+        self.ours = None
+
+
+def bench_peers(sizes, loads, hurst, precisions, names, target, repeats, budget, out):
+    """All codes on all surfaces; budget: seconds after which a code is not run again on a case."""
+    python = peers_python() if names else None
+    report = Report("peers", COLUMNS, out)
+    report.say(f"# equal true error: relative L2 of the pressure field <= {target:g}; H = {hurst}, L/lam_l = 2, lam_s/a = 2, seed 1; "
+               "x: median over runs in turn of the time over that of our faster precision")
+    with tempfile.TemporaryDirectory() as folder:
+        for n in sizes:
+            heights = Path(folder) / "heights.npy"
+            for p_star in loads:
+                case = Case(n, hurst, p_star)
+                known = reference(case)
+                np.save(heights, -case.gap())
+                _one_case(case, known, heights, precisions, names, python, folder, target, repeats, budget, report)
+    report.finish()
+    return report.rows
+
+
+def _one_case(case, known, heights, precisions, names, python, folder, target, repeats, budget, report):
+    codes = [_We(precision) for precision in precisions] + [_Peer(name, python, folder) for name in names]
+    tolerances, last, tried = {}, {}, {}
+    try:
+        for code in list(codes):
+            def error_at(tolerance, code=code):
+                answer, pressure = code.solve(tolerance)
+                last[code] = tried[code, tolerance] = answer | {"error": known.pressure_error(pressure - known.pressure)}
+                return last[code]["error"]
+
+            ours = isinstance(code, _We)
+            try:
+                code.prepare(case) if ours else code.prepare(heights, case.p_star)
+                tolerance, error = loosest(error_at, target, 10 * target if ours else target, budget)
+            except GfmdError as failure:
+                report.say(f"# {failure}")
+                tolerance, error = None, None
+            if tolerance is None:
+                report.add(**case.label, code=code.name, error=error, status="not reached", **_pick(last.get(code, {}), "iterations"))
+                codes.remove(code)
+                code.close()
+            tolerances[code] = tolerance
+        # What is too slow to be run again is judged by its run in the search.
+        slow = {code for code in codes if tried[code, tolerances[code]]["seconds"] > budget / 2}
+        taken = {code: [tried[code, tolerances[code]]] if code in slow else [] for code in codes}
+        for k in range(repeats):
+            for code in codes[:: 1 if k % 2 == 0 else -1]:
+                if code not in slow and (not taken[code] or sum(t["seconds"] for t in taken[code]) < budget):
+                    answer, pressure = code.solve(tolerances[code])
+                    taken[code].append(answer | {"error": known.pressure_error(pressure - known.pressure)})
+    finally:
+        for code in codes:
+            code.close()
+    _report(case, codes, tolerances, taken, report)
+
+
+def _report(case, codes, tolerances, taken, report):
+    ours = [code for code in codes if isinstance(code, _We)]
+    for code in codes:
+        runs = taken[code]
+        seconds, cpu = ([t[key] for t in runs] for key in ("seconds", "cpu_seconds"))
+        row = {"code": code.name, "tolerance": tolerances[code], "error": max(t["error"] for t in runs), "repeats": len(runs),
+               "seconds_min": min(seconds), "seconds_median": float(np.median(seconds)), "cpu_seconds_min": min(cpu)}
+        row |= _pick(runs[-1], "iterations", "status", "fft_pairs")
+        for key, name in (("seconds", "times_slower"), ("cpu_seconds", "cpu_times_slower")):
+            if ours:
+                best = min(ours, key=lambda c: np.median([t[key] for t in taken[c]]))
+                pairs = zip(runs, taken[best], strict=False)
+                row[name] = float(np.median([a[key] / b[key] for a, b in pairs]))
+        report.add(**case.label, **row)
+
+
+def _pick(answer, *keys):
+    return {key: answer[key] for key in keys if answer.get(key) is not None}

@@ -1,0 +1,46 @@
+"""Full contact: known without iterating, std(p) = E* g_rms/2."""
+
+import numpy as np
+import pytest
+from contacts import heights_of, random_heights, rough, solve_scene, sweep_of
+
+import hpc_gfmd
+
+
+@pytest.mark.parametrize("n", [(16, 16), (15, 12), (1, 16), (8, 1)], ids=str)
+def test_full_contact(n):
+    z = random_heights(n)
+    kx, ky = (np.fft.fftfreq(k, 1 / k) for k in n)
+    p_full = np.fft.ifft2(np.pi * np.hypot(kx[:, None], ky) * np.fft.fft2(z)).real * 5.0
+    mean = -1.01 * p_full.min()
+    found = hpc_gfmd.solve(z, mean, E_star=5.0, accuracy=1e-3, precision="double")
+    assert (found.status, found.iterations, found.a_r, found.gap_mean) == ("converged", 0, 1.0, 0.0)
+    assert found.fft_pairs <= 2
+    assert np.abs(found.pressure - mean - p_full).max() < 1e-11 * np.abs(p_full).max()
+    assert not found.gap.any()
+    assert found.errors == (0, 0, 0)
+
+
+def test_std_of_pressure():
+    step = solve_scene(rough((2, 16, 2.5), g_rms=0.2), 5.0, E_star=3.0)
+    assert step.iterations == 0
+    assert np.std(step.contact.field("pressure")) == pytest.approx(3.0 * 0.2 / 2, rel=1e-12)
+    assert np.mean(step.contact.field("pressure")) == pytest.approx(3.0, rel=1e-12)
+
+
+def test_just_below_full_contact():
+    z = heights_of(rough((1, 8, 2)))
+    step = sweep_of(rough((1, 8, 2))).solve(20.0)
+    p = 20.0 - step.contact.field("pressure").min()
+    found = hpc_gfmd.solve(z, 0.98 * p, residual=1e-10)
+    assert found.status == "converged"
+    assert 0.9 < found.a_r < 1
+    assert found.gap_mean > 0
+
+
+@pytest.mark.parametrize("n", [(6, 6), (1, 1), (1, 5), (7, 4)], ids=str)
+def test_flat(n):
+    found = hpc_gfmd.solve(np.full(n, 3.0), 0.7)
+    assert (found.status, found.iterations, found.a_r, found.gap_mean) == ("converged", 0, 1.0, 0.0)
+    assert found.pressure == pytest.approx(np.full(n, 0.7))
+    assert found.pressure.shape == n

@@ -1,0 +1,76 @@
+"""What every observable promises. A new file in hpc_gfmd/observables is tested by being there."""
+
+from math import isfinite
+
+import pytest
+from contacts import rough, sweep_of
+
+from hpc_gfmd.commands.show import as_dict, as_text
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.registry import all_observables
+from hpc_gfmd.run import run_scene
+from hpc_gfmd.scene import Scene
+
+every_observable = pytest.mark.parametrize("name", all_observables())
+SURFACE = rough((1, 8, 4))
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    made = sweep_of(SURFACE, accuracy=1e-3)
+    made.solve(0.05)
+    return made
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    path = tmp_path_factory.mktemp("observables") / "all.h5"
+    scene = Scene.from_dict({"surface": SURFACE, "load": {"p_star": [0.05, 0.1]}})
+    assert run_scene(scene, out=path, quiet=True).exit_code == 0
+    return read_result(path)
+
+
+@every_observable
+def test_a_finite_number(name, sweep):
+    value = all_observables()[name](sweep.solve(0.1).contact)
+    assert isfinite(value)
+    assert value == float(value)
+
+
+@every_observable
+def test_has_a_docstring_or_a_parent(name):
+    assert callable(all_observables()[name])
+    assert name.isidentifier()
+
+
+@every_observable
+def test_written_and_shown(name, result):
+    assert isfinite(result.steps[1][name])
+    assert name in as_dict(result)["steps"][1]
+    assert as_text(result)
+
+
+@every_observable
+def test_alone(name, tmp_path):
+    """Only what was asked for is written."""
+    scene = Scene.from_dict({"surface": rough((1, 8, 2)), "load": {"p_star": [0.05, 0.1]}, "output": {"observables": [name]}})
+    steps = run_scene(scene, out=tmp_path / "one.h5", quiet=True).steps
+    assert set(steps[1]) & set(all_observables()) == {name}
+
+
+@every_observable
+@pytest.mark.parametrize("surface", [{"kind": "wave", "amplitude": 0.0, "n": [4, 4]}, {"kind": "wave", "amplitude": 0.1, "n": [16, 4]},
+                                     rough((1, 4, 2), g_rms=1e-3)], ids=["flat", "wave", "full contact"])
+def test_degenerate_contacts(name, surface):
+    """A number or None, never NaN, on flat walls, profiles and in full contact."""
+    made = sweep_of(surface)
+    for p in (0.05, 0.06):
+        value = all_observables()[name](made.solve(p).contact)
+        assert value is None or isfinite(value)
+
+
+def test_unknown_name():
+    scene = Scene.from_dict({"surface": SURFACE, "load": {"p_star": 0.1}, "output": {"observables": ["a_rr"]}})
+    with pytest.raises(SceneError, match="nearest: \"a_r\""):
+        run_scene(scene, quiet=True)

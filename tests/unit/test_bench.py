@@ -1,0 +1,117 @@
+"""Benchmarks run on tiny contacts, and what they say is consistent."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.bench.cases import Case
+from hpc_gfmd.bench.loosest import loosest
+from hpc_gfmd.bench.ours import Ours
+from hpc_gfmd.bench.reference import reference
+from hpc_gfmd.bench.timing import Clock, Sample, ratio
+from hpc_gfmd.bench.traffic import field_passes
+from hpc_gfmd.cli import main
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path / "cache"))
+
+
+def rows(path):
+    return [json.loads(line) for line in path.read_text().splitlines()]
+
+
+@pytest.mark.parametrize(("factor", "start"), [(1.0, 1e-5), (0.01, 1e-5), (30.0, 1e-4), (1.0, 1e-9)])
+def test_loosest_tolerance_is_close_to_the_edge(factor, start):
+    tolerance, error = loosest(lambda t: factor * t, 1e-5, start)
+    assert error <= 1e-5
+    assert error == factor * tolerance
+    assert error * 2.1 > 1e-5
+
+
+def test_loosest_tells_when_nothing_is_good_enough():
+    tolerance, error = loosest(lambda t: max(t, 3e-5), 1e-5, 1e-4)
+    assert tolerance is None
+    assert error == 3e-5
+
+
+def test_runs_alternate_after_the_warm_up():
+    calls = []
+    samples = Clock().alternate({"a": lambda: calls.append("a"), "b": lambda: calls.append("b")}, 3, warmup=1)
+    assert "".join(calls) == "ab" + "ab" + "ba" + "ab"
+    assert [len(s.seconds) for s in samples.values()] == [3, 3]
+    assert ratio(Sample((2.0, 3.0, 9.0)), Sample((1.0, 1.0, 1.0))) == 3.0
+
+
+def test_traffic_of_an_iteration_is_about_sixteen_fields():
+    shapes = [(1024 >> k, 1024 >> k) for k in range(11)]
+    assert 15 < sum(field_passes(shapes).values()) < 17
+
+
+def test_reference_is_kept_and_true_errors_fall():
+    case = Case(64, 0.8, 0.05)
+    known, again, ours = reference(case), reference(case), Ours(case)
+    np.testing.assert_array_equal(known.pressure, again.pressure)
+    assert known.pressure.mean() == pytest.approx(0.05, rel=1e-8)
+    errors = [max(known.errors(s.a_r, s.gap_mean, s.pressure)) for s in (ours.solve(1e-2), ours.solve(1e-6, nested=False))]
+    assert errors[0] < 1e-2
+    assert errors[1] < 1e-6
+
+
+def test_accuracy_writes_table_lines_and_picture(tmp_path):
+    where = tmp_path / "out"
+    assert main(["bench", "accuracy", "--n", "64", "--hurst", "0.8", "--p-star", "0.05", "--solvers", "bpx", "--precision", "double",
+                 "--accuracy", "1e-2", "1e-4", "--quick", "--repeats", "1", "-o", str(where)]) == 0
+    found = rows(where / "accuracy.jsonl")
+    assert [(r["start"], r["accuracy"]) for r in found] == [("nested", 1e-2), ("nested", 1e-4), ("cold", 1e-2), ("cold", 1e-4)]
+    assert all(0 < r["error"] < r["accuracy"] and r["fft_pairs"] > 0 and r["seconds_min"] > 0 for r in found)
+    assert {"host", "cpu", "versions", "commit", "time", "threads", "ranks"} <= set(found[0]["provenance"])
+    assert len((where / "accuracy.txt").read_text().splitlines()) == 2 + len(found)
+    assert (where / "accuracy.png").stat().st_size > 10_000
+
+
+def test_peers_without_peers_compares_our_precisions(tmp_path):
+    assert main(["bench", "peers", "--n", "64", "--p-star", "0.05", "--codes", "--repeats", "2", "-o", str(tmp_path)]) == 0
+    found = rows(tmp_path / "peers.jsonl")
+    assert [r["code"] for r in found] == ["hpc-gfmd single", "hpc-gfmd double"]
+    assert all(r["error"] <= 1e-5 for r in found)
+    assert min(r["times_slower"] for r in found) == 1.0
+
+
+@pytest.mark.parametrize(("arguments", "says"), [
+    (["accuracy", "--solvers", "nonsense"], "--solvers: found 'nonsense', allowed: bpx"),
+    (["peers", "--codes", "nonsense"], "--codes: found 'nonsense', allowed: aspher"),
+    (["peers"], "scripts/bench-peers-setup"),
+    (["fft", "--n", "63"], "--n: found"),
+    (["kernels", "--repeats", "0"], "--repeats: found 0"),
+])
+def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("HPC_GFMD_PEERS", str(tmp_path / "nowhere"))
+    assert main(["bench", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert says in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(("what", "count"), [("fft", 4), ("kernels", 9)])
+def test_kernels_and_transforms(what, count, tmp_path):
+    """In a process of their own: PFFT starts MPI."""
+    pytest.importorskip("mpi4py_fft")
+    subprocess.run([sys.executable, "-m", "hpc_gfmd", "bench", what, "--n", "64", "--precision", "single", "--repeats", "2", "-o", tmp_path],
+                   check=True, capture_output=True)
+    found = rows(tmp_path / f"{what}.jsonl")
+    assert len(found) == count
+    assert all(r["ms_min"] > 0 for r in found)
+
+
+def test_worker_stands_alone():
+    from pathlib import Path
+
+    import hpc_gfmd.bench.peers as peers
+
+    text = Path(peers.__file__).with_name("peer_worker.py").read_text()
+    assert "hpc_gfmd" not in text
