@@ -89,6 +89,10 @@ class Grid:
             self._fft[dtype] = SlabFFT(self.comm, self.n, self.starts, dtype, self.threads)
         return self._fft[dtype]
 
+    def planned(self):
+        """The transforms that have been planned, all precisions."""
+        return list(self._fft.values())
+
     def forget_fft(self, dtype):
         """Give back the memory of the transforms in one precision."""
         self._fft.pop(np.dtype(dtype), None)

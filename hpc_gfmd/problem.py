@@ -10,13 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+ROUNDING = 2.5  # rms of the error of K h over the rms of h, in units of the working precision: the largest seen
+
 
 @dataclass(frozen=True)
 class Problem:
     """h: local slab of the initial gap, >= 0 with minimum 0, in the working precision; p0: mean pressure.
 
     Without h (None) the displacement u = g - h is formed in Fourier space, where add_spectrum(fft) gives a function (block, m) that
-    adds the transform of -h to a block of columns; dtype then tells the working precision.
+    adds the transform of -h to a block of columns; `working` then tells the precision and h_rms what root_mean_square() gave.
     """
 
     grid: object
@@ -24,11 +26,23 @@ class Problem:
     p0: float
     add_spectrum: object = None
     working: np.dtype | None = None
+    h_rms: float | None = None
 
     @property
     def dtype(self):
         """The working precision."""
         return self.working if self.h is None else self.h.dtype
+
+    def root_mean_square(self):
+        """sqrt(mean h^2). Collective."""
+        if self.h is None:
+            return self.h_rms
+        return float(np.sqrt(self.grid.comm.sum([np.vdot(self.h, self.h)])[0] / self.grid.N))
+
+    @property
+    def rounding(self):
+        """The rms error of the pressure that comes from storing h in the working precision. Collective."""
+        return ROUNDING * float(np.finfo(self.dtype).eps) * self.root_mean_square()
 
     def displacement_rows(self, g):
         """fill(i0, i1, x): rows of u = g - h, or of g where `adder` does the rest; x may be of another precision."""

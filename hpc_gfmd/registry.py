@@ -5,7 +5,7 @@ import pkgutil
 
 from . import observables, solvers
 
-COMMON = {"base", "multilevel"}  # files in those folders that are not entries
+COMMON = {"base"}  # files in those folders that are not entries
 
 
 def _names(package):

@@ -5,6 +5,7 @@ mpirun:  a function that runs the command line on that many ranks and returns it
 """
 
 import shutil
+import signal
 import tempfile
 from functools import partial
 from pathlib import Path
@@ -12,13 +13,14 @@ from pathlib import Path
 import mpi_harness
 import pytest
 
-_results = {}  # (file, ranks): {child's node id: (outcome, text)}
+_results = {}  # ranks: {child's node id: (outcome, text)}
 
 
 def pytest_configure(config):
     if mpi_harness.is_child():
         config.pluginmanager.register(mpi_harness.Child())
         return
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what tests have started is ended, too
     try:
         import mpi4py
     except ImportError:
@@ -49,12 +51,10 @@ def pytest_pyfunc_call(pyfuncitem):
     if mpi_harness.is_child() or not _on_ranks(pyfuncitem):
         return None
     ranks = pyfuncitem.callspec.params["ranks"]
-    key = pyfuncitem.path, ranks
-    if key not in _results:
-        names = [_child_id(item) for item in pyfuncitem.session.items
-                 if item.path == key[0] and _on_ranks(item) and item.callspec.params["ranks"] == ranks]
-        _results[key] = mpi_harness.run_file(pyfuncitem.config.rootpath, ranks, names)
-    outcome, text = _results[key][_child_id(pyfuncitem)]
+    if ranks not in _results:
+        names = [_child_id(item) for item in pyfuncitem.session.items if _on_ranks(item) and item.callspec.params["ranks"] == ranks]
+        _results[ranks] = mpi_harness.run(pyfuncitem.config.rootpath, ranks, names)
+    outcome, text = _results[ranks][_child_id(pyfuncitem)]
     if outcome == "failed":
         pytest.fail(text, pytrace=False)
     if outcome == "skipped":

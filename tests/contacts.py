@@ -29,6 +29,11 @@ def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):
     return sweep.solve(p_star * E_star * sweep.surface.g_rms)
 
 
+def field(step, name):
+    """A field of a solved load as an array that the next load does not overwrite."""
+    return np.array(step.contact.field(name))
+
+
 def heights_of(surface):
     """Heights (peaks up) of a [surface] table, on one process, in the scene's units."""
     made = sweep_of(surface).surface

@@ -1,7 +1,7 @@
-"""Tests on several ranks from a plain pytest: every file of them is started once under mpirun for each rank count.
+"""Tests on several ranks from a plain pytest: all of them are started once under mpirun for each rank count.
 
 The pytest that a person starts (the parent) never initialises MPI. It gives a test marked `mpi` one item per rank count. The first
-item of a file and count starts `mpirun -n k pytest` (the children) on all of them; each rank appends what happened to a file of JSON
+item of a count starts `mpirun -n k pytest` (the children) on all of them; each rank appends what happened to a file of JSON
 lines, from which the parent reports the items one by one. A test that hangs or crashes fails alone: the rest is started again.
 """
 
@@ -89,16 +89,17 @@ def call(ranks, args, env=None, cwd=None, timeout=None):
     try:
         out, err = process.communicate(timeout=timeout or TIMEOUT)
     except subprocess.TimeoutExpired:
-        end(process)
         raise AssertionError(f"{ranks} ranks did not end within {timeout or TIMEOUT:g} s: {args}") from None
+    finally:
+        end(process)
     return subprocess.CompletedProcess(args, process.returncode, out.decode(), err.decode())
 
 
 # ---- the parent ----------------------------------------------------------------------------------------------------------------
 
 
-def run_file(root, ranks, names):
-    """Run tests (node ids of one file, without rank counts) under mpirun; returns {name: (outcome, text)}."""
+def run(root, ranks, names):
+    """Run tests (node ids without rank counts) under mpirun; returns {name: (outcome, text)}."""
     results, left = {}, list(names)
     while left:
         done = _launch(root, ranks, left)
@@ -115,7 +116,10 @@ def _launch(root, ranks, names):
                 "-o", f"faulthandler_timeout={TIMEOUT * 0.8:g}", *names]
         with open(folder / "output", "w+b") as output:
             process = start(ranks, args, output, environment(**{REPORT: str(folder)}), cwd=root)
-            why = _wait(process, folder, ranks)
+            try:
+                why = _wait(process, folder, ranks)
+            finally:
+                end(process)
             output.seek(0)
             text = output.read().decode(errors="replace")
         return _merge(folder, ranks, names, why, text)

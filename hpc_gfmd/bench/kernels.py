@@ -63,7 +63,7 @@ def bench_kernels(sizes, precisions, p_star, repeats, cpu, out):
     comm = world()
     clock = Clock(comm, cpu)
     report = Report("kernels", COLUMNS, out, comm)
-    report.say(f"# H = {HURST}, p* = {p_star:g}; {clock.name} time; of copy: bandwidth over that of a copy of one field in the same run; "
+    report.say(f"# H = {HURST}, p* = {p_star:g}; {clock.name} time; of copy: bandwidth over that of a copy in the same run; "
                "iteration/this: median over runs in turn")
     for n in sizes:
         for precision in precisions:
@@ -75,7 +75,7 @@ def bench_kernels(sizes, precisions, p_star, repeats, cpu, out):
 def _one(n, dtype, precision, p_star, repeats, comm, clock, report):
     timed = TimedSolver(Case(n, HURST, p_star), dtype, comm, clock)
     grid = timed.solver.grid
-    source, target = np.zeros(grid.shape, dtype), np.zeros(grid.shape, dtype)
+    source, target = np.ones(grid.shape, dtype), np.ones(grid.shape, dtype)  # not zeros: those have no memory of their own yet
     others = {"copy": lambda: np.copyto(target, source)} | bare_pairs((n, n), dtype, comm)
     fields = field_passes([level.n for level in timed.solver.levels.levels])
     names = [*fields, "iteration"]

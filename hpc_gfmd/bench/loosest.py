@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 TRIES = 10
+PATIENCE = 3  # times the budget that is spent where nothing is good enough yet
 CLOSE = 1.5  # ratio of a tolerance that fails to one that passes at which the search ends
 
 
@@ -28,7 +29,7 @@ def loosest(error_at, target, start, budget=np.inf):
             fails = tolerance
         if passes and fails and fails / passes < CLOSE:
             break
-        if time.perf_counter() - begun > (budget if passes else 3 * budget):
+        if time.perf_counter() - begun > (budget if passes else PATIENCE * budget):
             break
         if passes and fails:
             tolerance = float(np.sqrt(passes * fails))

@@ -17,7 +17,7 @@ import time
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"
 
-import numpy as np
+import numpy as np  # noqa: E402 (reads the variables above)
 
 MAX_ITERATIONS = 20000
 
@@ -35,9 +35,9 @@ class Aspher:
     def solve(self, tolerance):
         import aspher
 
-        result = aspher.solve_nested(grid_size=self.n, gap=self.gap, p_nominal=self.p0, domain_size=1.0, E_star=1.0, coarsest=min(64, self.n),
-                                     tol=tolerance, max_iter=MAX_ITERATIONS, backend="periodic", precision=self.precision,
-                                     light_result=True)
+        result = aspher.solve_nested(
+            grid_size=self.n, gap=self.gap, p_nominal=self.p0, domain_size=1.0, E_star=1.0, coarsest=min(64, self.n),
+            tol=tolerance, max_iter=MAX_ITERATIONS, backend="periodic", precision=self.precision, light_result=True)
         return result, int(result.iterations), str(result.status)
 
     @staticmethod

@@ -8,13 +8,14 @@ import json
 import os
 import subprocess
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import GfmdError, SceneError
 from .cases import Case
-from .loosest import loosest
+from .loosest import PATIENCE, loosest
 from .ours import Ours
 from .reference import reference
 from .report import Report
@@ -22,7 +23,8 @@ from .report import Report
 NAMES = ("aspher", "aspher-float", "aspher-mixed", "tamaas", "contactmechanics-pk", "contactmechanics-ccg")
 COLUMNS = {"n": ("n", "5d"), "p_star": ("p*", "8.4g"), "code": ("code", "<20"), "tolerance": ("tolerance", "9.2g"),
            "error": ("L2 error", "9.2g"), "iterations": ("iter", "6d"), "seconds_min": ("s (min)", "9.3g"),
-           "seconds_median": ("s (median)", "10.3g"), "cpu_seconds_min": ("cpu s (min)", "11.3g"), "repeats": ("runs", "4d"),
+           "seconds_median": ("s (median)", "10.3g"), "cpu_seconds_min": ("cpu s (min)", "11.3g"),
+           "repeats": ("runs", "4d"), "in_turn": ("in turn", "7"),
            "times_slower": ("x ours", "7.1f"), "cpu_times_slower": ("x (cpu)", "7.1f"), "status": ("status", "<13")}
 
 
@@ -113,7 +115,7 @@ def bench_peers(sizes, loads, hurst, precisions, names, target, repeats, budget,
 
 def _one_case(case, known, heights, precisions, names, python, folder, target, repeats, budget, report):
     codes = [_We(precision) for precision in precisions] + [_Peer(name, python, folder) for name in names]
-    tolerances, last, tried = {}, {}, {}
+    tolerances, last, tried, slow = {}, {}, {}, set()
     try:
         for code in list(codes):
             def error_at(tolerance, code=code):
@@ -122,6 +124,7 @@ def _one_case(case, known, heights, precisions, names, python, folder, target, r
                 return last[code]["error"]
 
             ours = isinstance(code, _We)
+            begun = time.perf_counter()
             try:
                 code.prepare(case) if ours else code.prepare(heights, case.p_star)
                 tolerance, error = loosest(error_at, target, 10 * target if ours else target, budget)
@@ -129,11 +132,13 @@ def _one_case(case, known, heights, precisions, names, python, folder, target, r
                 report.say(f"# {failure}")
                 tolerance, error = None, None
             if tolerance is None:
-                report.add(**case.label, code=code.name, error=error, status="not reached", **_pick(last.get(code, {}), "iterations"))
+                gave_up = time.perf_counter() - begun > PATIENCE * budget
+                report.add(**case.label, code=code.name, error=error, status="out of time" if gave_up else "not reached",
+                           **_pick(last.get(code, {}), "iterations"))
                 codes.remove(code)
                 code.close()
             tolerances[code] = tolerance
-        # What is too slow to be run again is judged by its run in the search.
+        # What is too slow to be run again is judged by its run in the search, which was not in turn with the others.
         slow = {code for code in codes if tried[code, tolerances[code]]["seconds"] > budget / 2}
         taken = {code: [tried[code, tolerances[code]]] if code in slow else [] for code in codes}
         for k in range(repeats):
@@ -144,15 +149,16 @@ def _one_case(case, known, heights, precisions, names, python, folder, target, r
     finally:
         for code in codes:
             code.close()
-    _report(case, codes, tolerances, taken, report)
+    _report(case, codes, tolerances, taken, slow, report)
 
 
-def _report(case, codes, tolerances, taken, report):
+def _report(case, codes, tolerances, taken, slow, report):
     ours = [code for code in codes if isinstance(code, _We)]
     for code in codes:
         runs = taken[code]
         seconds, cpu = ([t[key] for t in runs] for key in ("seconds", "cpu_seconds"))
         row = {"code": code.name, "tolerance": tolerances[code], "error": max(t["error"] for t in runs), "repeats": len(runs),
+               "in_turn": "no" if code in slow else "yes",
                "seconds_min": min(seconds), "seconds_median": float(np.median(seconds)), "cpu_seconds_min": min(cpu)}
         row |= _pick(runs[-1], "iterations", "status", "fft_pairs")
         for key, name in (("seconds", "times_slower"), ("cpu_seconds", "cpu_times_slower")):

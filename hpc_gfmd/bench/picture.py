@@ -1,11 +1,12 @@
-"""The picture of `bench accuracy`: true error against time, log-log, one panel per load and Hurst exponent."""
+"""The pictures of `bench accuracy`: true error against time or FFT pairs, log-log, one panel per load and Hurst exponent."""
 
 NAMES = {"bpx": "BPX-GFMD (default)", "gfmd": "GFMD", "fire": "GFMD + FIRE", "ccg": "Polonsky-Keer CG"}
+LABELS = {"seconds_min": "time (s)", "cpu_seconds_min": "CPU time (s)", "fft_pairs": "FFT pairs, everything counted"}
 MARKERS = {"double": "o", "single": "^"}
 
 
-def draw(rows, path, time):
-    """Draw the rows of the largest n of bench_accuracy to path. time: which of their times."""
+def draw(rows, path, cost):
+    """Draw the rows of the largest n of bench_accuracy to path. cost: which of LABELS to draw the error against."""
     from ..plotting.style import COLOURS, figure
 
     rows = [row for row in rows if row["error"] and row["status"] == "converged"]
@@ -19,20 +20,20 @@ def draw(rows, path, time):
         for hurst, line in zip(hursts, panels, strict=True):
             for p_star, ax in zip(loads, line, strict=True):
                 here = [row for row in rows if (row["hurst"], row["p_star"]) == (hurst, p_star)]
-                _panel(ax, here, solvers, time, COLOURS)
+                _panel(ax, here, solvers, cost, COLOURS)
                 ax.set_title(f"$H$ = {hurst:g}, $p^*$ = {p_star:g}")
         for ax in panels[-1]:
-            ax.set_xlabel("CPU time (s)" if time.startswith("cpu") else "time (s)")
+            ax.set_xlabel(LABELS[cost])
         for line in panels:
             line[0].set_ylabel("true relative error")
         _legend(fig, rows, solvers, n, COLOURS)
 
 
-def _panel(ax, rows, solvers, time, colours):
+def _panel(ax, rows, solvers, cost, colours):
     curves = dict.fromkeys((row["solver"], row["start"], row["precision"]) for row in rows)
     for solver, start, precision in curves:
         points = [row for row in rows if (row["solver"], row["start"], row["precision"]) == (solver, start, precision)]
-        ax.loglog([row[time] for row in points], [row["error"] for row in points], marker=MARKERS[precision], markersize=4,
+        ax.loglog([row[cost] for row in points], [row["error"] for row in points], marker=MARKERS[precision], markersize=4,
                   color=colours[solvers.index(solver) % len(colours)], linestyle="-" if start == "nested" else ":",
                   markerfacecolor=None if precision == "double" else "white")
 
@@ -45,4 +46,5 @@ def _legend(fig, rows, solvers, n, colours):
                 for label, style in (("nested start", "-"), ("cold start", ":"))]
     handles += [Line2D([], [], color="0.3", linestyle="", marker=MARKERS[p], label=f"{p} precision",
                        markerfacecolor=None if p == "double" else "white") for p in dict.fromkeys(row["precision"] for row in rows)]
-    fig.legend(handles=handles, loc="outside upper center", ncols=4, title=f"{n} x {n} points; error: worst of area, mean gap, pressure")
+    fig.legend(handles=handles, loc="outside upper center", ncols=4,
+               title=f"{n} x {n} points; error: worst of area, mean gap, pressure")

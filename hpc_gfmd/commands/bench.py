@@ -31,6 +31,12 @@ def add_parser(subparsers):
                           "not tried at tighter accuracies or repeated (default 120)")
     accuracy.set_defaults(main=main, part=_accuracy)
 
+    scaling = parts.add_parser("scaling", help="strong and weak scaling under mpirun, where the time goes, and a model of a cluster")
+    _common(scaling, (2048, 4096), 3)
+    scaling.add_argument("--ranks", type=int, nargs="+", default=[1, 2], metavar="K", help="numbers of ranks (default 1 2)")
+    scaling.add_argument("--p-star", type=number, default=0.05, metavar="P", help="load (default 0.05)")
+    scaling.set_defaults(main=main, part=_scaling)
+
     peers = parts.add_parser("peers", help="ASPHER, Tamaas, ContactMechanics at equal true error (scripts/bench-peers-setup first)")
     _common(peers, (1024,), 5)
     peers.add_argument("--p-star", type=number, nargs="+", default=[0.007, 0.353], metavar="P")
@@ -74,6 +80,12 @@ def _fft(args):
     from ..bench.transforms import bench_fft
 
     bench_fft(args.n, args.precision, args.repeats, args.cpu, args.out)
+
+
+def _scaling(args):
+    from ..bench.scaling import bench_scaling
+
+    bench_scaling(args.n, args.ranks, args.precision, args.p_star, args.repeats, args.out)
 
 
 def _accuracy(args):

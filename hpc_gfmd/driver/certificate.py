@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from ..elasticity import HalfSpace
 from ..kernels.certify import dual_rows, judge
+from ..operators.halfspace import HalfSpace
 
 GAP_FACTOR = 2.03  # error of the mean gap over sqrt(G/(p0 gap_mean)): the largest ratio ever seen
 

@@ -8,6 +8,7 @@ from .certificate import Certificate, certify
 
 CHECK_FROM, CHECK_GROWTH = 10, 1.25  # iterations at which a solver without error estimates is judged: each 1.25 times later
 REFRESHES = 3  # times that a solver may be set right by a fresh pressure before it counts as stagnated
+ROUNDING_SAFETY = 1.25  # on what rounding errors add to the error of the pressure
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
 
 
@@ -90,17 +91,15 @@ def _measure(progress, target):
 
 def _errors(progress, certificate, N):
     """Estimated relative errors of area, mean gap and pressure: the solver's estimates with what the certificate says."""
-    if certificate.contact == N and certificate.residual == 0:
-        return 0.0, 0.0, 0.0
-    pressure = 2 * certificate.pressure
-    gap = certificate.gap_bound
-    if progress.estimates is not None:
-        area, solver_gap, solver_pressure = progress.estimates
-        return area, min(gap, solver_gap) if np.isfinite(solver_gap) else gap, max(pressure, solver_pressure if
-                                                                                   np.isfinite(solver_pressure) else 0.0)
-    # Without an estimate of its own: points whose pressure or gap is within the pressure error of changing sides.
-    area = (pressure + 1.0 / max(certificate.contact, 1)) if certificate.contact else np.inf
-    return area, gap, pressure
+    if progress.estimates is None or not np.isfinite(progress.estimates).all():
+        pressure, gap = 2 * certificate.pressure, certificate.gap_bound
+        # Points whose pressure or gap is within the pressure error of changing sides.
+        area = (pressure + 1.0 / certificate.contact) if certificate.contact else np.inf
+        return area, gap, pressure
+    area, gap, pressure = progress.estimates
+    # What the fresh pressure has more out of contact than the solver's is rounding, spread evenly.
+    more = max(1 - (progress.residual / certificate.residual)**2, 0.0) if certificate.residual > 0 else 0.0
+    return area, gap, float(np.hypot(pressure, ROUNDING_SAFETY * certificate.pressure * np.sqrt(more)))
 
 
 def _reached(target, errors, certificate):

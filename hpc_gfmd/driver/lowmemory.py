@@ -37,13 +37,14 @@ class LowMemorySweep(Sweep):
             return
         self.solver = None  # its memory is needed now
         h = self.surface.h if self.surface.h is not None else self.make_surface(self.dtype).h
+        h_rms = replace(problem, h=h).root_mean_square()
         if resumed is None:
             g, pairs = Nested(self.surface.grid, self.dtype).start(replace(problem, h=h), self._make, into=h)
             self._spent += pairs
         else:
             g = h
         self.surface = replace(self.surface, h=None)
-        bare = Problem(self.surface.grid, None, problem.p0, self.surface.add_spectrum, self.dtype)
+        bare = Problem(self.surface.grid, None, problem.p0, self.surface.add_spectrum, self.dtype, h_rms)
         self.solver = self.solver_class(bare, self.settings.options, g=g)
         self._first_pairs = 0.0
         if resumed is None:

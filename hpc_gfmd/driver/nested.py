@@ -5,9 +5,9 @@ Decimation (every second point) keeps the heights of the asperities; averages an
 
 import numpy as np
 
-from ..coarsening import levels
 from ..grid import Grid
 from ..kernels.prolong import prolong_gap
+from ..operators.coarsening import levels
 from ..parallel import halo
 from ..parallel.comm import SerialComm
 from ..problem import Problem

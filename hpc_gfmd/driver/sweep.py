@@ -148,7 +148,9 @@ class Sweep:
             grid = self.surface.grid
             grid.fft(dtype)
             grid.fft(np.float64)  # of the certificate
-            self.nested = None if self.settings.nested is False else Nested(grid, dtype)
+            wanted = self.settings.nested
+            nests = self.solver_class.nests if wanted == "auto" else wanted
+            self.nested = Nested(grid, dtype) if nests else None
 
     def _flat(self, p):
         """A flat wall: full contact at any load, nothing to compute."""

@@ -1,9 +1,10 @@
 """Compile every kernel on one rank, once per installation; the other ranks then find them in the cache."""
 
 
+from ..operators.multilevel import Multilevel
 from ..parallel.comm import SerialComm
+from ..parallel.guard import guarded
 from ..scene import Scene
-from ..solvers.multilevel import Multilevel
 from ..surface import build_surface
 from .sweep import Sweep
 
@@ -12,9 +13,9 @@ TINY = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 1, "lam_l_over_lam_
 
 def compile_once(comm, settings):
     """Solve a tiny contact with the same solver and precision, first on rank 0, then on the others. Collective."""
-    if comm.rank == 0:
-        _tiny_contact(settings)
-    comm.barrier()
+    with guarded(comm, "compiling"):
+        if comm.rank == 0:
+            _tiny_contact(settings)
     if comm.rank != 0:
         _tiny_contact(settings)
 

@@ -47,6 +47,7 @@ class RunFile:
         self.compressed = compressed
         self.transport = transport
         self._lock = None
+        self._resume = resume
         found = None
         try:
             with guarded(comm, f"opening {self.path}"):
@@ -116,7 +117,10 @@ class RunFile:
     def __enter__(self) -> "RunFile":
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, kind, *_) -> None:
+        refused = kind is not None and issubclass(kind, SceneError)
+        if refused and self._lock is not None and not self.finished and not self._resume:
+            (self.partial / HEAD).unlink(missing_ok=True)  # a wrong scene leaves nothing behind
         self.close()
 
     def _claim(self, identity, resume) -> tuple[list[int], str, dict]:

@@ -30,6 +30,7 @@ class Solver:
     name = ""
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
+    nests = True  # whether a nested start pays
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
     def __init__(self, problem, options=None):

@@ -11,15 +11,22 @@ The displacement itself never appears: with the gap g = u + h and p = p0 + K u, 
 
 import numpy as np
 
-from ..elasticity import HalfSpace
 from ..kernels.contact import propose
+from ..operators.halfspace import HalfSpace
+from ..operators.multilevel import COUPLING, Multilevel
+from ..options import read_options
 from .base import Progress, Solver
-from .multilevel import COUPLING, Multilevel
 
 RHO_MIN, RHO_MAX = 0.4, 1.45  # bounds of the predicted Rayleigh quotient
 MEMORY = 3  # steps that the prediction looks back
 GRADIENT = 1.42  # bound of kap K's spectrum, sqrt 2: the step of a projected gradient
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
+
+# The error estimates (see Bpx._estimates); the largest ratio of error to unscaled estimate ever seen was 1.2
+SAFETY = 1.25
+FEW = 8  # contact points below which the mean displacement is an error that the preconditioner underrates
+EDGE = 2  # points whose side is a matter of chance while errors are of the order of one point
+SURE = 0.04  # expected number of points on the wrong side below which there is none
 
 
 class Bpx(Solver):
@@ -27,10 +34,11 @@ class Bpx(Solver):
 
     name = "bpx"
     state_names = ("g", "p", "d")
-    scalar_names = ("s", "rayleigh", "plain", "gaps", "contacts", "rz", "rd", "zq", "dq", "rr", "pp", "lifting", "iterations")
+    scalar_names = ("s", "rayleigh", "plain", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "iterations")
 
     def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
+        self.options = read_options(self.name, self.options, {})
         grid, dtype = self.grid, problem.dtype
         self.elastic = HalfSpace(grid, dtype)
         self.fft = self.elastic.fft
@@ -41,6 +49,7 @@ class Bpx(Solver):
         self.kap = 2.0 / grid.q_nyquist
         self._rows = {id(x): np.zeros((6, grid.n[1] + 1), dtype) for x in self.fft.row_scratch}
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
+        self.rounding = problem.rounding
 
     # -- starting ------------------------------------------------------------------------------------------------------------
 
@@ -66,7 +75,6 @@ class Bpx(Solver):
         """A new descent begins: no momentum, no memory of Rayleigh quotients."""
         self.s = 1.0
         self.rayleigh, self.plain = [], True
-        self.gaps, self.contacts = [], []
         self._measure(sums)
 
     def load_state(self, arrays, numbers):
@@ -149,33 +157,43 @@ class Bpx(Solver):
     def _measure(self, sums):
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""
         rz1, xz1 = self.levels.sweep()
-        rr, pp, pd, dx, px, contact, gap, lifting, rz1, xz1 = self.grid.comm.sum([*sums, rz1, xz1])
+        rr, pp, pd, dx, px, contact, gap, _, rz1, xz1 = self.grid.comm.sum([*sums, rz1, xz1])
         s, kap = self.s, self.kap
         self.rz = kap * (rr + COUPLING * rz1)  # <p, z> on F
         self.rd = s * pd  # <p, d>
         self.zq = s * kap * (px + COUPLING * xz1)  # <z, K d>
         self.dq = s * s * dx  # <d, K d>
         self.rr, self.pp = rr, pp
-        self.lifting = lifting
-        self.gaps = (self.gaps + [gap / self.N])[-3:]
-        self.contacts = (self.contacts + [contact])[-5:]
+        self.contact, self.gap_mean = contact, gap / self.N
 
     # -- how far -------------------------------------------------------------------------------------------------------------
 
     def progress(self):
-        contact, gap = self.contacts[-1], self.gaps[-1]
-        closed = max(self.pp - self.rr, 0.0)
-        finite = bool(np.isfinite(self.pp + gap))
+        finite = bool(np.isfinite(self.pp + self.gap_mean))
         residual = np.sqrt(self.rr / self.N) / self.p0
-        if self.rr == 0.0 and contact == self.N:
-            estimates = (0.0, 0.0, 0.0)
-        elif len(self.gaps) < 3 or contact == 0 or closed == 0 or gap <= 0:
-            estimates = (np.inf, np.inf, np.inf)
-        else:
-            changes = abs(np.diff(self.contacts))
-            # The area is a whole number of pixels: one may be wrong until none has changed for a while.
-            pixel = 0 if len(changes) == 4 and not changes.any() else 1
-            area = (2 * max(changes[-2:]) + self.lifting + pixel) / contact
-            mean_gap = max(2 * np.sqrt(self.rz / (self.N * self.p0 * gap)), 1.05 * max(abs(np.diff(self.gaps))) / gap)
-            estimates = (area, mean_gap, 2 * np.sqrt(self.rr / closed))
-        return Progress(float(residual), contact, gap, tuple(float(e) for e in estimates), finite)
+        estimates = self._estimates() if finite else (np.inf, np.inf, np.inf)
+        return Progress(float(residual), self.contact, self.gap_mean, estimates, finite)
+
+    def _estimates(self):
+        """Relative errors of area, mean gap and pressure field, from the residual in the norm of the preconditioner.
+
+        M is close to the inverse of K on the free points, so <p, M p> is the squared energy norm of the error and, over kap, nearly the
+        squared L2 norm of the error of p. With e = sqrt(<p, M p>/(kap <p, p>_A)):
+
+        pressure: e, times 1 + FEW/n_c where only a few points n_c are in contact, when all error is in the mean displacement;
+        area: the share e of the contact is on the wrong side of its edge, and EDGE points, unless e n_c < SURE;
+        mean gap: sqrt(<p, M p>/(p0 <g>)) times (open area)^-1/4: close to full contact it is not p0 that opens the gaps but less.
+
+        Each is scaled by SAFETY. Rounding of the heights adds its share to e.
+        """
+        n_c, gap, closed = self.contact, self.gap_mean, self.pp - self.rr
+        if n_c == 0 or closed <= 0:
+            return np.inf, np.inf, np.inf
+        e = np.sqrt(self.rz / (self.kap * closed) + self.rounding**2 * n_c / closed)
+        few = SAFETY * (1 + FEW / n_c)
+        area = SAFETY * e + (EDGE / n_c if e * n_c > SURE else 0.0)
+        opened = 1 - n_c / self.N
+        mean_gap = 0.0 if self.rr == 0 else np.inf
+        if gap > 0:
+            mean_gap = few * (np.sqrt(self.rz / (self.N * self.p0 * gap)) * opened**-0.25 + self.rounding * opened / gap)
+        return float(area), float(mean_gap), float(few * e)

@@ -11,9 +11,8 @@ The gap that is returned is closed, g = 0, wherever q > 0, and max(e, 0) elsewhe
 
 import numpy as np
 
-from ..elasticity import HalfSpace, reader
 from ..kernels.pressure import advance, close, conjugate, direct, gradient, press, respace, respond
-from ..kernels.spectral import multiply_compliance
+from ..operators.halfspace import HalfSpace, reader
 from ..options import read_options
 from .base import Progress, Solver
 
@@ -25,6 +24,7 @@ class Ccg(Solver):
     """options: preconditioned, 0 or 1 (default 0). Raises SceneError for others."""
 
     name = "ccg"
+    nests = False  # a pressure from a coarser grid is a bad start
     state_names = ("g", "p", "q", "w", "t")
     scalar_names = ("offset", "shift", "ee", "below", "contact", "gap", "previous", "fresh", "iterations")
     allowed = {"preconditioned": (0, 1)}
@@ -125,7 +125,7 @@ class Ccg(Solver):
 
     def _deflect(self):
         """S between the row transforms; returns this rank's share of <x, S x>."""
-        return self.elastic._columns(multiply_compliance, 2.0)
+        return self.elastic.displacement_columns()
 
     def _close(self, parts):
         """The mean of w in contact, and the state that is returned; parts: what `respace` returned."""

@@ -15,8 +15,8 @@ modes slightly underdamped; whenever the pressure does negative work on the moti
 
 import numpy as np
 
-from ..elasticity import HalfSpace
 from ..kernels.dynamics import move, settle
+from ..operators.halfspace import HalfSpace
 from ..options import read_options
 from .base import Progress, Solver
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hpc_gfmd.grid import Grid
-from hpc_gfmd.elasticity import HalfSpace
+from hpc_gfmd.operators.halfspace import HalfSpace
 
 GRIDS = [((16, 16), (1.0, 1.0)), ((15, 15), (1.0, 1.0)), ((16, 15), (1.0, 1.0)), ((9, 20), (2.0, 0.7)), ((1, 12), (1.0, 1.0)),
          ((13, 1), (1.0, 1.0)), ((2, 2), (1.0, 3.0)), ((17, 23), (3.0, 3.0))]

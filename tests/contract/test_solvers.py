@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contacts import EXACT, random_heights, relative, rough, solve_scene, sweep_of
+from contacts import EXACT, field, random_heights, relative, rough, solve_scene, sweep_of
 
 from hpc_gfmd.driver.certificate import certify
 from hpc_gfmd.driver.drive import Target, drive
@@ -40,9 +40,9 @@ def test_same_certified_solution(name, p_star):
     assert contact.certificate.residual < 1e-9
     assert contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-6)
     assert contact.contact_points == wanted.contact.contact_points
-    assert relative(contact.field("pressure"), wanted.contact.field("pressure")) < 1e-6
+    assert relative(field(found, "pressure"), field(wanted, "pressure")) < 1e-6
     # and by another way than the program's own certificate
-    g, p = contact.field("gap"), contact.field("pressure")
+    g, p = field(found, "gap"), field(found, "pressure")
     assert g.min() >= 0
     assert p.min() >= 0
     assert not (g * p).any()
@@ -55,7 +55,7 @@ def test_accuracy(name):
     found = solve_scene(SURFACE, 0.1, name=name, accuracy=1e-2)
     assert found.contact.outcome.status == "converged"
     assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-2)
-    assert relative(found.contact.field("pressure"), wanted.contact.field("pressure")) < 1e-2
+    assert relative(field(found, "pressure"), field(wanted, "pressure")) < 1e-2
     assert abs(found.contact.contact_points / wanted.contact.contact_points - 1) <= 1e-2
 
 
@@ -109,7 +109,7 @@ def test_progress_and_pairs(name):
     assert progress.gap_mean == pytest.approx(solver.g.mean(), rel=1e-9)
     assert progress.contact == closed.sum()
     assert solver.g.min() >= 0
-    if np.isfinite(progress.residual):
+    if solver.p[~closed].any():  # a solver in pressures has none there
         rms = np.sqrt(np.sum(solver.p[~closed] ** 2) / solver.N) / solver.p0
         assert progress.residual == pytest.approx(rms, rel=0.5)
 

@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 from contacts import EXACT, rough
+from mpi_harness import end
 
 from hpc_gfmd.output.read import partial_folder, read_result
 from hpc_gfmd.run import restart, run_scene
@@ -89,9 +90,8 @@ path = "slow.h5"
 """
 
 
-@pytest.mark.parametrize("name", ["SIGTERM", "SIGINT"])
-def test_signal(mpirun, ranks, tmp_path, name):
-    """A signal to the job in its first load step: checkpoint, exit, and `restart` on another number of ranks."""
+def test_signal(mpirun, tmp_path):
+    """A signal to the job in its first load step leaves a checkpoint and no result."""
     (tmp_path / "scene.toml").write_text(SLOW)
     process = mpirun.start(["-m", "hpc_gfmd", "run", "scene.toml"], subprocess.PIPE, cwd=tmp_path)
     try:
@@ -101,10 +101,10 @@ def test_signal(mpirun, ranks, tmp_path, name):
             assert time.monotonic() - since < 60
             time.sleep(0.02)
         time.sleep(0.3)
-        os.kill(process.pid, getattr(signal, name))  # mpirun passes it on
+        os.kill(process.pid, signal.SIGTERM)  # mpirun passes it on
         _, err = process.communicate(timeout=60)
     finally:
-        process.kill()
+        end(process)
     assert process.returncode != 0
     assert b"Traceback" not in err
     assert not (tmp_path / "slow.h5").exists()

@@ -5,7 +5,7 @@ import pytest
 from contacts import relative
 
 from hpc_gfmd.grid import Grid
-from hpc_gfmd.elasticity import HalfSpace
+from hpc_gfmd.operators.halfspace import HalfSpace
 from hpc_gfmd.parallel import halo
 
 pytestmark = pytest.mark.mpi

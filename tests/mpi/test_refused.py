@@ -22,6 +22,7 @@ BAD = {  # name: overrides of the good scene, and what the message names
     "unknown solver": (["solver.name=bqx"], "bpx"),
     "unknown observable": (['output.observables=["a_rr"]'], "a_r"),
     "unknown option": (["solver.options={bogus = 1}"], "bogus"),
+    "unknown option of gfmd": (["solver.name=gfmd", "solver.options={bogus = 1}"], "bogus"),
     "no folder": (["output.path=missing/a.h5"], "missing"),
     "p_star of a flat wall": (["surface.amplitude=0", "load={p_star = [0.1]}"], "load.p_star"),
     "missing file": (['surface={kind = "file", path = "none.npy"}'], "none.npy"),
@@ -80,11 +81,11 @@ def test_refused(comm, folder, name, capfd, monkeypatch):
 def test_by_mpirun(mpirun, tmp_path):
     """The same from outside: what a user and a job script see."""
     (tmp_path / "scene.toml").write_text(GOOD)
-    run = mpirun("run", "scene.toml", "--set", "surface.m=[3, 3]", cwd=tmp_path)
+    run = mpirun("run", "scene.toml", "--set", "surface.perids=[3, 3]", cwd=tmp_path)
     assert run.returncode == 2
     assert run.stdout == ""
     assert run.stderr.strip().count("\n") == 0
-    assert "surface.n" in run.stderr
+    assert "surface.periods" in run.stderr
     assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
 
 

@@ -3,10 +3,12 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from hpc_gfmd.bench import peers
 from hpc_gfmd.bench.cases import Case
 from hpc_gfmd.bench.loosest import loosest
 from hpc_gfmd.bench.ours import Ours
@@ -101,17 +103,12 @@ def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, t
 def test_kernels_and_transforms(what, count, tmp_path):
     """In a process of their own: PFFT starts MPI."""
     pytest.importorskip("mpi4py_fft")
-    subprocess.run([sys.executable, "-m", "hpc_gfmd", "bench", what, "--n", "64", "--precision", "single", "--repeats", "2", "-o", tmp_path],
-                   check=True, capture_output=True)
+    subprocess.run([sys.executable, "-m", "hpc_gfmd", "bench", what, "--n", "64", "--precision", "single", "--repeats", "2",
+                    "-o", tmp_path], check=True, capture_output=True)
     found = rows(tmp_path / f"{what}.jsonl")
     assert len(found) == count
     assert all(r["ms_min"] > 0 for r in found)
 
 
 def test_worker_stands_alone():
-    from pathlib import Path
-
-    import hpc_gfmd.bench.peers as peers
-
-    text = Path(peers.__file__).with_name("peer_worker.py").read_text()
-    assert "hpc_gfmd" not in text
+    assert "hpc_gfmd" not in Path(peers.__file__).with_name("peer_worker.py").read_text()

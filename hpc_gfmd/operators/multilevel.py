@@ -12,10 +12,10 @@ which then sweeps the rest alone.
 
 import numpy as np
 
-from ..coarsening import Transfer, levels
 from ..kernels.contact import update
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_whole
 from ..parallel import halo
+from .coarsening import Transfer, levels
 
 DAMPING = 4.0  # c
 COUPLING = 1.1  # w

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .kernels.spectral import multiply_compliance, multiply_stiffness
+from ..kernels.spectral import multiply_compliance, multiply_stiffness
 
 
 class HalfSpace:
@@ -55,11 +55,14 @@ class HalfSpace:
 
     def apply_compliance(self, p, out):
         """out = S p with zero mean, local slabs; returns this rank's share of <p, S p>."""
-        self.fft.forward_rows(reader(p))
-        energy = self._columns(multiply_compliance, 2.0)
-        self.pairs += 1
-        self.fft.backward_rows(writer(out))
+        self.pressure_rows(reader(p))
+        energy = self.displacement_columns()
+        self.use_rows(writer(out))
         return energy
+
+    def displacement_columns(self):
+        """After `pressure_rows` of a pressure: S p with zero mean, for `use_rows`; returns this rank's share of <p, S p>."""
+        return self._columns(multiply_compliance, 2.0)
 
     def compliance_columns(self):
         """After `pressure_rows` of a pressure: this rank's share of <p, S p>. Half a pair in all, nothing is transformed back."""

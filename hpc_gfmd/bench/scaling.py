@@ -1,0 +1,77 @@
+"""Strong and weak scaling of a whole solve under mpirun, where its time goes, and what the model makes of it on a cluster."""
+
+import json
+import os
+import subprocess
+import sys
+
+from ..errors import GfmdError
+from .model import Machine, Network, predict
+from .report import Report
+from .scaling_picture import scaling_picture
+from .scaling_worker import PARTS
+
+COLUMNS = {"kind": ("kind", "s"), "n": ("n", "d"), "ranks": ("ranks", "d"), "precision": ("precision", "s"), "p_star": ("p*", ".3g"),
+           "seconds": ("s", ".3g"), "efficiency": ("efficiency", ".2f"), "fft_pairs": ("pairs", ".1f"),
+           **{f"share_{part}": (part, ".0%") for part in (*PARTS, "kernels")}}
+MODEL_COLUMNS = {"n": ("n", "d"), "nodes": ("nodes", "d"), "ranks": ("ranks", "d"), "seconds": ("s", ".3g"),
+                 "efficiency": ("efficiency", ".2f"), "share_transpose": ("transpose", ".0%"), "share_latency": ("latency", ".0%"),
+                 "gib_per_node": ("GiB/node", ".3g")}
+NODES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)
+ACCURACY = 1e-2
+
+
+def bench_scaling(sizes, ranks, precisions, p_star, repeats, out=None):
+    """Measure n in sizes on all ranks (strong), and n grown with sqrt(ranks) (weak); then predict larger machines from it."""
+    report = Report("scaling", COLUMNS, out)
+    alone = {}
+    for precision in precisions:
+        for n in sizes:
+            for k in ranks:
+                row = measure(n, k, precision, p_star, repeats)
+                alone.setdefault((n, precision), (row["seconds"] * k, k))
+                best = alone[n, precision][0]
+                _add(report, "strong", row, best / (row["seconds"] * k))
+        n = min(sizes)
+        first = None
+        for k in ranks:
+            grown = 4 * round(n * k**0.5 / 4)
+            row = measure(grown, k, precision, p_star, repeats)
+            per_point = row["seconds"] * k / (grown * grown)
+            first = first or per_point
+            _add(report, "weak", row, first / per_point)
+    model = _predict(report, out)
+    if out:
+        scaling_picture(report.rows, model.rows, out)
+        model.finish()
+    report.finish()
+
+
+def measure(n, ranks, precision, p_star, repeats):
+    """One row of scaling_worker.py on a number of ranks. Raises GfmdError if it fails."""
+    worker = [sys.executable, "-m", "hpc_gfmd.bench.scaling_worker", str(n), precision, str(p_star), str(ACCURACY), str(repeats)]
+    command = worker if ranks == 1 else ["mpirun", "-n", str(ranks), *worker]
+    done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
+    if done.returncode != 0:
+        raise GfmdError(f"scaling on {ranks} ranks failed: {done.stderr.strip().splitlines()[-1] if done.stderr.strip() else '?'}")
+    return json.loads(done.stdout.strip().splitlines()[-1])
+
+
+def _add(report, kind, row, efficiency):
+    shares = {f"share_{name}": seconds / row["seconds"] for name, seconds in row.pop("parts").items()}
+    report.add(kind=kind, efficiency=efficiency, **row, **shares)
+
+
+def _predict(report, out):
+    model = Report("scaling-model", MODEL_COLUMNS, out)
+    serial = max((row for row in report.rows if row["ranks"] == 1), key=lambda row: row["n"], default=None)
+    if serial is None:
+        return model
+    machine, network = Machine.from_row(serial), Network()
+    model.say(f"# {machine.describe()}; {network.describe()}")
+    for n in (2**15, 2**17):
+        for nodes in NODES:
+            row = predict(n, nodes, machine, network)
+            if row:
+                model.add(**row)
+    return model

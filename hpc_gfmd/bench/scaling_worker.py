@@ -1,0 +1,106 @@
+"""One measured solve under mpirun: where its time goes. Prints one line of JSON on rank 0. Started by scaling.py."""
+
+import json
+import sys
+import time
+
+import numpy as np
+
+from ..driver.sweep import Sweep
+from ..driver.warmup import compile_once
+from ..parallel.comm import world
+from ..scene import Solver
+from .cases import Case
+
+PARTS = ("fft", "transpose", "levels", "reductions")
+
+
+class Stopwatch:
+    """Adds up seconds by name; time of inner parts is not counted in outer ones."""
+
+    def __init__(self):
+        self.seconds = dict.fromkeys(PARTS, 0.0)
+        self.inner = 0.0
+
+    def timed(self, name, function):
+        def call(*args, **kwargs):
+            before, begun = self.inner, time.perf_counter()
+            self.inner = 0.0
+            try:
+                return function(*args, **kwargs)
+            finally:
+                spent = time.perf_counter() - begun
+                self.seconds[name] += spent - self.inner
+                self.inner = before + spent
+
+        return call
+
+
+class TimedMpi:
+    """An mpi4py communicator whose calls are timed: all-to-alls apart from the rest."""
+
+    def __init__(self, mpi, watch):
+        self._mpi, self._watch = mpi, watch
+
+    def __getattr__(self, name):
+        value = getattr(self._mpi, name)
+        if name.startswith("Alltoall"):
+            return self._watch.timed("transpose", value)
+        if name in ("Allreduce", "Sendrecv", "allgather", "Barrier", "bcast"):
+            return self._watch.timed("reductions", value)
+        return value
+
+
+def main(argv):
+    n, precision, p_star, accuracy, repeats = int(argv[0]), argv[1], float(argv[2]), float(argv[3]), int(argv[4])
+    comm = world()
+    settings = Solver(precision=precision, accuracy=accuracy)
+    compile_once(comm, settings)
+    watch = Stopwatch()
+    sweep = Sweep(lambda dtype: Case(n, 0.8, p_star).surface(dtype, comm), settings)
+    if comm.mpi is not None:
+        comm.mpi = TimedMpi(comm.mpi, watch)
+    rows = []
+    for _ in range(repeats):
+        sweep.solver = None
+        p = p_star * sweep.surface.g_rms
+        _instrument(sweep, watch)
+        comm.barrier()
+        watch.seconds = dict.fromkeys(PARTS, 0.0)
+        begun = time.perf_counter()
+        step = sweep.solve(p)
+        comm.barrier()
+        seconds = time.perf_counter() - begun
+        parts = dict(zip(PARTS, comm.sum(list(watch.seconds.values())) / comm.size, strict=True))
+        parts["kernels"] = seconds - sum(parts.values())
+        rows.append({"seconds": seconds, "parts": parts, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
+                     "status": step.contact.outcome.status})
+    best = min(rows, key=lambda row: row["seconds"])
+    if comm.rank == 0:
+        print(json.dumps({"n": n, "ranks": comm.size, "precision": precision, "p_star": p_star, "accuracy": accuracy,
+                          "median_seconds": float(np.median([row["seconds"] for row in rows])), **best}))
+    return 0
+
+
+def _instrument(sweep, watch):
+    """Time the transforms of all grids, and the sweep over the levels of every solver that is made."""
+    grids = [sweep.surface.grid] + [coarse for _, coarse in (sweep.nested.steps if sweep.nested else [])]
+    for grid in grids:
+        for fft in grid.planned():
+            if not hasattr(fft.plans, "is_timed"):
+                for name in ("rows_forward", "rows_backward", "columns_forward", "columns_backward"):
+                    setattr(fft.plans, name, watch.timed("fft", getattr(fft.plans, name)))
+                fft.plans.is_timed = True
+    make = type(sweep)._make
+
+    def timed_make(problem):
+        solver = make(sweep, problem)
+        if hasattr(solver, "levels"):
+            solver.levels.sweep = watch.timed("levels", solver.levels.sweep)
+        return solver
+
+    sweep._make = timed_make
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

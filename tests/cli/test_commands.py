@@ -1,0 +1,240 @@
+"""The command line as a user or a job script sees it: exit codes, names, messages."""
+
+import json
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+from mpi_harness import call, environment
+
+from hpc_gfmd.cli import main
+
+SCENE = """
+[surface]
+kind = "self-affine"
+hurst = 0.8
+L_over_lam_l = 2
+lam_l_over_lam_s = 8
+lam_s_over_a = 2
+seed = 1
+[load]
+p_star = [0.05, 0.1]
+[output]
+fields = ["pressure", "gap"]
+"""
+STEP = {"p", "p_star", "a_r", "kappa", "gap_mean", "gap_over_h_rms", "iterations", "fft_pairs", "wall_seconds", "status",
+        "a_r_error", "gap_error", "pressure_error"}
+SURFACE = {"n", "physical_sizes", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c", "seed"}
+
+
+@pytest.fixture
+def cli(monkeypatch, capfd):
+    """cli(*args, cwd): one command in this process (a new one for each takes seconds); returns its exit code and texts."""
+    def run(*args, cwd):
+        monkeypatch.chdir(cwd)
+        capfd.readouterr()
+        code = main(list(args))
+        return SimpleNamespace(returncode=code, **capfd.readouterr()._asdict(), args=args)
+
+    return run
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("solved")
+    (folder / "scene.toml").write_text(SCENE)
+    run = call(None, ["run", "scene.toml", "-o", "out.h5"], cwd=folder)
+    assert run.returncode == 0, run.stderr
+    return folder, run
+
+
+def test_run(solved):
+    folder, run = solved
+    assert sorted(p.name for p in folder.iterdir()) == ["out.h5", "scene.toml"]
+    assert "kappa" in run.stdout
+    assert "Traceback" not in run.stderr
+    with h5py.File(folder / "out.h5") as file:
+        assert file.attrs["format"] == "hpc-gfmd"
+        assert file.attrs["status"] == "converged"
+        assert {"format_version", "scene", "versions", "start_time", "end_time", "ranks", "setup_seconds"} <= set(file.attrs)
+        assert set(file["surface"].attrs) >= SURFACE
+        assert list(file["steps"]) == ["0000", "0001"]
+        for step in file["steps"].values():
+            assert set(step.attrs) >= STEP
+            assert step.attrs["status"] == "converged"
+            assert set(step) == {"pressure", "gap"}
+            pressure, gap = step["pressure"][:], step["gap"][:]
+            assert pressure.shape == (32, 32)
+            assert pressure.mean() == pytest.approx(step.attrs["p"], rel=1e-3)
+            assert gap.mean() == pytest.approx(step.attrs["gap_mean"], rel=1e-3)
+            assert np.mean(pressure > 0) == pytest.approx(step.attrs["a_r"])
+
+
+def test_show(cli, solved):
+    folder, _ = solved
+    text = cli("show", "out.h5", cwd=folder)
+    assert text.returncode == 0
+    assert "converged" in text.out
+    shown = json.loads(cli("show", "--json", "out.h5", cwd=folder).out)
+    assert set(shown) == {"surface", "steps", "status"}
+    assert set(shown["surface"]) >= SURFACE
+    assert shown["surface"]["n"] == [32, 32]
+    assert all(set(step) >= STEP for step in shown["steps"])
+    assert [step["p_star"] for step in shown["steps"]] == pytest.approx([0.05, 0.1], rel=1e-6)
+
+
+BLOCKED = """
+import sys
+class Block:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in {blocked!r}:
+            raise ImportError(name)
+sys.meta_path.insert(0, Block())
+from hpc_gfmd.cli import main
+sys.exit(main({args!r}))
+"""
+
+
+@pytest.mark.parametrize("args", [["show", "out.h5"], ["show", "--json", "out.h5"], ["plot", "out.h5", "-o", "pictures"],
+                                  ["persson", "--hurst", "0.8", "--eps-f", "0.01", "--p-star", "0.1"]], ids=lambda a: " ".join(a[:2]))
+def test_without_numba_and_mpi(solved, args):
+    folder, _ = solved
+    code = BLOCKED.format(blocked=("numba", "mpi4py"), args=args)
+    run = subprocess.run([sys.executable, "-c", code], cwd=folder, env=environment(), capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+
+
+@pytest.mark.parametrize("module", ["hpc_gfmd", "hpc_gfmd.cli", "hpc_gfmd.scene", "hpc_gfmd.theory.persson", "hpc_gfmd.output.read"])
+def test_imports_are_light(module):
+    code = f"import sys, {module}; print([m for m in ('numba', 'mpi4py', 'mpi4py.MPI', 'matplotlib') if m in sys.modules])"
+    run = subprocess.run([sys.executable, "-c", code], env=environment(), capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"
+
+
+def test_run_without_mpi4py(folder):
+    """One process needs no MPI."""
+    code = BLOCKED.format(blocked=("mpi4py",), args=["run", "scene.toml"])
+    run = subprocess.run([sys.executable, "-c", code], cwd=folder, env=environment(), capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert (folder / "contact.h5").exists()
+
+
+def test_set_changes_the_scene(cli, folder):
+    run = cli("run", "scene.toml", "--set", "load.p_star=[0.2]", "--set", "output.path=other.h5", "--set", "surface.seed=3", cwd=folder)
+    assert run.returncode == 0, run.err
+    shown = json.loads(cli("show", "--json", "other.h5", cwd=folder).out)
+    assert (len(shown["steps"]), shown["surface"]["seed"]) == (1, 3)
+
+
+def test_residual_mode(cli, folder):
+    run = cli("run", "scene.toml", "--set", "solver.residual=1e-9", "--set", "load.p_star=[0.1]", cwd=folder)
+    assert run.returncode == 0, run.err
+    with h5py.File(folder / "contact.h5") as file:
+        assert file["steps/0000"].attrs["residual"] < 1e-9
+
+
+def test_not_converged(cli, folder):
+    """Exit code 3, results are there and marked."""
+    run = cli("run", "scene.toml", "--set", "solver.max_iterations=2", "--set", "solver.nested=false", cwd=folder)
+    assert run.returncode == 3, run.err
+    shown = json.loads(cli("show", "--json", "contact.h5", cwd=folder).out)
+    assert shown["status"] == "max_iterations"
+    assert "max_iterations" in [step["status"] for step in shown["steps"]]
+    assert "max_iterations" in cli("show", "contact.h5", cwd=folder).out
+    assert cli("plot", "contact.h5", cwd=folder).returncode == 0
+
+
+def test_interrupted(cli, folder):
+    """Exit code 143, then restart."""
+    run = cli("run", "scene.toml", "--set", "machine.wall_seconds=1e-9", cwd=folder)
+    assert run.returncode == 143
+    assert "restart" in run.out + run.err
+    assert json.loads(cli("show", "--json", "contact.h5", cwd=folder).out)["status"] == "interrupted"
+    again = cli("restart", "contact.h5", cwd=folder)
+    assert again.returncode == 143  # the time limit is part of the stored scene
+    (folder / "contact.h5.partial").rename(folder / "kept.h5.partial")
+    assert cli("restart", "contact.h5", cwd=folder).returncode == 2
+
+
+@pytest.mark.parametrize(("args", "named"), [
+    (["run", "scene.toml", "--set", "load.p_sta=1"], "load.p_star"), (["run", "scene.toml", "--set", "surfac.n=1"], "surface"),
+    (["run", "scene.toml", "--set", "solver.accuracy=0"], "solver.accuracy"), (["run", "gone.toml"], "gone.toml"), (["run"], "SCENE"),
+    (["walk", "scene.toml"], "walk"), (["show", "gone.h5"], "gone.h5"), (["show", "scene.toml"], "scene.toml"),
+    (["plot", "gone.h5"], "gone.h5"), (["restart", "gone.h5"], "gone.h5"), (["plan", "scene.toml", "--ranks", "0"], "--ranks"),
+    (["plan", "scene.toml", "--set", "surface.lam_l_over_lam_s=4194304"], "GiB"),
+    (["persson", "--hurst", "2", "--eps-f", "0.1", "--p-star", "0.1"], "urst"),
+    (["run", "scene.toml", "--set", "solver.name=gfdm"], "solver.name"), (["run", "scene.toml", "-o", "here.txt"], "output.path"),
+    (["run", "scene.toml", "--set", "machine.memory_gib=1e-6"], "GiB"), ([], "COMMAND")], ids=lambda x: " ".join(x)[:40])
+def test_wrong_input(cli, folder, args, named):
+    """Exit code 2 and one line on stderr that names the key; nothing is written."""
+    run = cli(*args, cwd=folder)
+    assert run.returncode == 2, run.err
+    assert len(run.err.strip().splitlines()) == 1, run.err
+    assert named in run.err
+    assert [p.name for p in folder.iterdir()] == ["scene.toml"]
+
+
+def test_plan(cli, folder):
+    run = cli("plan", "scene.toml", "--ranks", "3", "--json", cwd=folder)
+    plan = json.loads(run.out)
+    assert run.returncode == 0
+    assert (plan["n"], plan["ranks"], plan["idle_ranks"]) == ([32, 32], 3, 0)
+    assert plan["gib_per_rank"] > 0
+    assert plan["seconds"] > 0
+    assert "GiB per rank" in cli("plan", "scene.toml", cwd=folder).out
+    assert [p.name for p in folder.iterdir()] == ["scene.toml"]
+
+
+def test_info(cli, folder):
+    run = cli("info", cwd=folder)
+    assert run.returncode == 0, run.err
+    for word in ("numpy", "FFT", "MPI", "HDF5", "cores"):
+        assert word in run.out
+
+
+def test_plot(cli, solved):
+    folder, _ = solved
+    run = cli("plot", "out.h5", "-o", "drawn", cwd=folder)
+    assert run.returncode == 0, run.err
+    pictures = [line for line in run.out.splitlines() if line.endswith((".png", ".pdf"))]
+    assert pictures
+    assert all((folder / picture).exists() for picture in pictures)
+    for path in (folder / "drawn").iterdir():
+        path.unlink()
+    (folder / "drawn").rmdir()
+
+
+def test_persson_and_tfc(cli, folder):
+    run = cli("persson", "--hurst", "0.8", "--eps-f", "0.01", "--p-star", "0.353553", "--json", cwd=folder)
+    assert json.loads(run.out)["a_r"] == pytest.approx(0.5205, abs=1e-4)
+    run = cli("tfc", "--hurst", "0.8", "--p-star", "0.007", "--eps-t", "1/2", "--eps-f", "1/1024", "--eps-c", "1/2", "--value", "2.2",
+              "--json", cwd=folder)
+    assert json.loads(run.out)["extrapolated"] == pytest.approx(2.0160, abs=2e-3)
+
+
+def test_python_interface(folder, monkeypatch):
+    import hpc_gfmd
+
+    monkeypatch.chdir(folder)
+    for _ in range(2):  # the second time the module of this name has been imported
+        run = hpc_gfmd.run("scene.toml", quiet=True)
+    assert (run.status, run.exit_code, len(run.steps)) == ("converged", 0, 2)
+    z = np.random.default_rng(0).standard_normal((20, 30))
+    found = hpc_gfmd.solve(z, 0.1, E_star=2.0, physical_sizes=(2.0, 3.0))
+    assert found.pressure.shape == found.gap.shape == z.shape
+    assert found.pressure.mean() == pytest.approx(0.1, rel=1e-3)
+    for wrong in ({"pressure": -1.0}, {"pressure": 1.0, "accuracy": 2.0}, {"pressure": 1.0, "name": "nobody"},
+                  {"pressure": 1.0, "E_star": 0.0}, {"pressure": 1.0, "bogus": 1}):
+        with pytest.raises(hpc_gfmd.errors.SceneError):
+            hpc_gfmd.solve(z, **wrong)
+    with pytest.raises(hpc_gfmd.errors.SceneError):
+        hpc_gfmd.solve(np.full((4, 4), np.nan), 1.0)

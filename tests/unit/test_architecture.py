@@ -1,0 +1,75 @@
+"""What may import what, read from the source: numba and MPI in their folders, layers in one direction, small files."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import hpc_gfmd
+
+ROOT = Path(hpc_gfmd.__file__).parent
+FILES = sorted(ROOT.rglob("*.py"))
+LONGEST = 400  # lines
+
+ALLOWED_IN = {  # module: folders or files that may import it
+    "numba": ("kernels/", "commands/info.py", "bench/"),
+    "mpi4py": ("parallel/", "commands/info.py", "bench/"),
+    "mpi4py_fft": ("parallel/", "bench/"),
+    "matplotlib": ("plotting/", "bench/", "studies/"),
+}
+FORBIDDEN = {  # folder: parts of the package that it must not know
+    "theory/": ("scene", "grid", "parallel", "kernels", "solvers", "driver", "output", "surface", "observables", "plotting", "run"),
+    "scene/": ("grid", "parallel", "kernels", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
+    "kernels/": ("scene", "grid", "parallel", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
+    "parallel/": ("scene", "grid", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
+    "surface/": ("solvers", "driver", "output", "observables", "plotting", "run", "theory"),
+    "solvers/": ("scene", "surface", "driver", "output", "observables", "plotting", "run", "theory"),
+    "observables/": ("scene", "solvers", "driver", "output", "plotting", "run", "theory"),
+    "output/": ("solvers", "kernels", "driver", "surface", "observables", "plotting", "run"),
+    "plotting/": ("solvers", "kernels", "driver", "surface", "observables", "run", "grid"),
+}
+HEAVY = ("numpy", "scipy", "h5py", "numba", "matplotlib")  # not for the scene
+
+
+def imports(path):
+    """Full names of all modules that a file imports anywhere in it."""
+    package = ["hpc_gfmd", *path.relative_to(ROOT).parts[:-1]]
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else []
+            stem = ".".join([*base, *([node.module] if node.module else [])])
+            yield stem
+            yield from (f"{stem}.{alias.name}" for alias in node.names)
+
+
+def name(path):
+    return path.relative_to(ROOT).as_posix()
+
+
+@pytest.mark.parametrize("path", FILES, ids=name)
+def test_file(path):
+    here, found = name(path), set(imports(path))
+    for module, places in ALLOWED_IN.items():
+        if any(f == module or f.startswith(module + ".") for f in found):
+            assert here.startswith(places), f"{here} imports {module}"
+    for folder, parts in FORBIDDEN.items():
+        if here.startswith(folder):
+            wrong = {f for f in found for part in parts if f == f"hpc_gfmd.{part}" or f.startswith(f"hpc_gfmd.{part}.")}
+            assert not wrong, f"{here} imports {wrong}"
+    if here.startswith("scene/"):
+        assert not {f for f in found if f.partition(".")[0] in HEAVY}
+    assert len(path.read_text().splitlines()) <= LONGEST
+
+
+@pytest.mark.parametrize("path", [p for p in FILES if p.read_text().strip()], ids=name)
+def test_says_what_it_is(path):
+    """Every file begins with a docstring, as do public classes and functions outside the commands."""
+    tree = ast.parse(path.read_text())
+    if path.name != "__main__.py":
+        assert ast.get_docstring(tree), f"{name(path)} has no docstring"
+    if "commands" in path.parts:
+        return
+    public = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name != "main"]
+    assert not [node.name for node in public if node.name[0] != "_" and not ast.get_docstring(node)]
