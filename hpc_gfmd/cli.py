@@ -18,12 +18,12 @@ class _Parser(argparse.ArgumentParser):
         raise SceneError(f"{self.prog}: {message} (see {self.prog} --help)")
 
 
-def build_parser():
-    """The parser with all commands that are there."""
+def build_parser(commands=COMMANDS):
+    """The parser with these commands, as far as they are there."""
     parser = _Parser(prog="hpc-gfmd", description="Elastic contact of rough surfaces. Start with: hpc-gfmd run SCENE.toml")
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {__version__}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_Parser)
-    for name in COMMANDS:
+    for name in commands:
         module = f"{__package__}.commands.{name}"
         if importlib.util.find_spec(module):
             importlib.import_module(module).add_parser(subparsers)
@@ -35,8 +35,11 @@ def main(argv=None):
     from .parallel.comm import launcher_rank
 
     speaker = launcher_rank() == 0
+    argv = sys.argv[1:] if argv is None else argv
+    # The restart command lives with run; what is not asked for is not imported.
+    asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
     try:
-        args = build_parser().parse_args(argv)
+        args = build_parser([asked] if asked in COMMANDS else COMMANDS).parse_args(argv)
         return args.main(args) or 0
     except GfmdError as error:
         if speaker:

@@ -41,8 +41,8 @@ class Machine:
 
     def describe(self):
         """The assumptions in one line."""
-        return (f"nodes of {self.cores} cores whose memory feeds {self.saturated}; one core {1e9 * self.fft:.3g} ns per point and log2 N "
-                f"of FFT, {1e9 * self.kernel:.3g} ns per point of the rest; {self.pairs:.1f} pairs")
+        return (f"nodes of {self.cores} cores whose memory feeds {self.saturated}; one core: FFT {1e9 * self.fft:.3g} ns per point and "
+                f"log2 N, the rest {1e9 * self.kernel:.3g} ns per point, of each of {self.pairs:.1f} pairs")
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,14 @@ from ..operators.coarsening import levels
 from ..parallel import halo
 from ..parallel.comm import SerialComm
 from ..problem import Problem
+from .certificate import certify
 
 COARSEST = 32  # points along an axis below which there is no coarser grid
-RESIDUAL = 0.03  # of the coarse solutions
+RESIDUAL = 0.1  # of the coarse solutions
 ITERATIONS = 60  # at most, on a coarse grid
 WHOLE_POINTS = 256 * 256  # grids of at most this many points are solved by every rank alone
 THIN_ROWS = 4  # and so are grids of which some rank has fewer rows
+TENSION = 0.02  # share of points under tension in a closed coarse contact up to which the fine one may be without any
 FLAT_START = 0.1  # p* below which the flat start rests on the heights above mean + rms
 
 
@@ -79,6 +81,16 @@ class Nested:
             into[...] = g
             g = into
         return g, pairs
+
+    def may_be_full(self, problem):
+        """Whether full contact is likely, and the FFT pairs this took: from the pressure of the closed contact on the next grid."""
+        if not self.steps:
+            return True, 0.0
+        coarse = _decimated(problem, *self.steps[0])
+        g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
+        certificate = certify(coarse, g, p, coarse.dtype.type, dual=False)
+        share = coarse.grid.N / problem.grid.N
+        return certificate.contact >= (1 - TENSION) * coarse.grid.N, certificate.pairs * share
 
 
 def _decimated(problem, fine, grid):

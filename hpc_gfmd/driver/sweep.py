@@ -13,7 +13,7 @@ from .drive import Outcome, Target, drive
 from .nested import Nested, cold_gap
 
 SINGLE_ACCURACY = 1e-4  # the finest accuracy that is tried in single precision
-WARM_RATIO = 1.25  # loads that differ by a smaller factor start from each other's solution, others from coarser grids
+WARM_UP, WARM_DOWN = 1.5, 1.25  # a load up to so much larger or smaller starts from the one before, others from coarser grids
 FULL_P_STAR = 0.5  # full contact needs p* above std(p)/(E* g_rms) = 1/2 (unless the surface is very skewed)
 
 
@@ -127,17 +127,22 @@ class Sweep:
 
     def _near(self, p_star):
         ratio = p_star / self.solver.p0
-        return 1 / WARM_RATIO < ratio < WARM_RATIO
+        return 1 / WARM_DOWN < ratio < WARM_UP
 
     def _full_contact(self, problem):
         """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and the pairs spent on finding out."""
         if problem.p0 < FULL_P_STAR:
             return None, 0.0
+        likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
+        if not likely:
+            return None, pairs
         g, q = np.zeros_like(problem.h), np.empty_like(problem.h)
         certificate = certify(problem, g, q, dual=False)
+        pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
-            return None, certificate.pairs
-        return (g, q, Outcome("converged", (0.0, 0.0, 0.0), certificate, 0.0)), certificate.pairs
+            return None, pairs
+        errors = (0.0, 0.0, 0.0 if problem.dtype == np.float64 else problem.rounding / problem.p0)
+        return (g, q, Outcome("converged", errors, certificate, 0.0)), pairs
 
     def _to(self, dtype):
         """Make the surface in this precision and plan all transforms that its contacts need."""

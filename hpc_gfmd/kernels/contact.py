@@ -64,15 +64,19 @@ def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0
     rows[...] = zero
     here, after = 0, 3  # rows of the scratch that collect coarse row K, and K + 1: p, indicator, x each
     K = lo
+    fresh = False  # whether nothing has been written to `after` since it was put down
     for i in range(i0, i1):
         while K < k0[i]:
             _put_down(rows, here, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
+            if fresh:
+                rows[after:after + 3] = zero
             here, after = after, here
+            fresh = True
             K += 1
         w = f_x[i]
         rr, pp, pd, dx, px, nc, gs, nl = _update_row(
-            g[i], p[i], d[i], x[i - i0], s, rows[here, :n], rows[here + 1, :n], rows[here + 2, :n],
-            rows[after, :n], rows[after + 1, :n], rows[after + 2, :n], w, zero, one)
+            g[i], p[i], d[i], x[i - i0], s, rows[here:here + 3], rows[after:after + 3], w, fresh, zero, one)
+        fresh = fresh and w == zero
         RRs += rr
         PPs += pp
         PDs += pd
@@ -82,12 +86,14 @@ def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0
         Cs += nc
         Ls += nl - nc
     _put_down(rows, here, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
+    if fresh:
+        rows[after:after + 3] = zero
     _put_down(rows, after, n, K + 1, lo, hi, first, last, coarse, factor, mode, j0, f)
     return RRs, PPs, PDs, DXs, PXs, Cs, Gs, Ls
 
 
 @inline
-def _update_row(g, p, d, x, s, p_here, t_here, x_here, p_after, t_after, x_after, w, zero, one):
+def _update_row(g, p, d, x, s, here, after, w, fresh, zero, one):
     """One row of `update`: new g and p, its sums, and its share of the coarse rows before and after it."""
     n = g.shape[0]
     rr = pp = pd = dx = px = gs = nc = nl = zero
@@ -109,7 +115,9 @@ def _update_row(g, p, d, x, s, p_here, t_here, x_here, p_after, t_after, x_after
         dx += xf * d[j]
         px += pf * xf
         gs += gg
-    # A second loop: with more arrays than this the compiler gives up on vectors.
+    # A second loop, and rows of one array: with more pointers than this the compiler gives up on vectors.
+    p_here, t_here, x_here = here[0], here[1], here[2]
+    p_after, t_after, x_after = after[0], after[1], after[2]
     if w == zero:
         for j in range(n):
             t = one if (g[j] <= zero and p[j] > zero) else zero
@@ -117,6 +125,18 @@ def _update_row(g, p, d, x, s, p_here, t_here, x_here, p_after, t_after, x_after
             p_here[j] += free * p[j]
             t_here[j] += t
             x_here[j] += free * x[j]
+    elif fresh:
+        u = one - w
+        for j in range(n):
+            t = one if (g[j] <= zero and p[j] > zero) else zero
+            a = (one - t) * p[j]
+            b = (one - t) * x[j]
+            p_here[j] += u * a
+            t_here[j] += u * t
+            x_here[j] += u * b
+            p_after[j] = w * a
+            t_after[j] = w * t
+            x_after[j] = w * b
     else:
         u = one - w
         for j in range(n):
@@ -134,9 +154,8 @@ def _update_row(g, p, d, x, s, p_here, t_here, x_here, p_after, t_after, x_after
 
 @inline
 def _put_down(rows, here, n, K, lo, hi, first, last, coarse, factor, mode, j0, f):
-    """Restrict a complete coarse row along the other axis to where it belongs, and clear what collected it."""
+    """Restrict a complete coarse row along the other axis to where it belongs."""
     for c in range(3):
         line = rows[here + c, :n]
         target = first[c] if K == lo else (last[c] if K == hi else coarse[c, K])
         restrict_row(line, target, factor, mode, j0, f)
-        line[:] = rows.dtype.type(0)

@@ -30,9 +30,11 @@ def accumulate(comm, a):
 
 def sum_to_all(comm, a, start, n):
     """Every rank's rows with halo, the first own one being row `start` of n, summed into a whole array on every rank."""
-    whole = np.zeros(a.shape[:-2] + (n, a.shape[-1]), a.dtype)
-    for k in range(a.shape[-2]):  # few rows: halo rows may wrap around onto the rank's own
-        whole[..., (start - 1 + k) % n, :] += a[..., k, :]
+    rows = a.shape[-2] - 2
+    whole = np.zeros((*a.shape[:-2], n, a.shape[-1]), a.dtype)
+    whole[..., start:start + rows, :] = a[..., 1:-1, :]
+    whole[..., (start - 1) % n, :] += a[..., 0, :]
+    whole[..., (start + rows) % n, :] += a[..., -1, :]
     if comm.size > 1:
         from mpi4py import MPI
 
@@ -42,8 +44,10 @@ def sum_to_all(comm, a, start, n):
 
 def take_rows(whole, start, a):
     """The inverse of `sum_to_all`: a = this rank's rows and halo out of the whole array."""
-    n = whole.shape[-2]
-    a[...] = whole[..., np.arange(start - 1, start - 1 + a.shape[-2]) % n, :]
+    n, rows = whole.shape[-2], a.shape[-2] - 2
+    a[..., 1:-1, :] = whole[..., start:start + rows, :]
+    a[..., 0, :] = whole[..., (start - 1) % n, :]
+    a[..., -1, :] = whole[..., (start + rows) % n, :]
 
 
 def neighbours(comm, a, width):

@@ -189,11 +189,13 @@ class Bpx(Solver):
         n_c, gap, closed = self.contact, self.gap_mean, self.pp - self.rr
         if n_c == 0 or closed <= 0:
             return np.inf, np.inf, np.inf
-        e = np.sqrt(self.rz / (self.kap * closed) + self.rounding**2 * n_c / closed)
+        e = np.sqrt(max(self.rz, 0.0) / (self.kap * closed))
+        edge = EDGE / n_c if e * n_c > SURE else 0.0
+        e = np.hypot(e, self.rounding * np.sqrt(n_c / closed))
         few = SAFETY * (1 + FEW / n_c)
-        area = SAFETY * e + (EDGE / n_c if e * n_c > SURE else 0.0)
+        area = SAFETY * e + edge
         opened = 1 - n_c / self.N
         mean_gap = 0.0 if self.rr == 0 else np.inf
         if gap > 0:
-            mean_gap = few * (np.sqrt(self.rz / (self.N * self.p0 * gap)) * opened**-0.25 + self.rounding * opened / gap)
+            mean_gap = few * (np.sqrt(max(self.rz, 0.0) / (self.N * self.p0 * gap)) * opened**-0.25 + self.rounding * opened / gap)
         return float(area), float(mean_gap), float(few * e)
