@@ -9,8 +9,8 @@ __all__ = ["run", "solve"]
 
 
 def run(scene, **how):
-    """Solve a scene file (or scene.Scene) and write its result file; see run.run_scene."""
-    from .run import run_scene
+    """Solve a scene file (or scene.Scene) and write its result file; see simulation.run_scene."""
+    from .simulation import run_scene
 
     return run_scene(scene, **how)
 

@@ -84,6 +84,8 @@ class Contact:
     def field(self, name):
         """One of FIELDS as a local slab of the whole grid, in the precision of the solution, computed as it is read.
 
+        It refers to the solver's own arrays: the next load of a sweep overwrites them.
+
         pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: u >= -h, positive away from the wall.
         Raises SceneError for an unknown name.
         """

@@ -14,6 +14,7 @@ def add_parser(subparsers):
     again = subparsers.add_parser("restart", help="continue an interrupted run",
                                   description="Continue the interrupted run of a result file, on any number of ranks.")
     again.add_argument("file", metavar="OUT.h5", help="result file that the run was to write")
+    again.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change machine.key, such as wall_seconds")
     again.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     again.set_defaults(main=main_restart, parallel=True)
     return parser
@@ -21,13 +22,13 @@ def add_parser(subparsers):
 
 def main(args) -> int:
     """Solve; the exit code tells whether every step converged."""
-    from ..run import run_scene
+    from ..simulation import run_scene
 
     return run_scene(args.scene, args.set, args.output, quiet=args.quiet).exit_code
 
 
 def main_restart(args) -> int:
     """Continue; the exit code is that of the whole run."""
-    from ..run import restart
+    from ..simulation import restart
 
-    return restart(args.file, quiet=args.quiet).exit_code
+    return restart(args.file, args.set, quiet=args.quiet).exit_code

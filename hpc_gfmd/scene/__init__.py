@@ -4,10 +4,10 @@
 dictionary; each raises `SceneError` with one line that names the key, what was found and what is allowed.
 """
 
-from .load import check_names, load_scene
+from .load import check_names, load_scene, with_overrides
 from .model import Scene
 from .settings import Load, Machine, Material, Output, Solver
 from .surface import File, SelfAffine, Sphere, Wave
 
 __all__ = ["File", "Load", "Machine", "Material", "Output", "Scene", "SelfAffine", "Solver", "Sphere", "Wave",
-           "check_names", "load_scene"]
+           "check_names", "load_scene", "with_overrides"]

@@ -25,6 +25,16 @@ def load_scene(path: str | Path, overrides: Iterable[str] = ()) -> Scene:
     return Scene.from_dict(data, origin, Path(path).parent)
 
 
+def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
+    """The scene with overrides "table.key=value" of that one table. Raises SceneError for others."""
+    data = scene.model_dump(exclude_none=True)
+    for override in overrides:
+        if not override.strip().startswith(f"{table}."):
+            raise SceneError(f"--set: found {shown(override)}, allowed: {table}.key=value")
+        _apply(data, override)
+    return Scene.from_dict(data, "--set") if overrides else scene
+
+
 def check_names(scene: Scene, solvers: Iterable[str], observables: Iterable[str],
                 fields: Iterable[str]) -> None:
     """Compare the names in the scene with those that the registries know.

@@ -9,8 +9,8 @@ from hpc_gfmd.commands.show import as_dict, as_text
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.registry import all_observables
-from hpc_gfmd.run import run_scene
 from hpc_gfmd.scene import Scene
+from hpc_gfmd.simulation import run_scene
 
 every_observable = pytest.mark.parametrize("name", all_observables())
 SURFACE = rough((1, 8, 4))

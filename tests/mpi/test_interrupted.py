@@ -11,8 +11,8 @@ from contacts import EXACT, rough
 from mpi_harness import end
 
 from hpc_gfmd.output.read import partial_folder, read_result
-from hpc_gfmd.run import restart, run_scene
 from hpc_gfmd.scene import Scene
+from hpc_gfmd.simulation import restart, run_scene
 
 pytestmark = pytest.mark.mpi
 

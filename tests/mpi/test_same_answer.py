@@ -9,8 +9,8 @@ from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import all_observables, solver_names
-from hpc_gfmd.run import run_scene
 from hpc_gfmd.scene import Scene, Solver
+from hpc_gfmd.simulation import run_scene
 from hpc_gfmd.surface.build import surface_from_rows
 
 pytestmark = pytest.mark.mpi

@@ -20,7 +20,7 @@ from .parallel.guard import guarded
 from .parallel.interrupt import Interrupt
 from .progress import Reporter
 from .registry import all_observables, solver_names
-from .scene import Scene, check_names, load_scene
+from .scene import Scene, check_names, load_scene, with_overrides
 from .surface import build_surface, surface_size
 from .versions import versions
 
@@ -78,15 +78,18 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         return run.all_steps(pressures)
 
 
-def restart(path, quiet=False, comm=None):
-    """Continue the interrupted run that writes `path`, on any number of ranks. Raises SceneError if there is none."""
+def restart(path, overrides=(), quiet=False, comm=None):
+    """Continue the interrupted run that writes `path`, on any number of ranks. Raises SceneError if there is none.
+
+    overrides: "machine.key=value" texts; nothing else of the scene can be changed.
+    """
     comm = comm or world()
     with guarded(comm, "reading the interrupted run"):
         if comm.rank == 0 and not Path(path).with_name(Path(path).name + ".partial").is_dir():
             there = "is complete already" if Path(path).exists() else "has no interrupted run beside it"
             raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
-        text = read_partial(path).scene_toml
-    return run_scene(Scene.from_toml(text, str(path)), out=path, resume=True, quiet=quiet, comm=comm)
+        scene = with_overrides(Scene.from_toml(read_partial(path).scene_toml, str(path)), overrides, "machine")
+    return run_scene(scene, out=path, resume=True, quiet=quiet, comm=comm)
 
 
 def _read_scene(comm, scene, overrides, out):
