@@ -8,6 +8,7 @@ import numpy as np
 from .errors import SceneError
 
 FIELDS = ("pressure", "gap", "displacement")
+LAZY_ROWS = 64  # of a field that are computed at a time
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,11 @@ class LazyField:
 
     def __getitem__(self, rows):
         i0, i1, _ = rows.indices(self.shape[0])
-        return self.rows(i0, max(i0, i1))
+        out = np.empty((max(i1 - i0, 0), self.shape[1]), self.dtype)
+        for i in range(i0, i1, LAZY_ROWS):
+            j = min(i + LAZY_ROWS, i1)
+            out[i - i0:j - i0] = self.rows(i, j)
+        return out
 
     def __array__(self, dtype=None, copy=None):
         return np.array(self[:], dtype=dtype)

@@ -17,13 +17,16 @@ from ..operators.halfspace import HalfSpace
 
 GAP_FACTOR = 2.03  # error of the mean gap over sqrt(G/(p0 gap_mean)): the largest ratio ever seen
 
+TIE = 4.0  # times the rms of rounding errors: a difference of pressures that means nothing
+
 
 @dataclass(frozen=True)
 class Certificate:
     """Relative violations. penetration: largest -g (problem's unit); tension: largest -p on closed points over p0; complementarity:
     mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact - p0|/p0; duality_gap: G/(p0 gap_mean); residual: rms of p out of
     contact over p0; pressure: the same over the rms of p in contact; gap_bound: bound of the relative error of the mean gap.
-    energy: 1/2 <u, K u>/N; contact: points; gap_mean: problem's unit; pairs: FFT pairs this took."""
+    energy: 1/2 <u, K u>/N; contact: points; near: points that may be
+    on the wrong side; gap_mean: problem's unit; pairs: FFT pairs this took."""
 
     penetration: float
     tension: float
@@ -35,6 +38,7 @@ class Certificate:
     gap_bound: float
     energy: float
     contact: int
+    near: int
     gap_mean: float
     pairs: float
 
@@ -49,20 +53,26 @@ class Certificate:
         return bool(np.isfinite([self.residual, self.gap_mean, self.energy]).all())
 
 
-def certify(problem, g, p, dtype=np.float64, dual=True):
-    """Judge the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local slab). One pair, half more if dual."""
+def certify(problem, g, p, dtype=np.float64, dual=True, near=0.0):
+    """Judge the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local slab). One pair, half more if dual.
+
+    near: pressure below which a point in contact, or gap over 2/q_nyquist below which one out of contact, may be on the wrong side.
+    """
     grid = problem.grid
     elastic = HalfSpace(grid, dtype)
     p0, N = float(problem.p0), grid.N
     passes = elastic.fft.passes()
+    # What is as close as rounding errors are is a tie, and on either side right.
+    low = TIE * problem.rounding if near > 0 else 0.0
+    kap = 2.0 / grid.q_nyquist
 
     elastic.pressure_rows(problem.displacement_rows(g), passes)
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
-    parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, p0, i0, i1), passes)
-    parts = np.reshape(parts, (-1, 8)) if parts else np.zeros((1, 8))
-    *sums, uKu = grid.comm.sum([*parts[:, :6].sum(axis=0), uKu])
-    penetration, tension = grid.comm.max(parts[:, 6:].max(axis=0))
-    open_pp, closed_pp, closed_p, pg, contact, gap = sums
+    parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, p0, low, float(near), kap, i0, i1), passes)
+    parts = np.reshape(parts, (-1, 9)) if parts else np.zeros((1, 9))
+    *sums, uKu = grid.comm.sum([*parts[:, :7].sum(axis=0), uKu])
+    penetration, tension = grid.comm.max(parts[:, 7:].max(axis=0))
+    open_pp, closed_pp, closed_p, pg, contact, gap, close = sums
     gap_mean = gap / N
     work = p0 * gap_mean
 
@@ -83,4 +93,4 @@ def certify(problem, g, p, dtype=np.float64, dual=True):
             duality_gap=float(duality_gap), residual=float(np.sqrt(open_pp / N) / p0),
             pressure=float(np.sqrt(open_pp / closed_pp)) if closed_pp > 0 else np.inf,
             gap_bound=float(GAP_FACTOR * np.sqrt(duality_gap)), energy=float(0.5 * uKu / N),
-            contact=int(contact) if np.isfinite(contact) else 0, gap_mean=float(gap_mean), pairs=elastic.pairs)
+            contact=int(contact) if np.isfinite(contact) else 0, near=int(close), gap_mean=float(gap_mean), pairs=elastic.pairs)

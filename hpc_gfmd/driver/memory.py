@@ -11,7 +11,9 @@ from .sweep import first_precision
 
 FIELDS = 4  # h, g, p, d; in low memory h is not kept
 LEVELS = 3 / 4 + 2 / 16 + 2 / 64 + 1 / 24  # coarse levels of the preconditioner, in fields
-PROCESS_GIB = 0.35  # interpreter, libraries, compiled kernels, MPI buffers
+NESTED = 2 / 3 + (3 + LEVELS) / 4 + 1 / 4  # transforms and gaps of all coarser grids, a solver and a displacement on the next one
+PIECE_GIB = 1 / 16  # of a field that is written at a time
+PROCESS_GIB = 0.25  # interpreter, libraries, compiled kernels, MPI buffers
 GIB = 2**30
 
 
@@ -37,6 +39,11 @@ def memory_of(scene, n, ranks):
     spectrum = points * (1 + 2 / n[1])
     low = scene.solver.low_memory
     fields = points * itemsize * (FIELDS - low + LEVELS)
+    loads = len(scene.load.p_star or scene.load.pressure)
+    extra = min(points * itemsize, PIECE_GIB) if scene.output.fields else 0.0
+    if not low and scene.solver.nested is not False:
+        extra = max(extra, points * itemsize * NESTED) if loads > 1 else extra + points * itemsize / 3
+    fields += extra
     certificate = 0.0 if low or itemsize == 8 else spectrum * 8
     return Memory(fields, spectrum * itemsize, certificate, PROCESS_GIB)
 

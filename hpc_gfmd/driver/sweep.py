@@ -96,34 +96,35 @@ class Sweep:
 
     def _begin(self, problem, resumed):
         """Make or reuse the solver and give it a start: a checkpoint, the load before, coarser grids, or a flat plane."""
-        fresh = self.solver is None
-        if fresh and resumed is None:
-            g = self._starting_gap(problem)
-        if fresh:
-            self.solver = self._make(problem)
+        warm = resumed is None and self.solver is not None and self._near(problem.p0)
+        g = None
+        if resumed is None and not warm:
+            g = self._starting_gap(problem, self.solver.g if self.solver is not None else None)
+        if self.solver is None:
+            self.solver = self._make(problem, g)
         solver = self.solver
         self._first_pairs, solver.iterations = solver.pairs, 0
-        if resumed is not None:
-            solver.p0 = problem.p0
+        if warm:
+            solver.continue_at(problem.p0)
+            return
+        solver.p0 = problem.p0
+        if resumed is None:
+            solver.start(g)
+        else:
             solver.load_state(resumed["arrays"](problem.grid), resumed["numbers"])
             self._spent = resumed["pairs"]
-        elif not fresh and self._near(problem.p0):
-            solver.continue_at(problem.p0)
-        else:
-            if not fresh:
-                g = self._starting_gap(problem)
-            solver.p0 = problem.p0
-            solver.start(g)
 
-    def _starting_gap(self, problem):
+    def _starting_gap(self, problem, into):
         if self.nested is None:
             return cold_gap(problem)
-        g, pairs = self.nested.start(problem, self._make)
+        g, pairs = self.nested.start(problem, self._make, into)
         self._spent += pairs
         return g
 
-    def _make(self, problem):
-        return self.solver_class(problem, self.settings.options)
+    def _make(self, problem, g=None):
+        """A solver; g: memory for its gap, which it may take over."""
+        taken = {"g": g} if g is not None and self.solver_class.takes_gap else {}
+        return self.solver_class(problem, self.settings.options, **taken)
 
     def _near(self, p_star):
         ratio = p_star / self.solver.p0
@@ -160,7 +161,7 @@ class Sweep:
     def _flat(self, p):
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
-        certificate = Certificate(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, self.surface.grid.N, 0.0, 0.0)
+        certificate = Certificate(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, self.surface.grid.N, 0, 0.0, 0.0)
         step = self._step(p, g, np.ones_like(g), Outcome("converged", (0.0, 0.0, 0.0), certificate, 0.0), 0, 0.0)
         self.before = (p, 0.0)
         return step

@@ -4,6 +4,7 @@
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
+from ..registry import all_observables
 from ..scene import Scene
 from ..surface import build_surface
 from .sweep import Sweep
@@ -12,7 +13,7 @@ TINY = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 1, "lam_l_over_lam_
 
 
 def compile_once(comm, settings):
-    """Solve a tiny contact with the same solver and precision, first on rank 0, then on the others. Collective."""
+    """Solve and evaluate a tiny contact with the same solver and precision, first on rank 0, then on the others. Collective."""
     with guarded(comm, "compiling"):
         if comm.rank == 0:
             _tiny_contact(settings)
@@ -24,6 +25,8 @@ def _tiny_contact(settings):
     scene = Scene.from_dict({"surface": TINY, "load": {"p_star": 0.05},
                              "solver": settings.model_dump(exclude_none=True) | {"max_iterations": 3}})
     sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
-    sweep.solve(0.05)
+    contact = sweep.solve(0.05).contact
+    for observable in all_observables().values():
+        observable(contact)
     grid, dtype = sweep.surface.grid, sweep.dtype
     Multilevel(grid, dtype, grid.n[0], whole_points=0).sweep()  # levels that only larger grids spread

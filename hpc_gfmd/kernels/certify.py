@@ -3,7 +3,7 @@
 from .jit import kernel
 
 # columns of the sums that `judge` returns
-OPEN_PP, CLOSED_PP, CLOSED_P, PG, CONTACT, GAP = range(6)
+OPEN_PP, CLOSED_PP, CLOSED_P, PG, CONTACT, GAP, NEAR = range(7)
 
 
 @kernel
@@ -15,13 +15,14 @@ def displacement_rows(g, h, x, i0, i1):
 
 
 @kernel
-def judge(g, p, x, p0, i0, i1):
+def judge(g, p, x, p0, low, high, kap, i0, i1):
     """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0.
 
-    Returns sums: p^2 off contact, p^2 in contact, p in contact, |p| g, points in contact, gap; and the largest -g and -p where g <= 0.
+    Returns sums: p^2 off contact, p^2 in contact, p in contact, |p| g, points in contact, gap, points within (low, high) of the
+    other side, in p or in g/kap; and the largest -g and -p where g <= 0.
     """
     open_pp = closed_pp = closed_p = pg = gap = 0.0
-    contact = 0
+    contact = near = 0
     penetration = tension = 0.0
     for i in range(i0, i1):
         for j in range(g.shape[1]):
@@ -33,11 +34,13 @@ def judge(g, p, x, p0, i0, i1):
             closed_pp += q * q if touching else 0.0
             closed_p += q if touching else 0.0
             contact += 1 if touching else 0
+            margin = q if touching else d / kap
+            near += 1 if low < margin < high else 0
             pg += abs(q) * d
             gap += d
             penetration = max(penetration, -d)
             tension = max(tension, -q if d <= 0 else 0.0)
-    return open_pp, closed_pp, closed_p, pg, contact, gap, penetration, tension
+    return open_pp, closed_pp, closed_p, pg, contact, gap, near, penetration, tension
 
 
 @kernel

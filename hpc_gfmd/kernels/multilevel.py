@@ -77,25 +77,19 @@ def combine_rows(coarse, k, f, out):
 
 
 @kernel
-def join_edges(coarse, edges, lo, hi):
-    """Add what the passes left over for rows that they share with their neighbours.
+def join_edges(coarse, edges, lo, hi, shared):
+    """Put down the first and the last row of one pass, edges (2, c, m), as rows lo and hi of coarse (c, rows + 2, m).
 
-    coarse: (c, rows + 2, m) with halo; edges: (passes, 2, c, m) first and last row of each pass; lo, hi: their row numbers.
-    A first row equal to the last one of the pass before is shared; every other first or last row belongs to one pass.
+    shared: whether the pass before ended in row lo; passes are joined in their order.
     """
-    passes = edges.shape[0]
     c, _, m = coarse.shape
-    coarse[:, 0] = 0
-    coarse[:, -1] = 0
-    for b in range(passes):
-        shared = b > 0 and hi[b - 1] == lo[b]
-        for k in range(c):
-            for J in range(m):
-                if shared:
-                    coarse[k, lo[b], J] += edges[b, 0, k, J]
-                else:
-                    coarse[k, lo[b], J] = edges[b, 0, k, J]
-                coarse[k, hi[b], J] = edges[b, 1, k, J]
+    for k in range(c):
+        for J in range(m):
+            if shared:
+                coarse[k, lo, J] += edges[0, k, J]
+            else:
+                coarse[k, lo, J] = edges[0, k, J]
+            coarse[k, hi, J] = edges[1, k, J]
 
 
 @kernel

@@ -53,7 +53,9 @@ class Multilevel:
         self.passes = first.passes(longest)
         self.lo = np.array([first.k0[a] for a, _ in self.passes], np.int64)
         self.hi = np.array([first.k0[b - 1] + 1 for _, b in self.passes], np.int64)
-        self.edges = np.zeros((len(self.passes), 2, 3, first.m[1]), self.dtype)
+        # One thread joins every pass as soon as it is done; with several they all have to be kept.
+        self.in_order = grid.threads == 1
+        self.edges = np.zeros((1 if self.in_order else len(self.passes), 2, 3, first.m[1]), self.dtype)
 
     @property
     def nbytes(self):
@@ -64,8 +66,19 @@ class Multilevel:
         """Pass k of the solver's update of its state, see kernels/contact.py; returns its sums."""
         i0, i1 = self.passes[k]
         t = self.transfers[0]
-        return update(g, p, d, x, s, i0, i1, self.fields[0], self.edges[k, 0], self.edges[k, 1],
-                      t.k0, t.f_x, t.factor, t.mode, t.j0, t.f, rows)
+        edges = self.edges[0 if self.in_order else k]
+        sums = update(g, p, d, x, s, i0, i1, self.fields[0], edges[0], edges[1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f, rows)
+        if self.in_order:
+            self._join(k)
+        return sums
+
+    def _join(self, k):
+        """Add what pass k left over for rows that it shares with its neighbours."""
+        if k == 0:
+            self.fields[0][:, 0] = 0
+            self.fields[0][:, -1] = 0
+        shared = k > 0 and self.hi[k - 1] == self.lo[k]
+        join_edges(self.fields[0], self.edges[0 if self.in_order else k], self.lo[k], self.hi[k], shared)
 
     @property
     def z(self):
@@ -79,10 +92,11 @@ class Multilevel:
         finest level.
         """
         first = self.transfers[0]
-        if len(self.passes):
-            join_edges(self.fields[0], self.edges, self.lo, self.hi)
-        else:
+        if not self.passes:
             self.fields[0][...] = 0
+        elif not self.in_order:
+            for k in range(len(self.passes)):
+                self._join(k)
         for k in range(len(self.spread)):
             halo.accumulate(self.comm, self.fields[k])
             t = self.transfers[k + 1]

@@ -83,12 +83,21 @@ class MpiComm:
 def launched():
     """Whether an MPI launcher started this process, and the number of processes if the launcher tells it (else None)."""
     size = next((int(os.environ[k]) for k in LAUNCHER_SIZE if os.environ.get(k, "").isdigit()), None)
-    return size is not None or any(k in os.environ for k in LAUNCHER_RANK), size
+    by_launcher = size is not None or any(k in os.environ for k in LAUNCHER_RANK)
+    if by_launcher and size is None:
+        size = _srun_size()  # PMIx tells processes their rank only
+    return by_launcher, size
+
+
+def _srun_size():
+    """Number of processes that srun started with this one, or None."""
+    text = os.environ.get("SLURM_STEP_NUM_TASKS", "")
+    return int(text) if text.isdigit() else None
 
 
 def launcher_rank():
     """This process's number as the launcher tells it; 0 without a launcher."""
-    return next((int(os.environ[k]) for k in LAUNCHER_RANK if os.environ.get(k, "").isdigit()), 0)
+    return next((int(os.environ[k]) for k in (*LAUNCHER_RANK, "SLURM_PROCID") if os.environ.get(k, "").isdigit()), 0)
 
 
 _world = None
@@ -102,6 +111,9 @@ def world():
     global _world
     if _world is None:
         by_launcher, size = launched()
+        if not by_launcher and (_srun_size() or 1) > 1:
+            raise GfmdError(f"srun started {_srun_size()} processes without MPI, allowed: srun --mpi=pmix, or mpirun (where each is "
+                            f"to run on its own: unset SLURM_STEP_NUM_TASKS)")
         _world = SerialComm()
         if by_launcher and size != 1:
             try:

@@ -31,6 +31,7 @@ class Solver:
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
     nests = True  # whether a nested start pays
+    takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
     def __init__(self, problem, options=None):

@@ -25,14 +25,15 @@ DESCENT = 0.2  # share of the predicted descent that clipping must leave
 # The error estimates (see Bpx._estimates); the largest ratio of error to unscaled estimate ever seen was 1.2
 SAFETY = 1.25
 FEW = 8  # contact points below which the mean displacement is an error that the preconditioner underrates
-EDGE = 2  # points whose side is a matter of chance while errors are of the order of one point
-SURE = 0.04  # expected number of points on the wrong side below which there is none
+EDGE = 3  # points whose side is a matter of chance while errors are of the order of one point
+SURE = 0.02  # expected number of points on the wrong side below which there is none
 
 
 class Bpx(Solver):
     """The default solver. options: none. g: memory for the gap, taken over."""
 
     name = "bpx"
+    takes_gap = True
     state_names = ("g", "p", "d")
     scalar_names = ("s", "rayleigh", "plain", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "iterations")
 
@@ -173,6 +174,11 @@ class Bpx(Solver):
         residual = np.sqrt(self.rr / self.N) / self.p0
         estimates = self._estimates() if finite else (np.inf, np.inf, np.inf)
         return Progress(float(residual), self.contact, self.gap_mean, estimates, finite)
+
+    @property
+    def pressure_rms(self):
+        """What a relative error of the pressure field times this is at one point: errors are spread over the free points."""
+        return float(np.sqrt(max(self.pp - self.rr, 0.0) / max(self.N - self.contact, 1)))
 
     def _estimates(self):
         """Relative errors of area, mean gap and pressure field, from the residual in the norm of the preconditioner.

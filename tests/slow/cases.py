@@ -57,7 +57,7 @@ class Odd:
         if g.min() < 0:
             return "penetration"
         eps = max(self.settings.get("accuracy", 0.0), self.settings.get("residual", 0.0), 1e-5)
-        if abs(p.mean() / self.pressure - 1) > eps:
+        if abs(p.mean() - self.pressure) > eps * np.sqrt(np.mean((p / self.pressure) ** 2)) * self.pressure:
             return f"load {p.mean() / self.pressure}"
         wrong = np.where((g > 0) | (p < 0), p, 0.0)
         if np.linalg.norm(wrong) > 1.01 * eps * np.linalg.norm(p):

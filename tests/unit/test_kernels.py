@@ -152,7 +152,6 @@ def test_update(random, n, s):
         wanted = [np.sum(new_p[free] ** 2), np.sum(new_p**2), np.sum((new_p * d)[free]), np.sum((x * d)[free]),
                   np.sum((new_p * x)[free]), closed.sum(), new_g.sum(), np.sum((new_g <= 0) & free)]
         assert np.sum(sums, axis=0) == pytest.approx(np.array(wanted), rel=1e-11, abs=1e-11)
-        multilevel.join_edges(levels_of.fields[0], levels_of.edges, levels_of.lo, levels_of.hi)
         m = levels_of.levels[1].n
         found = np.zeros((3, *m))
         for row in range(levels_of.fields[0].shape[1]):
@@ -290,11 +289,12 @@ def test_judge(random):
     g = random.standard_normal((6, 5))
     g[g < 0.3] = np.minimum(g[g < 0.3], 0)
     x, p = random.standard_normal((6, 5)), np.empty((6, 5))
-    sums = certify.judge(g, p, x, 0.2, 0, 6)
+    sums = certify.judge(g, p, x, 0.2, 0.1, 0.5, 0.7, 0, 6)
     q = 0.2 + x
     closed = (g <= 0) & (q > 0)
+    margin = np.where(closed, q, g / 0.7)
     wanted = (np.sum(q[~closed] ** 2), np.sum(q[closed] ** 2), np.sum(q[closed]), np.sum(np.abs(q) * g), closed.sum(), g.sum(),
-              max(-g.min(), 0), max((-q[g <= 0]).max(initial=0), 0))
+              np.sum((margin > 0.1) & (margin < 0.5)), max(-g.min(), 0), max((-q[g <= 0]).max(initial=0), 0))
     assert np.array_equal(p, q)
     assert sums == pytest.approx(wanted, rel=1e-13)
 
