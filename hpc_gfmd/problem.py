@@ -37,7 +37,7 @@ class Problem:
         """sqrt(mean h^2). Collective."""
         if self.h is None:
             return self.h_rms
-        return float(np.sqrt(self.grid.comm.sum([np.vdot(self.h, self.h)])[0] / self.grid.N))
+        return float(np.sqrt(self.grid.comm.sum([np.einsum("ij,ij->", self.h, self.h, dtype=np.float64)])[0] / self.grid.N))
 
     @property
     def rounding(self):

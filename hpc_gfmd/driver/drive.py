@@ -13,6 +13,7 @@ SURE = 0.02  # expected number of points on the wrong side below which there is 
 NEAR = 4.0  # times its rms: the error of the pressure of a single point
 DEMAND = 0.1  # how much more accurate to become where points are too close to changing sides to tell the area
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
+UNKNOWN = 1.0
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,9 @@ def drive(solver, target, watch=None):
         status = None
         done = solver.iterations
         measure = _measure(progress, target)
-        if measure < IMPROVEMENT * best:
-            best, best_at = measure, solver.iterations
+        falling = progress.residual if measure == UNKNOWN else measure
+        if falling < IMPROVEMENT * best:
+            best, best_at = falling, solver.iterations
         if not progress.finite:
             status = "nonfinite"
         elif measure < demand or (progress.estimates is None and target.residual is None and done >= next_check):
@@ -95,11 +97,11 @@ def _judged(solver, progress, target):
 
 
 def _measure(progress, target):
-    """How far from the target, by the solver's own numbers: below 1 it believes that it is there."""
+    """How far from the target, by the solver's own numbers: below 1 it believes that it is there; UNKNOWN without estimates."""
     if target.residual is not None:
         return progress.residual / target.residual
     if progress.estimates is None:
-        return 1.0 + progress.residual
+        return UNKNOWN
     return max(progress.estimates) / target.accuracy
 
 

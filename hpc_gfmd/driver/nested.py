@@ -25,7 +25,7 @@ FLAT_START = 0.1  # p* below which the flat start rests on the heights above mea
 def cold_gap(problem):
     """A flat displacement pressed into the surface: the gap of a rigid plane at a height that suits the load."""
     h, comm, N = problem.h, problem.grid.comm, problem.grid.N
-    s1, s2 = comm.sum([h.sum(dtype=np.float64), np.vdot(h, h)])
+    s1, s2 = comm.sum([h.sum(dtype=np.float64), np.einsum("ij,ij->", h, h, dtype=np.float64)])
     mean = s1 / N
     level = mean
     if problem.p0 < FLAT_START:

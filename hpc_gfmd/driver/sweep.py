@@ -12,7 +12,7 @@ from .certificate import Certificate, certify
 from .drive import Outcome, Target, drive
 from .nested import Nested, cold_gap
 
-SINGLE_ACCURACY = 1e-4  # the finest accuracy that is tried in single precision
+SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
 WARM_UP, WARM_DOWN = 1.5, 1.25  # a load up to so much larger or smaller starts from the one before, others from coarser grids
 FULL_P_STAR = 0.5  # full contact needs p* above std(p)/(E* g_rms) = 1/2 (unless the surface is very skewed)
 

@@ -118,12 +118,17 @@ class Multilevel:
         if len(self.spread) or self.comm.rank:
             return 0.0, 0.0
         # Level 1 itself is whole: rank 0 alone contributes the sums.
-        return float(np.vdot(whole[0], z)), float(np.vdot(whole[2], z))
+        return _dot(whole[0], z), _dot(whole[2], z)
 
     def _smooth(self, k):
         a, t, z = self.fields[k], self.transfers[k + 1], self.fields[k + 1][0]
         weight = self.dtype.type(self.levels[k + 1].weight)
         return smooth_level(a, z, a[0], weight, self.c, self.w, t.k0, t.f_x, t.mode, t.j0, t.f)
+
+
+def _dot(a, b):
+    """Not by BLAS, whose threads would get into the way of the other ranks."""
+    return float(np.einsum("ij,ij->", a, b))
 
 
 class _Whole:

