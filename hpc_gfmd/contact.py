@@ -79,7 +79,7 @@ class Contact:
         grid = self.surface.grid
         if grid.N == 1:
             return 0
-        below = halo.next_row(grid.comm, np.stack([self.g, self.q]), grid.starts)
+        below = halo.next_row(grid.comm, np.stack([self.g[:1], self.q[:1]]))
         return int(grid.comm.sum([contact_edges(self.g, self.q, below[0], below[1])])[0])
 
     def field(self, name):

@@ -11,18 +11,20 @@ from .report import Report
 from .scaling_picture import scaling_picture
 from .scaling_worker import PARTS
 
-COLUMNS = {"kind": ("kind", "s"), "n": ("n", "d"), "ranks": ("ranks", "d"), "precision": ("precision", "s"), "p_star": ("p*", ".3g"),
-           "seconds": ("s", ".3g"), "efficiency": ("efficiency", ".2f"), "fft_pairs": ("pairs", ".1f"),
+COLUMNS = {"kind": ("kind", "8s"), "n": ("n", "6d"), "ranks": ("ranks", "d"), "threads": ("threads", "d"),
+           "precision": ("precision", "s"), "p_star": ("p*", "6.3g"),
+           "seconds": ("s", "7.3g"), "efficiency": ("efficiency", ".2f"), "fft_pairs": ("pairs", "6.1f"),
            **{f"share_{part}": (part, ".0%") for part in (*PARTS, "kernels")}}
-MODEL_COLUMNS = {"n": ("n", "d"), "nodes": ("nodes", "d"), "ranks": ("ranks", "d"), "seconds": ("s", ".3g"),
+MODEL_COLUMNS = {"n": ("n", "6d"), "nodes": ("nodes", "5d"), "ranks": ("ranks", "6d"), "seconds": ("s", "7.3g"),
                  "efficiency": ("efficiency", ".2f"), "share_transpose": ("transpose", ".0%"), "share_latency": ("latency", ".0%"),
                  "gib_per_node": ("GiB/node", ".3g")}
 NODES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)
 ACCURACY = 1e-2
 
 
-def bench_scaling(sizes, ranks, precisions, p_star, repeats, out=None):
-    """Measure n in sizes on all ranks (strong), and n grown with sqrt(ranks) (weak); then predict larger machines from it."""
+def bench_scaling(sizes, ranks, threads, precisions, p_star, repeats, out=None):
+    """Measure n in sizes on all ranks (strong), on the threads of one rank, and n grown with sqrt(ranks) (weak); then predict
+    larger machines from it."""
     report = Report("scaling", COLUMNS, out)
     alone = {}
     for precision in precisions:
@@ -32,6 +34,9 @@ def bench_scaling(sizes, ranks, precisions, p_star, repeats, out=None):
                 alone.setdefault((n, precision), (row["seconds"] * k, k))
                 best = alone[n, precision][0]
                 _add(report, "strong", row, best / (row["seconds"] * k))
+            for t in (t for t in threads if t > 1 and 1 in ranks):
+                row = measure(n, 1, precision, p_star, repeats, t)
+                _add(report, "threads", row, alone[n, precision][0] / (row["seconds"] * t))
         n = min(sizes)
         first = None
         for k in ranks:
@@ -47,9 +52,10 @@ def bench_scaling(sizes, ranks, precisions, p_star, repeats, out=None):
     report.finish()
 
 
-def measure(n, ranks, precision, p_star, repeats):
+def measure(n, ranks, precision, p_star, repeats, threads=1):
     """One row of scaling_worker.py on a number of ranks. Raises GfmdError if it fails."""
-    worker = [sys.executable, "-m", "hpc_gfmd.bench.scaling_worker", str(n), precision, str(p_star), str(ACCURACY), str(repeats)]
+    worker = [sys.executable, "-m", "hpc_gfmd.bench.scaling_worker", str(n), precision, str(p_star), str(ACCURACY), str(repeats),
+              str(threads)]
     command = worker if ranks == 1 else ["mpirun", "-n", str(ranks), *worker]
     done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
     if done.returncode != 0:

@@ -52,19 +52,21 @@ class TimedMpi:
 
 
 def main(argv):
-    n, precision, p_star, accuracy, repeats = int(argv[0]), argv[1], float(argv[2]), float(argv[3]), int(argv[4])
+    n, precision, p_star, accuracy = int(argv[0]), argv[1], float(argv[2]), float(argv[3])
+    repeats, threads = int(argv[4]), int(argv[5])
     comm = world()
     settings = Solver(precision=precision, accuracy=accuracy)
     compile_once(comm, settings)
     watch = Stopwatch()
-    sweep = Sweep(lambda dtype: Case(n, 0.8, p_star).surface(dtype, comm), settings)
+    sweep = Sweep(lambda dtype: Case(n, 0.8, p_star).surface(dtype, comm, threads), settings)
     if comm.mpi is not None:
         comm.mpi = TimedMpi(comm.mpi, watch)
     rows = []
     for _ in range(repeats):
         sweep.solver = None
         p = p_star * sweep.surface.g_rms
-        _instrument(sweep, watch)
+        if threads == 1:  # a stopwatch for several threads at once would count their time twice
+            _instrument(sweep, watch)
         comm.barrier()
         watch.seconds = dict.fromkeys(PARTS, 0.0)
         begun = time.perf_counter()
@@ -77,7 +79,8 @@ def main(argv):
                      "status": step.contact.outcome.status})
     best = min(rows, key=lambda row: row["seconds"])
     if comm.rank == 0:
-        print(json.dumps({"n": n, "ranks": comm.size, "precision": precision, "p_star": p_star, "accuracy": accuracy,
+        print(json.dumps({"n": n, "ranks": comm.size, "threads": threads, "precision": precision, "p_star": p_star,
+                          "accuracy": accuracy,
                           "median_seconds": float(np.median([row["seconds"] for row in rows])), **best}))
     return 0
 

@@ -34,8 +34,14 @@ def add_parser(subparsers):
     scaling = parts.add_parser("scaling", help="strong and weak scaling under mpirun, where the time goes, and a model of a cluster")
     _common(scaling, (2048, 4096), 3)
     scaling.add_argument("--ranks", type=int, nargs="+", default=[1, 2], metavar="K", help="numbers of ranks (default 1 2)")
+    scaling.add_argument("--threads", type=int, nargs="+", default=[1, 2], metavar="T", help="threads of one rank (default 1 2)")
     scaling.add_argument("--p-star", type=number, default=0.05, metavar="P", help="load (default 0.05)")
     scaling.set_defaults(main=main, part=_scaling)
+
+    storage = parts.add_parser("storage", help="result file against a raw write; on all ranks")
+    _common(storage, (4096, 8192), 3)
+    storage.add_argument("--folder", default=".", metavar="DIR", help="where to write (default: here)")
+    storage.set_defaults(main=main, part=_storage)
 
     peers = parts.add_parser("peers", help="ASPHER, Tamaas, ContactMechanics at equal true error (scripts/bench-peers-setup first)")
     _common(peers, (1024,), 5)
@@ -82,10 +88,16 @@ def _fft(args):
     bench_fft(args.n, args.precision, args.repeats, args.cpu, args.out)
 
 
+def _storage(args):
+    from ..bench.storage import bench_storage
+
+    bench_storage(args.n, args.folder, args.repeats, args.out)
+
+
 def _scaling(args):
     from ..bench.scaling import bench_scaling
 
-    bench_scaling(args.n, args.ranks, args.precision, args.p_star, args.repeats, args.out)
+    bench_scaling(args.n, args.ranks, args.threads, args.precision, args.p_star, args.repeats, args.out)
 
 
 def _accuracy(args):

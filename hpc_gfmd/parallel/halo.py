@@ -58,8 +58,8 @@ def neighbours(comm, a, width):
     return _exchange(comm, np.ascontiguousarray(a[-width:]), np.ascontiguousarray(a[:width]))
 
 
-def next_row(comm, a, starts):
-    """The row after this rank's rows a (..., rows, m), periodic; ranks without rows are skipped. Shape (..., m)."""
+def next_row(comm, a):
+    """The row after this rank's rows, of which a (..., >= 0 rows, m) has the first; periodic, ranks without rows are skipped."""
     if comm.size == 1:
         return a[..., 0, :].copy()
     firsts = comm.allgather(a[..., 0, :].copy() if a.shape[-2] else None)
