@@ -19,8 +19,8 @@ BASELINE_PAIRS = {"gfmd": 150.0, "fire": 400.0, "ccg": 150.0}
 def expected_seconds(scene, n, ranks, cores):
     """Seconds of solving all loads of a scene on `ranks` ranks that share `cores` cores of this machine."""
     settings = scene.solver
-    decades = max(0.0, -np.log10(settings.accuracy) - 3) if settings.accuracy else max(0.0, -np.log10(settings.residual))
-    pairs = BASELINE_PAIRS.get(settings.name, PAIRS) * (1 + decades * PAIRS_PER_DECADE / PAIRS)
+    decades = -np.log10(settings.accuracy or settings.residual) - 3
+    pairs = BASELINE_PAIRS.get(settings.name, PAIRS) * max(0.6, 1 + decades * PAIRS_PER_DECADE / PAIRS)
     points = n[0] * n[1]
     work = points * np.log2(max(points, 2))
     loads = len(scene.load.p_star or scene.load.pressure)

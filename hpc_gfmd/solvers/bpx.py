@@ -188,7 +188,7 @@ class Bpx(Solver):
         squared L2 norm of the error of p. With e = sqrt(<p, M p>/(kap <p, p>_A)):
 
         pressure: e, times 1 + FEW/n_c where only a few points n_c are in contact, when all error is in the mean displacement;
-        area: the share e of the contact is on the wrong side of its edge, and EDGE points, unless e n_c < SURE;
+        area: the share e of the contact is on the wrong side of its edge, and EDGE points, unless e n_c < SURE in double precision;
         mean gap: sqrt(<p, M p>/(p0 <g>)) times (open area)^-1/4: close to full contact it is not p0 that opens the gaps but less.
 
         Each is scaled by SAFETY. Rounding of the heights adds its share to e.
@@ -197,7 +197,9 @@ class Bpx(Solver):
         if n_c == 0 or closed <= 0:
             return np.inf, np.inf, np.inf
         e = np.sqrt(max(self.rz, 0.0) / (self.kap * closed))
-        edge = EDGE / n_c if e * n_c > SURE else 0.0
+        # Heights rounded to single precision have contacts of their own, to a point or two.
+        sure = self.rr == 0 or (e * n_c < SURE and self.problem.dtype == np.float64)
+        edge = 0.0 if sure else EDGE / n_c
         e = np.hypot(e, self.rounding * np.sqrt(n_c / closed))
         few = SAFETY * (1 + FEW / n_c)
         area = SAFETY * e + edge
