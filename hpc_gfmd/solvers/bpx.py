@@ -87,7 +87,19 @@ class Bpx(Solver):
 
     # -- one iteration -------------------------------------------------------------------------------------------------------
 
+    def _touch(self):
+        """Nothing is in contact: come down until something is. A rigid shift costs no elastic energy, but would take many steps.
+
+        The descent goes on as it is: the pressure does not change.
+        """
+        lowest = self.grid.comm.min([self.g.min(initial=np.inf)])[0]
+        if 0 < lowest < np.inf:
+            self.g -= self.problem.dtype.type(lowest)
+            self.gap_mean -= lowest
+
     def step(self):
+        if self.contact == 0:
+            self._touch()
         a, b = self._coefficients()
         if self.plain:
             pd = self._propose_gradient()
