@@ -15,6 +15,7 @@ from .nested import Nested, cold_gap
 SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
 WARM_UP, WARM_DOWN = 1.5, 1.25  # a load up to so much larger or smaller starts from the one before, others from coarser grids
 FULL_P_STAR = 0.5  # full contact needs p* above std(p)/(E* g_rms) = 1/2 (unless the surface is very skewed)
+FEW_POINTS = 6  # points on the wrong side that single precision has to be granted
 
 
 @dataclass(frozen=True)
@@ -64,8 +65,11 @@ class Sweep:
             return self._flat(p)
         if resumed is not None and resumed["dtype"] != self.dtype:
             self._to(resumed["dtype"])
-        step = self._solve(p, watch, resumed)
         promote = self.settings.precision == "auto" and self.dtype == np.float32
+        if promote and resumed is None and self._few_points(p):
+            self._to(np.float64)
+            promote = False
+        step = self._solve(p, watch, resumed)
         if promote and step.contact.outcome.status in ("stagnated", "nonfinite"):
             spent = step.fft_pairs
             self._to(np.float64)
@@ -73,6 +77,11 @@ class Sweep:
             step = replace(step, fft_pairs=step.fft_pairs + spent)
         self.before = (p, step.contact.gap_mean)
         return step
+
+    def _few_points(self, p):
+        """Whether so few points will touch that single precision, which may err in a few of them, cannot give the area."""
+        expected = self.surface.grid.N * min(1.0, 2 * p / (self.E_star * self.surface.g_rms))  # a_r is about 2 p*
+        return self.target.accuracy is not None and FEW_POINTS / expected > self.target.accuracy
 
     def pairs_so_far(self):
         """FFT pairs that the present load has taken up to now."""

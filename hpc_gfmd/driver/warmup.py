@@ -1,5 +1,6 @@
 """Compile every kernel on one rank, once per installation; the other ranks then find them in the cache."""
 
+import numpy as np
 
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import SerialComm
@@ -7,9 +8,10 @@ from ..parallel.guard import guarded
 from ..registry import all_observables
 from ..scene import Scene
 from ..surface import build_surface
-from .sweep import Sweep
+from .sweep import Sweep, first_precision
 
 TINY = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 1, "lam_l_over_lam_s": 8, "lam_s_over_a": 10, "seed": 1}
+PRECISIONS = {np.dtype(np.float32): "single", np.dtype(np.float64): "double"}
 
 
 def compile_once(comm, settings):
@@ -22,8 +24,15 @@ def compile_once(comm, settings):
 
 
 def _tiny_contact(settings):
-    scene = Scene.from_dict({"surface": TINY, "load": {"p_star": 0.05},
-                             "solver": settings.model_dump(exclude_none=True) | {"max_iterations": 3}})
+    """In every precision that the run may use."""
+    first = PRECISIONS[first_precision(settings)]
+    for precision in {first, "double"} if settings.precision == "auto" else {first}:
+        _tiny_contact_in(precision, settings)
+
+
+def _tiny_contact_in(precision, settings):
+    solver = settings.model_dump(exclude_none=True) | {"max_iterations": 3, "precision": precision}
+    scene = Scene.from_dict({"surface": TINY, "load": {"p_star": 0.05}, "solver": solver})
     sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
     contact = sweep.solve(0.05).contact
     for observable in all_observables().values():
