@@ -113,7 +113,7 @@ class Bpx(Solver):
         self.s = optimum if 0 < optimum < 0.8 else 1.0
         sums = self._update(self.s)
 
-        if self.plain:
+        if self.plain or not a * a * self.rz > 0:
             self.rayleigh, self.plain = [], False
         else:
             zKz = dKd - 2 * a * b * self.zq - b * b * self.dq
@@ -200,7 +200,7 @@ class Bpx(Solver):
         squared L2 norm of the error of p. With e = sqrt(<p, M p>/(kap <p, p>_A)):
 
         pressure: e, times 1 + FEW/n_c where only a few points n_c are in contact, when all error is in the mean displacement;
-        area: the share e of the contact is on the wrong side of its edge, and EDGE points, unless e n_c < SURE in double precision;
+        area: the share e of the contact is on the wrong side of its edge, and EDGE points, unless e n_c < SURE;
         mean gap: sqrt(<p, M p>/(p0 <g>)) times (open area)^-1/4: close to full contact it is not p0 that opens the gaps but less.
 
         Each is scaled by SAFETY. Rounding of the heights adds its share to e.
@@ -209,9 +209,7 @@ class Bpx(Solver):
         if n_c == 0 or closed <= 0:
             return np.inf, np.inf, np.inf
         e = np.sqrt(max(self.rz, 0.0) / (self.kap * closed))
-        # Heights rounded to single precision have contacts of their own, to a point or two.
-        sure = self.rr == 0 or (e * n_c < SURE and self.problem.dtype == np.float64)
-        edge = 0.0 if sure else EDGE / n_c
+        edge = EDGE / n_c if e * n_c > SURE else 0.0
         e = np.hypot(e, self.rounding * np.sqrt(n_c / closed))
         few = SAFETY * (1 + FEW / n_c)
         area = SAFETY * e + edge
