@@ -34,7 +34,6 @@ class Bpx(Solver):
 
     name = "bpx"
     takes_gap = True
-    patience = 25
     state_names = ("g", "p", "d")
     scalar_names = ("s", "rayleigh", "plain", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "iterations")
 
