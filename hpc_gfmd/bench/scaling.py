@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 from ..errors import GfmdError
 from .model import Machine, Network, predict
@@ -40,7 +41,7 @@ def bench_scaling(sizes, ranks, threads, precisions, p_star, repeats, out=None):
         n = min(sizes)
         first = None
         for k in ranks:
-            grown = 4 * round(n * k**0.5 / 4)
+            grown = _grown(n, k)
             row = measure(grown, k, precision, p_star, repeats)
             per_point = row["seconds"] * k / (grown * grown)
             first = first or per_point
@@ -50,6 +51,16 @@ def bench_scaling(sizes, ranks, threads, precisions, p_star, repeats, out=None):
         scaling_picture(report.rows, model.rows, out)
         model.finish()
     report.finish()
+
+
+def _grown(n, ranks):
+    """The multiple of 4 nearest above n sqrt(ranks) that has small prime factors: others are slow to transform."""
+    from scipy.fft import next_fast_len
+
+    m = next_fast_len(round(n * ranks**0.5), real=True)
+    while m % 4:
+        m = next_fast_len(m + 1, real=True)
+    return m
 
 
 def measure(n, ranks, precision, p_star, repeats, threads=1):
@@ -75,6 +86,11 @@ def _predict(report, out):
         return model
     machine, network = Machine.from_row(serial), Network()
     model.say(f"# {machine.describe()}; {network.describe()}")
+    for row in report.rows:  # what the model makes of this machine, beside what was measured
+        if row["kind"] == "strong" and row["ranks"] > 1 and row["precision"] == serial["precision"]:
+            here = replace(machine, cores=row["ranks"], saturated=row["ranks"], pairs=row["fft_pairs"])
+            said = predict(row["n"], 1, here, network)["seconds"]
+            model.say(f"# n = {row['n']}, {row['ranks']} ranks: measured {row['seconds']:.3g} s, model {said:.3g} s")
     for n in (2**15, 2**17):
         for nodes in NODES:
             row = predict(n, nodes, machine, network)

@@ -96,8 +96,8 @@ def _instrument(sweep, watch):
                 fft.plans.is_timed = True
     make = type(sweep)._make
 
-    def timed_make(problem):
-        solver = make(sweep, problem)
+    def timed_make(*args):
+        solver = make(sweep, *args)
         if hasattr(solver, "levels"):
             solver.levels.sweep = watch.timed("levels", solver.levels.sweep)
         return solver
