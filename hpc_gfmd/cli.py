@@ -32,7 +32,7 @@ def build_parser(commands=COMMANDS):
 
 def main(argv=None):
     """Run one command; returns its exit code."""
-    from .parallel.comm import launcher_rank
+    from .parallel.comm import launcher_rank, leave_together
 
     speaker = launcher_rank() == 0
     argv = sys.argv[1:] if argv is None else argv
@@ -44,6 +44,7 @@ def main(argv=None):
     except GfmdError as error:
         if speaker:
             print(f"hpc-gfmd: {error}", file=sys.stderr, flush=True)
+        leave_together(error.exit_code)
         return error.exit_code
     except KeyboardInterrupt:
         return 130

@@ -2,6 +2,7 @@
 
 import os
 import sys
+import time
 
 import numpy as np
 
@@ -142,6 +143,24 @@ def threads_of(comm, wanted):
     here = comm.allgather((os.uname().nodename, cores))
     beside = sum(other == here[comm.rank] for other in here)  # ranks that are bound elsewhere do not share our cores
     return max(1, len(cores) // beside)
+
+
+def leave_together(exit_code, seconds=10.0):
+    """Wait until all ranks are about to leave with an error: mpirun ends the others, silently, as soon as one has left.
+
+    Not for ever: a rank that is alone with its error ends the job after `seconds`.
+    """
+    try:
+        comm = world()
+    except GfmdError:  # no way to wait for each other: time enough for one line
+        time.sleep(1.0 if launched()[0] else 0.0)
+        return
+    if comm.size > 1:
+        request, end = comm.mpi.Ibarrier(), time.monotonic() + seconds
+        while not request.Test():
+            if time.monotonic() > end:
+                comm.mpi.Abort(exit_code)
+            time.sleep(0.01)
 
 
 def _abort_on_error(mpi, hook):
