@@ -107,7 +107,3 @@ class Grid:
         weight = self.multiplicity(j)
         q_y = np.where(weight > 0, self.q_y[np.minimum(j, self.n[1] // 2)], 0.0)
         return q_y.astype(fft.dtype), weight.astype(fft.dtype)
-
-    def same_columns(self, m, fft):
-        """Column numbers j of block m, shape (W,)."""
-        return np.arange(m * fft.W, (m + 1) * fft.W)
