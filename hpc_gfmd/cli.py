@@ -4,10 +4,13 @@ import argparse
 import importlib
 import importlib.util
 import sys
+import traceback
+from functools import partial
 
 from . import __version__
-from .errors import GfmdError, SceneError
+from .errors import GfmdError, SceneError, one_line
 
+ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
 COMMANDS = ("run", "plan", "show", "plot", "persson", "tfc", "study", "bench", "info")
 
 
@@ -32,22 +35,42 @@ def build_parser(commands=COMMANDS):
 
 def main(argv=None):
     """Run one command; returns its exit code."""
-    from .parallel.comm import launcher_rank, leave_together
+    from .parallel.comm import leave_together
 
-    speaker = launcher_rank() == 0
     argv = sys.argv[1:] if argv is None else argv
     # The restart command lives with run; what is not asked for is not imported.
     asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
     try:
         args = build_parser([asked] if asked in COMMANDS else COMMANDS).parse_args(argv)
         return args.main(args) or 0
-    except GfmdError as error:
-        if speaker:
-            print(f"hpc-gfmd: {error}", file=sys.stderr, flush=True)
-        leave_together(error.exit_code)
+    except (GfmdError, ModuleNotFoundError) as error:
+        if isinstance(error, ModuleNotFoundError):
+            package = (error.name or str(error)).partition(".")[0]
+            error = GfmdError(f"{asked} needs {package}, which is not installed here: pip install {package}")
+        leave_together(error.exit_code, say=partial(_complain, error))
         return error.exit_code
-    except KeyboardInterrupt:
+    except KeyboardInterrupt:  # the other ranks may not have been interrupted
+        leave_together(130, ALONE)
         return 130
     except BrokenPipeError:
         sys.stderr.close()
         return 0
+    except MemoryError as error:
+        leave_together(1, ALONE, partial(_complain, f"out of memory{_where()} ({one_line(str(error) or 'no details')}): use more "
+                                                    "machines, fewer points or single precision"))
+        return 1
+    except Exception as error:  # a mistake in the program: what it was, for those who mend it, and one line
+        line = f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}"
+        leave_together(1, ALONE, partial(_complain, line, traceback.format_exc()))
+        return 1
+
+
+def _complain(error, before=""):
+    print(f"{before}hpc-gfmd: {error}", file=sys.stderr, flush=True)
+
+
+def _where():
+    """Which of several ranks this is."""
+    from .parallel.comm import launched, launcher_rank
+
+    return f" on rank {launcher_rank()}" if launched()[0] else ""

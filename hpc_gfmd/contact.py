@@ -9,6 +9,8 @@ from .errors import SceneError
 
 FIELDS = ("pressure", "gap", "displacement")
 LAZY_ROWS = 64  # of a field that are computed at a time
+FEW_POINTS = 100  # fewer contact points than this say little about a rough contact
+ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,22 @@ class Contact:
     def energy(self):
         """Elastic energy per area."""
         return self.certificate.energy * self.pressure_unit * self.surface.height_unit
+
+    @property
+    def note(self):
+        """What a reader should know of a solution that is converged and yet says little, one line; None if there is nothing."""
+        points = self.contact_points
+        if self.g_rms == 0:
+            return "flat surface: every point touches at any load"
+        if points == self.N:
+            return "full contact: every point touches, the gap is zero"
+        if points < FEW_POINTS:
+            touch = "touches" if points == 1 else "touch"
+            return f"only {points} point{'s' * (points != 1)} {touch}: the area is known to {100 / max(points, 1):.0f} % at best"
+        if self.gap_mean < ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms:
+            precision = "single" if self.g.dtype == np.float32 else "double"
+            return f"the gap is all rounding at this load in {precision} precision"
+        return None
 
     @cached_property
     def boundary_segments(self):

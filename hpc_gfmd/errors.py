@@ -1,4 +1,4 @@
-"""The few exceptions users meet. The command line turns each into one line on stderr and an exit code."""
+"""The few exceptions and warnings users meet. The command line turns each into one line on stderr and an exit code."""
 
 
 class GfmdError(Exception):
@@ -11,3 +11,14 @@ class SceneError(GfmdError):
     """The scene, its files or the arguments are wrong; the message names the key, what was found and what is allowed."""
 
     exit_code = 2
+
+
+class NotConverged(UserWarning):
+    """A solution is less accurate than asked; its status says why."""
+
+
+def one_line(text: str, longest: int = 200) -> str:
+    """A foreign text without line ends or other control characters, of bounded length."""
+    text = "".join(c if c.isprintable() else " " for c in text[: 100 * longest])
+    text = " ".join(text.split())
+    return text if len(text) <= longest else f"{text[:longest - 60]} ... {text[-50:]}"

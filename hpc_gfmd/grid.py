@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .aligned import empty_aligned
 from .parallel.fft import SlabFFT, row_starts
 
 
@@ -99,7 +100,7 @@ class Grid:
 
     def empty(self, dtype):
         """An uninitialised local slab."""
-        return np.empty(self.shape, dtype)
+        return empty_aligned(self.shape, dtype)
 
     def column_tables(self, fft):
         """q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its precision; 0 where padding."""

@@ -9,10 +9,10 @@ from .driver.lowmemory import LowMemorySweep
 from .driver.memory import require_memory
 from .driver.sweep import Sweep, first_precision
 from .driver.warmup import compile_once
-from .errors import SceneError
+from .errors import GfmdError, SceneError
 from .output.checkpoint import read_checkpoint, write_checkpoint
-from .output.read import read_partial
-from .output.record import RunFile
+from .output.read import partial_folder, read_partial
+from .output.record import RunFile, tidy
 from .output.table import table
 from .parallel.comm import threads_of, world
 from .parallel.fft import row_starts
@@ -52,8 +52,11 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
     check_names(scene, solver_names(), observables, FIELDS)
     if scene.solver.low_memory and "displacement" in scene.output.fields:
         raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap')
+    n = None
     with guarded(comm, "reading the surface"):
-        n = surface_size(scene.surface)
+        if comm.rank == 0:
+            n = surface_size(scene.surface)
+    n = comm.bcast(n)
     threads = threads_of(comm, scene.machine.threads)
     say = Reporter(comm, scene.solver, quiet)
     require_memory(comm, scene, n, threads)
@@ -69,7 +72,8 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         compile_once(comm, scene.solver)
         lam_s = getattr(scene.surface, "lam_s", None)
         kind = LowMemorySweep if scene.solver.low_memory else Sweep
-        sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads), scene.solver, scene.material.E_star, lam_s)
+        sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads), scene.solver, scene.material.E_star, lam_s,
+                     duality="duality_gap" in (scene.output.observables or ()))
         pressures = sweep.pressures(scene.load)
         file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))
         file.update_head(setup_seconds=time.monotonic() - begun)
@@ -85,9 +89,11 @@ def restart(path, overrides=(), quiet=False, comm=None):
     """
     comm = comm or world()
     with guarded(comm, "reading the interrupted run"):
-        if comm.rank == 0 and not Path(path).with_name(Path(path).name + ".partial").is_dir():
-            there = "is complete already" if Path(path).exists() else "has no interrupted run beside it"
-            raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
+        if comm.rank == 0:
+            tidy(path)
+            if not partial_folder(path).is_dir():
+                there = "is complete already" if Path(path).exists() else "has no interrupted run beside it"
+                raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
         scene = with_overrides(Scene.from_toml(read_partial(path).scene_toml, str(path)), overrides, "machine")
     return run_scene(scene, out=path, resume=True, quiet=quiet, comm=comm)
 
@@ -132,14 +138,10 @@ class _Run:
 
     def all_steps(self, pressures):
         """Solve what is not finished; returns a RunResult."""
-        for index, p in enumerate(pressures):
-            if index in self.file.finished:
-                self.sweep.before = self._gap_of(index)
-                continue
-            resumed = None
-            if self.checkpointable:
-                resumed = read_checkpoint(self.comm, self.file.checkpoint, index, self.sweep.solver_class.name)
-            status = self._one_step(index, p, len(pressures), resumed)
+        unfinished = [index for index in range(len(pressures)) if index not in self.file.finished]
+        first, midway = self._go_back(unfinished[0]) if unfinished else (0, None)
+        for index in range(first, max(unfinished, default=-1) + 1):
+            status = self._one_step(index, pressures, midway if index == first else None)
             if status == "interrupted":
                 self.say.say(f"stopped; continue with: hpc-gfmd restart {self.file.path}")
                 self.file.update_head(status="interrupted")
@@ -150,8 +152,30 @@ class _Run:
         self.say.say(table(steps))
         return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
 
+    def _go_back(self, unfinished):
+        """To the last checkpoint, so that all goes on as if nothing had happened: loads finished since then are repeated, not
+        written again. unfinished: the first load to be solved. Returns the load to begin with and, in the middle of it, its Checkpoint.
+        """
+        try:
+            found = read_checkpoint(self.comm, self.file.checkpoint, self.sweep.solver_class.name)
+            if found is not None and found.step > unfinished:
+                raise SceneError(f"{found.path}: later than load {unfinished + 1}, which has to be solved again")
+            if found is not None:
+                self.sweep.restore(found.arrays, found.numbers)
+        except GfmdError as error:
+            self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
+            self.sweep.solver = None
+            self.sweep.before = self._gap_of(unfinished - 1)
+            return unfinished, None
+        first = found.step if found else 0  # died before its first checkpoint
+        if first < unfinished:
+            self.say.say(f"note: repeating from load {first + 1}, where the last checkpoint is; finished loads stay as they are")
+        return first, found if found and found.midway else None
+
     def _gap_of(self, index):
-        """(p, mean gap) of a finished step, for the stiffness of the next one."""
+        """(p, mean gap) of a finished step, for the stiffness of the next one; None without it."""
+        if index not in self.file.finished:
+            return None
         step = self._done()[self.file.finished.index(index)]
         return (step["p"], step["gap_mean"]) if "gap_mean" in step else None
 
@@ -162,49 +186,49 @@ class _Run:
                 steps = read_partial(self.file.path).steps
         return self.comm.bcast(steps)
 
-    def _one_step(self, index, p, count, resumed):
-        begun = time.monotonic() - (resumed["seconds"] if resumed else 0.0)
+    def _one_step(self, index, pressures, midway):
+        begun = time.monotonic() - (midway.seconds if midway else 0.0)
+        p = pressures[index]
         p_star = p / (self.sweep.E_star * self.sweep.surface.g_rms) if self.sweep.surface.g_rms else float("nan")
-        self.say.step(index, count, p_star)
-
-        def save():
-            if self.checkpointable and self.sweep.solver is not None:
-                spent = (self.sweep.pairs_so_far(), time.monotonic() - begun)
-                write_checkpoint(self.comm, self.file.checkpoint, self.sweep.surface.grid, index, self.sweep.solver, spent)
+        self.say.step(index, len(pressures), p_star)
 
         def watch(iterations, progress):
             self.say.watch(iterations, progress)
             stop, due = self.interrupt.poll()
             if stop or due:
-                save()
+                self._save(index, self.sweep.state, seconds=time.monotonic() - begun)
             return stop
 
         try:
-            step = self.sweep.solve(p, watch, resumed)
+            step = self.sweep.solve(p, watch, midway is not None)
         finally:
             self.say.done()
-        if step.contact.outcome.status == "interrupted":
-            return "interrupted"
-        seconds = time.monotonic() - begun
+        status = step.contact.outcome.status
+        if status == "interrupted":
+            return status
+        if index not in self.file.finished:
+            self._write(index, p, step, time.monotonic() - begun)
+        stop, _ = self.interrupt.poll()
+        if index + 1 < len(pressures) and (stop or self.interrupt.cheap()):
+            self._save(index + 1, lambda: self.sweep.state(pressures[index + 1]))
+        return "interrupted" if stop else status
+
+    def _save(self, index, state, seconds=None):
+        """A checkpoint in the middle of a load (seconds: spent on it so far) or at its beginning."""
+        if self.checkpointable:
+            begun, sweep = time.monotonic(), self.sweep
+            write_checkpoint(self.comm, self.file.checkpoint, sweep.surface.grid, index, sweep.solver_class.name, state(), seconds)
+            self.interrupt.saved(begun)
+
+    def _write(self, index, p, step, seconds):
+        """A finished load into the file."""
         contact = step.contact
         numbers = {name: f(contact) for name, f in self.observables.items()}
         area, gap, pressure = contact.outcome.errors
         attributes = {"p": p, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
                       "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area, "gap_error": gap,
                       "pressure_error": pressure, "precision": contact.g.dtype.name, "residual": contact.certificate.residual,
-                      "note": _note(contact)}
+                      "note": contact.note}
         attributes |= contact.certificate.attributes() | numbers
         fields = {name: contact.field(name) for name in self.scene.output.fields}
         self.file.write_step(index, {k: v for k, v in attributes.items() if v is not None}, fields)
-        stop, _ = self.interrupt.poll()
-        return "interrupted" if stop else contact.outcome.status
-
-
-def _note(contact):
-    """What a reader should know of a solution that is converged and yet says little."""
-    points = contact.contact_points
-    if contact.g_rms > 0 and points < 100:
-        return f"only {points} points touch: the area is known to {100 / max(points, 1):.0f} % at best"
-    if 0 < contact.certificate.gap_mean < 1e-6 and contact.g.dtype.name == "float32":
-        return "the gap is all rounding at this load in single precision"
-    return None

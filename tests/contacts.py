@@ -16,11 +16,12 @@ def rough(n_over=(2, 16, 2), hurst=0.8, seed=1, **others):
     return {"kind": "self-affine", "hurst": hurst, "seed": seed} | dict(zip(names, n_over, strict=True)) | others
 
 
-def sweep_of(surface, E_star=1.0, comm=None, **solver):
+def sweep_of(surface, E_star=1.0, comm=None, duality=False, **solver):
     """A Sweep over a [surface] table with keys of [solver]; `comm` defaults to this process."""
     scene = Scene.from_dict({"surface": surface, "load": {"pressure": 1.0}, "solver": solver or EXACT})
     comm = comm or SerialComm()
-    return Sweep(lambda dtype: build_surface(scene.surface, comm, dtype), scene.solver, E_star, getattr(scene.surface, "lam_s", None))
+    lam_s = getattr(scene.surface, "lam_s", None)
+    return Sweep(lambda dtype: build_surface(scene.surface, comm, dtype), scene.solver, E_star, lam_s, duality)
 
 
 def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):

@@ -40,6 +40,7 @@ def main(args) -> int:
         "gib_per_rank": memory.total, "gib": memory.total * args.ranks, "gib_available": there,
         "fields_gib": memory.fields, "transforms_gib": memory.transforms, "certificate_gib": memory.certificate,
         "process_gib": memory.process,
+        "file_gib": _file_gib(scene, n), "notes": scene.warnings(),
         "seconds": expected_seconds(scene, n, args.ranks, len(os.sched_getaffinity(0))),
     }
     if args.json:
@@ -49,10 +50,22 @@ def main(args) -> int:
         print(f"memory: {memory.total:.2f} GiB per rank, {plan['gib']:.2f} GiB in all, {there:.2f} GiB available")
         print(f"        of it fields {memory.fields:.2f}, transforms {memory.transforms:.2f}, "
               f"certificate {memory.certificate:.2f}, process {memory.process:.2f}")
+        if plan["file_gib"]:
+            print(f"file:   {plan['file_gib']:.3g} GiB, while it is written twice that")
         print(f"time:   about {plan['seconds']:.2g} s of solving on this machine")
         if plan["idle_ranks"] or plan["idle_ranks_of_columns"]:
             print(f"idle:   {plan['idle_ranks']} ranks have no rows, {plan['idle_ranks_of_columns']} no columns of the spectrum")
+        for line in plan["notes"]:
+            print(f"note:   {line}")
     if plan["gib"] > there:
         raise SceneError(f"surface: {n[0]} x {n[1]} points need {plan['gib']:.2f} GiB on {args.ranks} ranks, this machine has "
                          f"{there:.2f} GiB: use more machines, fewer points or single precision")
     return 0
+
+
+def _file_gib(scene, n):
+    """Of the fields, before compression."""
+    from ..driver.sweep import first_precision
+
+    itemsize = {"single": 4, "double": 8, None: first_precision(scene.solver).itemsize}[scene.output.dtype]
+    return len(scene.load.p_star or scene.load.pressure) * len(scene.output.fields) * n[0] * n[1] * itemsize / 2**30

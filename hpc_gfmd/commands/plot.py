@@ -30,6 +30,9 @@ def main(args) -> int:
     doubtful = [str(i) for i, step in zip(result.indices, result.steps, strict=True) if not converged(step)]
     if doubtful:
         print(f"! not converged: step {', '.join(doubtful)} (marked in the pictures)")
+    for index, step in zip(result.indices, result.steps, strict=True):
+        if step.get("note"):
+            print(f"step {index}: {step['note']}")
     if result.folder is not None:
         print(f"! the run is {result.status}: only its finished load steps are shown")
     return 0

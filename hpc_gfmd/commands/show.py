@@ -16,6 +16,14 @@ def add_parser(subparsers):
     )
     parser.add_argument("file", metavar="OUT.h5", help="result file")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    parser.add_argument(
+        "--tfc",
+        metavar="TABLE",
+        nargs="?",
+        const="",
+        help="take kappa and gap/h_rms to the thermodynamic, fractal and continuum limits, with the coefficients "
+        "of TABLE: paper, ours or a JSON file (default: ours where they are installed, otherwise the paper's)",
+    )
     parser.set_defaults(main=main)
     return parser
 
@@ -23,7 +31,13 @@ def add_parser(subparsers):
 def main(args) -> int:
     """Print; raises SceneError if the file is missing, damaged, foreign or too new."""
     result = read_result(args.file)
-    print(json.dumps(as_dict(result), indent=1, allow_nan=False) if args.json else as_text(result))
+    shown, text = as_dict(result), as_text(result)
+    if args.tfc is not None:
+        from ..output.limits import limits_text, to_limits  # imports scipy
+
+        limits = to_limits(result, args.tfc)
+        shown, text = shown | _finite({"tfc": limits}), f"{text}\n\n{limits_text(limits)}"
+    print(json.dumps(shown, indent=1, allow_nan=False) if args.json else text)
     return 0
 
 

@@ -17,7 +17,7 @@ def add_parser(subparsers):
         help="extrapolate to the thermodynamic, fractal and continuum limits",
         description=(
             "Extrapolate a simulated value with tabulated coefficients (the paper's unless --table names "
-            "another file), or fit the coefficients to the runs in a CSV file. "
+            "others), or fit the coefficients to the runs in a CSV file. "
             "Numbers may be given as 0.25, 1e-3 or 1/1024."
         ),
     )
@@ -25,7 +25,10 @@ def add_parser(subparsers):
     for name in ("hurst", "p-star", "eps-t", "eps-f", "eps-c", "value"):
         parser.add_argument(f"--{name}", type=number)
     parser.add_argument("--sigma", type=number, help="uncertainty of the value")
-    parser.add_argument("--table", metavar="FILE.json", help="coefficients in the form of the paper's table")
+    parser.add_argument(
+        "--table", metavar="TABLE", default="paper",
+        help="coefficients: paper (default), ours (fitted to our own runs), or a JSON file of the same form",
+    )
     parser.add_argument(
         "--fit",
         metavar="RUNS.csv",
@@ -57,13 +60,14 @@ def _extrapolate(args):
         raise SceneError(f"tfc: found no {', '.join(missing)}, allowed: all of them, or --fit RUNS.csv")
     if args.sigma is not None and not (math.isfinite(args.sigma) and args.sigma >= 0):
         raise SceneError(f"sigma: found {args.sigma:g}, allowed: [0, inf)")
-    table = tfc.read_table(args.table) if args.table else None
+    table = tfc.table_of(args.table)
     extrapolated, sigma, terms = tfc.extrapolate(
         observable=args.observable, sigma=args.sigma, table=table, **given
     )
     report = {
         "observable": args.observable,
         **given,
+        "table": args.table,
         "table_p_star": terms.p_star,
         "correction_t": terms.t,
         "correction_f": terms.f,

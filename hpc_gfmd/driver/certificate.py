@@ -23,8 +23,9 @@ TIE = 4.0  # times the rms of rounding errors: a difference of pressures that me
 @dataclass(frozen=True)
 class Certificate:
     """Relative violations. penetration: largest -g (problem's unit); tension: largest -p on closed points over p0; complementarity:
-    mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact - p0|/p0; duality_gap: G/(p0 gap_mean); residual: rms of p out of
-    contact over p0; pressure: the same over the rms of p in contact; gap_bound: bound of the relative error of the mean gap.
+    mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact - p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for;
+    residual: rms of p out of contact over p0; pressure: the same over the rms of p in contact; gap_bound: bound of the relative error
+    of the mean gap, from the duality gap.
     energy: 1/2 <u, K u>/N; contact: points; near: points that may be
     on the wrong side; gap_mean: problem's unit; pairs: FFT pairs this took."""
 
@@ -32,10 +33,10 @@ class Certificate:
     tension: float
     complementarity: float
     load_balance: float
-    duality_gap: float
+    duality_gap: float | None
     residual: float
     pressure: float
-    gap_bound: float
+    gap_bound: float | None
     energy: float
     contact: int
     near: int
@@ -44,7 +45,7 @@ class Certificate:
 
     def attributes(self):
         """The violations, by name."""
-        names = ("penetration", "tension", "complementarity", "load_balance", "duality_gap")
+        names = ("penetration", "tension", "complementarity", "load_balance")
         return {name: value for name, value in asdict(self).items() if name in names}
 
     @property
@@ -56,7 +57,7 @@ class Certificate:
 def certify(problem, g, p, dtype=np.float64, dual=True, near=0.0):
     """Judge the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local slab). One pair, half more if dual.
 
-    near: pressure below which a point in contact, or gap over 2/q_nyquist below which one out of contact, may be on the wrong side.
+    near: size of the pressure below which a closed point, or gap over 2/q_nyquist below which an open one, may be on the wrong side.
     """
     grid = problem.grid
     elastic = HalfSpace(grid, dtype)
@@ -76,7 +77,7 @@ def certify(problem, g, p, dtype=np.float64, dual=True, near=0.0):
     gap_mean = gap / N
     work = p0 * gap_mean
 
-    duality_gap = 0.0
+    duality_gap = 0.0 if dual else None
     if dual and closed_p > 0 and gap > 0:
         scale = N * p0 / closed_p
         pg_dual = elastic.pressure_rows(lambda i0, i1, x: dual_rows(g, p, x, scale, i0, i1), passes)
@@ -90,7 +91,7 @@ def certify(problem, g, p, dtype=np.float64, dual=True, near=0.0):
             penetration=float(penetration), tension=float(tension / p0),
             complementarity=float(pg / N / work) if gap > 0 else 0.0,
             load_balance=float(abs(closed_p / N - p0) / p0),
-            duality_gap=float(duality_gap), residual=float(np.sqrt(open_pp / N) / p0),
+            duality_gap=duality_gap if duality_gap is None else float(duality_gap), residual=float(np.sqrt(open_pp / N) / p0),
             pressure=float(np.sqrt(open_pp / closed_pp)) if closed_pp > 0 else np.inf,
-            gap_bound=float(GAP_FACTOR * np.sqrt(duality_gap)), energy=float(0.5 * uKu / N),
+            gap_bound=None if duality_gap is None else float(GAP_FACTOR * np.sqrt(duality_gap)), energy=float(0.5 * uKu / N),
             contact=int(contact) if np.isfinite(contact) else 0, near=int(close), gap_mean=float(gap_mean), pairs=elastic.pairs)

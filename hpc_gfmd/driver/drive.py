@@ -19,12 +19,25 @@ UNKNOWN = 1.0
 @dataclass(frozen=True)
 class Target:
     """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per load; judged_in: precision of the
-    certificate."""
+    certificate; duality: whether the certificate has to give the duality gap."""
 
     accuracy: float | None = None
     residual: float | None = None
     max_iterations: int = 100_000
     judged_in: type = np.float64
+    duality: bool = False
+
+
+@dataclass
+class Course:
+    """What the loop remembers of a load beside the solver's state: both make a checkpoint."""
+
+    checks: float = 0.0  # FFT pairs that judging took
+    refreshes: int = 0
+    demand: float = 1.0
+    next_check: float = CHECK_FROM
+    best: float = np.inf  # error measure, and the iteration that reached it
+    best_at: int = 0
 
 
 @dataclass(frozen=True)
@@ -38,62 +51,64 @@ class Outcome:
     check_pairs: float
 
 
-def drive(solver, target, watch=None):
+def drive(solver, target, watch=None, course=None):
     """Iterate. watch(iterations, progress), if given, is called after every step and returns a true value to stop.
 
+    course: the Course of this load where its beginning was before a checkpoint; it is kept up to date.
     On return solver.p is the fresh pressure of the certificate, in the solver's precision.
     """
-    checks = 0.0
-    refreshes = 0
-    demand = 1.0
-    next_check = CHECK_FROM
-    best, best_at = np.inf, solver.iterations
+    course = course or Course(best_at=solver.iterations)
     progress = solver.progress()
     while True:
         status = None
         done = solver.iterations
         measure = _measure(progress, target)
         falling = progress.residual if measure == UNKNOWN else measure
-        if falling < IMPROVEMENT * best:
-            best, best_at = falling, solver.iterations
+        if falling < IMPROVEMENT * course.best:
+            course.best, course.best_at = falling, done
         if not progress.finite:
             status = "nonfinite"
-        elif measure < demand or (progress.estimates is None and target.residual is None and done >= next_check):
+        elif measure < course.demand or (progress.estimates is None and target.residual is None and done >= course.next_check):
             certificate = _judged(solver, progress, target)
-            checks += certificate.pairs
+            course.checks += certificate.pairs
             errors = _errors(progress, certificate, solver.N)
             if _reached(target, errors, certificate):
-                return Outcome("converged", errors, certificate, checks)
-            if measure < demand:
+                return Outcome("converged", errors, certificate, course.checks)
+            if measure < course.demand:
                 if target.accuracy is not None and max(errors[1:]) < target.accuracy:
-                    demand *= DEMAND
-                refreshes += 1
-                if refreshes > REFRESHES:
-                    return Outcome("stagnated", errors, certificate, checks)
+                    course.demand *= DEMAND
+                course.refreshes += 1
+                if course.refreshes > REFRESHES:
+                    return Outcome("stagnated", errors, certificate, course.checks)
                 solver.refresh()
-            next_check = CHECK_GROWTH * done + 1
+            course.next_check = CHECK_GROWTH * done + 1
         elif done >= target.max_iterations:
             status = "max_iterations"
-        elif solver.iterations - best_at > solver.patience:
+        elif done - course.best_at > solver.patience:
             status = "stagnated"
-        elif watch is not None and watch(solver.iterations, progress):
+        elif watch is not None and watch(done, progress):
             status = "interrupted"
         if status is not None:
             certificate = _judged(solver, progress, target)
             errors = _errors(progress, certificate, solver.N)
-            if status != "nonfinite" and _reached(target, errors, certificate):
+            if status not in ("nonfinite", "interrupted") and _reached(target, errors, certificate):
                 status = "converged"
-            return Outcome(status, errors, certificate, checks + certificate.pairs)
+            return Outcome(status, errors, certificate, course.checks + certificate.pairs)
         solver.step()
         progress = solver.progress()
 
 
 def _judged(solver, progress, target):
     """The certificate of the solver's state; where the area is claimed to be right to the point, with the points that may be wrong."""
-    near = 0.0
-    if progress.estimates is not None and progress.contact > 0 and progress.estimates[0] < 1 / progress.contact:
+    near, estimated = 0.0, _estimated(progress)
+    if estimated and progress.contact > 0 and progress.estimates[0] < 1 / progress.contact:
         near = NEAR * progress.estimates[2] * solver.pressure_rms
-    return certify(solver.problem_now, solver.g, solver.p, target.judged_in, near=near)
+    return certify(solver.problem_now, solver.g, solver.p, target.judged_in, dual=target.duality or not estimated, near=near)
+
+
+def _estimated(progress):
+    """Whether the solver knows its errors; the duality gap has to bound that of the mean gap otherwise."""
+    return progress.estimates is not None and bool(np.isfinite(progress.estimates).all())
 
 
 def _measure(progress, target):
@@ -107,7 +122,7 @@ def _measure(progress, target):
 
 def _errors(progress, certificate, N):
     """Estimated relative errors of area, mean gap and pressure: the solver's estimates with what the certificate says."""
-    if progress.estimates is None or not np.isfinite(progress.estimates).all():
+    if not _estimated(progress):
         pressure, gap = 2 * certificate.pressure, certificate.gap_bound
         # Points whose pressure or gap is within the pressure error of changing sides.
         n_c = certificate.contact

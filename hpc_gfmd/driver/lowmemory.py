@@ -29,16 +29,16 @@ class LowMemorySweep(Sweep):
     def _full_contact(self, problem):
         return None, 0.0  # the nested start finds out
 
-    def _begin(self, problem, resumed):
+    def _begin(self, problem, arrays=None, numbers=None):
         near = self.solver is not None and self._near(problem.p0)
-        if resumed is None and near:
-            self._first_pairs, self.solver.iterations = self.solver.pairs, 0
+        if arrays is None and near:
+            self._count()
             self.solver.continue_at(problem.p0)
             return
         self.solver = None  # its memory is needed now
         h = self.surface.h if self.surface.h is not None else self.make_surface(self.dtype).h
         h_rms = replace(problem, h=h).root_mean_square()
-        if resumed is None:
+        if arrays is None:
             g, pairs = Nested(self.surface.grid, self.dtype).start(replace(problem, h=h), self._make, into=h)
             self._spent += pairs
         else:
@@ -46,9 +46,8 @@ class LowMemorySweep(Sweep):
         self.surface = replace(self.surface, h=None)
         bare = Problem(self.surface.grid, None, problem.p0, self.surface.add_spectrum, self.dtype, h_rms)
         self.solver = self.solver_class(bare, self.settings.options, g=g)
-        self._first_pairs = 0.0
-        if resumed is None:
+        self._count()
+        if arrays is None:
             self.solver.start(g)
         else:
-            self.solver.load_state(resumed["arrays"](problem.grid), resumed["numbers"])
-            self._spent = resumed["pairs"]
+            self._go_on(arrays, numbers)

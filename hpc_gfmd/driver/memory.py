@@ -1,7 +1,9 @@
 """How much memory a scene takes on each rank, and whether it is there."""
 
 import os
+import resource
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -49,26 +51,56 @@ def memory_of(scene, n, ranks):
 
 
 def available_gib():
-    """Memory of this machine that a new process can get, of its control group if that is less."""
+    """Memory of this machine that new processes can get together, of their control group if that is less."""
     gib = float("inf")
     try:
         with open("/proc/meminfo") as file:
             gib = next(int(line.split()[1]) for line in file if line.startswith("MemAvailable")) / 2**20
     except (OSError, StopIteration, ValueError):
         gib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
-    for limit, used in (("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),):
-        try:
-            with open(limit) as a, open(used) as b:
-                gib = min(gib, (int(a.read()) - int(b.read())) / GIB)
-        except (OSError, ValueError):
-            pass
+    for folder in control_groups():
+        for limit, used in (("memory.max", "memory.current"), ("memory.limit_in_bytes", "memory.usage_in_bytes")):
+            try:
+                cached = next((int(line.split()[1]) for line in (folder / "memory.stat").read_text().splitlines()
+                               if line.startswith("inactive_file ")), 0)  # given back when somebody needs it
+                gib = min(gib, (int((folder / limit).read_text()) - int((folder / used).read_text()) + cached) / GIB)
+            except (OSError, ValueError):  # another version of control groups, or "max"
+                pass
     return gib
+
+
+def control_groups(root=Path("/sys/fs/cgroup"), own=Path("/proc/self/cgroup")):
+    """Folders of the control groups that may limit the memory of this process: its own and all around it."""
+    try:
+        lines = [line.split(":", 2) for line in own.read_text().splitlines()]
+    except OSError:
+        lines = []
+    found = [root]  # inside a container, where the path may be that outside
+    for _, kinds, path in lines:
+        if kinds == "" or "memory" in kinds.split(","):
+            top = root / "memory" if kinds else root
+            here = top / path.lstrip("/")
+            found += [here, *(group for group in here.parents if group.is_relative_to(top))]
+    return list(dict.fromkeys(found))
+
+
+def limit_gib():
+    """Memory that this process alone may still take (ulimit -v)."""
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit == resource.RLIM_INFINITY:
+        return float("inf")
+    with open("/proc/self/statm") as file:
+        return (limit - int(file.read().split()[0]) * resource.getpagesize()) / GIB
 
 
 def require_memory(comm, scene, n, threads):
     """Raise SceneError on all ranks if the ranks of some machine need more memory than it has. Collective."""
     need = memory_of(scene, n, comm.size).total
     here = comm.allgather((os.uname().nodename, available_gib()))
+    own = float(comm.min([limit_gib()])[0])
+    if need > own:
+        raise SceneError(f"surface: {n[0]} x {n[1]} points need {need:.2f} GiB on each of {comm.size} ranks, a process may have "
+                         f"{max(own, 0.0):.2f} GiB more (ulimit -v): raise the limit, use more ranks, fewer points or single precision")
     for node in {name for name, _ in here}:
         count = sum(name == node for name, _ in here)
         there = scene.machine.memory_gib or min(gib for name, gib in here if name == node)

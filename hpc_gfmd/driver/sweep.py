@@ -1,6 +1,6 @@
 """One load after another on one surface: which precision, which start, and what comes out."""
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from ..errors import SceneError
 from ..problem import Problem
 from ..registry import solver_class
 from .certificate import Certificate, certify
-from .drive import Outcome, Target, drive
+from .drive import Course, Outcome, Target, drive
 from .nested import Nested, cold_gap
 
 SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
@@ -38,14 +38,15 @@ def first_precision(settings):
 class Sweep:
     """Solves loads on one surface in the order given.
 
-    make_surface(dtype) -> surface.Surface; settings: scene.Solver. Raises SceneError for what cannot be asked.
+    make_surface(dtype) -> surface.Surface; settings: scene.Solver. duality: whether the duality gap is wanted. Raises SceneError for
+    what cannot be asked.
     """
 
-    def __init__(self, make_surface, settings, E_star=1.0, lam_s=None):
+    def __init__(self, make_surface, settings, E_star=1.0, lam_s=None, duality=False):
         self.make_surface, self.settings = make_surface, settings
         self.E_star, self.lam_s = float(E_star), lam_s
         self.solver_class = solver_class(settings.name)
-        self.target = Target(settings.accuracy, settings.residual, settings.max_iterations)
+        self.target = Target(settings.accuracy, settings.residual, settings.max_iterations, duality=duality)
         self.before = None
         self._to(first_precision(settings))
 
@@ -55,73 +56,103 @@ class Sweep:
             raise SceneError("load.p_star: found a flat surface (g_rms = 0), allowed: load.pressure")
         return load.p0(self.E_star, self.surface.g_rms)
 
-    def solve(self, p, watch=None, resumed=None):
+    def solve(self, p, watch=None, midway=False):
         """The contact at mean pressure p (unit of E_star).
 
-        watch(iterations, progress) is called after every iteration, a true value stops. resumed: a checkpoint of this load
-        (output/checkpoint.py) to go on from.
+        watch(iterations, progress) is called after every iteration, a true value stops. midway: go on where `restore` went back to.
         """
         if self.surface.g_rms == 0:
             return self._flat(p)
-        if resumed is not None and resumed["dtype"] != self.dtype:
-            self._to(resumed["dtype"])
+        if not midway:
+            self._spent = 0.0
         promote = self.settings.precision == "auto" and self.dtype == np.float32
-        if promote and resumed is None and self._few_points(p):
+        if promote and not midway and self._few_points(p):
             self._to(np.float64)
             promote = False
-        step = self._solve(p, watch, resumed)
+        step = self._solve(p, watch, midway)
         if promote and step.contact.outcome.status in ("stagnated", "nonfinite"):
-            spent = step.fft_pairs
             self._to(np.float64)
-            step = self._solve(p, watch, None)
-            step = replace(step, fft_pairs=step.fft_pairs + spent)
+            self._spent = step.fft_pairs
+            step = self._solve(p, watch, False)
+        if step.contact.outcome.status == "nonfinite":
+            self.solver = None  # nothing starts from that
         self.before = (p, step.contact.gap_mean)
         return step
+
+    def state(self, upcoming=None):
+        """What `restore` needs to go on in the present load or, given the mean pressure of the load that is upcoming, at its
+        beginning: local slabs by name, and numbers."""
+        arrays, numbers = {}, {"dtype": self.dtype.name, "before": self.before}
+        if upcoming is None or self._may_start_here(upcoming):
+            arrays, own = self.solver.state()
+            numbers |= {"p0": self.solver.p0, "own": own}
+        if upcoming is None:
+            numbers |= {"course": asdict(self.course), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs}
+        return arrays, numbers
+
+    def restore(self, arrays, numbers):
+        """Go back to a `state`, perhaps of another number of ranks. Collective. arrays: function of the grid, gives local slabs."""
+        if numbers["dtype"] != self.dtype:
+            self._to(numbers["dtype"])
+        self.before = numbers["before"]
+        if "p0" in numbers:
+            self._spent = numbers.get("spent", 0.0)
+            self._begin(Problem(self.surface.grid, self.surface.h, numbers["p0"]), arrays, numbers)
+
+    def _may_start_here(self, p):
+        """Whether the load p, or one that follows it if p closes the gap at once, may start from the present state."""
+        p_star = p / (self.E_star * self.surface.g_rms)
+        return self.solver is not None and (self._near(p_star) or p_star >= FULL_P_STAR)
 
     def _few_points(self, p):
         """Whether so few points will touch that single precision, which may err in a few of them, cannot give the area."""
         expected = self.surface.grid.N * min(1.0, 2 * p / (self.E_star * self.surface.g_rms))  # a_r is about 2 p*
         return self.target.accuracy is not None and FEW_POINTS / expected > self.target.accuracy
 
-    def pairs_so_far(self):
-        """FFT pairs that the present load has taken up to now."""
-        return self._spent + self.solver.pairs - self._first_pairs
-
-    def _solve(self, p, watch, resumed):
+    def _solve(self, p, watch, midway):
         p_star = p / (self.E_star * self.surface.g_rms)
-        problem = Problem(self.surface.grid, self.surface.h, p_star)
-        full, self._spent = (None, 0.0) if resumed else self._full_contact(problem)
-        if full is not None:
-            return self._step(p, *full, iterations=0, pairs=self._spent)
-        self._begin(problem, resumed)
+        if not midway:
+            problem = Problem(self.surface.grid, self.surface.h, p_star)
+            full, pairs = self._full_contact(problem)
+            self._spent += pairs
+            if full is not None:
+                return self._step(p, *full, iterations=0, pairs=self._spent)
+            self._begin(problem)
         solver = self.solver
-        outcome = drive(solver, self.target, watch)
-        pairs = self.pairs_so_far() + outcome.check_pairs
+        outcome = drive(solver, self.target, watch, self.course)
+        pairs = self._spent + (solver.pairs - self._first_pairs) + outcome.check_pairs
         return self._step(p, solver.g, solver.p, outcome, solver.iterations, pairs)
 
     def _step(self, p, g, q, outcome, iterations, pairs):
         contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.before, self.lam_s)
         return Step(contact, iterations, float(pairs))
 
-    def _begin(self, problem, resumed):
-        """Make or reuse the solver and give it a start: a checkpoint, the load before, coarser grids, or a flat plane."""
-        warm = resumed is None and self.solver is not None and self._near(problem.p0)
+    def _begin(self, problem, arrays=None, numbers=None):
+        """Make or reuse the solver and give it a start: a state, the load before, coarser grids, or a flat plane."""
+        warm = arrays is None and self.solver is not None and self._near(problem.p0)
         g = None
-        if resumed is None and not warm:
+        if arrays is None and not warm:
             g = self._starting_gap(problem, self.solver.g if self.solver is not None else None)
         if self.solver is None:
             self.solver = self._make(problem, g)
-        solver = self.solver
-        self._first_pairs, solver.iterations = solver.pairs, 0
+        self._count()
         if warm:
-            solver.continue_at(problem.p0)
+            self.solver.continue_at(problem.p0)
             return
-        solver.p0 = problem.p0
-        if resumed is None:
-            solver.start(g)
+        self.solver.p0 = problem.p0
+        if arrays is None:
+            self.solver.start(g)
         else:
-            solver.load_state(resumed["arrays"](problem.grid), resumed["numbers"])
-            self._spent = resumed["pairs"]
+            self._go_on(arrays, numbers)
+
+    def _count(self):
+        """A load begins."""
+        self._first_pairs, self.solver.iterations, self.course = self.solver.pairs, 0, Course()
+
+    def _go_on(self, arrays, numbers):
+        self.solver.load_state(arrays(self.surface.grid), numbers["own"])
+        self.course = Course(**numbers.get("course", {}))
+        self._first_pairs -= numbers.get("pairs", 0.0)
 
     def _starting_gap(self, problem, into):
         if self.nested is None:
@@ -147,7 +178,7 @@ class Sweep:
         if not likely:
             return None, pairs
         g, q = np.zeros_like(problem.h), np.empty_like(problem.h)
-        certificate = certify(problem, g, q, dual=False)
+        certificate = certify(problem, g, q, dual=self.target.duality)
         pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
             return None, pairs

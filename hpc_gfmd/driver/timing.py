@@ -34,7 +34,7 @@ def seconds_per_work(dtype):
         known = json.loads(path.read_text())
         if known["host"] == os.uname().nodename:
             return float(known["seconds_per_work"])
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError, TypeError):
         pass
     value = _measure(dtype)
     try:

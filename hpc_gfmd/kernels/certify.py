@@ -19,27 +19,31 @@ def judge(g, p, x, p0, low, high, kap, i0, i1):
     """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0.
 
     Returns sums: p^2 off contact, p^2 in contact, p in contact, |p| g, points in contact, gap, points within (low, high) of the
-    other side, in p or in g/kap; and the largest -g and -p where g <= 0.
+    other side: in p where g <= 0, in g/kap elsewhere; and the largest -g and -p where g <= 0.
     """
-    open_pp = closed_pp = closed_p = pg = gap = 0.0
-    contact = near = 0
+    open_pp = closed_pp = closed_p = pg = gap = contact = near = 0.0
     penetration = tension = 0.0
     for i in range(i0, i1):
-        for j in range(g.shape[1]):
+        for j in range(g.shape[1]):  # products and selections instead of branches: those keep the compiler from using vectors
             q = p0 + x[i - i0, j]
             d = 1.0 * g[i, j]
             p[i, j] = q
-            touching = d <= 0 and q > 0
-            open_pp += 0.0 if touching else q * q
-            closed_pp += q * q if touching else 0.0
-            closed_p += q if touching else 0.0
-            contact += 1 if touching else 0
-            margin = q if touching else d / kap
-            near += 1 if low < margin < high else 0
+            closed = 1.0 if d <= 0 else 0.0
+            t = closed if q > 0 else 0.0
+            qt = t * q
+            qo = q - qt
+            open_pp += qo * qo
+            closed_pp += qt * qt
+            closed_p += qt
+            contact += t
+            margin = q if t > 0 else (-q if closed > 0 else d / kap)
+            a = 1.0 if margin > low else 0.0
+            near += a if margin < high else 0.0
             pg += abs(q) * d
             gap += d
-            penetration = max(penetration, -d)
-            tension = max(tension, -q if d <= 0 else 0.0)
+            penetration = -d if -d > penetration else penetration
+            pull = closed * -q
+            tension = pull if pull > tension else tension
     return open_pp, closed_pp, closed_p, pg, contact, gap, near, penetration, tension
 
 

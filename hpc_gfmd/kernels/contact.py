@@ -52,7 +52,7 @@ def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0
     """g += s d, p += s x, and everything that the next step needs of the new state.
 
     Restricts p on F, the indicator of A, and x on F to the coarser grid: coarse (3, rows + 2, m) with halo gets the rows that
-    belong to this pass alone, first and last (3, m) the two that it shares. rows: (6, n_y) scratch.
+    belong to this pass alone, first and last (3, m) the two that it shares. rows: (7, n_y) scratch.
     Returns sums: p^2 on F, p^2, p d, on F: d x and p x, points in contact, gap, points with g <= 0 and p <= 0.
     """
     n = g.shape[1]
@@ -61,22 +61,14 @@ def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0
     RRs = PPs = PDs = DXs = PXs = Cs = Gs = Ls = 0.0
     lo = k0[i0]
     hi = k0[i1 - 1] + 1
-    rows[...] = zero
-    here, after = 0, 3  # rows of the scratch that collect coarse row K, and K + 1: p, indicator, x each
-    K = lo
-    fresh = False  # whether nothing has been written to `after` since it was put down
-    for i in range(i0, i1):
-        while K < k0[i]:
-            _put_down(rows, here, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
-            if fresh:
-                rows[after:after + 3] = zero
-            here, after = after, here
-            fresh = True
-            K += 1
-        w = f_x[i]
-        rr, pp, pd, dx, px, nc, gs, nl = _update_row(
-            g[i], p[i], d[i], x[i - i0], s, rows[here:here + 3], rows[after:after + 3], w, fresh, zero, one)
-        fresh = fresh and w == zero
+    rows[3:6] = zero  # rows 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
+    i = i0
+    while i < i1:
+        K = k0[i]
+        end = i + 1
+        while end < i1 and k0[end] == K:
+            end += 1
+        rr, pp, pd, dx, px, nc, gs, nl = _advance(g, p, d, x, s, i0, i, end, zero, one)
         RRs += rr
         PPs += pp
         PDs += pd
@@ -85,77 +77,83 @@ def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0
         Gs += gs
         Cs += nc
         Ls += nl - nc
-    _put_down(rows, here, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
-    if fresh:
-        rows[after:after + 3] = zero
-    _put_down(rows, after, n, K + 1, lo, hi, first, last, coarse, factor, mode, j0, f)
+        _gather(g, p, x, i0, i, end, f_x, rows, zero, one)
+        _put_down(rows, 0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
+        i = end
+    _put_down(rows, 3, n, hi, lo, hi, first, last, coarse, factor, mode, j0, f)
     return RRs, PPs, PDs, DXs, PXs, Cs, Gs, Ls
 
 
 @inline
-def _update_row(g, p, d, x, s, here, after, w, fresh, zero, one):
-    """One row of `update`: new g and p, its sums, and its share of the coarse rows before and after it."""
-    n = g.shape[0]
+def _advance(g, p, d, x, s, i0, start, end, zero, one):
+    """Rows start..end of `update`: new g and p, and their sums."""
     rr = pp = pd = dx = px = gs = nc = nl = zero
-    for j in range(n):
-        gg = g[j] + s * d[j]
-        q = p[j] + s * x[j]
-        g[j] = gg
-        p[j] = q
-        closed = one if gg <= zero else zero
-        t = closed if q > zero else zero
-        free = one - t
-        pf = free * q
-        xf = free * x[j]
-        nc += t
-        nl += closed
-        rr += pf * pf
-        pp += q * q
-        pd += pf * d[j]
-        dx += xf * d[j]
-        px += pf * xf
-        gs += gg
-    # A second loop, and rows of one array: with more pointers than this the compiler gives up on vectors.
-    p_here, t_here, x_here = here[0], here[1], here[2]
-    p_after, t_after, x_after = after[0], after[1], after[2]
-    if w == zero:
-        for j in range(n):
-            t = one if (g[j] <= zero and p[j] > zero) else zero
+    for i in range(start, end):
+        for j in range(g.shape[1]):
+            y = x[i - i0, j]
+            gg = g[i, j] + s * d[i, j]
+            q = p[i, j] + s * y
+            g[i, j] = gg
+            p[i, j] = q
+            closed = one if gg <= zero else zero
+            t = closed if q > zero else zero
             free = one - t
-            p_here[j] += free * p[j]
-            t_here[j] += t
-            x_here[j] += free * x[j]
-    elif fresh:
-        u = one - w
-        for j in range(n):
-            t = one if (g[j] <= zero and p[j] > zero) else zero
-            a = (one - t) * p[j]
-            b = (one - t) * x[j]
-            p_here[j] += u * a
-            t_here[j] += u * t
-            x_here[j] += u * b
-            p_after[j] = w * a
-            t_after[j] = w * t
-            x_after[j] = w * b
-    else:
-        u = one - w
-        for j in range(n):
-            t = one if (g[j] <= zero and p[j] > zero) else zero
-            a = (one - t) * p[j]
-            b = (one - t) * x[j]
-            p_here[j] += u * a
-            t_here[j] += u * t
-            x_here[j] += u * b
-            p_after[j] += w * a
-            t_after[j] += w * t
-            x_after[j] += w * b
+            pf = free * q
+            xf = free * y
+            nc += t
+            nl += closed
+            rr += pf * pf
+            pp += q * q
+            pd += pf * d[i, j]
+            dx += xf * d[i, j]
+            px += pf * xf
+            gs += gg
     return rr, pp, pd, dx, px, nc, gs, nl
 
 
 @inline
-def _put_down(rows, here, n, K, lo, hi, first, last, coarse, factor, mode, j0, f):
+def _gather(g, p, x, i0, start, end, f_x, rows, zero, one):
+    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F, the indicator of A, x on F.
+
+    A loop of its own, and rows of one array: with more pointers than this the compiler gives up on vectors.
+    """
+    n = g.shape[1]
+    if end == start + 2:
+        k = start + 1
+        v, w = f_x[start], f_x[k]
+        for j in range(n):
+            t0 = one if (g[start, j] <= zero and p[start, j] > zero) else zero
+            t1 = one if (g[k, j] <= zero and p[k, j] > zero) else zero
+            a0, a1 = (one - t0) * p[start, j], (one - t1) * p[k, j]
+            b0, b1 = (one - t0) * x[start - i0, j], (one - t1) * x[k - i0, j]
+            rows[0, j] = rows[3, j] + (one - v) * a0 + (one - w) * a1
+            rows[1, j] = rows[4, j] + (one - v) * t0 + (one - w) * t1
+            rows[2, j] = rows[5, j] + (one - v) * b0 + (one - w) * b1
+            rows[3, j] = v * a0 + w * a1
+            rows[4, j] = v * t0 + w * t1
+            rows[5, j] = v * b0 + w * b1
+        return
+    for c in range(3):
+        for j in range(n):
+            rows[c, j] = rows[c + 3, j]
+            rows[c + 3, j] = zero
+    for i in range(start, end):
+        w = f_x[i]
+        for j in range(n):
+            t = one if (g[i, j] <= zero and p[i, j] > zero) else zero
+            a = (one - t) * p[i, j]
+            b = (one - t) * x[i - i0, j]
+            rows[0, j] += (one - w) * a
+            rows[1, j] += (one - w) * t
+            rows[2, j] += (one - w) * b
+            rows[3, j] += w * a
+            rows[4, j] += w * t
+            rows[5, j] += w * b
+
+
+@inline
+def _put_down(rows, c0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f):
     """Restrict a complete coarse row along the other axis to where it belongs."""
     for c in range(3):
-        line = rows[here + c, :n]
         target = first[c] if K == lo else (last[c] if K == hi else coarse[c, K])
-        restrict_row(line, target, factor, mode, j0, f)
+        restrict_row(rows[c0 + c, :n], target, factor, mode, j0, f, rows[6])

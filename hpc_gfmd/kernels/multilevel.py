@@ -13,16 +13,23 @@ from .jit import inline, kernel
 
 
 @inline
-def restrict_row(fine, coarse, factor, mode, j0, f):
-    """coarse = factor P^T fine along one row."""
+def restrict_row(fine, coarse, factor, mode, j0, f, odd):
+    """coarse = factor P^T fine along one row. odd: scratch of at least as many points as coarse.
+
+    With two loops no even or odd points are read without the others: vectors of every second point alone would be gathered.
+    """
     one = fine.dtype.type(1)
     n = fine.shape[0]
     m = coarse.shape[0]
     if mode == 1:
         half = factor * fine.dtype.type(0.5)
-        coarse[0] = factor * fine[0] + half * (fine[n - 1] + fine[1])
+        for J in range(m):
+            o = half * fine[2 * J + 1]
+            coarse[J] = factor * fine[2 * J] + o
+            odd[J] = o
+        coarse[0] += odd[m - 1]
         for J in range(1, m):
-            coarse[J] = factor * fine[2 * J] + half * (fine[2 * J - 1] + fine[2 * J + 1])
+            coarse[J] += odd[J - 1]
     elif mode == 0:
         for J in range(m):
             coarse[J] = factor * fine[J]
@@ -103,34 +110,45 @@ def restrict_level(fine, coarse, k0, f_x, factor, mode, j0, f):
     coarse[...] = 0
     here = np.empty(n, fine.dtype)
     after = np.empty(n, fine.dtype)
+    odd = np.empty(coarse.shape[2], fine.dtype)
     for k in range(c):
-        here[:] = 0
         after[:] = 0
-        K = k0[0] if rows > 2 else 0
-        for i in range(1, rows - 1):
-            while K < k0[i - 1]:
-                restrict_row(here, coarse[k, K], factor, mode, j0, f)
-                here[:] = after
-                after[:] = 0
-                K += 1
-            add_row(fine[k, i], here, after, f_x[i - 1])
-        if rows > 2:
-            restrict_row(here, coarse[k, K], factor, mode, j0, f)
-            restrict_row(after, coarse[k, K + 1], factor, mode, j0, f)
+        i = 0
+        while i < rows - 2:
+            K = k0[i]
+            i = gather_rows(fine[k, 1:rows - 1], k0, f_x, i, here, after)
+            restrict_row(here, coarse[k, K], factor, mode, j0, f, odd)
+            if i == rows - 2:
+                restrict_row(after, coarse[k, K + 1], factor, mode, j0, f, odd)
 
 
 @inline
-def add_row(row, here, after, w):
-    """here += (1 - w) row, after += w row."""
-    n = row.shape[0]
-    if w > 0:
-        u = row.dtype.type(1) - w
+def gather_rows(fine, k0, f_x, i, here, after):
+    """Add up the rows i, i + 1, ... that lie beside the same coarse row: here = after + sum of (1 - f_x) row, after = sum of f_x row.
+
+    Returns the row that comes next. There are two of them wherever the axis is halved: those take one pass.
+    """
+    rows, n = fine.shape
+    end = i + 1
+    while end < rows and k0[end] == k0[i]:
+        end += 1
+    one = here.dtype.type(1)
+    if end == i + 2:
+        a, b = fine[i], fine[i + 1]
+        v, w = f_x[i], f_x[i + 1]
         for j in range(n):
-            here[j] += u * row[j]
-            after[j] += w * row[j]
-    else:
+            here[j] = after[j] + (one - v) * a[j] + (one - w) * b[j]
+            after[j] = v * a[j] + w * b[j]
+        return end
+    for j in range(n):
+        here[j] = after[j]
+        after[j] = here.dtype.type(0)
+    for r in range(i, end):
+        a, w = fine[r], f_x[r]
         for j in range(n):
-            here[j] += row[j]
+            here[j] += (one - w) * a[j]
+            after[j] += w * a[j]
+    return end
 
 
 @kernel
@@ -210,20 +228,17 @@ def _restrict_whole(fine, coarse):
     mode, j0, f = _axis(n_y, m_y, fine)
     _, k0, g = _axis(n_x, m_x, fine)
     factor = fine.dtype.type((m_x / n_x) * (m_y / n_y))
-    here = np.zeros(n_y, fine.dtype)
+    here = np.empty(n_y, fine.dtype)
     after = np.zeros(n_y, fine.dtype)
-    K = 0
-    for i in range(n_x):
-        while K < k0[i]:
-            restrict_row(here, coarse[K], factor, mode, j0, f)
-            here[:] = after
-            after[:] = 0
-            K += 1
-        add_row(fine[i], here, after, g[i])
-    restrict_row(here, coarse[K], factor, mode, j0, f)
+    odd = np.empty(m_y, fine.dtype)
+    i = 0
+    while i < n_x:
+        K = k0[i]
+        i = gather_rows(fine, k0, g, i, here, after)
+        restrict_row(here, coarse[K], factor, mode, j0, f, odd)
     if g[n_x - 1] > 0:  # the last row lies between the last coarse row and the first
         line = np.empty(m_y, fine.dtype)
-        restrict_row(after, line, factor, mode, j0, f)
+        restrict_row(after, line, factor, mode, j0, f, odd)
         for J in range(m_y):
             coarse[0, J] += line[J]
 

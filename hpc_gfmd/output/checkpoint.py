@@ -1,50 +1,68 @@
-"""The state of a solver in the middle of a load step: written aside, renamed, read back by any number of ranks."""
+"""Where a run can go on, in the middle of a load or at its beginning: written aside, renamed, read back by any number of ranks."""
 
 import json
+from dataclasses import dataclass
+from pathlib import Path
 
-import numpy as np
+from ..errors import SceneError
+from ..parallel import h5_inside
+from ..parallel.guard import guarded
+from ..parallel.h5 import Slab, Stored, intact, write_file
+from . import check
+from .read import opened, stored_field
 
-from ..errors import GfmdError, SceneError
-from ..parallel.h5 import Slab, read_rows, write_file
-from .read import opened
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """step: index of the load; midway: in the middle of it, not at its beginning; seconds: spent on it so far; numbers: of
+    Sweep.state; solver: its name; fields: of the state."""
+
+    path: Path
+    step: int
+    midway: bool
+    seconds: float
+    numbers: dict
+    solver: str
+    fields: dict[str, Stored]
+    n: tuple[int, int]
+
+    def arrays(self, grid):
+        """The local slabs of the state by name. Collective; raises SceneError where they cannot be read or are of another grid."""
+        with guarded(grid.comm, f"reading {self.path}"):
+            if self.n != tuple(grid.n):
+                raise SceneError(f"{self.path}: belongs to a grid of {self.n[0]} x {self.n[1]} points")
+            return {name: field.read(*grid.rows) for name, field in self.fields.items()}
 
 
-def write_checkpoint(comm, path, grid, step, solver, spent):
-    """Collective. step: index of the load step; solver: its state is taken; spent: (FFT pairs, seconds) of the step so far."""
-    arrays, numbers = solver.state()
-    start = grid.rows[0]
-    head = {"step": step, "solver": solver.name, "p0": solver.p0, "numbers": json.dumps(numbers), "ranks": comm.size,
-            "pairs": spent[0], "seconds": spent[1], "dtype": solver.problem.dtype.name, "n": grid.n}
-    fields = {name: Slab(data, start, grid.n) for name, data in arrays.items()}
+def write_checkpoint(comm, path, grid, step, solver, state, seconds=None):
+    """Collective. step: index of the load; solver: name; state: of Sweep.state; seconds: spent on the load, None at its beginning."""
+    arrays, numbers = state
+    head = {"step": step, "midway": seconds is not None, "seconds": seconds or 0.0, "solver": solver, "n": list(grid.n),
+            "numbers": json.dumps(numbers)}
+    fields = {name: Slab(data, grid.rows[0], tuple(grid.n)) for name, data in arrays.items()}
     write_file(comm, path, {"/": head}, fields)
 
 
-def read_checkpoint(comm, path, step, solver_name):
-    """The checkpoint of a load step: {"arrays": function(grid) -> local slabs by name, "numbers", "p0", "pairs", "seconds", "dtype"},
-    or None if there is none or it belongs to another step. Collective; an unreadable one counts as none."""
+def read_checkpoint(comm, path, solver):
+    """The Checkpoint of a solver, None if there is none. Collective; raises SceneError if it cannot be read or is another's."""
     found = None
-    if comm.rank == 0:
-        found = _read_head(path, step, solver_name)
+    with guarded(comm, f"reading {path}"):
+        if comm.rank == 0 and Path(path).exists():
+            found = _read_head(Path(path), solver)
     found = comm.bcast(found)
-    if found is None:
-        return None
-
-    def arrays(grid):
-        if tuple(found["n"]) != grid.n:
-            raise SceneError(f"{path}: belongs to a grid of {found['n']} points")
-        return {name: read_rows(path, name, grid.rows) for name in found["names"]}
-
-    return found | {"arrays": arrays}
+    if found is not None and not intact(comm, found.fields.values()):
+        raise SceneError(f"{path}: the file is damaged")
+    return found
 
 
-def _read_head(path, step, solver_name):
-    try:
-        with opened(path) as file:
-            head = dict(file.attrs)
-            if int(head["step"]) != step or head["solver"] != solver_name:
-                return None
-            return {"numbers": json.loads(head["numbers"]), "p0": float(head["p0"]), "pairs": float(head["pairs"]),
-                    "seconds": float(head["seconds"]), "dtype": np.dtype(head["dtype"]), "names": list(file),
-                    "n": [int(n) for n in head["n"]]}
-    except (OSError, KeyError, ValueError, GfmdError, SceneError):
-        return None
+def _read_head(path, solver):
+    with opened(path) as file:
+        head, n = dict(file.attrs), tuple(int(n) for n in file.attrs["n"])
+        datasets = dict(h5_inside.items(file))
+        for name, dataset in datasets.items():
+            check.field(name, dataset, n)
+        found = Checkpoint(path, int(head["step"]), bool(head["midway"]), float(head["seconds"]), json.loads(head["numbers"]),
+                           str(head["solver"]), {name: stored_field(path, name, item) for name, item in datasets.items()}, n)
+    if found.solver != solver:
+        raise SceneError(f"{path}: a checkpoint of {found.solver}, allowed: of {solver}")
+    return found

@@ -96,6 +96,9 @@ class RunFile:
         with guarded(self.comm, f"reading {self.partial}"):
             if self.comm.rank == 0:
                 done = read_partial(self.path)
+                lost = [str(index) for index in self.finished if index not in done.indices]
+                if lost:
+                    raise GfmdError(f"the files of load steps {', '.join(lost)} have been damaged; restart to solve them again")
         groups, fields, copies = self._compose(self.comm.bcast(done), status)
         try:
             self._write(self.path, groups, fields, copies=copies)
@@ -123,6 +126,10 @@ class RunFile:
             (self.partial / HEAD).unlink(missing_ok=True)  # a wrong scene leaves nothing behind
         self.close()
 
+    @property
+    def _tmp(self) -> Path:
+        return self.path.with_name(self.path.name + ".tmp")
+
     def _claim(self, identity, resume) -> tuple[list[int], str, dict]:
         """Rank 0: folder, lock, and what an earlier run left."""
         if not self.path.parent.is_dir():
@@ -141,8 +148,8 @@ class RunFile:
         if left is not None and resume:
             if left.head.get("identity") != identity:
                 raise SceneError(f"{self.partial}: belongs to another scene; remove it or change output.path")
-            for junk in self.partial.glob("*.tmp"):
-                junk.unlink()
+            for junk in (*self.partial.glob("*.tmp"), self._tmp):
+                junk.unlink(missing_ok=True)
             states = zip(left.indices, [step.get("status") for step in left.steps], strict=True)
             done = [index for index, status in states if status != "interrupted"]
             kept = {name: left.head[name] for name in ("start_time",) if name in left.head}
@@ -152,7 +159,7 @@ class RunFile:
             kind = "the same" if left.head.get("identity") == identity else "another"
             note = f"removed an interrupted run of {kind} scene ({len(left.steps)} finished load steps)"
         _clear(self.partial, keep_lock=True)
-        self.path.with_name(self.path.name + ".tmp").unlink(missing_ok=True)
+        self._tmp.unlink(missing_ok=True)
         return [], note, {}
 
     def _write_head(self, status) -> None:
@@ -171,6 +178,13 @@ class RunFile:
                 target = copies if item.compressed else fields
                 target[f"steps/{index:04d}/{name}"] = replace(item, span=self.rows)
         return groups, fields, copies
+
+
+def tidy(path) -> None:
+    """Remove what a run that died after it had finished `path` left beside it. One process only."""
+    folder = partial_folder(path)
+    if Path(path).exists() and folder.is_dir() and not (folder / HEAD).exists() and not lock.is_held(folder):
+        _clear(folder)
 
 
 def _clear(folder: Path, keep_lock=False) -> None:

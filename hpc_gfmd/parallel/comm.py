@@ -145,11 +145,15 @@ def threads_of(comm, wanted):
     return max(1, len(cores) // beside)
 
 
-def leave_together(exit_code, seconds=10.0):
+def leave_together(exit_code, seconds=10.0, say=None):
     """Wait until all ranks are about to leave with an error: mpirun ends the others, silently, as soon as one has left.
 
-    Not for ever: a rank that is alone with its error ends the job after `seconds`.
+    Not for ever: a rank that is alone with its error ends the job after `seconds`. say(): rank 0 calls it at once, another rank
+    where it is left alone, so that it is heard once.
     """
+    say = say or (lambda: None)
+    if launcher_rank() == 0:
+        say()
     try:
         comm = world()
     except GfmdError:  # no way to wait for each other: time enough for one line
@@ -159,6 +163,8 @@ def leave_together(exit_code, seconds=10.0):
         request, end = comm.mpi.Ibarrier(), time.monotonic() + seconds
         while not request.Test():
             if time.monotonic() > end:
+                if comm.rank != 0:
+                    say()
                 comm.mpi.Abort(exit_code)
             time.sleep(0.01)
 

@@ -19,10 +19,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from ..aligned import empty_aligned
 from ..kernels.spectral import from_blocks, to_blocks
-from .plans import Plans, Wisdom, empty_aligned
+from .plans import Plans, Wisdom
 
-CACHE_BYTES = 512 * 1024  # of one scratch array; two or three of them share the second-level cache
+COLUMN_BYTES = 512 * 1024  # of a block of columns, transformed in place
+ROW_BYTES = 256 * 1024  # of the spectra of one pass of rows: these share the second-level cache with the rows of the caller's fields
 MIN_WIDTH, MAX_WIDTH = 8, 64
 
 
@@ -69,7 +71,7 @@ class SlabFFT:
     def _block_width(self, itemsize):
         """W and K so that a block of complete columns fits the cache and little is padded."""
         n_x, per_rank = self.n[0], -(-self.n_c // self.comm.size)
-        wanted = int(np.clip(CACHE_BYTES // (n_x * itemsize), MIN_WIDTH, MAX_WIDTH))
+        wanted = int(np.clip(COLUMN_BYTES // (n_x * itemsize), MIN_WIDTH, MAX_WIDTH))
         K = -(-per_rank // wanted)
         W = -(-per_rank // K)
         if K > 1:
@@ -78,7 +80,7 @@ class SlabFFT:
         return W, K
 
     def _rows_per_pass(self, itemsize):
-        wanted = int(np.clip(CACHE_BYTES // (self.n_c * itemsize), 8, 256))
+        wanted = int(np.clip(ROW_BYTES // (self.n_c * itemsize), 8, 256))
         passes = max(1, -(-self.n_loc // wanted))
         R = max(1, -(-self.n_loc // passes))
         return R + R % 2 if R > 1 else R  # even: a coarse row then belongs to one pass

@@ -3,6 +3,7 @@
 import re
 from contextlib import contextmanager
 
+from .. import errors
 from ..errors import GfmdError, SceneError
 from .comm import agree
 
@@ -33,4 +34,4 @@ def one_line(error: BaseException) -> str:
         text = reason.group(1)
     elif isinstance(error, MemoryError):
         text = f"out of memory ({text})"
-    return " ".join(text.split())
+    return errors.one_line(text, 400)

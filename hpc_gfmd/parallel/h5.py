@@ -6,7 +6,7 @@ in between, NAME is either the old file or the complete new one.
 """
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import GfmdError
 from . import h5_fill, h5_layout, h5_seal
 from .guard import guarded
+from .h5_sum import Summed, total
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Slab:
 
 @dataclass(frozen=True)
 class Stored:
-    """A field in a file; `span` are the rows this rank takes care of when the field is copied."""
+    """A field in a file; `span` are the rows this rank takes care of when the field is copied; checksum: see h5_sum, or None."""
 
     path: Path
     dataset: str
@@ -51,6 +52,7 @@ class Stored:
     stored: np.dtype
     compressed: bool = False
     span: tuple[int, int] = (0, 0)
+    checksum: int | None = None
 
     def read(self, start: int, stop: int) -> np.ndarray:
         """Global rows start <= i < stop as a (stop - start, m) array."""
@@ -72,7 +74,7 @@ def write_file(comm, path, groups, fields, *, copies=None, compressed=False, tra
     fields: {dataset: Slab or Stored}, the same names on every rank; copies: {dataset: Stored}, copied by rank 0
     as they are, compression included; compressed: shuffle and gzip; transport: "direct", "root" or "mpio", see
     h5_fill (default: the best).
-    Raises GfmdError on every rank when any of them fails (disk full, folder gone, field of a wrong shape).
+    Raises GfmdError on every rank when any of them fails (disk full, folder gone, field of a wrong shape, Stored one damaged).
     """
     path = Path(path)
     tmp = path.with_name(path.name + ".tmp")
@@ -84,7 +86,13 @@ def write_file(comm, path, groups, fields, *, copies=None, compressed=False, tra
             if comm.rank == 0:
                 offsets = h5_layout.lay_out(tmp, groups, fields, copies or {}, compressed)
         if fields:
-            h5_fill.fill(comm, tmp, fields, comm.bcast(offsets), doing, transport)
+            summed = {name: Summed(field) for name, field in fields.items()}
+            h5_fill.fill(comm, tmp, summed, comm.bcast(offsets), doing, transport)
+            sums = dict(zip(fields, total(comm, [field.sum for field in summed.values()])))
+            with guarded(comm, doing):
+                _compare(fields, sums)
+                if comm.rank == 0:
+                    h5_layout.write_sums(tmp, sums)
         with guarded(comm, doing):
             if comm.rank == 0:
                 h5_seal.seal(tmp)
@@ -104,6 +112,29 @@ def sync(path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def intact(comm, fields) -> bool:
+    """Whether the numbers of Stored fields are what was written. Collective: each rank reads its share."""
+    sums, failed = [], False
+    for field in fields:
+        n_x = field.shape[0]
+        own = Summed(replace(field, span=(n_x * comm.rank // comm.size, n_x * (comm.rank + 1) // comm.size)))
+        try:
+            for start, stop in h5_fill.pieces(own):
+                own.read(start, stop)
+        except Exception:
+            failed = True
+        sums.append(own.sum)
+    if comm.max([failed])[0]:
+        return False
+    return all(field.checksum in (None, found) for field, found in zip(fields, total(comm, sums)))
+
+
+def _compare(fields, sums) -> None:
+    for name, field in fields.items():
+        if isinstance(field, Stored) and field.checksum not in (None, sums[name]):
+            raise GfmdError(f"the numbers of {field.dataset} in {field.path} have been damaged: remove that file and restart")
 
 
 def _check(comm, fields, doing) -> None:

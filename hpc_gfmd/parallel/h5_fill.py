@@ -40,7 +40,7 @@ def fill(comm, path, fields, offsets, doing, transport=None) -> None:
         _fill_through_root(comm, path, compressed, doing, _packed_rows, _put_packed_rows)
 
 
-def _pieces(field) -> list[tuple[int, int]]:
+def pieces(field) -> list[tuple[int, int]]:
     """This rank's rows in pieces of at most PIECE_BYTES."""
     start, stop = field.span
     step = max(1, PIECE_BYTES // (field.shape[1] * field.stored.itemsize))
@@ -55,7 +55,7 @@ def _fill_directly(comm, path, fields, offsets, doing) -> None:
     with guarded(comm, doing), open(path, "r+b", buffering=0, opener=_for_writing_only) as file:
         for name, field in fields.items():
             row_bytes = field.shape[1] * field.stored.itemsize
-            for start, stop in _pieces(field):
+            for start, stop in pieces(field):
                 left = memoryview(field.read(start, stop).reshape(-1).view(np.uint8))
                 position = offsets[name] + start * row_bytes
                 while left:
@@ -99,8 +99,8 @@ def _fill_through_root(comm, path, fields, doing, make, put) -> None:
         if comm.rank == 0:
             file = h5py.File(path, "r+", locking=False)
     for name, field in fields.items():
-        for owner, pieces in enumerate(comm.allgather(_pieces(field))):
-            for piece in pieces if comm.rank in (0, owner) else ():
+        for owner, owned in enumerate(comm.allgather(pieces(field))):
+            for piece in owned if comm.rank in (0, owner) else ():
                 rows = None
                 if comm.rank == owner:
                     rows = _or_error(make, field, *piece)
@@ -141,13 +141,13 @@ def _fill_by_mpio(comm, path, fields, doing) -> None:
     collective.set_dxpl_mpio(h5fd.MPIO_COLLECTIVE)
     errors = []
     for name, field in fields.items():
-        pieces = _pieces(field)
-        for call in range(int(comm.max([len(pieces)])[0])):
+        own = pieces(field)
+        for call in range(int(comm.max([len(own)])[0])):
             rows = np.empty((0, field.shape[1]), dtype=field.stored)
-            if call < len(pieces) and not errors:
-                found = _or_error(field.read, *pieces[call])
+            if call < len(own) and not errors:
+                found = _or_error(field.read, *own[call])
                 rows, errors = (rows, [found]) if isinstance(found, Exception) else (found, errors)
-            start = pieces[call][0] if len(rows) else 0
+            start = own[call][0] if len(rows) else 0
             failed = _or_error(_put_collectively, file[name], start, rows, collective)
             errors += [failed] if failed else []
     with guarded(comm, doing):
@@ -158,7 +158,7 @@ def _fill_by_mpio(comm, path, fields, doing) -> None:
                 raise errors[0]
     with guarded(comm, doing), h5py.File(path, "r", locking=False) as file:
         for name, field in fields.items():
-            for start, stop in _pieces(field):
+            for start, stop in pieces(field):
                 if file[name][start:stop].tobytes() != field.read(start, stop).tobytes():
                     raise GfmdError(f"rows {start}:{stop} of {name} did not reach the disk")
 

@@ -12,7 +12,7 @@ import os
 from pathlib import Path
 
 from ..errors import GfmdError
-from . import h5_fill, h5_seal
+from . import h5_fill, h5_seal, h5_sum
 
 FORMAT = "hpc-gfmd"
 FORMAT_VERSION = 1
@@ -48,6 +48,15 @@ def lay_out(path, groups, fields, copies, compressed) -> dict[str, int | None]:
     if compressed and fields:
         reserve(path, space)  # closing gave the unused part back
     return offsets
+
+
+def write_sums(path, sums) -> None:
+    """Put the checksums of the fields, {dataset: number}, where `lay_out` left room for them."""
+    import h5py
+
+    with h5py.File(path, "r+", locking=False, libver=_VERSIONS) as file:
+        for name, value in sums.items():
+            file[name].attrs.modify(h5_sum.NAME, value)
 
 
 def reserve(path, size) -> None:
@@ -100,4 +109,5 @@ def _create_dataset(file, name, field, compressed) -> int | None:
     group = file.require_group(parent or "/")
     kind = h5t.py_create(field.stored, logical=True)
     dataset = h5d.create(group.id, last.encode(), kind, h5s.create_simple(field.shape), layout)
+    group[last].attrs.create(h5_sum.NAME, 0, dtype="int64")
     return None if compressed else dataset.get_offset()

@@ -2,32 +2,16 @@
 
 HDF5 does not protect all of its own bookkeeping: a few wrong bytes may change a number silently, or crash the
 process that reads the file. HDF5 leaves the first bytes of a file to its user; there we keep a line of text with
-the length of the file and a checksum of everything but the fields. (HDF5 does check its bookkeeping between them.)
+the length of the file and a checksum of everything but the fields, which have their own (h5_sum.py). (HDF5 does check its bookkeeping
+between them.)
 """
 
 import os
-import subprocess
-import sys
 import zlib
 
 BLOCK = 512  # what HDF5 calls the user block
 _MAGIC = b"hpc-gfmd seal"
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
-_PATIENCE = 60  # seconds
-
-# Reads what we would read. Errors do not matter here: whoever asks meets them again.
-_PROBE = """
-import h5py, sys
-def look(name, item):
-    dict(item.attrs), getattr(item, "shape", None), getattr(item, "dtype", None)
-try:
-    with h5py.File(sys.argv[1], "r", locking=False) as file:
-        if file.attrs.get("format") == sys.argv[2]:
-            look("", file)
-            file.visititems(look)
-except Exception:
-    pass
-"""
 
 
 def seal(path) -> None:
@@ -54,16 +38,6 @@ def check(path) -> str:
     if not head.startswith(_MAGIC) or os.path.getsize(path) > size or not BLOCK <= begin <= end <= size:
         return "broken"
     return "intact" if _checksum(path, begin, end) == checksum else "broken"
-
-
-def survives_reading(path, format_name: str) -> bool:
-    """Whether the HDF5 library gets through a file without a valid seal, tried in a process of its own."""
-    command = [sys.executable, "-c", _PROBE, os.fspath(path), format_name]
-    try:
-        found = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, timeout=_PATIENCE)
-    except subprocess.TimeoutExpired:
-        return False
-    return found.returncode == 0
 
 
 def _fields_extent(path, size) -> tuple[int, int]:

@@ -4,6 +4,7 @@ import os
 import signal
 import time
 
+CHEAP = 0.05  # share of the time that may go into checkpoints between loads
 HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)  # SIGUSR1: the batch system's warning
 
 
@@ -17,7 +18,7 @@ class Interrupt:
         self.comm = comm
         self.begun = time.monotonic()
         self.deadline, self.every = deadline, every
-        self.last = self.begun
+        self.last, self.cost = self.begun, 0.0  # end of the last checkpoint, and what it took
         self.signal = 0
         self.agreed = 0
 
@@ -53,6 +54,13 @@ class Interrupt:
         stop, due = (int(x) for x in self.comm.max([stop, due]))
         if stop:
             self.agreed = stop
-        if due:
-            self.last = time.monotonic()
         return bool(stop), bool(due)
+
+    def cheap(self):
+        """Whether a checkpoint now would take little beside the time since the last one, the same on all ranks. Collective."""
+        return bool(self.comm.max([self.comm.rank == 0 and self.cost < CHEAP * (time.monotonic() - self.last)])[0])
+
+    def saved(self, begun):
+        """A checkpoint has been written; it was begun at that time.monotonic()."""
+        self.last = time.monotonic()
+        self.cost = self.last - begun

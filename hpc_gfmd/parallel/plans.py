@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..aligned import empty_aligned
 from .comm import launched
 
 
@@ -32,14 +33,6 @@ def _load_fftw():
 def fft_library():
     """Name of the library that does the transforms."""
     return "FFTW (mpi4py-fft)" if _load_fftw() else "scipy.fft"
-
-
-def empty_aligned(shape, dtype):
-    """An uninitialised array aligned for the vector unit."""
-    fftw = _load_fftw()
-    if fftw is None or 0 in shape:
-        return np.empty(shape, dtype)
-    return fftw.aligned(shape, dtype=np.dtype(dtype))
 
 
 class Plans:

@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import GfmdError, SceneError
 from ..output.read import Result, read_result
 from ..parallel.guard import one_line
+from ..parallel.h5_sum import Summed
 from .curves import curves
 from .distributions import distributions
 from .maps import contact_maps
@@ -57,7 +58,12 @@ def _draw(result, folder, prefix) -> list[Path]:
 
 def _survey(result, k):
     p_unit, _ = pressure_unit(result.steps[k])
-    return survey(result.fields[k], p_unit, gap_unit(result.surface)[0])
+    fields = {name: Summed(field) for name, field in result.fields[k].items()}
+    found = survey(fields, p_unit, gap_unit(result.surface)[0])
+    for name in DRAWN & set(fields):
+        if fields[name].field.checksum not in (None, fields[name].sum):
+            raise GfmdError(f"{result.path}: the numbers of {fields[name].field.dataset} are damaged")
+    return found
 
 
 def _evenly(indices):

@@ -34,12 +34,6 @@ def printable(key: str) -> str:
     return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
 
 
-def one_line(text: str) -> str:
-    """A foreign message without line ends or other control characters, of bounded length."""
-    text = "".join(c if c.isprintable() else " " for c in text)
-    return text if len(text) <= 200 else f"{text[:140]} ... {text[-50:]}"
-
-
 Model = type[BaseModel]
 
 

@@ -9,12 +9,13 @@ from typing import Any
 import tomli_w
 from pydantic import Field, ValidationError, model_validator
 
-from ..errors import SceneError
-from .explain import explain, one_line
+from ..errors import SceneError, one_line
+from .explain import explain
 from .settings import Load, Machine, Material, Output, Solver
 from .surface import KINDS, AnySurface, SelfAffine, Wave
 from .table import Table, Text
 
+RESOLVED = 8        # points in a wave length; with fewer the contact is one of single points
 TOUCHING = 100      # fewer contact points than this say little about a rough contact
 
 
@@ -81,6 +82,9 @@ class Scene(Table):
     def warnings(self) -> list[str]:
         """What is legal but may not mean what the user thinks, one line each."""
         surface, found = self.surface, []
+        if isinstance(surface, Wave):
+            found += [f"surface: {n} points along {axis} for {k} periods, fewer than {RESOLVED} points a period"
+                      for axis, n, k in zip("xy", surface.n, surface.periods) if n < RESOLVED * k]
         if not isinstance(surface, SelfAffine):
             return found
         if surface.eps_f > 1 / 8:

@@ -11,6 +11,7 @@ The displacement itself never appears: with the gap g = u + h and p = p0 + K u, 
 
 import numpy as np
 
+from ..aligned import LINE, zeros_aligned
 from ..kernels.contact import propose
 from ..operators.halfspace import HalfSpace
 from ..operators.multilevel import COUPLING, Multilevel
@@ -18,7 +19,7 @@ from ..options import read_options
 from .base import Progress, Solver
 
 RHO_MIN, RHO_MAX = 0.4, 1.45  # bounds of the predicted Rayleigh quotient
-MEMORY = 3  # steps that the prediction looks back
+MEMORY = 2  # steps that the prediction looks back
 GRADIENT = 1.42  # bound of kap K's spectrum, sqrt 2: the step of a projected gradient
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
 
@@ -46,9 +47,9 @@ class Bpx(Solver):
         self.levels = Multilevel(grid, dtype, self.fft.R)
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
-        self.p, self.d = grid.empty(dtype), np.zeros(grid.shape, dtype)
+        self.p, self.d = grid.empty(dtype), grid.empty(dtype)
         self.kap = 2.0 / grid.q_nyquist
-        self._rows = {id(x): np.zeros((6, grid.n[1] + 1), dtype) for x in self.fft.row_scratch}
+        self._rows = {id(x): zeros_aligned((7, grid.n[1] + LINE // dtype.itemsize), dtype) for x in self.fft.row_scratch}
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
         self.rounding = problem.rounding
 
@@ -62,11 +63,6 @@ class Bpx(Solver):
         self.elastic.pressure_rows(self.problem.displacement_rows(self.g), self.passes)
         self.elastic.pressure_columns(self.problem.adder(self.fft))
         self._begin(self._update(1.0))
-
-    def continue_at(self, p0):
-        self.p += self.problem.dtype.type(p0 - self.p0)
-        self.p0 = float(p0)
-        self.refresh()
 
     def refresh(self):
         self.d[...] = 0
@@ -124,7 +120,7 @@ class Bpx(Solver):
         """a and b of the step -(a z + b d): the minimum of the energy in the plane of z and d."""
         if self.plain:
             return 0.0, 0.0
-        rho = np.clip(max(self.rayleigh), RHO_MIN, RHO_MAX) if len(self.rayleigh) >= 2 else RHO_MAX
+        rho = np.clip(max(self.rayleigh), RHO_MIN, RHO_MAX) if len(self.rayleigh) == MEMORY else RHO_MAX
         rz, rd, zq, dq = self.rz, self.rd, self.zq, self.dq
         zz = rho * rz
         if dq <= 0 or rz <= 0:

@@ -11,6 +11,7 @@ The gap that is returned is closed, g = 0, wherever q > 0, and max(e, 0) elsewhe
 
 import numpy as np
 
+from ..aligned import zeros_aligned
 from ..kernels.pressure import advance, close, conjugate, direct, gradient, press, respace, respond
 from ..operators.halfspace import HalfSpace, reader
 from ..options import read_options
@@ -37,7 +38,7 @@ class Ccg(Solver):
         self.elastic = HalfSpace(grid, dtype)
         self.real = dtype.type
         self.g, self.p, self.q, self.w = (grid.empty(dtype) for _ in range(4))
-        self.t = np.zeros(grid.shape, dtype)
+        self.t = zeros_aligned(grid.shape, dtype)
         self.stiffest = grid.q_nyquist / np.sqrt(2)  # the largest eigenvalue of K
         self.patience = 5 * self.patience
 

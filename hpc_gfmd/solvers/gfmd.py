@@ -15,6 +15,7 @@ modes slightly underdamped; whenever the pressure does negative work on the moti
 
 import numpy as np
 
+from ..aligned import zeros_aligned
 from ..kernels.dynamics import move, settle
 from ..operators.halfspace import HalfSpace
 from ..options import read_options
@@ -39,7 +40,7 @@ class Gfmd(Solver):
         self.options = read_options(self.name, self.options, self.allowed)
         grid, dtype = self.grid, problem.dtype
         self.elastic = HalfSpace(grid, dtype)
-        self.g, self.p, self.d = grid.empty(dtype), grid.empty(dtype), np.zeros(grid.shape, dtype)
+        self.g, self.p, self.d = grid.empty(dtype), grid.empty(dtype), zeros_aligned(grid.shape, dtype)
         self.stiffest = grid.q_nyquist / np.sqrt(2)
         self.longest = min((np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1), default=self.stiffest)
         self.patience = max(4 * self.patience, int(PATIENCE * np.sqrt(self.stiffest / self.longest)))
@@ -59,11 +60,6 @@ class Gfmd(Solver):
         self.elastic.pressure_columns()
         self._measure(self.elastic.use_rows(self._settle))
         self._begin()
-
-    def continue_at(self, p0):
-        self.p += self.problem.dtype.type(p0 - self.p0)
-        self.p0 = float(p0)
-        self.refresh()
 
     def refresh(self):
         self.d[...] = 0

@@ -15,13 +15,16 @@ from pathlib import Path
 
 import numpy as np
 
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.errors import SceneError, one_line
 from hpc_gfmd.theory.checks import within
 from hpc_gfmd.theory.tfc_fit import TERMS, TfcFit, fit_tfc, read_runs
 
-__all__ = ["TfcFit", "correction", "extrapolate", "fit_tfc", "paper_table", "read_runs", "read_table"]
+__all__ = [
+    "TfcFit", "correction", "extrapolate", "fit_tfc", "our_table", "paper_table", "read_runs", "read_table", "table_of",
+]
 
 PRESSURE_TOLERANCE = 0.05  # how far p_star may be from a tabulated one, relative
+_DATA = files("hpc_gfmd.theory").joinpath("data")
 # printed p_star are rounded; the runs were made at 0.01/sqrt(2) and 0.5/sqrt(2)
 _UNROUNDED = {0.007: 0.01 / np.sqrt(2), 0.353: 0.5 / np.sqrt(2)}
 
@@ -45,21 +48,51 @@ class Correction:
 
 def paper_table():
     """The paper's four tables, as the dict of the data file."""
-    return json.loads(files("hpc_gfmd.theory").joinpath("data/paper_tfc.json").read_text(encoding="utf-8"))
+    return read_table(_DATA / "paper_tfc.json")
+
+
+def our_table():
+    """The same tables fitted to our own runs, with uncertainties; None if this installation has none."""
+    path = _DATA / "our_tfc.json"
+    return read_table(path) if path.is_file() else None
+
+
+def table_of(name):
+    """The table of a name: "paper", "ours", or the path of a JSON file. Raises SceneError."""
+    if name == "paper":
+        return paper_table()
+    if name != "ours":
+        return read_table(name)
+    table = our_table()
+    if table is None:
+        raise SceneError("table: found 'ours', which this installation lacks, allowed: paper, FILE.json")
+    return table
 
 
 def read_table(path):
     """A table of the same form from a JSON file; SceneError if it is not one."""
     try:
-        table = json.loads(Path(path).read_text(encoding="utf-8"))
+        path = Path(path) if isinstance(path, str) else path
+        table = json.loads(path.read_text(encoding="utf-8"))
         for part in table["tables"]:
-            part["observable"], float(part["p_star"])
-            [float(row[key]) for row in part["rows"] for key in ("hurst", *_COEFFICIENTS)]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+            _check_part(part)
+    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, ArithmeticError, RecursionError) as error:
         raise SceneError(
-            f"table: found {str(path)!r} ({error}), allowed: a JSON file like paper_tfc.json"
+            f"table: found {str(path)!r} ({one_line(str(error))}), allowed: a JSON file like paper_tfc.json"
         ) from None
     return table
+
+
+def _check_part(part):
+    """Raise what is wrong with one of the tables, among others by its use."""
+    if not (isinstance(part["observable"], str) and part["observable"].isprintable() and 0 < part["p_star"] < np.inf and part["rows"]):
+        raise ValueError("a table needs an observable, a positive p_star and rows")
+    half = dict.fromkeys(TERMS, 0.5)
+    for row in part["rows"]:
+        numbers = [row["hurst"], *(row[name] for name in _COEFFICIENTS), *(_term(row, i, 0.5) for i in TERMS)]
+        numbers += [_row_sigma(row, half)] if "sigma" in row else []
+        if not np.isfinite(np.array(numbers, dtype=np.float64)).all() or any(isinstance(x, bool | str) for x in numbers):
+            raise ValueError("its coefficients are no finite numbers")
 
 
 def correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table=None):

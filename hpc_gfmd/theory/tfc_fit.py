@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 from scipy.optimize import least_squares
 
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.errors import SceneError, one_line
 from hpc_gfmd.theory.checks import within
 
 TERMS = ("t", "f", "c")
@@ -23,7 +23,7 @@ class TfcFit:
     limit: value in the TFC limit; C, alpha: dicts over the fitted terms; names: the fitted parameters
     ("limit", "C_t", ..., "alpha_c", ...) in the order of covariance and sigma (dict by name); chi2 with dof
     degrees of freedom. Without error bars of the data the covariance is scaled by chi2/dof, and is nan when
-    dof = 0.
+    dof = 0. influence, shape (parameters, runs): how each parameter follows a small change of each value.
     """
 
     limit: float
@@ -34,6 +34,7 @@ class TfcFit:
     sigma: dict
     chi2: float
     dof: int
+    influence: np.ndarray
 
     def correction(self, eps_t=0.0, eps_f=0.0, eps_c=0.0):
         """(sum of the terms, its uncertainty) at the given ratios; a term that was not fitted is zero."""
@@ -63,11 +64,12 @@ class TfcFit:
         }
 
 
-def fit_tfc(eps_t, eps_f, eps_c, value, sigma=None, alpha=None, terms=TERMS):
+def fit_tfc(eps_t, eps_f, eps_c, value, sigma=None, alpha=None, terms=TERMS, limit=None):
     """Least-squares fit of eq. tfc to runs, a TfcFit.
 
     eps_t, eps_f, eps_c, value, sigma: shape (runs,) (the ratios and sigma may be single numbers); sigma:
-    error bars of value. alpha: fixed exponents by term, e.g. {"t": 1, "f": 0.67, "c": None}, where None
+    error bars of value, or their covariance matrix, shape (runs, runs), where runs share a surface. limit: a
+    known value in the TFC limit, fitted if None. alpha: fixed exponents by term, e.g. {"t": 1, "f": 0.67, "c": None}, where None
     leaves the exponent free (0.02 to 5); a term left out has the paper's (1, 0.67, 0.67). terms: the terms to
     include. SceneError when the runs cannot determine what is asked (too few, or a ratio that does not vary
     enough).
@@ -78,9 +80,7 @@ def fit_tfc(eps_t, eps_f, eps_c, value, sigma=None, alpha=None, terms=TERMS):
         for i, e in zip(TERMS, (eps_t, eps_f, eps_c), strict=True)
         if i in terms
     }
-    weight = np.ones_like(value)
-    if sigma is not None:
-        weight = 1 / np.broadcast_to(within("sigma", sigma, 0, np.inf, open_low=True), value.shape)
+    whiten = _whitening(sigma, value.size)
     alpha = {i: (PAPER_ALPHA | dict(alpha or {}))[i] for i in eps}
     free = [i for i in eps if alpha[i] is None]
     for i in alpha:
@@ -93,44 +93,50 @@ def fit_tfc(eps_t, eps_f, eps_c, value, sigma=None, alpha=None, terms=TERMS):
                 f"eps_{i}: found {np.unique(eps[i]).size} different values, allowed: at least {needed} "
                 f"to fit {'C and alpha' if i in free else 'C'}, or leave the term {i} out"
             )
-    names = ("limit", *(f"C_{i}" for i in eps), *(f"alpha_{i}" for i in free))
+    fixed = None if limit is None else float(within("limit", limit, -np.inf, np.inf))
+    first = int(fixed is None)  # where the C begin among the parameters
+    names = ("limit",)[:first] + (*(f"C_{i}" for i in eps), *(f"alpha_{i}" for i in free))
+    target = value - (fixed or 0.0)
     if value.size < len(names):
         raise SceneError(
             f"runs: found {value.size}, allowed: at least {len(names)}, the number of fitted parameters"
         )
 
     def matrix(exponents):
-        return np.stack([np.ones_like(value), *(eps[i] ** exponents[i] for i in eps)], axis=1)
+        columns = [np.ones_like(value)][:first] + [eps[i] ** exponents[i] for i in eps]
+        return np.stack(columns, axis=1)
+
+    linear = first + len(eps)
 
     def residual(x):
-        exponents = alpha | dict(zip(free, x[1 + len(eps) :], strict=True))
-        return (matrix(exponents) @ x[: 1 + len(eps)] - value) * weight
+        exponents = alpha | dict(zip(free, x[linear:], strict=True))
+        return whiten @ (matrix(exponents) @ x[:linear] - target)
 
-    x = _best_start(value, weight, matrix, alpha, free)
+    x = _best_start(target, whiten, matrix, alpha, free)
     if free:
-        low = np.concatenate([np.full(1 + len(eps), -np.inf), np.full(len(free), _ALPHA_RANGE[0])])
+        low = np.concatenate([np.full(linear, -np.inf), np.full(len(free), _ALPHA_RANGE[0])])
         high = np.where(np.isinf(low), np.inf, _ALPHA_RANGE[1])
         x = least_squares(
             residual, x, bounds=(low, high), x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14
         ).x
-    C = dict(zip(eps, x[1:], strict=False))
-    alpha = alpha | dict(zip(free, x[1 + len(eps) :], strict=True))
+    C = dict(zip(eps, x[first:], strict=False))
+    alpha = alpha | dict(zip(free, x[linear:], strict=True))
 
     columns = [matrix(alpha), *((C[i] * eps[i] ** alpha[i] * np.log(eps[i]))[:, None] for i in free)]
-    jacobian = np.concatenate(columns, axis=1) * weight[:, None]
+    jacobian = whiten @ np.concatenate(columns, axis=1)
     scale = np.linalg.norm(jacobian, axis=0)
     if not scale.all() or np.linalg.cond(jacobian / scale) > 1e8:
         raise SceneError(
             "runs: found ratios that vary together, or no trend, allowed: runs that determine every term"
         )
-    inverse = np.linalg.pinv(jacobian / scale)
-    covariance = inverse @ inverse.T / np.outer(scale, scale)
+    inverse = np.linalg.pinv(jacobian / scale) / scale[:, None]
+    covariance = inverse @ inverse.T
     chi2, dof = float(np.sum(residual(x) ** 2)), value.size - len(names)
     if sigma is None:
         covariance = covariance * (chi2 / dof if dof else np.nan)
     errors = dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
     return TfcFit(
-        float(x[0]),
+        float(x[0]) if first else fixed,
         {i: float(C[i]) for i in C},
         {i: float(alpha[i]) for i in alpha},
         names,
@@ -138,16 +144,30 @@ def fit_tfc(eps_t, eps_f, eps_c, value, sigma=None, alpha=None, terms=TERMS):
         errors,
         chi2,
         dof,
+        inverse @ whiten,
     )
 
 
-def _best_start(value, weight, matrix, alpha, free):
+def _whitening(sigma, runs):
+    """The matrix that turns the values into ones of unit variance and no correlation."""
+    if sigma is None:
+        return np.eye(runs)
+    if np.ndim(sigma) < 2:
+        return np.diag(1 / np.broadcast_to(within("sigma", sigma, 0, np.inf, open_low=True), (runs,)))
+    try:
+        root = np.linalg.cholesky(np.asarray(sigma, dtype=float).reshape(runs, runs))
+    except (ValueError, np.linalg.LinAlgError):
+        raise SceneError(f"sigma: found shape {np.shape(sigma)}, allowed: a covariance matrix of the {runs} runs") from None
+    return np.linalg.inv(root)
+
+
+def _best_start(value, whiten, matrix, alpha, free):
     """The best linear fit over a few choices of the free exponents; the fit itself where none is free."""
     best = None
     for guess in product(_STARTS, repeat=len(free)):
-        m = matrix(alpha | dict(zip(free, guess, strict=True))) * weight[:, None]
-        x = np.linalg.lstsq(m, value * weight, rcond=None)[0]
-        cost = np.sum((m @ x - value * weight) ** 2)
+        m = whiten @ matrix(alpha | dict(zip(free, guess, strict=True)))
+        x = np.linalg.lstsq(m, whiten @ value, rcond=None)[0]
+        cost = np.sum((m @ x - whiten @ value) ** 2)
         if best is None or cost < best[0]:
             best = cost, np.concatenate([x, guess])
     return best[1]
@@ -161,8 +181,8 @@ def read_runs(path):
             rows = list(csv.DictReader(file))
         wanted = ["eps_t", "eps_f", "eps_c", "value"] + (["sigma"] if rows and "sigma" in rows[0] else [])
         return {name: np.array([float(row[name]) for row in rows]) for name in wanted}
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
         raise SceneError(
-            f"runs: found {str(path)!r} ({error}), allowed: a CSV file with the columns "
+            f"runs: found {str(path)!r} ({one_line(str(error))}), allowed: a CSV file with the columns "
             "eps_t, eps_f, eps_c, value and maybe sigma"
         ) from None

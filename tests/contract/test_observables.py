@@ -18,7 +18,7 @@ SURFACE = rough((1, 8, 4))
 
 @pytest.fixture(scope="module")
 def contact():
-    made = sweep_of(SURFACE, accuracy=1e-3)
+    made = sweep_of(SURFACE, duality=True, accuracy=1e-3)
     made.solve(0.05)
     return made.solve(0.1).contact
 
@@ -26,7 +26,7 @@ def contact():
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):
     path = tmp_path_factory.mktemp("observables") / "all.h5"
-    scene = Scene.from_dict({"surface": SURFACE, "load": {"p_star": [0.05, 0.1]}})
+    scene = Scene.from_dict({"surface": SURFACE, "load": {"p_star": [0.05, 0.1]}, "output": {"observables": list(all_observables())}})
     assert run_scene(scene, out=path, quiet=True).exit_code == 0
     return read_result(path)
 
@@ -58,7 +58,7 @@ def test_alone(name, tmp_path):
                                      rough((1, 4, 2), g_rms=1e-3)], ids=["flat", "wave", "full contact"])
 def test_degenerate_contacts(name, surface):
     """A number or None, never NaN, on flat walls, profiles and in full contact."""
-    made = sweep_of(surface)
+    made = sweep_of(surface, duality=True)
     for p in (0.05, 0.06):
         value = all_observables()[name](made.solve(p).contact)
         assert value is None or isfinite(value)
@@ -68,3 +68,11 @@ def test_unknown_name():
     scene = Scene.from_dict({"surface": SURFACE, "load": {"p_star": 0.1}, "output": {"observables": ["a_rr"]}})
     with pytest.raises(SceneError, match="nearest: \"a_r\""):
         run_scene(scene, quiet=True)
+
+
+def test_duality_gap_only_on_request():
+    """It costs half an FFT pair; without it the certificate has all the rest."""
+    plain, asked = (sweep_of(SURFACE, duality=wanted, accuracy=1e-3).solve(0.1) for wanted in (False, True))
+    assert plain.contact.certificate.duality_gap is None
+    assert asked.contact.certificate.duality_gap > 0
+    assert asked.fft_pairs == plain.fft_pairs + 0.5

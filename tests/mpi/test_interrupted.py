@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 from contacts import EXACT, rough
 from mpi_harness import end
+from pieces import Pieces
+from pieces import scene as small
 
 from hpc_gfmd.output.read import partial_folder, read_result
+from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import restart, run_scene
 
@@ -45,23 +48,24 @@ def test_time_limit_and_restart(comm, shared_path):
     comm.barrier()
 
 
-def test_another_number_of_ranks(comm, shared_path):
-    """Begun by all ranks, continued by one, and the other way round."""
-    from hpc_gfmd.parallel.comm import SerialComm
+@pytest.mark.parametrize("solver", ["bpx", "ccg"])  # tests/unit/test_restart.py has all of them, on one process
+def test_bit_identical(comm, shared_path, monkeypatch, solver):
+    """On as many ranks: stopped in the first load and at the end of the second, then dead without a word."""
+    pieces = Pieces(monkeypatch, comm, shared_path)
+    asked = small(solver, [0.1, 0.11, 0.12])
+    part = pieces.undisturbed(asked) // 3
+    pieces.run(asked, (part // 2, False, ()), (part + part // 2, False, ()), (part // 2, True, ()))
+    pieces.compare()
 
-    whole = run_scene(scene(), out=shared_path / "whole.h5", quiet=True, comm=comm)
-    for name, first, then in (("a", comm, SerialComm()), ("b", SerialComm(), comm)):
-        path = shared_path / f"{name}.h5"
-        if first is comm or comm.rank == 0:
-            assert run_scene(scene(wall_seconds=1e-9), out=path, quiet=True, comm=first).status == "interrupted"
-        comm.barrier()
-        if then is comm or comm.rank == 0:
-            run = run_scene(scene(), out=path, resume=True, quiet=True, comm=then)
-            assert run.exit_code == 0
-            for found, wanted in zip(run.steps, whole.steps, strict=True):
-                assert found["a_r"] == pytest.approx(wanted["a_r"], rel=1e-10)
-                assert found["gap_mean"] == pytest.approx(wanted["gap_mean"], rel=1e-10)
-        comm.barrier()
+
+def test_another_number_of_ranks(comm, shared_path, monkeypatch):
+    """Begun by all ranks, continued by one, and then by all again, and the other way round: equal within rounding."""
+    pieces, alone = Pieces(monkeypatch, comm, shared_path), SerialComm()
+    asked = small("auto", [0.02, 0.025, 0.2], accuracy=None, residual=1e-11)
+    part = pieces.undisturbed(asked) // 3
+    for comms in ((comm, alone, comm), (alone, comm, alone)):
+        pieces.run(asked, (part, False, ()), (part, False, ()), comms=comms)
+        pieces.compare(rel=1e-10)
 
 
 def test_restart_of_what_is_not_there(comm, shared_path):

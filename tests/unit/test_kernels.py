@@ -141,7 +141,7 @@ def test_update(random, n, s):
         g, p, d = state(random, n)
         x = random.standard_normal(n)
         new_g, new_p = g + s * d, p + s * x
-        work = np.zeros((6, n[1] + 1))
+        work = np.zeros((7, n[1] + 1))
         sums = []
         for k, (i0, i1) in enumerate(levels_of.passes):
             sums.append(levels_of.update_rows(k, g, p, d, x[i0:i1].copy(), s, work))
@@ -227,7 +227,7 @@ def swept(grid, p, closed):
     sweep = Multilevel(grid, np.float64, max(grid.n[0], 1))
     g = np.where(closed, 0.0, 1.0)
     q = np.where(closed, 1.0, p)
-    zero, work = np.zeros(grid.n), np.zeros((6, grid.n[1] + 1))
+    zero, work = np.zeros(grid.n), np.zeros((7, grid.n[1] + 1))
     for k in range(len(sweep.passes)):
         sweep.update_rows(k, g, q.copy(), zero.copy(), zero, 0.0, work)
     sums = sweep.sweep()
@@ -292,7 +292,7 @@ def test_judge(random):
     sums = certify.judge(g, p, x, 0.2, 0.1, 0.5, 0.7, 0, 6)
     q = 0.2 + x
     closed = (g <= 0) & (q > 0)
-    margin = np.where(closed, q, g / 0.7)
+    margin = np.where(closed, q, np.where(g <= 0, -q, g / 0.7))
     wanted = (np.sum(q[~closed] ** 2), np.sum(q[closed] ** 2), np.sum(q[closed]), np.sum(np.abs(q) * g), closed.sum(), g.sum(),
               np.sum((margin > 0.1) & (margin < 0.5)), max(-g.min(), 0), max((-q[g <= 0]).max(initial=0), 0))
     assert np.array_equal(p, q)

@@ -17,8 +17,9 @@ from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.read import FORMAT_VERSION, partial_folder, read_partial, read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.output.table import table, with_error
-from hpc_gfmd.parallel import h5, h5_seal
+from hpc_gfmd.parallel import h5, h5_probe, h5_seal
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.simulation import restart
 
 N = (6, 5)
 HEAD = {"scene": "title = 'x'", "identity": "abc", "versions": {"numpy": "2"}, "setup_seconds": 0.1}
@@ -166,6 +167,17 @@ def test_dying_between_the_rename_and_the_clean_up(path):
     assert read_result(path).steps[0]["p"] == 9.0
 
 
+def test_dying_during_the_clean_up(path):
+    """A restart says that the file is complete, and removes the rest of the folder."""
+    complete(path)
+    partial_folder(path).mkdir()
+    (partial_folder(path) / "step-0000.h5").write_bytes(b"")
+    (partial_folder(path) / "lock").write_bytes(b"")
+    with pytest.raises(SceneError, match="is complete already"):
+        restart(path)
+    assert names(path.parent) == ["out.h5"]
+
+
 def test_foreign_files_in_the_folder_are_kept(path):
     folder = partial_folder(path)
     folder.mkdir()
@@ -243,6 +255,24 @@ def test_a_full_disk_keeps_what_is_there(path, monkeypatch):
     assert read_partial(path).indices == [0]
 
 
+def test_a_step_that_is_damaged_before_the_end_is_never_left_out(path):
+    run = begin(path)
+    for index in range(2):
+        run.write_step(index, STEP, {"gap": FIELD})
+    step = run.partial / "step-0001.h5"
+    whole = step.read_bytes()
+    place = whole.index(FIELD.tobytes())
+    for damaged, match in ((whole[:500], "load steps 1 have been damaged"),
+                           (whole[:place] + b"\1" + whole[place + 1 :], r"numbers of gap in .*step-0001\.h5 have been damaged")):
+        step.write_bytes(damaged)
+        with pytest.raises(GfmdError, match=match):
+            run.finish("converged")
+        assert not path.exists()
+    step.write_bytes(whole)
+    run.finish("converged")
+    assert len(read_result(path).steps) == 2
+
+
 def test_fields_of_the_wrong_shape_are_refused(path):
     with begin(path) as run, pytest.raises(GfmdError, match="field gap: local shape"):
         run.write_step(0, STEP, {"gap": FIELD.T})
@@ -286,7 +316,7 @@ def test_a_file_that_crashes_the_reader_is_refused(path, monkeypatch):
     complete(path)
     with h5py.File(path, "r+") as file:
         file.attrs["more"] = 1
-    monkeypatch.setattr(h5_seal, "_PROBE", "import os; os.abort()")
+    monkeypatch.setattr(h5_probe, "_COMMAND", (sys.executable, "-c", "import os; os.abort()"))
     refused(path, "the file is damaged$")
 
 
@@ -371,11 +401,11 @@ def test_show_prints_table_and_json(path, capsys):
     with begin(path) as run:
         run.write_step(0, STEP | {"gap_mean": float("inf"), "status": "max_iterations"})
         run.finish("max_iterations")
-    assert show.main(Namespace(file=str(path), json=False)) == 0
+    assert show.main(Namespace(file=str(path), json=False, tfc=None)) == 0
     text = capsys.readouterr().out
     assert "6 x 5 points, L = 1 x 2, h_rms = 0.5" in text
     assert "NOT CONVERGED (max_iterations)" in text
-    assert show.main(Namespace(file=str(path), json=True)) == 0
+    assert show.main(Namespace(file=str(path), json=True, tfc=None)) == 0
     found = json.loads(capsys.readouterr().out)
     assert set(found) == {"surface", "steps", "status"}
     assert found["steps"][0]["gap_mean"] is None
@@ -384,7 +414,7 @@ def test_show_prints_table_and_json(path, capsys):
 
 def test_show_tells_an_interrupted_run(path, capsys):
     begin(path).close()
-    show.main(Namespace(file=str(path), json=False))
+    show.main(Namespace(file=str(path), json=False, tfc=None))
     text = capsys.readouterr().out
     assert "interrupted" in text
     assert "no finished load step yet" in text
@@ -394,7 +424,7 @@ def test_reading_starts_neither_mpi_nor_numba(path):
     complete(path)
     code = (
         "import sys; from argparse import Namespace; from hpc_gfmd.commands import plot, show; "
-        f"show.main(Namespace(file={str(path)!r}, json=False)); "
+        f"show.main(Namespace(file={str(path)!r}, json=False, tfc=None)); "
         f"plot.main(Namespace(file={str(path)!r}, output=None)); "
         "assert not {'mpi4py', 'numba'} & set(sys.modules)"
     )

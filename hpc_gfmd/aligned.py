@@ -1,0 +1,20 @@
+"""Memory for fields that begins on a cache line: vectors loaded from it never straddle two lines."""
+
+import numpy as np
+
+LINE = 64  # bytes
+
+
+def empty_aligned(shape, dtype):
+    """An uninitialised C-contiguous array whose first element is aligned to LINE bytes."""
+    nbytes = int(np.prod(shape)) * np.dtype(dtype).itemsize
+    raw = np.empty(nbytes + LINE, np.uint8)
+    start = -raw.ctypes.data % LINE
+    return raw[start:start + nbytes].view(dtype).reshape(shape)
+
+
+def zeros_aligned(shape, dtype):
+    """The same, zeroed."""
+    a = empty_aligned(shape, dtype)
+    a[...] = 0
+    return a

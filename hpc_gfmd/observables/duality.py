@@ -1,0 +1,9 @@
+"""The duality gap of the certificate: half an FFT pair, so only on request (and for solvers without error estimates of their own)."""
+
+
+def duality_gap(contact):
+    """G/(p0 gap_mean): bounds the error of the energy from above (see driver/certificate.py); None where it was not asked for."""
+    return contact.certificate.duality_gap
+
+
+OBSERVABLES = {"duality_gap": duality_gap}

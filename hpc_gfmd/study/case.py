@@ -1,0 +1,72 @@
+"""One surface and the loads on it: what a study asks of the solver."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from ..scene import Scene
+
+SURFACE = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "seed")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A self-affine surface in the cell of side 1 with g_rms = 1 and E_star = 1, and a sweep over p_star.
+
+    The ratios are those of the paper: L/lam_l = 1/eps_t, lam_l/lam_s = 1/eps_f, lam_s/a = 1/eps_c. Cases that differ in
+    lam_s_over_a alone are the same surface on another grid.
+    """
+
+    hurst: float
+    L_over_lam_l: float
+    lam_l_over_lam_s: float
+    lam_s_over_a: float
+    seed: int
+    p_star: tuple[float, ...]
+    accuracy: float = 1e-3
+
+    @property
+    def n(self):
+        """Points along an axis."""
+        return round(self.L_over_lam_l * self.lam_l_over_lam_s * self.lam_s_over_a)
+
+    @property
+    def eps_t(self):
+        """lam_l/L."""
+        return 1 / self.L_over_lam_l
+
+    @property
+    def eps_f(self):
+        """lam_s/lam_l."""
+        return 1 / self.lam_l_over_lam_s
+
+    @property
+    def eps_c(self):
+        """a/lam_s."""
+        return 1 / self.lam_s_over_a
+
+    @property
+    def surface(self):
+        """What makes the surface and its grid, and how accurately it is solved; cases that agree in it can be one sweep."""
+        return (*(getattr(self, name) for name in SURFACE), self.accuracy)
+
+    @property
+    def cost(self):
+        """Grid points times loads."""
+        return self.n**2 * len(self.p_star)
+
+    @cached_property
+    def _scene(self):
+        surface = {"kind": "self-affine"} | {name: getattr(self, name) for name in SURFACE}
+        return Scene.from_dict(
+            {"surface": surface, "load": {"p_star": list(self.p_star)}, "solver": {"accuracy": self.accuracy}}, "study"
+        )
+
+    def scene(self):
+        """The scene.Scene of this sweep, with the default solver. Raises SceneError for ratios that make no grid."""
+        return self._scene
+
+    def __str__(self):
+        return (
+            f"H = {self.hurst:g}, L/lam_l = {self.L_over_lam_l:g}, lam_l/lam_s = {self.lam_l_over_lam_s:g}, "
+            f"lam_s/a = {self.lam_s_over_a:g} (n = {self.n}), seed {self.seed}"
+        )

@@ -1,0 +1,61 @@
+"""What is stored of a study as a table (CSV, JSON) and a picture (PNG) beside the runs."""
+
+import csv
+import io
+import json
+import os
+from pathlib import Path
+
+
+def publish(study, store, level):
+    """Write NAME.csv, NAME.json and NAME.png into the folder of the store; returns the rows of the table.
+
+    study: a module of items/. Nothing stored of it: nothing is written and the rows are empty.
+    """
+    cases = study.cases(level)
+    runs = store.runs_of(cases)
+    if cases and not runs:
+        return []
+    rows = study.tabulate(runs, level)
+    store.folder.mkdir(parents=True, exist_ok=True)
+    path = store.folder / study.NAME
+    head = {"name": study.NAME, "title": study.TITLE, "level": level, "runs": len(runs)}
+    write_whole(path.with_suffix(".csv"), as_csv(rows))
+    write_whole(path.with_suffix(".json"), json.dumps(head | {"rows": rows}, indent=1) + "\n")
+    study.draw(rows, path.with_suffix(".png"))
+    return rows
+
+
+def columns_of(rows):
+    """Names of all columns, in the order of their first appearance."""
+    return list(dict.fromkeys(name for row in rows for name in row))
+
+
+def as_csv(rows):
+    """The rows as CSV; nothing where a row lacks a column."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns_of(rows), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def as_text(rows):
+    """The rows for a terminal, numbers in five digits."""
+    columns = columns_of(rows)
+    cells = [columns, *([_cell(row.get(name)) for name in columns] for row in rows)]
+    widths = [max(len(line[k]) for line in cells) for k in range(len(columns))]
+    return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) for line in cells)
+
+
+def write_whole(path, text):
+    """Write a file so that it is there complete or not at all. Raises OSError."""
+    aside = Path(path).with_suffix(f".{os.getpid()}.tmp")
+    aside.write_text(text, encoding="utf-8")
+    os.replace(aside, path)
+
+
+def _cell(value):
+    if value is None:
+        return "-"
+    return f"{value:.5g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,185 @@
+"""Solve what is missing of a study, cheapest first, and store every load as soon as it is finished. Collective."""
+
+import time
+from dataclasses import dataclass, replace
+from math import isfinite
+
+from .. import __version__
+from ..driver.memory import require_memory
+from ..driver.sweep import Sweep
+from ..driver.timing import expected_seconds
+from ..driver.warmup import compile_once
+from ..errors import GfmdError, SceneError
+from ..observables import area, gap
+from ..parallel.comm import threads_of
+from ..parallel.guard import guarded
+from ..parallel.interrupt import Interrupt
+from ..scene import Solver
+from ..surface import build_surface
+from .store import key_of, missing
+
+PER_LOAD = 0.02  # seconds that a load takes at least
+FIELDS = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "n", "seed")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """solved: number of loads; failed: one line per case that could not be solved; unconverged: number of loads that did not reach
+    their accuracy; exit_code: 0, 1 (failed), 3 (unconverged), 130 or 143 (stopped by a signal)."""
+
+    solved: int
+    failed: tuple[str, ...]
+    unconverged: int
+    exit_code: int
+
+
+class NotStored(GfmdError):
+    """A solved load could not be written: it makes no sense to go on."""
+
+
+def merged(cases):
+    """Cases that share a surface as one sweep over all their loads, cheapest first."""
+    loads = {}
+    for case in cases:
+        loads.setdefault(case.surface, (case, set()))[1].update(case.p_star)
+    return sorted((replace(case, p_star=tuple(sorted(p))) for case, p in loads.values()), key=lambda c: (c.cost, c.surface))
+
+
+def share(cases, part, parts):
+    """The part-th (from 1) of `parts` shares of about equal cost. It depends on nothing but the cases: shares of jobs that start at
+    different times are disjoint and together complete."""
+    load, mine = [0] * parts, []
+    for case in reversed(merged(cases)):
+        least = load.index(min(load))
+        load[least] += case.cost
+        if least == part - 1:
+            mine.append(case)
+    return mine
+
+
+def seconds_of(case, ranks=1):
+    """Expected seconds of a case on this machine; 0 for one that cannot be solved."""
+    try:
+        return expected_seconds(case.scene(), (case.n, case.n), ranks, ranks) + PER_LOAD * len(case.p_star)
+    except SceneError:
+        return 0.0
+
+
+def run_missing(cases, store, comm, threads=1, say=print, dry=False):
+    """Solve the loads of these cases that are not stored; returns an Outcome. Collective.
+
+    say(text) prints on rank 0. A case that cannot be solved is reported and left out. A signal ends the run; what is finished
+    stays stored. Raises GfmdError where the folder cannot be read or written. dry: say what would be solved, and stop.
+    """
+    with guarded(comm, f"reading {store.folder}"):
+        stored = {key_of(run) for run in store.load()} if comm.rank == 0 else None
+    stored = comm.bcast(stored)
+    todo = merged([left for case in merged(cases) if (left := missing(case, stored))])
+    speak = say if comm.rank == 0 else _silent
+    seconds = _estimate(comm, todo)
+    speak(_plan(cases, todo, seconds))
+    if dry or not todo:
+        return Outcome(0, (), 0, 0)
+    with guarded(comm, f"making {store.folder}"):
+        if comm.rank == 0:
+            store.folder.mkdir(parents=True, exist_ok=True)
+    threads, solved, unconverged, failed = threads_of(comm, threads), 0, 0, []
+    begun = time.monotonic()
+    with Interrupt(comm) as interrupt:
+        compile_once(comm, Solver(accuracy=todo[0].accuracy))
+        for index, case in enumerate(todo):
+            started = time.monotonic()
+            statuses, error = _attempt(case, store, comm, threads, interrupt)
+            solved += len(statuses)
+            unconverged += sum(status != "converged" for status in statuses)
+            if error:
+                failed.append(f"{case}: {error}")
+                speak(f"FAILED  {failed[-1]}")
+            if interrupt.agreed or interrupt.poll()[0]:
+                speak(f"stopped after {solved} loads; what is finished is kept: the same command continues")
+                return Outcome(solved, tuple(failed), unconverged, interrupt.exit_code)
+            if not error:
+                now = time.monotonic()
+                speak(f"{index + 1}/{len(todo)}  {case}: {len(statuses)} loads in {now - started:.2f} s; "
+                      f"{now - begun:.0f} s so far, about {sum(seconds[index + 1:]):.0f} s to go")
+    return Outcome(solved, tuple(failed), unconverged, 1 if failed else 3 if unconverged else 0)
+
+
+def _silent(_text):
+    """What ranks other than 0 say."""
+
+
+def _estimate(comm, todo):
+    with guarded(comm, "estimating the time"):
+        seconds = [seconds_of(case, comm.size) for case in todo] if comm.rank == 0 else None  # may measure the machine first
+    return comm.bcast(seconds)
+
+
+def _plan(cases, todo, seconds):
+    whole, left = sum(len(c.p_star) for c in merged(cases)), sum(len(c.p_star) for c in todo)
+    text = f"{whole} loads, {whole - left} of them stored"
+    return f"{text}; to solve: {left} on {len(todo)} surfaces, about {sum(seconds) / 60:.1f} minutes" if todo else text
+
+
+def _attempt(case, store, comm, threads, interrupt):
+    """(status of every finished load, what went wrong or None). Only errors that all ranks see can be survived on several ranks."""
+    statuses = []
+    try:
+        for status in _solve(case, store, comm, threads, interrupt):
+            statuses.append(status)
+    except NotStored:
+        raise
+    except GfmdError as error:
+        return statuses, str(error)
+    except Exception as error:
+        if comm.size > 1:
+            raise
+        return statuses, f"{type(error).__name__}: {error}"
+    return statuses, None
+
+
+def _solve(case, store, comm, threads, interrupt):
+    scene = case.scene()
+    require_memory(comm, scene, scene.n, threads)
+    sweep = Sweep(lambda dtype: build_surface(scene.surface, comm, dtype, threads), scene.solver, lam_s=scene.surface.lam_s)
+    for p_star, p in zip(case.p_star, sweep.pressures(scene.load), strict=True):
+        begun = time.monotonic()
+        step = sweep.solve(p, lambda *_: interrupt.poll()[0])
+        if step.contact.outcome.status == "interrupted":
+            return
+        run = _run(case, p_star, step, time.monotonic() - begun, comm.size)
+        _keep(run, store, comm)
+        yield run["status"]
+        if interrupt.poll()[0]:
+            return
+
+
+def _keep(run, store, comm):
+    problem = None
+    if comm.rank == 0:
+        try:
+            store.append(run)
+        except OSError as error:
+            problem = f"{store.path}: {error.strerror or error}"
+    problem = comm.bcast(problem)
+    if problem:
+        raise NotStored(problem)
+
+
+def _run(case, p_star, step, seconds, ranks):
+    """What is kept of a load: dimensionless numbers, lengths in units of the cell."""
+    contact = step.contact
+    a_r, a_r_edge = area.a_r(contact), area.a_r_corrected(contact)
+    a_r_error, gap_error, pressure_error = contact.outcome.errors
+    run = {
+        **{name: getattr(case, name) for name in FIELDS}, "p_star": p_star, "accuracy": case.accuracy,
+        "eps_t": case.eps_t, "eps_f": case.eps_f, "eps_c": case.eps_c,
+        "h_rms": contact.h_rms, "g_rms": contact.g_rms, "lam_s": contact.lam_s,
+        "a_r": a_r, "a_r_edge": a_r_edge, "kappa": a_r / p_star, "kappa_edge": a_r_edge / p_star,
+        "gap_over_h_rms": gap.gap_over_h_rms(contact), "gap_over_g_rms_lam_s": gap.gap_over_g_rms_lam_s(contact),
+        "contact_points": int(contact.contact_points), "a_r_error": float(a_r_error), "gap_error": float(gap_error),
+        "pressure_error": float(pressure_error), "status": contact.outcome.status, "iterations": int(step.iterations),
+        "fft_pairs": float(step.fft_pairs), "wall_seconds": seconds, "precision": contact.g.dtype.name, "ranks": ranks,
+        "version": __version__,
+    }
+    return {k: None if isinstance(v, float) and not isfinite(v) else v for k, v in run.items()}  # JSON has no inf and no nan

@@ -1,0 +1,36 @@
+"""Numbers that stand for others: the conventions of NetCDF (CF) for packed data and for points without a value."""
+
+import numpy as np
+
+MISSING = ("_FillValue", "missing_value")
+
+
+class Packing:
+    """What the attributes of a variable say. Raises ValueError where they are no numbers."""
+
+    def __init__(self, attributes):
+        self.scale, self.offset = (_number(attributes, name) for name in ("scale_factor", "add_offset"))
+        self.missing = [value for name in MISSING if (value := _number(attributes, name)) is not None]
+
+    def unpacked(self, z):
+        """Values of the file as heights; not a number where there is none."""
+        z = np.asarray(z)
+        if self.scale is None and self.offset is None and not self.missing:
+            return z
+        heights = z.astype(np.float64)
+        if self.scale is not None:
+            heights *= self.scale
+        if self.offset is not None:
+            heights += self.offset
+        for value in self.missing:
+            heights[z == value] = np.nan
+        return heights
+
+
+def _number(attributes, name):
+    if name not in attributes:
+        return None
+    value = np.asarray(attributes[name])
+    if value.size != 1 or value.dtype.kind not in "fiu":
+        raise ValueError(f"its attribute {name} is no number")
+    return value.reshape(-1)[0]

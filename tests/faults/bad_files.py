@@ -1,0 +1,191 @@
+"""Height maps and result files that must be refused: {name: (how it is made, function(path), words of the message)}."""
+
+import pickle
+import zipfile
+
+import h5py
+import numpy as np
+from fuzz.seeds import FIELD, seeds
+
+from hpc_gfmd.parallel import h5_seal
+from hpc_gfmd.parallel.h5_layout import FORMAT_VERSION
+
+Z = np.arange(48.0).reshape(8, 6)
+
+
+class Trap:
+    """Unpickled, it makes a file."""
+
+    def __init__(self, path):
+        self.path = str(path)
+
+    def __reduce__(self):
+        return open, (self.path, "w")
+
+
+def claims(path, shape):
+    """A .npy file whose header promises `shape` and that holds 48 numbers."""
+    with open(path, "wb") as file:
+        np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": shape})
+        file.write(Z.tobytes())
+
+
+def h5(path, fill):
+    """An HDF5 file that fill(file) fills; beside it one that no map may reach."""
+    with h5py.File(path.with_name("elsewhere.h5"), "w") as file:
+        file["surface"] = Z
+    with h5py.File(path, "w") as file:
+        fill(file)
+
+
+def virtual(file):
+    """A dataset whose numbers are those of another file."""
+    layout = h5py.VirtualLayout(Z.shape, "f8")
+    layout[:] = h5py.VirtualSource("elsewhere.h5", "surface", Z.shape)
+    file.create_virtual_dataset("surface", layout)
+
+
+def linked(file, link):
+    """A link in place of the dataset."""
+    file["surface"] = link
+
+
+def soft_way_out(file):
+    """A soft link whose target is reached through another file."""
+    file["out"] = h5py.ExternalLink("elsewhere.h5", "/")
+    file["surface"] = h5py.SoftLink("/out/surface")
+
+
+def cut(path, data, keep):
+    """The first part of a file."""
+    path.write_bytes(data[: int(keep * len(data))])
+
+
+def garbled(path, data):
+    """256 random bytes in its middle."""
+    middle, noise = len(data) // 2, np.random.default_rng(0).bytes(256)
+    path.write_bytes(data[:middle] + noise + data[middle + 256 :])
+
+
+def saved(path, array):
+    """By numpy.save, pickled where that needs it."""
+    np.save(path, array, allow_pickle=True)
+
+
+def raw_h5(path, array=Z, **how):
+    """A sound height map in HDF5, as bytes."""
+    with h5py.File(path, "w") as file:
+        file.create_dataset("surface", data=array, **how)
+    return path.read_bytes()
+
+
+def classic(path):
+    """A sound height map in NetCDF, as bytes."""
+    return seeds("netcdf", path.parent)[0].read_bytes()
+
+
+def with_value(value):
+    """The map with one point of this height."""
+    z = Z.copy()
+    z[7, 5] = value
+    return z
+
+
+HEIGHT_MAPS = {
+    "pickled .npy": ("object array whose pickle opens a file", ".npy",
+                     lambda p: saved(p, np.array([Trap(p.with_name("trapped"))], dtype=object)), "Python objects"),
+    "pickle as .npy": ("a bare pickle that opens a file", ".npy",
+                       lambda p: p.write_bytes(pickle.dumps(Trap(p.with_name("trapped")))), "does not begin as a .npy file"),
+    "zip as .npy": ("numpy.savez under the name .npy", ".npy",
+                   lambda p: zipfile.ZipFile(p, "w").writestr("a.npy", b"x"), "does not begin as a .npy file"),
+    ".npy claiming 1e12 points": ("header changed to (10^6, 10^6)", ".npy", lambda p: claims(p, (10**6, 10**6)), "cannot be read"),
+    ".npy claiming negative size": ("header changed to (-8, 6)", ".npy", lambda p: claims(p, (-8, 6)), "npy"),
+    ".npy of a huge size": ("header changed to (10^30, 2)", ".npy", lambda p: claims(p, (10**30, 2)), "cannot be read"),
+    "truncated .npy": ("the last third cut off", ".npy", lambda p: (saved(p, Z), cut(p, p.read_bytes(), 0.67)), "cannot be read"),
+    "empty .npy": ("no bytes", ".npy", lambda p: p.write_bytes(b""), "cannot be read"),
+    "foreign .npy": ("a text", ".npy", lambda p: p.write_text("1 2\n3 4\n"), "cannot be read"),
+    "complex heights": ("complex128", ".npy", lambda p: saved(p, Z + 1j), "complex128"),
+    "text as heights": ("array of strings", ".npy", lambda p: saved(p, Z.astype(str)), "allowed: real numbers"),
+    "dates as heights": ("array of dates", ".npy", lambda p: saved(p, Z.astype("M8[s]")), "allowed: real numbers"),
+    "heights not a number": ("one NaN in the last row", ".npy", lambda p: saved(p, with_value(np.nan)), "found nan at (7, 5)"),
+    "infinite heights": ("one infinity in the last row", ".npy", lambda p: saved(p, with_value(-np.inf)), "found -inf at (7, 5)"),
+    "heights beyond double": ("long double 1e400", ".npy",
+                              lambda p: saved(p, with_value(1).astype("g") * np.longdouble("1e400")), "inf"),
+    "one axis": ("shape (48,)", ".npy", lambda p: saved(p, Z.ravel()), "two axes"),
+    "three axes": ("shape (2, 4, 6)", ".npy", lambda p: saved(p, Z.reshape(2, 4, 6)), "two axes"),
+    "no points": ("shape (0, 6)", ".npy", lambda p: saved(p, Z[:0]), "not empty"),
+    "folder as height map": ("a folder named z.npy", ".npy", lambda p: p.mkdir(), "no file"),
+    "foreign HDF5 map": ("a text named z.h5", ".h5", lambda p: p.write_text("hello"), "cannot be read as hdf5"),
+    "truncated HDF5 map": ("the last third cut off", ".h5", lambda p: cut(p, raw_h5(p), 0.67), "z.h5"),
+    "garbled HDF5 map": ("256 random bytes in its middle, compressed", ".h5",
+                         lambda p: garbled(p, raw_h5(p, np.random.default_rng(1).random((64, 64)), compression="gzip")), "z.h5"),
+    "missing data set": ("no data set of that name", ".h5", lambda p: h5(p, lambda f: f.create_group("surface")), "surface.dataset"),
+    "external link": ("HDF5 link to another file", ".h5",
+                      lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("elsewhere.h5", "/surface"))), "link to another file"),
+    "soft link out of the file": ("HDF5 soft link through an external one", ".h5",
+                                  lambda p: h5(p, soft_way_out), "link to another file"),
+    "links in a circle": ("HDF5 soft link to itself", ".h5",
+                          lambda p: h5(p, lambda f: linked(f, h5py.SoftLink("/surface"))), "link to a"),
+    "link to a device": ("HDF5 link to /dev/zero", ".h5",
+                         lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("/dev/zero", "/x"))), "link to another file"),
+    "virtual data set": ("HDF5 data set of the numbers of another file", ".h5", lambda p: h5(p, virtual), "lie in another file"),
+    "external data set": ("HDF5 data set whose numbers are /etc/passwd", ".h5",
+                          lambda p: h5(p, lambda f: f.create_dataset("surface", (2, 2), "f8", external=[("/etc/passwd", 0, 32)])),
+                          "lie in another file"),
+    "HDF5 map of 2^62 points": ("data set without storage of 2^40 x 2^22 points", ".h5",
+                                lambda p: h5(p, lambda f: f.create_dataset("surface", (2**40, 2**22), "f8", chunks=(64, 64))), "GiB"),
+    "truncated NetCDF map": ("the last third cut off", ".nc", lambda p: cut(p, classic(p), 0.67), "cannot be read as netcdf"),
+    "foreign NetCDF map": ("a text named z.nc", ".nc", lambda p: p.write_text("hello"), "cannot be read as netcdf"),
+}
+
+
+def sealed(path):
+    """A sound result file, as bytes."""
+    made = seeds("result", path.parent)[0]
+    data = made.read_bytes()
+    for seed in path.parent.glob("*sealed.h5"):
+        seed.unlink()
+    for seed in path.parent.glob("*packed.h5"):
+        seed.unlink()
+    path.write_bytes(data)
+    return data
+
+
+def edit(path, change, seal=True):
+    """A sound result, changed by h5py and sealed again."""
+    sealed(path)
+    with h5py.File(path, "r+", locking=False) as file:
+        change(file)
+    if seal:
+        h5_seal.seal(path)
+
+
+def one_bit(path, data, number):
+    """One bit of a number flipped."""
+    place = data.index(number) + 3
+    path.write_bytes(data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :])
+
+
+RESULTS = {
+    "truncated result file": ("the last byte cut off", lambda p: cut(p, sealed(p), 1 - 1e-6), "cut short"),
+    "half a result file": ("the second half cut off", lambda p: cut(p, sealed(p), 0.5), "cut short"),
+    "empty result file": ("no bytes", lambda p: p.write_bytes(b""), "not an HDF5 file"),
+    "foreign file as result": ("a text", lambda p: p.write_text("hello"), "not an HDF5 file"),
+    "foreign HDF5 as result": ("HDF5 of another program", lambda p: p.write_bytes(raw_h5(p)), "not a result of hpc-gfmd"),
+    "garbled result file": ("256 random bytes at its beginning", lambda p: garbled(p, sealed(p)[:4000]), "out.h5: "),
+    "one bit of a number in a result file": ("a_r changed by one bit", lambda p: one_bit(p, sealed(p), np.float64(0.25).tobytes()),
+                                             "damaged"),
+    "newer result file": ("format_version raised",
+                          lambda p: edit(p, lambda f: f.attrs.modify("format_version", FORMAT_VERSION + 1), False),
+                          f"format_version is {FORMAT_VERSION + 1}, this program reads up to {FORMAT_VERSION}"),
+    "result file edited by hand": ("a_r changed with h5py",
+                                   lambda p: edit(p, lambda f: f["steps/0000"].attrs.modify("a_r", 0.9), False),
+                                   "damaged, or was changed"),
+    "result file with other types": ("a_r made a text",
+                                     lambda p: edit(p, lambda f: f["steps/0000"].attrs.create("a_r", "much")), "a_r"),
+    "result file without surface": ("group removed", lambda p: edit(p, lambda f: f.pop("surface")), "no surface"),
+    "result file with a field of another size": ("gap of 5 x 6 points",
+                                                 lambda p: edit(p, lambda f: f["steps/0000"].create_dataset("pressure", data=FIELD.T)),
+                                                 "the surface has (6, 5)"),
+    "folder as result file": ("a folder named out.h5", lambda p: p.mkdir(), "is a folder"),
+}

@@ -1,0 +1,206 @@
+"""Jobs whose processes can be killed, watched and counted: nothing of them may be left, and none may hang."""
+
+import contextlib
+import io
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import uuid
+from pathlib import Path
+
+import mpi_harness
+import numpy as np
+import pytest
+
+from hpc_gfmd.cli import main
+from hpc_gfmd.output import lock
+from hpc_gfmd.output.read import partial_folder, read_result
+
+MARK = "HPC_GFMD_TEST_JOB"  # in the environment of all processes of a job
+SABOTAGE = Path(__file__).with_name("sabotage.py")
+PATIENCE = 60.0  # seconds that an undisturbed job may take here, where others compute as well
+AT_ONCE = 20.0  # seconds from a fault to the end of the last process; the machine of the tests may be busy
+
+needs_mpi = pytest.mark.skipif(bool(mpi_harness.missing()), reason="mpirun or mpi4py is missing")
+
+
+class Job:
+    """`mpirun -n ranks python -m hpc_gfmd args` (ranks None: without mpirun), started in the folder cwd.
+
+    fault: arguments of sabotage.py, which then starts the program; wrapped: command put before it all.
+    """
+
+    def __init__(self, args, ranks=None, cwd=None, fault=None, env=None, wrapped=()):
+        self.mark = uuid.uuid4().hex
+        program = ["-m", "hpc_gfmd"] if fault is None else [SABOTAGE, *fault, "--"]
+        launcher = ["mpirun", "-n", ranks] if ranks else []
+        command = [*wrapped, *launcher, sys.executable, *program, *args]
+        self.process = subprocess.Popen([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=cwd,
+                                        stdin=subprocess.DEVNULL, start_new_session=True, text=True,
+                                        env=mpi_harness.environment(**{MARK: self.mark}, **(env or {})))
+        self.begun = self.hit = time.monotonic()
+
+    def pids(self):
+        """All processes of the job that live, that of mpirun or the program first."""
+        found = []
+        for folder in Path("/proc").iterdir():
+            try:
+                if folder.name.isdigit() and f"{MARK}={self.mark}".encode() in (folder / "environ").read_bytes():
+                    found.append(int(folder.name))
+            except OSError:  # ended, or not ours
+                continue
+        return sorted(found, key=lambda pid: (pid != self.process.pid, pid))
+
+    def ranks(self):
+        """The processes that compute."""
+        return [pid for pid in self.pids() if b"hpc_gfmd" in _command(pid) or b"sabotage" in _command(pid)
+                if b"mpirun" not in _command(pid)]
+
+    def kill(self, sign, *pids):
+        """Send a signal; the time of the fault."""
+        self.hit = time.monotonic()
+        for pid in pids or (self.process.pid,):
+            try:
+                os.kill(pid, sign)
+            except ProcessLookupError:
+                pass
+
+    def wait_for(self, happened, patience=PATIENCE):
+        """Until happened() is true; returns whether that was before the job ended."""
+        while not happened():
+            if self.process.poll() is not None:
+                return False
+            assert time.monotonic() - self.begun < patience, "nothing happened"
+            time.sleep(0.002)
+        return True
+
+    def end(self, patience=AT_ONCE):
+        """Wait for the end of all processes; sets code, out, err and seconds since the fault. Fails if that takes too long."""
+        try:
+            self.out, self.err = self.process.communicate(timeout=max(patience - (time.monotonic() - self.hit), 0.1))
+            while self.pids():
+                assert time.monotonic() - self.hit < patience, f"processes are left: {[_command(pid) for pid in self.pids()]}"
+                time.sleep(0.01)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"the job hangs {patience:g} s after the fault") from None
+        finally:
+            for pid in self.pids():
+                os.kill(pid, signal.SIGKILL)
+            self.process.wait()
+        self.seconds = time.monotonic() - self.hit
+        self.code = self.process.returncode if self.process.returncode >= 0 else 128 - self.process.returncode
+        return self
+
+    def one_line(self):
+        """What the job said on stderr: one line, once, no traceback. (mpirun may add lines of its own.)"""
+        lines = [line for line in self.err.splitlines() if line.startswith("hpc-gfmd:")]
+        assert len(lines) == 1, self.err
+        assert "Traceback" not in self.err or "internal error" in lines[0], self.err
+        return lines[0]
+
+    def says(self, pattern):
+        """The one line matches."""
+        assert re.search(pattern, self.one_line()), self.one_line()
+
+
+def _command(pid):
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return b""
+
+
+def run(args, ranks=None, cwd=None, patience=PATIENCE, **how):
+    """A job from its start to its end."""
+    return Job(args, ranks, cwd, **how).end(patience)
+
+
+SCENE = """
+[surface]
+kind = "self-affine"
+hurst = 0.8
+L_over_lam_l = 2
+lam_l_over_lam_s = {lam}
+lam_s_over_a = 2
+seed = 1
+[load]
+p_star = {loads}
+[solver]
+residual = {residual}
+precision = "double"
+[output]
+path = "out.h5"
+fields = {fields}
+[machine]
+checkpoint_seconds = {checkpoint}
+"""
+EIGHT = [round(0.02 * 1.2**i, 6) for i in range(8)]
+
+
+def write_scene(folder, lam=32, loads=EIGHT[:5], residual=1e-8, fields='["gap"]', checkpoint=1e-3):
+    """scene.toml of a sweep, most loads of which start from the one before."""
+    text = SCENE.format(lam=lam, loads=loads, residual=residual, fields=fields, checkpoint=checkpoint)
+    (folder / "scene.toml").write_text(text)
+    return folder / "out.h5"
+
+
+def same(found, wanted):
+    """Two results: equal to the last bit but for times."""
+    assert found.indices == wanted.indices
+    same_steps(found, wanted)
+
+
+def same_steps(found, wanted):
+    """The steps of the first, of which there may be fewer, are those of the second."""
+    for index, a, fields in zip(found.indices, found.steps, found.fields, strict=True):
+        b = wanted.steps[wanted.indices.index(index)]
+        assert {k: v for k, v in a.items() if k != "wall_seconds"} == {k: v for k, v in b.items() if k != "wall_seconds"}
+        for name, stored in fields.items():
+            other = wanted.fields[wanted.indices.index(index)][name]
+            assert np.array_equal(stored.read(0, stored.shape[0]), other.read(0, other.shape[0])), name
+
+
+def nothing_wrong(path, wanted):
+    """What can be read is right: a file under its final name is complete, finished steps are those of the undisturbed run.
+
+    Returns how many steps there are."""
+    if path.exists():
+        same(read_result(path), wanted)
+        return len(wanted.steps)
+    if (partial_folder(path) / "head.h5").exists():
+        begun = time.monotonic()
+        while lock.is_held(partial_folder(path)) and time.monotonic() - begun < 5:
+            time.sleep(0.01)  # a process that was killed gives back its files last
+        found = read_result(path)
+        assert found.status == "interrupted", found.status
+        same_steps(found, wanted)
+        return len(found.steps)
+    return 0
+
+
+def finish(path, ranks=None):
+    """Go on to the end, as a user would: restart, or run where the run had not yet begun; no temporary files are left then."""
+    complete, begun = path.exists(), (partial_folder(path) / "head.h5").exists()
+    job = call(["restart", path.name, "-q"] if begun or complete else ["run", "scene.toml", "-q"], ranks, path.parent)
+    assert job.code == (2 if complete and not begun else 0), job.err
+    left = sorted(p.name for p in path.parent.iterdir())
+    assert left == ["out.h5", "scene.toml"], left
+
+
+def call(args, ranks=None, cwd=None, **how):
+    """As `run`, in this process where one is enough (ranks None): much faster."""
+    if ranks or how:
+        return run(args, ranks, cwd, **how)
+    job, before, begun = Job.__new__(Job), Path.cwd(), time.monotonic()
+    out, err = io.StringIO(), io.StringIO()
+    os.chdir(cwd)
+    try:
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            job.code = main([str(arg) for arg in args])
+    finally:
+        os.chdir(before)
+    job.out, job.err, job.seconds = out.getvalue(), err.getvalue(), time.monotonic() - begun
+    return job

@@ -1,0 +1,125 @@
+"""Run the program with a fault in it: `python sabotage.py FAULT RANK [ARGUMENT] -- run scene.toml`.
+
+The fault happens on one rank only (-1: on all), by replacing a function of the program; the program itself has no hooks for this.
+"""
+
+import os
+import resource
+import sys
+import time
+from pathlib import Path
+
+
+def main(fault, rank, *rest):
+    """Prepare the fault, then run the command line."""
+    cut = rest.index("--")
+    from hpc_gfmd.parallel.comm import world
+
+    if int(rank) in (-1, world().rank):
+        FAULTS[fault](*rest[:cut])
+    from hpc_gfmd.cli import main as program
+
+    return program(list(rest[cut + 1:]))
+
+
+def after(function, count, then):
+    """A function that is called as before, the count-th time with then(function, args) instead."""
+    calls = [0]
+
+    def called(*args, **named):
+        calls[0] += 1
+        if calls[0] == int(count):
+            return then(lambda: function(*args, **named), args)
+        return function(*args, **named)
+
+    return called
+
+
+def fail(_, __):
+    raise RuntimeError("sabotage")
+
+
+def out_of_memory(_, __):
+    raise MemoryError("Unable to allocate 7.00 TiB")
+
+
+def surface(_=1):
+    """An exception while the surface is made."""
+    from hpc_gfmd import simulation
+
+    simulation.build_surface = after(simulation.build_surface, 1, fail)
+
+
+def solve(count):
+    """An exception in the middle of a solve."""
+    from hpc_gfmd.solvers.bpx import Bpx
+
+    Bpx.step = after(Bpx.step, count, fail)
+
+
+def no_memory(count):
+    """An allocation that fails in the middle of a solve."""
+    from hpc_gfmd.solvers.bpx import Bpx
+
+    Bpx.step = after(Bpx.step, count, out_of_memory)
+
+
+def write(count):
+    """An exception while the rows of this rank are written."""
+    from hpc_gfmd.parallel import h5_fill
+
+    h5_fill.pieces = after(h5_fill.pieces, count, fail)
+
+
+def nan(count, value="nan"):
+    """A NaN or an infinity in the pressure of this rank, in the middle of a solve, in every precision."""
+    from hpc_gfmd.solvers.bpx import Bpx
+
+    def spoil(go_on, args):
+        args[0].p[0, 0] = float(value)
+        return go_on()
+
+    step, spoiled = Bpx.step, after(Bpx.step, count, spoil)
+    Bpx.step = lambda self: (spoiled if self.N == 128 * 128 else step)(self)  # not on coarser grids
+
+
+def limit(mebibytes):
+    """So much more address space than now, once the program has begun to solve."""
+    from hpc_gfmd import simulation
+
+    def shrink(go_on, _):
+        with open("/proc/self/statm") as file:
+            used = int(file.read().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (used + int(mebibytes) * 2**20,) * 2)
+        return go_on()
+
+    simulation.build_surface = after(simulation.build_surface, 1, shrink)
+
+
+def slow(seconds):
+    """Every sync to the disk takes so long: a run is mostly writing."""
+    fsync = os.fsync
+
+    def late(descriptor):
+        time.sleep(float(seconds))
+        fsync(descriptor)
+
+    os.fsync = late
+
+
+def lag(seconds, flag):
+    """Nothing happens for a while before the run begins to listen to signals; a file says when."""
+    from hpc_gfmd import simulation
+
+    def wait(go_on, _):
+        Path(f"{flag}-{os.getpid()}").touch()
+        time.sleep(float(seconds))
+        return go_on()
+
+    simulation.surface_size = after(simulation.surface_size, 1, wait)
+
+
+FAULTS = {fault.__name__: fault for fault in (surface, solve, no_memory, write, nan, limit, slow, lag)}
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

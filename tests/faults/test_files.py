@@ -1,0 +1,182 @@
+"""Bad files of every kind: one line that says what is wrong, exit code 2, nothing written, nothing executed."""
+
+import time
+
+import h5py
+import numpy as np
+import pytest
+from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, cut, h5, sealed
+from fuzz.readers import survives
+from fuzz.seeds import FIELD, seeds
+
+from hpc_gfmd.cli import main
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.parallel import h5_probe
+from hpc_gfmd.scene import File
+from hpc_gfmd.surface.files import HeightMap, look
+
+SCENE = """
+[surface]
+kind = "file"
+path = "{}"
+[load]
+pressure = 0.1
+[solver]
+max_iterations = 1
+"""
+
+
+@pytest.fixture
+def refused(tmp_path, monkeypatch, capfd):
+    """refused(*args): (exit code, the line on stderr, seconds) of a command in the folder of the bad file; nothing else is written."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*args):
+        before = sorted(tmp_path.rglob("*"))
+        capfd.readouterr()
+        begun = time.monotonic()
+        code = main(list(args))
+        seconds, err = time.monotonic() - begun, capfd.readouterr().err
+        assert err.count("\n") == 1, err
+        assert err.strip().isprintable()
+        assert len(err) < 1000
+        assert sorted(tmp_path.rglob("*")) == before
+        return code, err.strip(), seconds
+
+    return run
+
+
+@pytest.mark.parametrize("fault", HEIGHT_MAPS)
+def test_height_map(fault, tmp_path, refused, record):
+    how, extension, make, words = HEIGHT_MAPS[fault]
+    path = tmp_path / f"z{extension}"
+    make(path)
+    (tmp_path / "scene.toml").write_text(SCENE.format(path.name))
+    code, line, seconds = refused("run", "scene.toml")
+    assert code == 2
+    assert words in line
+    assert path.name in line or "GiB" in line
+    assert not (tmp_path / "trapped").exists()
+    record(fault, f"{how}; run", code, line.replace(str(tmp_path), "."), seconds)
+
+
+@pytest.mark.parametrize("fault", RESULTS)
+def test_result_file(fault, tmp_path, refused, record):
+    how, make, words = RESULTS[fault]
+    path = tmp_path / "out.h5"
+    make(path)
+    code, line, seconds = refused("show", "out.h5")
+    assert code == 2
+    assert words in line
+    assert refused("plot", "out.h5")[0] == 2
+    assert refused("restart", "out.h5")[0] == 2
+    record(fault, f"{how}; show", code, line.replace(str(tmp_path), "."), seconds)
+
+
+def test_one_bit_of_a_field(tmp_path, refused, record):
+    """The numbers still say what they did; drawing the field, or continuing with it, is refused."""
+    path = tmp_path / "out.h5"
+    data = sealed(path)
+    place = data.index(FIELD.tobytes()) + 100
+    path.write_bytes(data[:place] + bytes([data[place] ^ 16]) + data[place + 1 :])
+    assert len(read_result(path).steps) == 2
+    code, line, seconds = refused("plot", "out.h5", "-o", ".")
+    assert code == 1
+    assert "the numbers of steps/0000/gap are damaged" in line
+    record("one bit of a field in a result file", "one number of the gap changed; plot", code, line, seconds)
+
+
+def test_the_real_probe(tmp_path):
+    """The process of its own comes back from a sound file, in time, and not where it crashes, stops or wants all memory."""
+    path = seeds("hdf5", tmp_path)[0]
+    assert h5_probe.survives(look, path, "surface")
+    with pytest.MonkeyPatch.context() as patch:
+        for code in ("import os; os.abort()", "import time; time.sleep(60)", "raise MemoryError"):
+            patch.setattr(h5_probe, "_COMMAND", (h5_probe.sys.executable, "-c", code))
+            patch.setattr(h5_probe, "PATIENCE", 1.0)
+            assert not h5_probe.survives(look, path, "surface")
+
+
+def test_probe_and_its_quick_twin_agree(tmp_path):
+    paths = seeds("hdf5", tmp_path)
+    cut(tmp_path / "cut.h5", paths[1].read_bytes(), 0.8)
+    for path in [*paths, tmp_path / "cut.h5"]:
+        assert h5_probe.survives(look, path, "surface") == survives(look, path, "surface")
+
+
+@pytest.mark.parametrize("array", [Z.astype(">f4"), np.asfortranarray(Z), Z.astype("i2"), Z.astype("u1"), Z.astype("f2"), Z[::2]],
+                         ids=["big endian", "Fortran order", "short integers", "bytes", "half precision", "every other row"])
+def test_sound_height_maps_of_every_kind(array, tmp_path):
+    np.save(tmp_path / "z.npy", array)
+    h5(tmp_path / "z.h5", lambda file: file.create_dataset("surface", data=array))
+    for path in (tmp_path / "z.npy", tmp_path / "z.h5"):
+        found = HeightMap(File(kind="file", path=str(path)), probe=True)
+        assert found.shape == array.shape
+        assert np.array_equal(found.rows(1, 4), np.asarray(array, dtype=float)[1:4])
+
+
+def test_soft_links_within_the_file_are_followed(tmp_path):
+    def fill(file):
+        file["a/b/heights"] = Z
+        file["a/link"] = h5py.SoftLink("b")
+        file["surface"] = h5py.SoftLink("a/link/heights")
+
+    h5(tmp_path / "z.h5", fill)
+    assert np.array_equal(HeightMap(File(kind="file", path=str(tmp_path / "z.h5"))).rows(0, 8), Z)
+
+
+def test_packed_netcdf_is_unpacked_and_missing_points_are_refused(tmp_path):
+    """The conventions of NetCDF: height = scale_factor times number + add_offset, _FillValue where there is none."""
+    from scipy.io import netcdf_file
+
+    from hpc_gfmd.errors import SceneError
+
+    def write(path, **attributes):
+        with netcdf_file(path, "w") as file:
+            for name, size in zip("xy", Z.shape, strict=True):
+                file.createDimension(name, size)
+            z = file.createVariable("z", "i2", ("x", "y"))
+            z[:] = Z
+            for name, value in attributes.items():
+                setattr(z, name, value)
+        return HeightMap(File(kind="file", path=str(path)))
+
+    found = write(tmp_path / "z.nc", scale_factor=0.25, add_offset=-3.0, _FillValue=np.int16(99))
+    assert np.array_equal(found.rows(2, 5), 0.25 * Z[2:5] - 3)
+    with pytest.raises(SceneError, match=r"found nan at \(0, 5\)"):
+        write(tmp_path / "holes.nc", missing_value=np.int16(5)).rows(0, 3)
+    with pytest.raises(SceneError, match="scale_factor is no number"):
+        write(tmp_path / "odd.nc", scale_factor="much")
+
+
+@pytest.mark.parametrize("left", ["cut", "garbled", "numbers"])
+def test_a_bad_checkpoint_is_never_used(left, tmp_path, record, capfd):
+    """The load begins anew, and ends as if nothing had been there."""
+    from hpc_gfmd.scene import Scene
+    from hpc_gfmd.simulation import restart, run_scene
+
+    begun = time.monotonic()
+    surface = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 1, "lam_l_over_lam_s": 16, "lam_s_over_a": 2, "seed": 1}
+    scene = Scene.from_dict({"surface": surface, "load": {"p_star": 0.1}})
+    whole = run_scene(scene, out=tmp_path / "whole.h5", quiet=True)
+    stopped = Scene.from_dict(scene.model_dump(exclude_none=True) | {"machine": {"wall_seconds": 1e-9}})
+    assert run_scene(stopped, out=tmp_path / "out.h5", quiet=True).status == "interrupted"
+    path = tmp_path / "out.h5.partial" / "checkpoint.h5"
+    data = path.read_bytes()
+    if left == "cut":
+        cut(path, data, 0.7)
+    else:
+        with h5py.File(path) as file:
+            place = file["g"].id.get_offset() + 64 if left == "numbers" else len(data) - 300
+        path.write_bytes(data[:place] + b"\x55" * 64 + data[place + 64 :])
+    capfd.readouterr()
+    run = restart(tmp_path / "out.h5", ["machine.wall_seconds=1e9"])
+    (line,) = (line for line in capfd.readouterr().out.splitlines() if "damaged" in line or "cut short" in line)
+    assert line.endswith("load 1 begins anew")
+    assert run.exit_code == 0
+    assert [step["a_r"] for step in run.steps] == [step["a_r"] for step in whole.steps]
+    assert [step["iterations"] for step in run.steps] == [step["iterations"] for step in whole.steps]
+    how = {"cut": "the last third cut off", "garbled": "64 bytes of its bookkeeping changed",
+           "numbers": "64 bytes of the gap changed"}[left]
+    record(f"{'truncated' if left == 'cut' else 'garbled'} checkpoint", f"{how}; restart", run.exit_code,
+           line.replace(str(tmp_path), "."), time.monotonic() - begun, "the work since the load began")

@@ -1,0 +1,89 @@
+"""Parts of the installation that are not there: not needed, or one line that says what to install."""
+
+import time
+
+import numpy as np
+import pytest
+from mpi_harness import call, environment, missing
+
+from hpc_gfmd.errors import GfmdError
+from hpc_gfmd.parallel import h5
+from hpc_gfmd.parallel.comm import SerialComm
+
+SCENE = "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n"
+
+
+def without(folder, *modules):
+    """An environment in which Python cannot import some modules."""
+    for module in modules:
+        (folder / "gone").mkdir(exist_ok=True)
+        text = f"raise ModuleNotFoundError({f'No module named {module}'!r}, name={module!r})\n"
+        (folder / "gone" / f"{module}.py").write_text(text)
+    env = environment()
+    return env | {"PYTHONPATH": f"{folder / 'gone'}:{env['PYTHONPATH']}"}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return tmp_path
+
+
+@pytest.mark.skipif(missing() != "", reason="needs an MPI launcher")
+def test_mpirun_without_mpi4py(folder, record):
+    env, begun = without(folder, "mpi4py"), time.monotonic()
+    run = call(2, ["run", "scene.toml"], env=env, cwd=folder)
+    line = run.stderr.strip()
+    assert run.returncode == 1, run.stderr
+    assert line.count("\n") == 0
+    assert "started by an MPI launcher on 2 ranks, but mpi4py cannot be imported" in line
+    assert sorted(p.name for p in folder.iterdir()) == ["gone", "scene.toml"]
+    record("mpirun without mpi4py", "mpi4py made unimportable; mpirun -n 2 hpc-gfmd run", 1, line, time.monotonic() - begun)
+
+
+@pytest.mark.parametrize(("module", "args", "code", "words"), [
+    ("numba", ["run", "scene.toml"], 1, "run needs numba, which is not installed here: pip install numba"),
+    ("matplotlib", ["plot", "out.h5"], 1, "plot needs matplotlib"), ("h5py", ["show", "out.h5"], 1, "h5py"),
+    ("numba", ["show", "out.h5"], 0, ""), ("matplotlib", ["show", "out.h5"], 0, ""),
+    ("numba", ["persson", "--hurst", "0.8", "--eps-f", "0.01", "--p-star", "0.1"], 0, "")],
+    ids=lambda x: " ".join(x[:2]) if isinstance(x, list) else None)
+def test_a_missing_package(module, args, code, words, folder, record):
+    from fuzz.seeds import seeds
+
+    seeds("result", folder)[0].rename(folder / "out.h5")
+    env, begun = without(folder, module), time.monotonic()
+    run = call(None, args, env=env, cwd=folder)
+    assert run.returncode == code, run.stderr
+    assert len(run.stderr.strip().splitlines()) == (code != 0)
+    assert words in run.stderr
+    record(f"no {module}", f"{module} made unimportable; {args[0]}", code, run.stderr.strip() or "none: not needed",
+           time.monotonic() - begun)
+
+
+def test_hdf5_without_mpi(tmp_path, monkeypatch, record):
+    """Not needed: rows go to their places in the file directly. Who asks for collective MPI-IO is told."""
+    import h5py
+
+    begun = time.monotonic()
+    monkeypatch.setattr(h5py, "get_config", lambda: type("Serial", (), {"mpi": False}))
+    data = np.arange(12.0).reshape(4, 3)
+    h5.write_file(SerialComm(), tmp_path / "a.h5", {}, {"u": h5.Slab(data, 0, (4, 3))})
+    assert np.array_equal(h5.read_rows(tmp_path / "a.h5", "u", (0, 4)), data)
+    with pytest.raises(GfmdError, match="transport mpio needs h5py built with MPI") as caught:
+        h5.write_file(SerialComm(), tmp_path / "b.h5", {}, {"u": h5.Slab(data, 0, (4, 3))}, transport="mpio")
+    assert [p.name for p in tmp_path.iterdir()] == ["a.h5"]
+    line = str(caught.value).replace(str(tmp_path), ".")
+    record("HDF5 without MPI", "h5py says that it was built without MPI", 1, f"{line} (only where asked for)",
+           time.monotonic() - begun)
+
+
+@pytest.mark.mpi
+def test_hdf5_without_mpi_on_several_ranks(comm, shared_path, monkeypatch):
+    import h5py
+
+    monkeypatch.setattr(h5py, "get_config", lambda: type("Serial", (), {"mpi": False}))
+    whole = np.arange(60.0).reshape(12, 5)
+    start, stop = 12 * comm.rank // comm.size, 12 * (comm.rank + 1) // comm.size
+    path = shared_path / "a.h5"
+    h5.write_file(comm, path, {}, {"u": h5.Slab(whole[start:stop], start, whole.shape)})
+    assert np.array_equal(h5.read_rows(path, "u", (0, 12)), whole)

@@ -1,0 +1,94 @@
+"""Signals and the wall-clock budget: a checkpoint, the documented exit code, and a restart that ends as if nothing had happened."""
+
+import signal
+import time
+
+import pytest
+from faults.jobs import Job, finish, needs_mpi, nothing_wrong, run, write_scene
+
+from hpc_gfmd.output.read import partial_folder
+
+SLOW = ["slow", -1, 0.1]  # a run is mostly writing then, and long enough to be hit
+CODES = {"SIGTERM": 143, "SIGINT": 130, "SIGUSR1": 143}
+
+
+def third_load(job, path):
+    assert job.wait_for((partial_folder(path) / "step-0001.h5").exists), job.end().err
+
+
+@pytest.mark.parametrize(("name", "ranks", "target"), [
+    ("SIGTERM", None, "the program"),
+    pytest.param("SIGINT", None, "the program", marks=pytest.mark.slow),
+    pytest.param("SIGUSR1", None, "the program", marks=pytest.mark.slow),
+    *[pytest.param(name, 2, target, marks=[needs_mpi, pytest.mark.slow])
+      for name in CODES for target in ("mpirun", "one rank")]])
+def test_signal(tmp_path, record, undisturbed, name, ranks, target):
+    path = write_scene(tmp_path)
+    job = Job(["run", "scene.toml"], ranks, tmp_path, fault=SLOW)
+    third_load(job, path)
+    job.kill(getattr(signal, name), *(job.ranks()[-1:] if target == "one rank" else ()))
+    job.end()
+    assert "Traceback" not in job.err
+    by_mpirun = target == "mpirun" and name != "SIGUSR1"
+    if by_mpirun:  # it has its own code, and kills after a second those that are not ready; SIGUSR1 it passes on
+        assert job.code == 1
+    else:
+        assert job.code == CODES[name], (job.code, job.err)
+        assert f"stopped; continue with: hpc-gfmd restart {path.name}" in job.out
+    assert (partial_folder(path) / "checkpoint.h5").exists()
+    wanted = undisturbed(ranks)
+    assert nothing_wrong(path, wanted) >= 2
+    finish(path, ranks)
+    nothing_wrong(path, wanted)
+    record(f"{name} to {target}", f"after two of five loads, {ranks or 1} ranks; restart finishes, bit-identical",
+           "1, mpirun's own" if by_mpirun else job.code, (job.out.splitlines() or ["none"])[-1], job.seconds)
+
+
+@needs_mpi
+@pytest.mark.slow
+@pytest.mark.parametrize("target", ["mpirun", "one rank"])
+def test_twice(tmp_path, record, undisturbed, target):
+    """The second signal ends the run at once: what was finished is there."""
+    path = write_scene(tmp_path)
+    job = Job(["run", "scene.toml"], 2, tmp_path, fault=["slow", -1, 3])
+    assert job.wait_for((partial_folder(path) / "head.h5.tmp").exists), job.end().err
+    pids = job.ranks()[-1:] if target == "one rank" else ()
+    job.kill(signal.SIGUSR1, *pids)
+    time.sleep(0.2)
+    job.kill(signal.SIGTERM, *pids)
+    job.end()
+    assert job.code != 0
+    assert not path.exists()
+    finish(path, 2)
+    nothing_wrong(path, undisturbed(2))
+    record(f"two signals to {target}", "SIGUSR1, then SIGTERM, while a file is synced", job.code, "none: ended at once", job.seconds)
+
+
+@pytest.mark.parametrize("name", [pytest.param("SIGTERM", marks=pytest.mark.slow), "SIGINT"])
+@needs_mpi
+def test_one_rank_at_start(tmp_path, record, name):
+    """Before it has begun nothing has to be kept, but no rank may wait for the one that is gone."""
+    path = write_scene(tmp_path)
+    job = Job(["run", "scene.toml"], 2, tmp_path, fault=["lag", -1, 30, tmp_path / "begun"])
+    assert job.wait_for(lambda: any(tmp_path.glob("begun-*"))), job.end().err
+    flag = next(tmp_path.glob("begun-*"))
+    job.kill(getattr(signal, name), int(flag.name.removeprefix("begun-")))
+    job.end()
+    assert job.code != 0
+    assert not path.exists()
+    record(f"{name} to one rank at start", "before the surface is made", job.code, job.err or "none", job.seconds)
+
+
+@pytest.mark.parametrize("ranks", [None, pytest.param(2, marks=[needs_mpi, pytest.mark.slow])])
+def test_wall_seconds(tmp_path, record, undisturbed, ranks):
+    path = write_scene(tmp_path)
+    job = Job(["run", "scene.toml", "--set", "machine.wall_seconds=0.3"], ranks, tmp_path, fault=SLOW)
+    job.end(60)
+    assert job.code == 143, job.err
+    wanted = undisturbed(ranks)
+    nothing_wrong(path, wanted)
+    again = run(["restart", path.name, "--set", "machine.wall_seconds=1000"], ranks, tmp_path)
+    assert again.code == 0, again.err
+    nothing_wrong(path, wanted)
+    record("machine.wall_seconds is over", f"0.3 s, {ranks or 1} ranks; restart finishes, bit-identical", job.code,
+           job.out.splitlines()[-1], job.seconds)

@@ -1,0 +1,143 @@
+"""Every reader of files as a target for fuzzing: a file is read, or refused in one line; nothing else may happen."""
+
+import faulthandler
+import json
+import os
+import resource
+import signal
+from pathlib import Path
+from types import SimpleNamespace
+
+from hpc_gfmd.commands.show import as_dict, as_text
+from hpc_gfmd.errors import GfmdError, SceneError
+from hpc_gfmd.output import read
+from hpc_gfmd.output.checkpoint import read_checkpoint
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.parallel import h5_probe
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.scene import File, Scene, load_scene
+from hpc_gfmd.surface import files
+from hpc_gfmd.surface.files import HeightMap
+from hpc_gfmd.theory import tfc
+
+real_probe = h5_probe.survives
+MOST_POINTS = 2**20  # of a field that is read; larger ones are left to the check of the memory
+SECONDS, LONGEST = 1, 1500  # of the child that tries a file, and characters of a message
+
+
+def read_scene(path):
+    """A scene file; what it becomes survives a round trip."""
+    scene = load_scene(path)
+    assert Scene.from_toml(scene.to_toml()) == scene
+    assert len(scene.identity()) == 64
+    scene.warnings()
+
+
+def read_heights(path):
+    """A height map, all rows of it."""
+    spec = File(kind="file", path=str(path))
+    n = HeightMap(spec, probe=True).shape
+    rows = max(1, min(64, MOST_POINTS // n[1]))
+    for start in range(0, n[0] if n[0] * n[1] <= MOST_POINTS else 0, rows):
+        z = HeightMap(spec).rows(start, min(start + rows, n[0]))
+        assert z.dtype == "f8"
+        assert z.shape == (min(rows, n[0] - start), n[1])
+
+
+def read_results(path):
+    """A result file as `show` prints it, as JSON, with its fields, and with its scene as `restart` would want it."""
+    result = read_result(path)
+    assert as_text(result)
+    json.dumps(as_dict(result), allow_nan=False)
+    for fields in result.fields:
+        for stored in fields.values():
+            if stored.shape[0] * stored.shape[1] <= MOST_POINTS:
+                assert _or_refused(stored.read, 0, stored.shape[0]).shape == stored.shape
+    Scene.from_toml(result.scene_toml)
+
+
+def read_state(path):
+    """A checkpoint and its arrays."""
+    found = read_checkpoint(SerialComm(), path, "bpx")
+    if found.n[0] * found.n[1] <= MOST_POINTS:
+        found.arrays(SimpleNamespace(comm=SerialComm(), n=found.n, rows=(0, found.n[0])))
+
+
+def read_runs(path):
+    """A table of runs and the fit to it."""
+    tfc.fit_tfc(**tfc.read_runs(path), terms=("t",), alpha={})
+
+
+def read_coefficients(path):
+    """A table of coefficients and a correction by it."""
+    tfc.extrapolate(2.0, "kappa", 0.5, 0.007, 0.5, 0.001, 0.5, table=tfc.read_table(path))
+
+
+READERS = {  # target: (reader, extension of its files)
+    "scene": (read_scene, ".toml"), "npy": (read_heights, ".npy"), "hdf5": (read_heights, ".h5"), "netcdf": (read_heights, ".nc"),
+    "result": (read_results, ".h5"), "checkpoint": (read_state, ".h5"), "runs": (read_runs, ".csv"),
+    "coefficients": (read_coefficients, ".json"),
+}
+
+
+def outcome(target, path):
+    """"read" or "refused"; anything else raises, and what a file does to the HDF5 library ends the process."""
+    try:
+        READERS[target][0](Path(path))
+    except GfmdError as error:
+        message = str(error)
+    else:
+        return "read"
+    assert message.isprintable(), ascii(message)
+    assert 0 < len(message) < LONGEST, message
+    return "refused"
+
+
+def survives(function, *arguments):
+    """As h5_probe.survives, in a fork of this process: a hundred times faster to start."""
+    return _in_a_fork(lambda: h5_probe.attempt(function, *arguments)) is not None
+
+
+def outcome_apart(target, path):
+    """As `outcome`, in a fork: where that dies, the real probe has to say so beforehand."""
+    found = _in_a_fork(lambda: outcome(target, path))
+    if found is None:
+        look, more = (files.look, ["surface"]) if target in ("hdf5", "netcdf") else (read.look, [])
+        assert not real_probe(look, path, *more), f"{path} ends the process that reads it"
+        return "refused"
+    return found
+
+
+def _in_a_fork(function):
+    """What a function returns, a text or nothing, or None if its process died. Raises AssertionError with what it raised."""
+    read_end, write_end = os.pipe()
+    child = os.fork()
+    if child == 0:
+        faulthandler.disable()
+        for fatal in (signal.SIGABRT, signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGALRM):
+            signal.signal(fatal, signal.SIG_DFL)  # a fuzzer's handler would wait for ever
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+        resource.setrlimit(resource.RLIMIT_AS, (h5_probe.MOST_MEMORY, h5_probe.MOST_MEMORY))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        try:
+            answer = f"+{function() or ''}"
+        except BaseException as error:
+            answer = f"-{type(error).__name__}: {error}"
+        try:
+            os.write(write_end, answer.encode(errors="replace")[:4000])
+        finally:
+            os._exit(0)
+    os.close(write_end)
+    with open(read_end, "rb") as pipe:
+        answer = pipe.read().decode(errors="replace")
+    died = os.waitpid(child, 0)[1] != 0 or not answer or answer.startswith("-MemoryError")
+    assert died or answer.startswith("+"), answer
+    return None if died else answer[1:]
+
+
+def _or_refused(function, *args):
+    """What reading a piece of a stored field gives; its caller turns an OSError into one line."""
+    try:
+        return function(*args)
+    except OSError as error:
+        raise SceneError("unreadable") from error

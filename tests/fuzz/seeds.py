@@ -1,0 +1,113 @@
+"""Valid files of every kind, small, from which fuzzing begins."""
+
+import io
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+from scipy.io import netcdf_file
+
+import hpc_gfmd
+from hpc_gfmd.output.checkpoint import write_checkpoint
+from hpc_gfmd.output.record import RunFile
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.theory import tfc
+
+N = (6, 5)
+FIELD = np.arange(30.0).reshape(N)
+SCENE = Path(hpc_gfmd.__file__).parent / "scenes" / "wave.toml"
+SURFACE = {"n": list(N), "physical_sizes": [1.0, 2.0], "h_rms": 0.5, "g_rms": 1.0, "kind": "wave", "seed": -1, "eps_t": 0.5}
+STEP = {"p": 0.1, "p_star": 0.1, "a_r": 0.25, "a_r_error": 1e-3, "gap_mean": 0.1, "iterations": 7, "status": "converged"}
+
+
+def seeds(target, folder):
+    """Make the seeds of a target in `folder`, a list of paths."""
+    return _MAKERS[target](Path(folder))
+
+
+def _scenes(folder):
+    texts = [path.read_text() for path in sorted(SCENE.parent.glob("*.toml"))]
+    return [_put(folder / f"{i}.toml", text.encode()) for i, text in enumerate(texts)]
+
+
+def _npy(folder):
+    arrays = [FIELD, FIELD.astype(">f4"), np.asfortranarray(FIELD.astype("i2")), np.zeros((0, 3)), FIELD[0], FIELD + 1j]
+    found = []
+    for i, array in enumerate(arrays):
+        memory = io.BytesIO()
+        np.save(memory, array)
+        found.append(_put(folder / f"{i}.npy", memory.getvalue()))
+    return found
+
+
+def _hdf5(folder):
+    found = [folder / "plain.h5", folder / "packed.h5", folder / "new.h5"]
+    with h5py.File(found[0], "w") as file:
+        file["surface"] = FIELD
+        file["surface"].attrs["unit"] = "m"
+        file["link"] = h5py.SoftLink("/surface")
+    with h5py.File(found[1], "w") as file:
+        file.create_dataset("surface", data=FIELD.astype("i2"), chunks=(2, 3), compression="gzip", shuffle=True, fletcher32=True)
+    with h5py.File(found[2], "w", libver="v110") as file:
+        file.create_dataset("surface", data=FIELD.astype(">f4"), chunks=(3, 5), maxshape=(None, 5), scaleoffset=None)
+    return found
+
+
+def _netcdf(folder):
+    found = [folder / "two.nc", folder / "records.nc"]
+    for path, record in zip(found, (False, True)):
+        with netcdf_file(path, "w") as file:
+            file.createDimension("x", None if record else N[0])
+            file.createDimension("y", N[1])
+            z = file.createVariable("z", "f4" if record else "i2", ("x", "y"))
+            z[:] = FIELD
+            z.units, z.scale_factor = "m", 0.5
+    return found + [p.rename(p.with_suffix(".nc")) for p in _hdf5(folder)[:1]]
+
+
+def _results(folder):
+    """As written, and as a copy without a seal, which lets changed bytes reach the HDF5 library."""
+    found = []
+    for name, compressed in (("sealed", False), ("packed", True)):
+        path = folder / f"{name}.h5"
+        head = {"scene": SCENE.read_text(), "identity": "abc", "versions": {"numpy": "2"}, "setup_seconds": 0.1}
+        with RunFile(SerialComm(), path, N, (0, N[0]), head, SURFACE, compressed=compressed) as run:
+            for index in range(2):
+                run.write_step(index, STEP | {"status": ("converged", "stagnated")[index]}, {"gap": FIELD})
+            run.finish("stagnated")
+        with h5py.File(path) as old, h5py.File(folder / f"copy-{name}.h5", "w") as new:
+            new.attrs.update(old.attrs)
+            for part in ("surface", "steps"):
+                old.copy(part, new)
+        found += [path, folder / f"copy-{name}.h5"]
+    return found
+
+
+def _checkpoints(folder):
+    path = folder / "checkpoint.h5"
+    grid = type("Grid", (), {"n": N, "rows": (0, N[0])})
+    write_checkpoint(SerialComm(), path, grid, 0, "bpx", ({"g": FIELD, "p": FIELD}, {"s": 1.0}), seconds=2.0)
+    with h5py.File(path) as old, h5py.File(folder / "copy.h5", "w") as new:
+        new.attrs.update(old.attrs)
+        for part in old:
+            old.copy(part, new)
+    return [path, folder / "copy.h5"]
+
+
+def _runs(folder):
+    rows = [f"{t},0.01,0.5,{2 + t},0.1" for t in (0.1, 0.2, 0.3, 0.5)]
+    return [_put(folder / "runs.csv", "\n".join(["eps_t,eps_f,eps_c,value,sigma", *rows]).encode())]
+
+
+def _coefficients(folder):
+    return [_put(folder / "table.json", json.dumps(tfc.paper_table()).encode())]
+
+
+def _put(path, data):
+    path.write_bytes(data)
+    return path
+
+
+_MAKERS = {"scene": _scenes, "npy": _npy, "hdf5": _hdf5, "netcdf": _netcdf, "result": _results, "checkpoint": _checkpoints,
+           "runs": _runs, "coefficients": _coefficients}

@@ -1,0 +1,26 @@
+"""A study on several ranks stores what it stores alone."""
+
+import pytest
+
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.study.case import Case
+from hpc_gfmd.study.runner import run_missing
+from hpc_gfmd.study.store import Store
+
+pytestmark = pytest.mark.mpi
+CASES = [Case(0.8, 2, 16, 2, 1, (0.05, 0.35)), Case(0.3, 2, 8, 3, 2, (0.02,)), Case(0.3, 2, 8, 1.5, 2, (0.02,))]
+PERSONAL = {"wall_seconds", "ranks", "a_r_error", "gap_error", "pressure_error"}
+
+
+def test_same_lines(comm, shared_path):
+    outcome = run_missing(CASES, Store(shared_path / "ranks"), comm, say=lambda text: None)
+    assert (outcome.solved, outcome.exit_code, len(outcome.failed)) == (3, 1, 1)
+    comm.barrier()
+    found = Store(shared_path / "ranks").load()
+    own = Store(shared_path / f"alone-{comm.rank}")
+    run_missing(CASES, own, SerialComm(), say=lambda text: None)
+    assert len(found) == len(own.load()) == 3
+    for ours, alone in zip(found, own.load(), strict=True):
+        assert ours["ranks"] == comm.size
+        for name in alone.keys() - PERSONAL:
+            assert ours[name] == (pytest.approx(alone[name], rel=2e-5) if isinstance(alone[name], float) else alone[name]), name

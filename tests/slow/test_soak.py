@@ -1,0 +1,150 @@
+"""Two hundred load steps with a checkpoint every second: memory, descriptors and files stay what they are.
+
+With --record-faults the numbers go to docs/faults/soak.json.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mpi_harness import end, environment
+
+from hpc_gfmd.output.read import read_result
+
+STEPS, N = 200, 256
+SCENE = f"""
+[surface]
+kind = "self-affine"
+hurst = 0.8
+L_over_lam_l = 2
+lam_l_over_lam_s = {N // 4}
+lam_s_over_a = 2
+seed = 1
+[load]
+p_star = {[round(float(p), 6) for p in np.geomspace(0.005, 1.0, STEPS)]}
+[solver]
+name = "gfmd"
+accuracy = 1e-7
+precision = "double"
+[output]
+path = "soak.h5"
+fields = ["gap"]
+[machine]
+checkpoint_seconds = 1
+"""
+RECORD = Path(__file__).parents[2] / "docs" / "faults" / "soak.json"
+WARM = 0.25  # of the run, before which nothing is compared
+GROWTH_MB = 8.0  # of the memory of a rank afterwards; a field has 0.5 MB
+
+
+def descendants(pid):
+    """All processes that `pid` has started, and theirs."""
+    try:
+        children = [int(c) for task in Path(f"/proc/{pid}/task").iterdir() for c in (task / "children").read_text().split()]
+    except OSError:
+        return []
+    return children + [d for child in children for d in descendants(child)]
+
+
+def sample(pid):
+    """(resident MB, open descriptors) of a process; None once it is gone."""
+    try:
+        with open(f"/proc/{pid}/status") as file:
+            resident = next(int(line.split()[1]) for line in file if line.startswith("VmRSS")) / 1024
+        return resident, len(os.listdir(f"/proc/{pid}/fd"))
+    except (OSError, StopIteration):
+        return None
+
+
+def watch(process, folder, ranks):
+    """Sample all ranks until the run ends: {pid: [(resident, descriptors, finished steps), ...]}, and how many checkpoints it saw."""
+    samples, checkpoints, last = {}, 0, None
+    while process.poll() is None:
+        time.sleep(0.25)
+        partial = folder / "soak.h5.partial"
+        done = len(list(partial.glob("step-*.h5"))) if partial.is_dir() else 0
+        pids = [process.pid] if ranks == 1 else descendants(process.pid)
+        for pid in pids:
+            found = sample(pid)
+            if found and b"hpc_gfmd" in _command(pid) and b"mpirun" not in _command(pid).split(b"\0")[0]:
+                samples.setdefault(pid, []).append((*found, done))
+        try:
+            stamp = (partial / "checkpoint.h5").stat().st_mtime_ns
+        except OSError:
+            continue
+        checkpoints, last = checkpoints + (stamp != last), stamp
+    return samples, checkpoints
+
+
+def _command(pid):
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return b""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_soak(ranks, tmp_path, request):
+    (tmp_path / "soak.toml").write_text(SCENE)
+    env = environment(TMPDIR=str(tmp_path / "tmp"))
+    (tmp_path / "tmp").mkdir()
+    plan = subprocess.run([sys.executable, "-m", "hpc_gfmd", "plan", "soak.toml", "--json"], cwd=tmp_path, env=env,
+                          capture_output=True, check=True)
+    begun = time.monotonic()
+    command = [sys.executable, "-m", "hpc_gfmd", "run", "soak.toml"]
+    with open(tmp_path / "log", "w") as log:
+        process = subprocess.Popen(command if ranks == 1 else ["mpirun", "-n", str(ranks), *command], cwd=tmp_path, env=env,
+                                   stdout=log, stderr=log, start_new_session=True)
+        try:
+            samples, checkpoints = watch(process, tmp_path, ranks)
+        finally:
+            end(process)
+    seconds = time.monotonic() - begun
+    assert process.returncode == 0, (tmp_path / "log").read_text()[-2000:]
+    assert len(samples) == ranks
+
+    result = read_result(tmp_path / "soak.h5")
+    assert [step["status"] for step in result.steps] == ["converged"] * STEPS
+    predicted = json.loads(plan.stdout)["file_gib"] * 2**30
+    assert predicted == STEPS * N * N * 8
+    size = (tmp_path / "soak.h5").stat().st_size
+    assert 1.0 <= size / predicted < 1.02
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["log", "soak.h5", "soak.toml", "tmp"]
+    left = [p for p in (tmp_path / "tmp").rglob("*") if p.is_file()]
+    assert left == []
+
+    lines = []
+    for rank, own in enumerate(samples.values()):
+        warm = [s for s in own if WARM * STEPS <= s[2] < STEPS]
+        assert len(warm) > 20
+        resident, descriptors = [s[0] for s in warm], [s[1] for s in warm]
+        third = len(warm) // 3
+        growth = float(np.median(resident[-third:]) - np.median(resident[:third]))
+        lines.append({"process": rank, "resident_mb_after_warm_up": round(resident[0], 1),
+                      "resident_mb_at_the_end": round(resident[-1], 1), "largest_resident_mb": round(max(s[0] for s in own), 1),
+                      "growth_mb": round(growth, 2),
+                      "descriptors": [min(descriptors), max(descriptors)], "descriptors_at_the_end": descriptors[-1],
+                      "samples": len(warm)})
+    if request.config.getoption("--record-faults"):
+        _keep({"ranks": ranks, "steps": STEPS, "n": [N, N], "solver": "gfmd, accuracy 1e-7", "seconds": round(seconds, 1),
+               "checkpoints_seen": checkpoints,
+               "file_bytes": size, "predicted_bytes": int(predicted), "files_left": 0, "processes": lines,
+               "command": f"pytest -m slow --record-faults '{request.node.nodeid}'"})
+    assert checkpoints > 5
+    for line in lines:
+        assert line["growth_mb"] < GROWTH_MB, lines
+        assert line["descriptors"][1] - line["descriptors"][0] <= 4, lines  # the file being written
+        assert line["descriptors_at_the_end"] <= line["descriptors"][0] + 4
+
+
+def _keep(line):
+    lines = json.loads(RECORD.read_text()) if RECORD.exists() else []
+    lines = sorted([old for old in lines if old["ranks"] != line["ranks"]] + [line], key=lambda one: one["ranks"])
+    RECORD.parent.mkdir(parents=True, exist_ok=True)
+    RECORD.write_text(json.dumps(lines, indent=1) + "\n")
