@@ -64,9 +64,9 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
     rows = (int(starts[comm.rank]), int(starts[comm.rank + 1]))
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
 
-    with RunFile(comm, scene.output.path, n, rows, head, {}, resume=resume,
-                 compressed=scene.output.compression, dtype=scene.output.dtype) as file, \
-            Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt:
+    with Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt, \
+            RunFile(comm, scene.output.path, n, rows, head, {}, resume=resume,
+                    compressed=scene.output.compression, dtype=scene.output.dtype) as file:
         for line in filter(None, [file.note, *scene.warnings()]):
             say.say(f"note: {line}")
         compile_once(comm, scene.solver)

@@ -76,6 +76,8 @@ class Nested:
                 solver.step()
             pairs = (pairs + solver.pairs) * coarse.grid.N / fine.grid.N
             full = solver.progress().contact == coarse.grid.N
+            if coarse.grid.comm.size != fine.grid.comm.size:  # each rank solved alone: were they to round differently, one must count
+                solver.g[...], full, pairs = fine.grid.comm.bcast((solver.g, full, pairs))
             g = _prolong(fine, coarse, solver.g, full, into if fine is problem else None)
         if into is not None and g is not into:  # no coarser grid
             into[...] = g
@@ -90,7 +92,8 @@ class Nested:
         g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
         certificate = certify(coarse, g, p, coarse.dtype.type, dual=False)
         share = coarse.grid.N / problem.grid.N
-        return certificate.contact >= (1 - TENSION) * coarse.grid.N, certificate.pairs * share
+        likely = certificate.contact >= (1 - TENSION) * coarse.grid.N
+        return problem.grid.comm.bcast(likely), certificate.pairs * share
 
 
 def _decimated(problem, fine, grid):

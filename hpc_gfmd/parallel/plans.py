@@ -4,15 +4,19 @@ A plan is called as plan(input, output) on arrays of the planned shape; both may
 Plans work without normalisation in both directions.
 """
 
+import fcntl
 import os
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
 
 from ..aligned import empty_aligned
 from .comm import launched
+
+PATIENCE = 300.0  # seconds that a process waits for another one's planning
 
 
 def _load_fftw():
@@ -81,11 +85,15 @@ def cache_folder():
 
 
 class Wisdom:
-    """FFTW's memory of measured plans, one file per problem size in the user's cache. A cache that cannot be used is no error."""
+    """FFTW's memory of measured plans, one file per problem size in the user's cache. A cache that cannot be used is no error.
+
+    From its making to `keep` one process plans at a time: all ranks and all later runs then have the plans that were measured first,
+    and round in the same way.
+    """
 
     def __init__(self, name, dtype):
         self.path = cache_folder() / "wisdom" / name
-        self.library = None
+        self.library = self.turn = None
         if _load_fftw() is not None:
             from mpi4py_fft.fftw import fftw_xfftn, fftwf_xfftn
 
@@ -93,15 +101,35 @@ class Wisdom:
             tiny = empty_aligned((8,), np.result_type(dtype, np.complex64))
             # The first plan initialises the threads of FFTW, which forgets wisdom read before it.
             _load_fftw().fftn(tiny, None, (0,), 1, (_load_fftw().FFTW_ESTIMATE,), tiny)
+            self.turn = self._wait_for_turn()
         self.known = self.library is not None and self.path.exists() and self._read()
+
+    def _wait_for_turn(self):
+        """An open file with a lock on it, or None where there are no locks, or somebody keeps it for too long."""
+        end = time.monotonic() + PATIENCE
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            file = open(self.path.with_name(f"{self.path.name}.lock"), "w")  # noqa: SIM115
+            while time.monotonic() < end:
+                try:
+                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    return file
+                except BlockingIOError:
+                    time.sleep(0.005)
+        except OSError:
+            pass
+        return None
 
     def _read(self):
         return bool(self.library.import_wisdom(os.fsencode(self.path)))
 
     def keep(self):
         """Write what was measured since, aside and renamed: several jobs may do this at once."""
-        if self.library is None or self.known:
-            return
+        if self.library is not None and not self.known:
+            self._write()
+        self.turn = None  # closed: it is the next one's
+
+    def _write(self):
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with tempfile.NamedTemporaryFile(dir=self.path.parent, delete=False) as file:

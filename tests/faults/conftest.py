@@ -27,11 +27,16 @@ def record(request):
     def keep(fault, how, code, message, seconds, lost="nothing"):
         slow = "-m slow " if request.node.get_closest_marker("slow") else ""
         command = f"pytest {slow}'{request.node.nodeid}'"
-        line = dict(zip(FORMAT, (fault, how, code, " ".join(str(message).split()), round(float(seconds), 1), lost, command)))
+        line = dict(zip(FORMAT, (fault, how, code, _short(message, request), round(float(seconds), 1), lost, command)))
         if request.config.getoption("--record-faults"):
             _keep(request.config.rootpath / RECORDS, line)
 
     return keep
+
+
+def _short(message, request):
+    """On one line, the folder of the test as "."."""
+    return " ".join(str(message).split()).replace(str(request.node.funcargs.get("tmp_path", "\n")), ".")
 
 
 def _keep(path: Path, line):

@@ -50,11 +50,12 @@ def test_signal(tmp_path, record, undisturbed, name, ranks, target):
 def test_twice(tmp_path, record, undisturbed, target):
     """The second signal ends the run at once: what was finished is there."""
     path = write_scene(tmp_path)
-    job = Job(["run", "scene.toml"], 2, tmp_path, fault=["slow", -1, 3])
-    assert job.wait_for((partial_folder(path) / "head.h5.tmp").exists), job.end().err
+    job = Job(["run", "scene.toml"], 2, tmp_path, fault=["slow", -1, 0.5])
+    assert job.wait_for((partial_folder(path) / "step-0000.h5.tmp").exists), job.end().err
     pids = job.ranks()[-1:] if target == "one rank" else ()
     job.kill(signal.SIGUSR1, *pids)
-    time.sleep(0.2)
+    time.sleep(0.1)
+    assert job.process.poll() is None
     job.kill(signal.SIGTERM, *pids)
     job.end()
     assert job.code != 0
