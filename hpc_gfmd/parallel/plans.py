@@ -110,14 +110,17 @@ class Wisdom:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             file = open(self.path.with_name(f"{self.path.name}.lock"), "w")  # noqa: SIM115
-            while time.monotonic() < end:
-                try:
-                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                    return file
-                except BlockingIOError:
-                    time.sleep(0.005)
         except OSError:
-            pass
+            return None
+        while time.monotonic() < end:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                return file
+            except BlockingIOError:
+                time.sleep(0.005)
+            except OSError:
+                break
+        file.close()
         return None
 
     def _read(self):
@@ -127,7 +130,9 @@ class Wisdom:
         """Write what was measured since, aside and renamed: several jobs may do this at once."""
         if self.library is not None and not self.known:
             self._write()
-        self.turn = None  # closed: it is the next one's
+        if self.turn is not None:
+            self.turn.close()  # it is the next one's
+            self.turn = None
 
     def _write(self):
         try:

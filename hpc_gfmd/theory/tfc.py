@@ -101,7 +101,8 @@ def correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table=None):
     Only at a tabulated pressure (within 5 %) and between the tabulated H (0.3 to 0.8 in the paper; linear in
     H for every term); SceneError elsewhere. table: as of paper_table (default) or read_table.
     """
-    part = _part(table or paper_table(), observable, float(within("p_star", p_star, 0, np.inf, True)))
+    table = table or paper_table()
+    part = _part(table, observable, float(within("p_star", p_star, 0, np.inf, True)))
     eps = {"t": eps_t, "f": eps_f, "c": eps_c}
     eps = {i: float(within(f"eps_{i}", eps[i], 0, 1)) for i in TERMS}
     rows = sorted(part["rows"], key=lambda row: row["hurst"])
@@ -117,7 +118,7 @@ def correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table=None):
     if all("sigma" in row for row in rows):
         sigma = float(np.interp(hurst, tabulated, [_row_sigma(row, eps) for row in rows]))
     return Correction(
-        **terms, sigma=sigma, p_star=part["p_star"], notes=tuple(_notes(part, hurst, tabulated))
+        **terms, sigma=sigma, p_star=part["p_star"], notes=(*_notes(part, hurst, tabulated), *_own_note(table))
     )
 
 
@@ -181,3 +182,9 @@ def _notes(part, hurst, tabulated):
         )
     if "label" in part:
         yield "the paper gives no uncertainties of its coefficients"
+
+
+def _own_note(table):
+    note = table.get("note")
+    if isinstance(note, str) and note.isprintable():
+        yield note
