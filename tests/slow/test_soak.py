@@ -65,7 +65,7 @@ def watch(process, folder, ranks):
     """Sample all ranks until the run ends: {pid: [(resident, descriptors, finished steps), ...]}, and how many checkpoints it saw."""
     samples, checkpoints, last = {}, 0, None
     while process.poll() is None:
-        time.sleep(0.25)
+        time.sleep(0.1)
         partial = folder / "soak.h5.partial"
         done = len(list(partial.glob("step-*.h5"))) if partial.is_dir() else 0
         pids = [process.pid] if ranks == 1 else descendants(process.pid)
