@@ -15,7 +15,7 @@ ALLOWED_IN = {  # module: folders or files that may import it
     "numba": ("kernels/", "commands/info.py", "bench/"),
     "mpi4py": ("parallel/", "commands/info.py", "bench/"),
     "mpi4py_fft": ("parallel/", "bench/"),
-    "matplotlib": ("plotting/", "bench/", "studies/"),
+    "matplotlib": ("plotting/", "bench/"),
 }
 FORBIDDEN = {  # folder: parts of the package that it must not know
     "theory/": ("scene", "grid", "parallel", "kernels", "solvers", "driver", "output", "surface", "observables", "plotting", "run"),
