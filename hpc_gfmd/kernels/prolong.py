@@ -1,40 +1,120 @@
-"""Cubic interpolation of a displacement from the decimated grid."""
+"""From the solution on the decimated grid to a start on the finer one.
+
+The displacement is interpolated; where the finer grid's heights poke through it, the solution differs from the interpolation nearby.
+That difference v = u - P u_c is found without an FFT, by a few projected gradient steps with the part of K that couples neighbours:
+
+    v <- max(v - kap (P p_c + K_near v), -w),    w = P u_c + h,    g = w + v.
+"""
 
 import numpy as np
 
-from .jit import kernel
+from .jit import inline, kernel
+
+SWEEPS = 3  # gradient steps; each widens the halo by a row
+HALO = max(SWEEPS, SWEEPS // 2 + 2)  # coarse rows needed beyond a rank's own: an axis may not be coarsened, or take a cubic
+RING = SWEEPS + 1  # rows of every quantity that are kept
 
 
 @kernel
-def prolong_gap(u, h, g, start, first, step_x, halve_y):
-    """g = max(P u + h, 0) on a slab of rows beginning at `start`; u: coarse rows beginning at `first`, two more on either side.
+def prolong_gap(u_before, u, u_after, p_before, p, p_after, h_before, h, h_after, g, start, first, n_x, m_x, step_x, halve_y,
+                kap, stencil):
+    """The gap g on this rank's rows, the first being row `start` of n_x.
 
-    Coarse point J lies on fine point 2 J; points in between get the cubic through the four nearest, (-1, 9, 9, -1)/16.
+    u, p: displacement and pressure of the coarse solution, rows from `first` of m_x, with HALO rows before and after; h: initial gap,
+    with SWEEPS rows before and after. stencil: K_near for the point itself, its neighbours along x, along y, and the diagonal ones.
+    g may be h. Coarse point J lies on fine point 2 J; points in between get the cubic through the four nearest,
+    (-1, 9, 9, -1)/16, of u, and the mean of two of p.
     """
     rows, n = h.shape
+    one, half = g.dtype.type(1), g.dtype.type(0.5)
+    near, far = g.dtype.type(9.0 / 16.0), g.dtype.type(-1.0 / 16.0)
+    s0, s1, s2, s3 = one - kap * stencil[0], -kap * stencil[1], -kap * stencil[2], -kap * stencil[3]
     m = u.shape[1]
-    near = u.dtype.type(9.0 / 16.0)
-    far = u.dtype.type(-1.0 / 16.0)
-    zero = u.dtype.type(0)
-    line = np.empty(m, u.dtype)
-    for i in range(rows):
-        x = start + i
-        k = x // step_x - first
-        if step_x == 2 and x % 2 == 1:
+    line = np.empty(m + 3, u.dtype)
+    # Rows in rings: first -w, then kap P p, then v after 0, 1, ... steps with one more point on either side; the last is scratch.
+    t = np.zeros(((SWEEPS + 3) * RING + 1, n + 2), g.dtype)
+    for r in range(-SWEEPS, rows + SWEEPS):
+        slot = (r + RING) % RING
+        x, shift = start + r, first
+        if x < 0:
+            x, shift = x + n_x, first + m_x
+        elif x >= n_x:
+            x, shift = x - n_x, first - m_x
+        k = x // step_x - shift
+        between = step_x == 2 and x % 2 == 1
+        if between:
+            a, b, c, d = (_row(u_before, u, u_after, k - 1), _row(u_before, u, u_after, k),
+                          _row(u_before, u, u_after, k + 1), _row(u_before, u, u_after, k + 2))
             for J in range(m):
-                line[J] = near * (u[k, J] + u[k + 1, J]) + far * (u[k - 1, J] + u[k + 2, J])
+                line[J + 1] = near * (b[J] + c[J]) + far * (a[J] + d[J])
         else:
+            line[1:m + 1] = _row(u_before, u, u_after, k)
+        _spread(line, t[slot], halve_y, near, far)
+        a = _row(h_before, h, h_after, r)
+        v = 2 * RING + slot
+        for j in range(n):
+            w = t[slot, j + 1] + a[j]
+            t[slot, j + 1] = -w
+            t[v, j + 1] = max(-w, g.dtype.type(0))
+        _wrap(t[v])
+        if between:
+            a, b = _row(p_before, p, p_after, k), _row(p_before, p, p_after, k + 1)
             for J in range(m):
-                line[J] = u[k, J]
-        if halve_y:
-            for J in range(m):
-                g[i, 2 * J] = max(line[J] + h[i, 2 * J], zero)
-            for J in range(n // 2):
-                a = J - 1 if J > 0 else m - 1
-                b = J + 1 if J + 1 < m else J + 1 - m
-                c = J + 2 if J + 2 < m else J + 2 - m
-                v = near * (line[J] + line[b]) + far * (line[a] + line[c])
-                g[i, 2 * J + 1] = max(v + h[i, 2 * J + 1], zero)
+                line[J + 1] = kap * half * (a[J] + b[J])
         else:
+            a = _row(p_before, p, p_after, k)
+            for J in range(m):
+                line[J + 1] = kap * a[J]
+        _spread(line, t[RING + slot], halve_y, half, g.dtype.type(0))
+        for s in range(1, SWEEPS + 1):
+            i = r - s
+            if i >= s - SWEEPS:
+                _relax(t, (s + 1) * RING, i, n, s0, s1, s2, s3)
+        i = r - SWEEPS
+        if i >= 0:
+            w, v = (i + RING) % RING, (SWEEPS + 2) * RING + (i + RING) % RING
             for j in range(n):
-                g[i, j] = max(line[j] + h[i, j], zero)
+                g[i, j] = t[v, j + 1] - t[w, j + 1]
+
+
+@inline
+def _row(before, own, after, k):
+    """Row k of own rows and those before and after."""
+    if k < 0:
+        return before[before.shape[0] + k]
+    if k >= own.shape[0]:
+        return after[k - own.shape[0]]
+    return own[k]
+
+
+@inline
+def _spread(line, fine, halve_y, near, far):
+    """Interpolate coarse points line[1:-2] along the row, fine[1:-1]."""
+    n, m = fine.shape[0] - 2, line.shape[0] - 3
+    if not halve_y:
+        fine[1:n + 1] = line[1:m + 1]
+        return
+    line[0], line[m + 1], line[m + 2] = line[m], line[1], line[1 + 1 % m]
+    for J in range(n // 2):
+        fine[2 * J + 1] = line[J + 1]
+        fine[2 * J + 2] = near * (line[J + 1] + line[J + 2]) + far * (line[J] + line[J + 3])
+    fine[n] = line[m] if n % 2 else fine[n]
+
+
+@inline
+def _wrap(row):
+    n = row.shape[0] - 2
+    row[0], row[n + 1] = row[n], row[1]
+
+
+@inline
+def _relax(t, v, i, n, s0, s1, s2, s3):
+    """One step for row i: t[v + ...] is the ring of its input."""
+    a, b, c = v + (i - 1 + RING) % RING, v + (i + RING) % RING, v + (i + 1 + RING) % RING
+    w, p, out, last = (i + RING) % RING, RING + (i + RING) % RING, v + RING + (i + RING) % RING, t.shape[0] - 1
+    for j in range(n + 2):
+        t[last, j] = t[a, j] + t[c, j]
+    for j in range(1, n + 1):
+        y = s0 * t[b, j] + s1 * t[last, j] + s2 * (t[b, j - 1] + t[b, j + 1]) + s3 * (t[last, j - 1] + t[last, j + 1]) - t[p, j]
+        t[out, j] = max(y, t[w, j])
+    _wrap(t[out])

@@ -4,6 +4,8 @@ import numpy as np
 
 from ..kernels.spectral import multiply_compliance, multiply_stiffness
 
+NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
+
 
 class HalfSpace:
     """Applies K, or its inverse S = 2/|q|, to fields that the caller makes and uses a few rows at a time.
@@ -68,6 +70,15 @@ class HalfSpace:
         """After `pressure_rows` of a pressure: this rank's share of <p, S p>. Half a pair in all, nothing is transformed back."""
         self.pairs += 0.5
         return self._columns(multiply_compliance, 2.0, backward=False)
+
+
+def near_stiffness(grid):
+    """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0 where there are none)."""
+    n = [min(k, NEAR_POINTS) for k in grid.n]
+    q = [2 * np.pi * np.fft.fftfreq(k) * grid.a / s for k, s in zip(n, grid.spacings, strict=True)]
+    K = np.fft.ifft2(0.5 * np.hypot(q[0][:, None], q[1])).real
+    x, y = (k > 2 for k in n)
+    return np.array([K[0, 0], K[1 % n[0], 0] * x, K[0, 1 % n[1]] * y, K[1 % n[0], 1 % n[1]] * (x and y)])
 
 
 def reader(field):

@@ -18,7 +18,7 @@ from ..parallel import halo
 from .coarsening import Transfer, levels
 
 DAMPING = 4.0  # c
-COUPLING = 1.1  # w
+COUPLING = 1.05  # w
 WHOLE_POINTS = 128 * 128  # levels of at most this many points are swept by every rank
 THIN_ROWS = 2  # and so are levels of which some rank has fewer rows than this
 

@@ -51,7 +51,12 @@ def take_rows(whole, start, a):
 
 
 def neighbours(comm, a, width):
-    """The `width` rows before and after this rank's rows a (rows, m), rows >= width on every rank."""
+    """The `width` rows before and after this rank's rows a (rows, m). Collective."""
+    if comm.size > 1 and comm.min([len(a)])[0] < width:  # rows of more than one rank on either side
+        parts = comm.allgather(a)
+        start, whole = sum(len(part) for part in parts[:comm.rank]), np.concatenate(parts)
+        take = np.arange(width)
+        return whole[(start + take - width) % len(whole)], whole[(start + len(a) + take) % len(whole)]
     if comm.size == 1:
         take = np.arange(width)
         return a[(take - width) % len(a)].copy(), a[take % len(a)].copy()

@@ -1,8 +1,8 @@
 """Projected conjugate gradients in displacement space, one FFT pair per iteration.
 
 Preconditioned by the locally damped multilevel operator of `multilevel.py`. Each step minimises the energy in the plane of the
-preconditioned residual z and the last step d; <z, K z>, which would cost a second FFT, is predicted from the Rayleigh quotients of
-the last steps. The step is clipped to the feasible set, and the energy along the (feasible) chord is minimised exactly, so it never
+preconditioned residual z and the last step d; <z, K z>, which would cost a second FFT, is predicted from the Rayleigh quotient of
+the last step. The step is clipped to the feasible set, and the energy along the (feasible) chord is minimised exactly, so it never
 rises. Where clipping spoils the descent the step is replaced by a plain projected gradient step.
 
 One iteration is three passes over memory: `propose` + row transforms, column transforms with K between them, row transforms + `update`.
@@ -18,10 +18,11 @@ from ..operators.multilevel import COUPLING, Multilevel
 from ..options import read_options
 from .base import Progress, Solver
 
-RHO_MIN, RHO_MAX = 0.4, 1.45  # bounds of the predicted Rayleigh quotient
-MEMORY = 2  # steps that the prediction looks back
+RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
 GRADIENT = 1.42  # bound of kap K's spectrum, sqrt 2: the step of a projected gradient
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
+CLIPPED = 0.02  # share of it up to which a step counts as not clipped
+SHORT = 0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
 
 # The error estimates (see Bpx._estimates); the largest ratio of error to unscaled estimate ever seen was 1.2
 SAFETY = 1.25
@@ -36,7 +37,7 @@ class Bpx(Solver):
     name = "bpx"
     takes_gap = True
     state_names = ("g", "p", "d")
-    scalar_names = ("s", "rayleigh", "plain", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "iterations")
+    scalar_names = ("s", "rayleigh", "free", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "iterations")
 
     def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
@@ -69,9 +70,9 @@ class Bpx(Solver):
         self._begin(self._update_still())
 
     def _begin(self, sums):
-        """A new descent begins: no momentum, no memory of Rayleigh quotients."""
+        """A new descent begins: no momentum, no memory of the Rayleigh quotient."""
         self.s = 1.0
-        self.rayleigh, self.plain = [], True
+        self.rayleigh, self.free = RHO_MAX, False
         self._measure(sums)
 
     def load_state(self, arrays, numbers):
@@ -96,31 +97,32 @@ class Bpx(Solver):
         if self.contact == 0:
             self._touch()
         a, b = self._coefficients()
-        if self.plain:
-            pd = self._propose_gradient()
-        else:
-            pd = self._propose(a, b, COUPLING)
-            if -pd < DESCENT * (a * self.rz + b * self.rd):
-                self.plain = True
-                pd = self._propose_gradient()
+        pd = self._propose(a, b, COUPLING)
+        descent = a * self.rz + b * self.rd
+        plain = not -pd > DESCENT * descent
+        if plain:
+            a, b, pd = 0.0, 0.0, self._propose(1.0 / GRADIENT, 0.0, 0.0)
+        self.free = not plain and abs(pd + descent) < CLIPPED * descent
         dKd = float(self.grid.comm.sum([self.elastic.pressure_columns()])[0])
         optimum = -pd / dKd if dKd > 0 else 1.0
-        self.s = optimum if 0 < optimum < 0.8 else 1.0
+        self.s = optimum if 0 < optimum < (1.0 if self.free else SHORT) else 1.0
         sums = self._update(self.s)
 
-        if self.plain or not a * a * self.rz > 0:
-            self.rayleigh, self.plain = [], False
+        if plain or not a * a * self.rz > 0:
+            self.rayleigh = RHO_MAX
         else:
             zKz = dKd - 2 * a * b * self.zq - b * b * self.dq
-            self.rayleigh = (self.rayleigh + [zKz / (a * a * self.rz)])[-MEMORY:]
+            self.rayleigh = zKz / (a * a * self.rz)
         self._measure(sums)
         self.iterations += 1
 
     def _coefficients(self):
-        """a and b of the step -(a z + b d): the minimum of the energy in the plane of z and d."""
-        if self.plain:
-            return 0.0, 0.0
-        rho = np.clip(max(self.rayleigh), RHO_MIN, RHO_MAX) if len(self.rayleigh) == MEMORY else RHO_MAX
+        """a and b of the step -(a z + b d): the minimum of the energy in the plane of z and d.
+
+        It had better be too long than too short: where nothing is clipped the line search, which can only shorten it, then makes it
+        the step of conjugate gradients.
+        """
+        rho = min(max(self.rayleigh, RHO_MIN), RHO_MAX)
         rz, rd, zq, dq = self.rz, self.rd, self.zq, self.dq
         zz = rho * rz
         if dq <= 0 or rz <= 0:
@@ -142,9 +144,6 @@ class Bpx(Solver):
             return propose(self.g, self.p, self.d, x, i0, i1, z, t.k0, t.f_x, t.mode, t.j0, t.f, *args, self._rows[id(x)])
 
         return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
-
-    def _propose_gradient(self):
-        return self._propose(1.0 / GRADIENT, 0.0, 0.0)
 
     def _update(self, s):
         """Last pass: x = K d by rows, new g and p; returns this rank's sums (see kernels/contact.py)."""
