@@ -12,7 +12,9 @@ RR, PP, PD, DX, PX, CONTACT, GAP, LIFTING = range(8)
 
 @kernel
 def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, rows):
-    """Write the next step to d and x (scratch, rows from 0): d = max(g - a z - b d, 0) - g on F, 0 on A; returns <p, d>.
+    """Write the next step to d and x (scratch, rows from 0): d = max(g - a z - b d, 0) - g on F, 0 on A.
+
+    Returns <p, d> and the number of points that are clipped, i.e. that the whole step brings into contact.
 
     z = kap (p + w P z_coarse) is formed on the fly; w = 0 gives a plain projected gradient step. rows: (2, n_y) scratch.
     """
@@ -21,30 +23,34 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, ro
     zero = g.dtype.type(0)
     row, fine = rows[0, :m], rows[1, :n]
     ak = a * kap
-    total = 0.0
+    one = g.dtype.type(1)
+    total = clipped = 0.0
     for i in range(i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
-        s = zero
+        s = count = zero
         if w > 0:
             combine_rows(z_coarse, k0[i], f_x[i], row)
             interpolate_row(row, fine, mode, j0, f)
             for j in range(n):
                 v = gi[j] - ak * (pi[j] + w * fine[j]) - b * di[j]
-                e = max(v, zero) - gi[j]
-                e = zero if (gi[j] <= zero and pi[j] > zero) else e
+                free = zero if (gi[j] <= zero and pi[j] > zero) else one
+                e = free * (max(v, zero) - gi[j])
+                count += free if v < zero else zero
                 s += pi[j] * e
                 di[j] = e
                 xi[j] = e
         else:
             for j in range(n):
                 v = gi[j] - ak * pi[j] - b * di[j]
-                e = max(v, zero) - gi[j]
-                e = zero if (gi[j] <= zero and pi[j] > zero) else e
+                free = zero if (gi[j] <= zero and pi[j] > zero) else one
+                e = free * (max(v, zero) - gi[j])
+                count += free if v < zero else zero
                 s += pi[j] * e
                 di[j] = e
                 xi[j] = e
         total += s
-    return total
+        clipped += count
+    return total, clipped
 
 
 @kernel

@@ -24,9 +24,10 @@ DESCENT = 0.2  # share of the predicted descent that clipping must leave
 CLIPPED = 0.02  # share of it up to which a step counts as not clipped
 SHORT = 0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
 
-# The error estimates (see Bpx._estimates); the largest ratio of error to unscaled estimate ever seen was 1.2
+# The error estimates (see Bpx._estimates); the factors cover the largest ratios ever seen of error to estimate
 SAFETY = 1.25
-FEW = 8  # contact points below which the mean displacement is an error that the preconditioner underrates
+FEW = 40  # contact points below which the mean displacement is an error that the preconditioner underrates
+CREEP, EARLY = 0.25, 4.0  # of the mean gap
 EDGE = 3  # points whose side is a matter of chance while errors are of the order of one point
 SURE = 0.02  # expected number of points on the wrong side below which there is none
 
@@ -37,7 +38,7 @@ class Bpx(Solver):
     name = "bpx"
     takes_gap = True
     state_names = ("g", "p", "d")
-    scalar_names = ("s", "rayleigh", "free", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "iterations")
+    scalar_names = ("s", "rayleigh", "free", "nearly", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "iterations")
 
     def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
@@ -72,7 +73,7 @@ class Bpx(Solver):
     def _begin(self, sums):
         """A new descent begins: no momentum, no memory of the Rayleigh quotient."""
         self.s = 1.0
-        self.rayleigh, self.free = RHO_MAX, False
+        self.rayleigh, self.free, self.nearly = RHO_MAX, False, 0.0
         self._measure(sums)
 
     def load_state(self, arrays, numbers):
@@ -97,15 +98,17 @@ class Bpx(Solver):
         if self.contact == 0:
             self._touch()
         a, b = self._coefficients()
-        pd = self._propose(a, b, COUPLING)
+        pd, clipped = self._propose(a, b, COUPLING)
         descent = a * self.rz + b * self.rd
         plain = not -pd > DESCENT * descent
         if plain:
-            a, b, pd = 0.0, 0.0, self._propose(1.0 / GRADIENT, 0.0, 0.0)
-        self.free = not plain and abs(pd + descent) < CLIPPED * descent
+            a, b = 0.0, 0.0
+            pd, clipped = self._propose(1.0 / GRADIENT, 0.0, 0.0)
+        self.free = bool(not plain and abs(pd + descent) < CLIPPED * descent)
         dKd = float(self.grid.comm.sum([self.elastic.pressure_columns()])[0])
         optimum = -pd / dKd if dKd > 0 else 1.0
         self.s = optimum if 0 < optimum < (1.0 if self.free else SHORT) else 1.0
+        self.nearly = clipped if self.s < 1 else 0.0
         sums = self._update(self.s)
 
         if plain or not a * a * self.rz > 0:
@@ -135,7 +138,7 @@ class Bpx(Solver):
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
     def _propose(self, a, b, w):
-        """First pass: the next step into d and its row spectra; returns <p, d>."""
+        """First pass: the next step into d and its row spectra; returns <p, d> and clipped points."""
         t, real = self.levels.transfers[0], self.problem.dtype.type
         z = self.levels.z
         args = (real(self.kap), real(w), real(a), real(b * self.s))
@@ -143,7 +146,7 @@ class Bpx(Solver):
         def fill(i0, i1, x):
             return propose(self.g, self.p, self.d, x, i0, i1, z, t.k0, t.f_x, t.mode, t.j0, t.f, *args, self._rows[id(x)])
 
-        return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
+        return self.grid.comm.sum(np.sum(np.reshape(self.elastic.pressure_rows(fill, self.passes), (-1, 2)), axis=0)).tolist()
 
     def _update(self, s):
         """Last pass: x = K d by rows, new g and p; returns this rank's sums (see kernels/contact.py)."""
@@ -194,8 +197,10 @@ class Bpx(Solver):
         squared L2 norm of the error of p. With e = sqrt(<p, M p>/(kap <p, p>_A)):
 
         pressure: e, times 1 + FEW/n_c where only a few points n_c are in contact, when all error is in the mean displacement;
-        area: the share e of the contact is on the wrong side of its edge, and EDGE points, unless e n_c < SURE;
-        mean gap: sqrt(<p, M p>/(p0 <g>)) times (open area)^-1/4: close to full contact it is not p0 that opens the gaps but less.
+        area: the share e of the contact is on the wrong side of its edge, and EDGE points, unless e n_c < SURE, and those that the last
+        step would have closed had it not been made shorter;
+        mean gap: sqrt(<p, M p>/(p0 <g>)), times (open area)^-1/4, because close to full contact it is not p0 that opens the gaps but
+        less, times (1 + CREEP (open area))(1 + EARLY e): the first steps leave much of the slowest modes.
 
         Each is scaled by SAFETY. Rounding of the heights adds its share to e.
         """
@@ -206,9 +211,10 @@ class Bpx(Solver):
         edge = EDGE / n_c if e * n_c > SURE else 0.0
         e = np.hypot(e, self.rounding * np.sqrt(n_c / closed))
         few = SAFETY * (1 + FEW / n_c)
-        area = SAFETY * e + edge
+        area = few * e + edge + self.nearly / n_c
         opened = 1 - n_c / self.N
         mean_gap = 0.0 if self.rr == 0 else np.inf
         if gap > 0:
-            mean_gap = few * (np.sqrt(max(self.rz, 0.0) / (self.N * self.p0 * gap)) * opened**-0.25 + self.rounding * opened / gap)
+            slow = opened**-0.25 * (1 + CREEP * opened) * (1 + EARLY * e)
+            mean_gap = few * (np.sqrt(max(self.rz, 0.0) / (self.N * self.p0 * gap)) * slow + self.rounding * opened / gap)
         return float(area), float(mean_gap), float(few * e)
