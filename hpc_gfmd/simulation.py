@@ -71,8 +71,9 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
             say.say(f"note: {line}")
         compile_once(comm, scene.solver)
         lam_s = getattr(scene.surface, "lam_s", None)
-        kind = LowMemorySweep if scene.solver.low_memory else Sweep
-        sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads), scene.solver, scene.material.E_star, lam_s,
+        low = scene.solver.low_memory
+        kind = LowMemorySweep if low else Sweep
+        sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads, low), scene.solver, scene.material.E_star, lam_s,
                      duality="duality_gap" in (scene.output.observables or ()))
         pressures = sweep.pressures(scene.load)
         file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))

@@ -9,8 +9,8 @@ from .certificate import Certificate, certify
 CHECK_FROM, CHECK_GROWTH = 10, 1.25  # iterations at which a solver without error estimates is judged: each 1.25 times later
 REFRESHES = 3  # times that a solver may be set right by a fresh pressure before it counts as stagnated
 ROUNDING_SAFETY = 1.25  # on what rounding errors add to the error of the pressure
-SURE = 0.02  # expected number of points on the wrong side below which there is none
-NEAR = 4.0  # times its rms: the error of the pressure of a single point
+SURE = 0.01  # expected number of points on the wrong side below which there is none
+NEAR = 12.0  # times its rms: the error of the pressure of a single point
 DEMAND = 0.1  # how much more accurate to become where points are too close to changing sides to tell the area
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
 UNKNOWN = 1.0

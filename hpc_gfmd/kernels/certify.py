@@ -1,5 +1,7 @@
 """Kernels of the certificate and of the cheap observables. Sums are in double precision whatever the fields are."""
 
+import numpy as np
+
 from .jit import kernel
 
 # columns of the sums that `judge` returns
@@ -22,7 +24,7 @@ def judge(g, p, x, p0, low, high, kap, i0, i1):
     other side: in p where g <= 0, in g/kap elsewhere; and the largest -g and -p where g <= 0.
     """
     open_pp = closed_pp = closed_p = pg = gap = contact = near = 0.0
-    penetration = tension = 0.0
+    worst = np.zeros((2, g.shape[1]))  # row after row: one maximum over all points would not use vectors
     for i in range(i0, i1):
         for j in range(g.shape[1]):  # products and selections instead of branches: those keep the compiler from using vectors
             q = p0 + x[i - i0, j]
@@ -41,10 +43,10 @@ def judge(g, p, x, p0, low, high, kap, i0, i1):
             near += a if margin < high else 0.0
             pg += abs(q) * d
             gap += d
-            penetration = -d if -d > penetration else penetration
             pull = closed * -q
-            tension = pull if pull > tension else tension
-    return open_pp, closed_pp, closed_p, pg, contact, gap, near, penetration, tension
+            worst[0, j] = -d if -d > worst[0, j] else worst[0, j]
+            worst[1, j] = pull if pull > worst[1, j] else worst[1, j]
+    return open_pp, closed_pp, closed_p, pg, contact, gap, near, worst[0].max(), worst[1].max()
 
 
 @kernel

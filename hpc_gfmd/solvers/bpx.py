@@ -29,7 +29,7 @@ SAFETY = 1.25
 FEW = 40  # contact points below which the mean displacement is an error that the preconditioner underrates
 CREEP, EARLY = 0.25, 4.0  # of the mean gap
 EDGE = 3  # points whose side is a matter of chance while errors are of the order of one point
-SURE = 0.02  # expected number of points on the wrong side below which there is none
+SURE = 0.01  # expected number of points on the wrong side below which there is none
 
 
 class Bpx(Solver):

@@ -10,7 +10,7 @@ from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
 from .analytic import sphere_rows, wave_rows
 from .files import HeightMap
-from .selfaffine import self_affine_heights
+from .selfaffine import self_affine_gap
 from .statistics import rms
 
 SLAB_ROWS = 64  # rows read or made at a time
@@ -49,14 +49,17 @@ def surface_size(spec):
     return tuple(spec.n) if spec.n is not None else tuple(HeightMap(spec, probe=True).shape)
 
 
-def build_surface(spec, comm, dtype, threads=1):
-    """Make or read the surface of a scene on all ranks; spec: scene.surface. Raises SceneError on all ranks."""
+def build_surface(spec, comm, dtype, threads=1, thrifty=False):
+    """Make or read the surface of a scene on all ranks; spec: scene.surface. Raises SceneError on all ranks.
+
+    thrifty: without transforms in double precision, which later ones of the certificate would need anyway.
+    """
     dtype = np.dtype(dtype)
     if spec.kind == "self-affine":
         grid = Grid(spec.n, spec.physical_sizes, comm, threads)
-        z, h_over_g, add_spectrum = self_affine_heights(spec, grid, dtype)
+        h, h_over_g, add_spectrum = self_affine_gap(spec, grid, dtype, dtype if thrifty else np.float64)
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
-        return Surface(grid, _gap(comm, z), spec.n, h_over_g * g_rms * grid.a, g_rms, grid.rows, add_spectrum)
+        return Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.rows, add_spectrum)
     with guarded(comm, "reading the surface"):
         if spec.kind == "wave":
             n, rows = spec.n, wave_rows(spec, spec.n)
@@ -96,12 +99,6 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1):
     h = z if dtype == np.float64 else np.empty(z.shape, dtype)
     np.divide(z, g_rms, out=h, casting="same_kind")
     return Surface(grid, h, n, h_rms, g_rms / grid.a, (start, stop))
-
-
-def _gap(comm, z):
-    """z_max - z in place."""
-    top = z.dtype.type(comm.max([z.max(initial=-np.inf)])[0])
-    return np.subtract(top, z, out=z)
 
 
 def _leave_out_constant_axis(grid, z):

@@ -6,13 +6,14 @@ from ..kernels.surface import self_affine
 from .statistics import rms_of_columns
 
 
-def self_affine_heights(spec, grid, dtype):
-    """Heights (local slab, dtype) with g_rms = 1 per grid spacing, their h_rms, and `add_spectrum`; spec: scene.SelfAffine.
+def self_affine_gap(spec, grid, dtype, made_in):
+    """z_max - z (local slab, dtype) with g_rms = 1 per grid spacing, its rms, and `add_spectrum`; spec: scene.SelfAffine.
 
+    made_in: precision of the transforms; errors of single ones are several times those of storing the gap.
     add_spectrum(fft) returns a function (block, m) that adds the transform of the heights (as the transforms here leave it, without
     1/N) to a block of columns: who has it can do without the heights.
     """
-    fft = grid.fft(dtype)
+    fft = grid.fft(made_in)
     low = float(spec.L_over_lam_l)
     high = low * float(spec.lam_l_over_lam_s)
     numbers = (np.uint64(spec.seed), float(spec.aspect), low, high, low * float(spec.lam_l_over_lam_r), 1.0 + spec.hurst)
@@ -25,10 +26,14 @@ def self_affine_heights(spec, grid, dtype):
         return add
 
     h_rms, g_rms = rms_of_columns(grid, fft, adder(fft, 0.0, 1.0), backward=True)
-    z = grid.empty(dtype)
+    tops = fft.backward_rows(lambda i0, i1, x: x[: i1 - i0].max())
+    top = fft.dtype.type(grid.comm.max([max(tops, default=-np.inf)])[0])
+    h = grid.empty(dtype)
 
     def use(i0, i1, x):
-        np.multiply(x[: i1 - i0], fft.dtype.type(1.0 / g_rms), out=z[i0:i1])
+        rows = x[: i1 - i0]
+        np.subtract(top, rows, out=rows)
+        np.multiply(rows, fft.dtype.type(1.0 / g_rms), out=h[i0:i1], casting="same_kind")
 
     fft.backward_rows(use)
-    return z, h_rms / g_rms, lambda fft: adder(fft, 1.0, grid.N / g_rms)
+    return h, h_rms / g_rms, lambda fft: adder(fft, 1.0, grid.N / g_rms)
