@@ -1,8 +1,14 @@
-"""Kernels on spectra. A spectrum is stored in blocks of W columns (see parallel/fft.py); |q| is computed on the fly."""
+"""Kernels on spectra: blocks of W columns as rows of the transform leave them, (n_x, W), and turned, (W, n_x), to be transformed.
+
+|q| is computed on the fly.
+"""
 
 import numpy as np
 
 from .jit import kernel
+
+TILE = 8  # complex numbers of single precision in a cache line
+PIECE = 1024  # numbers that are summed up in their own precision
 
 
 @kernel
@@ -30,59 +36,89 @@ def from_blocks(blocks, rows, i0, count):
 
 
 @kernel
-def multiply_stiffness(block, q_x, q_y, weight, factor):
-    """block *= factor |q|, in place; returns sum(weight factor |q| |block|^2) of the values before.
-
-    block: (n_x, 2 W) real and imaginary parts; q_x: (n_x,); q_y, weight: (2 W,), every column twice: weight is the multiplicity of
-    a column in the half spectrum, 0 for padding.
-    """
+def turn(block, columns):
+    """columns (W, n_x) = block (n_x, W) transposed, a cache line of either at a time."""
     n_x, W = block.shape
-    energy = 0.0
-    for i in range(n_x):
-        qx2 = q_x[i] * q_x[i]
-        row = block[i]
-        e = q_y.dtype.type(0)
+    whole = n_x - n_x % TILE
+    for i in range(0, whole, TILE):
         for w in range(W):
-            k = factor * np.sqrt(qx2 + q_y[w] * q_y[w])
-            c = row[w]
-            e += weight[w] * k * c * c
-            row[w] = k * c
-        energy += e
+            for k in range(TILE):
+                columns[w, i + k] = block[i + k, w]
+    for i in range(whole, n_x):
+        for w in range(W):
+            columns[w, i] = block[i, w]
+
+
+@kernel
+def turn_back(columns, block):
+    """The inverse of `turn`."""
+    n_x, W = block.shape
+    whole = n_x - n_x % TILE
+    for i in range(0, whole, TILE):
+        for w in range(W):
+            for k in range(TILE):
+                block[i + k, w] = columns[w, i + k]
+    for i in range(whole, n_x):
+        for w in range(W):
+            block[i, w] = columns[w, i]
+
+
+@kernel
+def multiply_stiffness(columns, q_x, q_y, weight, factor):
+    """columns *= factor |q|, in place; returns sum(weight factor |q| |columns|^2) of the values before.
+
+    columns: (W, 2 n_x), real and imaginary parts in turn; q_x: (2 n_x,), every number twice; q_y, weight: (W,), weight is the
+    multiplicity of a column in the half spectrum, 0 for padding.
+    """
+    W, n = columns.shape
+    energy = 0.0
+    for w in range(W):
+        qy2 = q_y[w] * q_y[w]
+        for i in range(0, n, PIECE):
+            piece, q = columns[w, i:i + PIECE], q_x[i:i + PIECE]
+            e = q_y.dtype.type(0)
+            for j in range(piece.shape[0]):
+                k = factor * np.sqrt(q[j] * q[j] + qy2)
+                c = piece[j]
+                e += k * c * c
+                piece[j] = k * c
+            energy += weight[w] * e
     return energy
 
 
 @kernel
-def multiply_compliance(block, q_x, q_y, weight, factor):
-    """block *= factor/|q|, in place, and 0 at q = 0; returns sum(weight factor/|q| |block|^2) of the values before."""
-    n_x, W = block.shape
+def multiply_compliance(columns, q_x, q_y, weight, factor):
+    """columns *= factor/|q|, in place, and 0 at q = 0; returns sum(weight factor/|q| |columns|^2) of the values before."""
+    W, n = columns.shape
     energy = 0.0
     zero = q_y.dtype.type(0)
-    for i in range(n_x):
-        qx2 = q_x[i] * q_x[i]
-        row = block[i]
-        e = zero
-        for w in range(W):
-            q2 = qx2 + q_y[w] * q_y[w]
-            s = factor / np.sqrt(q2) if q2 > zero else zero
-            c = row[w]
-            e += weight[w] * s * c * c
-            row[w] = s * c
-        energy += e
+    for w in range(W):
+        qy2 = q_y[w] * q_y[w]
+        for i in range(0, n, PIECE):
+            piece, q = columns[w, i:i + PIECE], q_x[i:i + PIECE]
+            e = zero
+            for j in range(piece.shape[0]):
+                q2 = q[j] * q[j] + qy2
+                s = factor / np.sqrt(q2) if q2 > zero else zero
+                c = piece[j]
+                e += s * c * c
+                piece[j] = s * c
+            energy += weight[w] * e
     return energy
 
 
 @kernel
-def spectrum_sums(block, q_x, q_y, weight):
-    """sum(weight |block|^2) and sum(weight q^2 |block|^2), both without q = 0."""
-    n_x, W = block.shape
+def spectrum_sums(columns, q_x, q_y, weight):
+    """sum(weight |columns|^2) and sum(weight q^2 |columns|^2), both without q = 0; columns: (W, n_x) complex."""
+    W, n_x = columns.shape
     s0 = 0.0
     s2 = 0.0
-    for i in range(n_x):
-        qx2 = q_x[i] * q_x[i]
-        for w in range(W):
-            q2 = qx2 + q_y[w] * q_y[w]
+    for w in range(W):
+        qy2 = q_y[w] * q_y[w]
+        for i in range(n_x):
+            q2 = q_x[i] * q_x[i] + qy2
             if q2 > 0.0:
-                c = block[i, w]
+                c = columns[w, i]
                 e = weight[w] * (np.float64(c.real) * c.real + np.float64(c.imag) * c.imag)
                 s0 += e
                 s2 += q2 * e

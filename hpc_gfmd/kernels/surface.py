@@ -52,24 +52,24 @@ def _mode(seed, k_x, k_y, aspect, low, high, rolloff, exponent):
 
 @kernel
 def self_affine(block, keep, factor, j0, columns, n_y, seed, aspect, low, high, rolloff, exponent):
-    """block = keep block + factor spectrum; block: complete columns (n_x, W) of the half spectrum.
+    """block = keep block + factor spectrum; block: complete columns (W, n_x) of the half spectrum.
 
     Column w is mode number k_y = j0 + w, w < columns.
 
     A mode number of exactly half the points is the sum of the two modes that the grid cannot tell apart.
     """
-    n_x, W = block.shape
-    for i in range(n_x):
-        k_x = i if 2 * i <= n_x else i - n_x
-        for w in range(W):
+    W, n_x = block.shape
+    for w in range(W):
+        k_y = j0 + w
+        for i in range(n_x):
+            k_x = i if 2 * i <= n_x else i - n_x
             re = 0.0
             im = 0.0
             if w < columns:
-                k_y = j0 + w
                 for s in range(2 if 2 * k_x == n_x else 1):
                     x = k_x if s == 0 else -k_x
                     for t in range(2 if 2 * k_y == n_y else 1):
                         a, b = _mode(seed, x, k_y if t == 0 else -k_y, aspect, low, high, rolloff, exponent)
                         re += a
                         im += b
-            block[i, w] = keep * block[i, w] + factor * complex(re, im)
+            block[w, i] = keep * block[w, i] + factor * complex(re, im)

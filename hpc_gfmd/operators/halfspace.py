@@ -1,5 +1,7 @@
 """The elastic half-space: p = p0 + K u with K = |q|/2 in the units of problem.py (E* = 1, lengths in units of a)."""
 
+from functools import cache
+
 import numpy as np
 
 from ..kernels.spectral import multiply_compliance, multiply_stiffness
@@ -16,9 +18,8 @@ class HalfSpace:
     def __init__(self, grid, dtype):
         self.grid = grid
         self.fft = grid.fft(dtype)
-        self.q_x = grid.q_x.astype(self.fft.dtype)
-        # every column twice: kernels see real and imaginary parts as columns of their own
-        self.q_y, self.weight = (np.repeat(t, 2, axis=1) for t in grid.column_tables(self.fft))
+        self.q_x = np.repeat(grid.q_x, 2).astype(self.fft.dtype)  # kernels see real and imaginary parts as numbers of their own
+        self.q_y, self.weight = grid.column_tables(self.fft)
         self.pairs = 0.0
 
     def _columns(self, kernel, factor, backward=True, add=None):
@@ -74,8 +75,12 @@ class HalfSpace:
 
 def near_stiffness(grid):
     """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0 where there are none)."""
-    n = [min(k, NEAR_POINTS) for k in grid.n]
-    q = [2 * np.pi * np.fft.fftfreq(k) * grid.a / s for k, s in zip(n, grid.spacings, strict=True)]
+    return _near_stiffness(tuple(min(k, NEAR_POINTS) for k in grid.n), tuple(s / grid.a for s in grid.spacings))
+
+
+@cache
+def _near_stiffness(n, spacings):
+    q = [2 * np.pi * np.fft.fftfreq(k) / s for k, s in zip(n, spacings, strict=True)]
     K = np.fft.ifft2(0.5 * np.hypot(q[0][:, None], q[1])).real
     x, y = (k > 2 for k in n)
     return np.array([K[0, 0], K[1 % n[0], 0] * x, K[0, 1 % n[1]] * y, K[1 % n[0], 1 % n[1]] * (x and y)])

@@ -5,11 +5,12 @@ make or use a few rows at a time (they stay in cache between the caller's arithm
 work on a few complete columns of the spectrum (likewise). One field of complex numbers is all the memory a convolution needs:
 
     forward_rows(fill)    fill(i0, i1, x) makes rows i0..i1 of the real field -> row spectra
-    columns(apply)        all-to-all of a block of columns, transform, apply(block, m), transform back, all-to-all
+    columns(apply)        all-to-all of a block of columns, turn, transform, apply(block, m), transform back, turn back, all-to-all
     backward_rows(use)    use(i0, i1, x) gets rows i0..i1 of the convolved field
 
 The row spectra are stored as M blocks of W columns, shape (M, n_loc, W); block m = k P + r belongs to rank r, so the send
-buffers of the all-to-all number k are contiguous as they stand. The last blocks may hold padding columns (weight 0).
+buffers of the all-to-all number k are contiguous as they stand. The last blocks may hold padding columns (weight 0). To be
+transformed a block is turned: contiguous columns (W, n_x) are transformed up to twice as fast.
 
 Convention: h_q = (1/N) sum_r h(r) exp(-i q r), h(r) = sum_q h_q exp(i q r). The transforms here leave out 1/N in both directions;
 `scale` = 1/N is folded into the kernels that work on columns.
@@ -20,10 +21,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from ..aligned import empty_aligned
-from ..kernels.spectral import from_blocks, to_blocks
+from ..kernels.spectral import from_blocks, to_blocks, turn, turn_back
 from .plans import Plans, Wisdom
 
-COLUMN_BYTES = 512 * 1024  # of a block of columns, transformed in place
+COLUMN_BYTES = 256 * 1024  # of a block of columns, which is turned in the second-level cache
 ROW_BYTES = 256 * 1024  # of the spectra of one pass of rows: these share the second-level cache with the rows of the caller's fields
 MIN_WIDTH, MAX_WIDTH = 8, 64
 
@@ -54,18 +55,19 @@ class SlabFFT:
         self.R = self._rows_per_pass(complex_dtype.itemsize)
         self.threads = threads
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
-        wisdom = Wisdom(f"{n_x}x{n_y}-{self.dtype.name}-R{self.R}-W{self.W}", self.dtype)
+        wisdom = Wisdom(f"{n_x}x{n_y}-{self.dtype.name}-R{self.R}-C{self.W}", self.dtype)
         self.blocks = empty_aligned((self.M, self.n_loc, self.W), complex_dtype)
         self.blocks[...] = 0.0  # also touches the pages, and keeps padding columns free of NaN
         self._scratch = []
         for _ in range(threads):
             real = empty_aligned((self.R, n_y), self.dtype)
             half = empty_aligned((self.R, self.n_c), complex_dtype)
-            block = empty_aligned((n_x, self.W), complex_dtype)
+            turned = empty_aligned((self.W, n_x), complex_dtype)
+            block = empty_aligned((n_x, self.W) if comm.size > 1 else (0, self.W), complex_dtype)  # what other ranks send
             if not self._scratch:
-                self.plans = Plans(real, half, block)
-            real[...], half[...], block[...] = 0, 0, 0
-            self._scratch.append((real, half, block))
+                self.plans = Plans(real, half, turned)
+            real[...], half[...], turned[...], block[...] = 0, 0, 0, 0
+            self._scratch.append((real, half, turned, block))
         wisdom.keep()
 
     def _block_width(self, itemsize):
@@ -108,7 +110,7 @@ class SlabFFT:
         """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill returned, in the order of the passes."""
 
         def one(i0, i1, scratch):
-            real, half, _ = scratch
+            real, half = scratch[:2]
             result = fill(i0, i1, real)
             self.plans.rows_forward(real, half)
             to_blocks(half, self.blocks, i0, i1 - i0)
@@ -120,7 +122,7 @@ class SlabFFT:
         """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use returned, in order."""
 
         def one(i0, i1, scratch):
-            real, half, _ = scratch
+            real, half = scratch[:2]
             from_blocks(self.blocks, half, i0, i1 - i0)
             self.plans.rows_backward(half, real)
             return use(i0, i1, real)
@@ -128,21 +130,27 @@ class SlabFFT:
         return self._map(one, passes or self.passes())
 
     def columns(self, apply, forward=True, backward=True):
-        """Call apply(block, m) on every block of complete columns of this rank, block: (n_x, W); returns the results in order.
+        """Call apply(block, m) on every block of complete columns of this rank, block: (W, n_x); returns the results in order.
 
-        forward/backward=False leaves out the transform along axis 0 (and the all-to-all) on that side.
+        forward/backward=False leaves out the transform along axis 0 (and the all-to-all) on that side; a block that was not
+        transformed forward is all zero.
         """
         if self.comm.size == 1:
-            return self._map(lambda m, _, __: self._one_block(self.blocks[m], m, apply, forward, backward),
+            return self._map(lambda m, _, scratch: self._one_block(self.blocks[m], scratch[2], m, apply, forward, backward),
                              [(m, m) for m in range(self.M)])
         return self._columns_mpi(apply, forward, backward)
 
-    def _one_block(self, block, m, apply, forward, backward):
+    def _one_block(self, block, turned, m, apply, forward, backward):
+        """block: (n_x, W) complete columns as they are stored."""
         if forward:
-            self.plans.columns_forward(block, block)
-        result = apply(block, m)
+            turn(_moved(block), _moved(turned))
+            self.plans.columns_forward(turned, turned)
+        else:
+            turned[...] = 0
+        result = apply(turned, m)
         if backward:
-            self.plans.columns_backward(block, block)
+            self.plans.columns_backward(turned, turned)
+            turn_back(_moved(turned), _moved(block))
         return result
 
     def _columns_mpi(self, apply, forward, backward):
@@ -158,16 +166,17 @@ class SlabFFT:
             for k, scratch in zip(group, self._scratch):
                 if forward:
                     slab = self.blocks[k * size:(k + 1) * size]
-                    mpi.Alltoallv([slab.view(np.uint8), *here, _BYTE()], [scratch[2].view(np.uint8), *there, _BYTE()])
+                    mpi.Alltoallv([slab.view(np.uint8), *here, _BYTE()], [scratch[3].view(np.uint8), *there, _BYTE()])
 
             def one(k, first, _):
-                return self._one_block(self._scratch[k - first][2], k * size + rank, apply, forward, backward)
+                _, _, turned, block = self._scratch[k - first]
+                return self._one_block(block, turned, k * size + rank, apply, forward, backward)
 
             results += self._map(one, [(k, k0) for k in group])
             for k, scratch in zip(group, self._scratch):
                 if backward:
                     slab = self.blocks[k * size:(k + 1) * size]
-                    mpi.Alltoallv([scratch[2].view(np.uint8), *there, _BYTE()], [slab.view(np.uint8), *here, _BYTE()])
+                    mpi.Alltoallv([scratch[3].view(np.uint8), *there, _BYTE()], [slab.view(np.uint8), *here, _BYTE()])
         return results
 
     def _map(self, one, ranges):
@@ -180,6 +189,11 @@ class SlabFFT:
             return [one(a, b, self._scratch[t]) for a, b in ranges[t * share:(t + 1) * share]]
 
         return [r for part in self._pool.map(work, range(self.threads)) for r in part]
+
+
+def _moved(a):
+    """The same memory in a type that the compiler moves at once."""
+    return a.view(np.float64) if a.dtype == np.complex64 else a
 
 
 def _BYTE():

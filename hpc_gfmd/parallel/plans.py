@@ -42,7 +42,7 @@ def fft_library():
 class Plans:
     """The four transforms of a slab: rows forward and back (real <-> complex), columns forward and back (complex).
 
-    real: (R, n_y), half: (R, n_y//2 + 1), block: (n_x, W): scratch arrays of the shapes to plan for. Their contents are lost.
+    real: (R, n_y), half: (R, n_y//2 + 1), block: (W, n_x): scratch arrays of the shapes to plan for. Their contents are lost.
     """
 
     def __init__(self, real, half, block):
@@ -54,8 +54,8 @@ class Plans:
         n_y = (real.shape[1],)
         self.rows_forward = fftw.rfftn(real, None, (1,), 1, flags, half)
         self.rows_backward = fftw.irfftn(half, n_y, (1,), 1, flags, output_array=real)
-        self.columns_forward = fftw.fftn(block, None, (0,), 1, flags, block)
-        self.columns_backward = fftw.ifftn(block, None, (0,), 1, flags, output_array=block)
+        self.columns_forward = fftw.fftn(block, None, (1,), 1, flags, block)
+        self.columns_backward = fftw.ifftn(block, None, (1,), 1, flags, output_array=block)
 
     def _scipy(self, n_y):
         from scipy import fft
@@ -67,10 +67,10 @@ class Plans:
             out[...] = fft.irfft(x, n=n_y, axis=1, norm="forward")
 
         def columns_forward(x, out):
-            out[...] = fft.fft(x, axis=0)
+            out[...] = fft.fft(x, axis=1)
 
         def columns_backward(x, out):
-            out[...] = fft.ifft(x, axis=0, norm="forward")
+            out[...] = fft.ifft(x, axis=1, norm="forward")
 
         self.rows_forward, self.rows_backward = rows_forward, rows_backward
         self.columns_forward, self.columns_backward = columns_forward, columns_backward

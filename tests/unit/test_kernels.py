@@ -42,24 +42,34 @@ def test_blocks(random):
     assert np.array_equal(back, rows)
 
 
+@pytest.mark.parametrize("shape", [(24, 8), (13, 5), (7, 3)])
+def test_turn(random, shape):
+    block, columns, back = random.standard_normal(shape), np.empty(shape[::-1]), np.empty(shape)
+    spectral.turn(block, columns)
+    assert np.array_equal(columns, block.T)
+    spectral.turn_back(columns, back)
+    assert np.array_equal(back, block)
+
+
 @pytest.mark.parametrize(("kernel", "power"), [(spectral.multiply_stiffness, 1), (spectral.multiply_compliance, -1)])
 def test_multiply(random, kernel, power):
-    q_x, q_y, weight = random.standard_normal(6), np.repeat(random.standard_normal(4), 2), np.repeat([1.0, 2, 2, 0], 2)
-    q_x[0] = q_y[0] = q_y[1] = 0
-    block = random.standard_normal((6, 8))
-    q = np.hypot(q_x[:, None], q_y)
+    n_x = 5 + spectral.PIECE  # more than is summed up at once
+    q_x, q_y, weight = np.repeat(random.standard_normal(n_x), 2), random.standard_normal(4), np.array([1.0, 2, 2, 0])
+    q_x[:2] = q_y[0] = 0
+    block = random.standard_normal((4, 2 * n_x))
+    q = np.hypot(q_x, q_y[:, None])
     k = 0.3 * np.power(q, power, out=np.zeros_like(q), where=q > 0)
     before = block.copy()
     energy = kernel(block, q_x, q_y, weight, 0.3)
-    assert energy == pytest.approx(np.sum(weight * k * before**2), rel=1e-13)
+    assert energy == pytest.approx(np.sum(weight[:, None] * k * before**2), rel=1e-13)
     assert np.allclose(block, k * before, rtol=1e-14)
 
 
 def test_spectrum_sums(random):
     q_x, q_y, weight = np.array([0, 1.0, -1]), np.array([0, 2.0]), np.array([1.0, 2])
-    block = random.standard_normal((3, 2)) + 1j * random.standard_normal((3, 2))
-    q2 = q_x[:, None] ** 2 + q_y**2
-    power = weight * np.abs(block) ** 2
+    block = random.standard_normal((2, 3)) + 1j * random.standard_normal((2, 3))
+    q2 = q_x**2 + q_y[:, None] ** 2
+    power = weight[:, None] * np.abs(block) ** 2
     assert spectral.spectrum_sums(block, q_x, q_y, weight) == pytest.approx((power[q2 > 0].sum(), (q2 * power).sum()))
 
 
@@ -67,9 +77,9 @@ def test_random_spectrum_is_that_of_a_real_field():
     n = 8
     whole = np.zeros((n, n), complex)
     for k_y in range(n):
-        block = np.zeros((n, 1), complex)
+        block = np.zeros((1, n), complex)
         surface.self_affine(block, 0.0, 1.0, k_y if k_y <= n // 2 else k_y - n, 1, n, np.uint64(3), 1.0, 1.0, 4.0, 1.0, 1.8)
-        whole[:, k_y] = block[:, 0]
+        whole[:, k_y] = block[0]
     heights = np.fft.ifft2(whole)
     assert np.abs(heights.imag).max() < 1e-14 * np.abs(heights.real).max()
     k = np.hypot(*np.meshgrid(np.fft.fftfreq(n, 1 / n), np.fft.fftfreq(n, 1 / n)))
@@ -81,8 +91,9 @@ def test_random_numbers_are_uniform():
     """Real and imaginary parts over |k|^-(1+H) fill (-1, 1) evenly, and neighbouring seeds and modes are independent."""
     parts = []
     for seed in (0, 1):
-        block = np.zeros((256, 100), complex)
+        block = np.zeros((100, 256), complex)
         surface.self_affine(block, 0.0, 1.0, 1, 100, 512, np.uint64(seed), 1.0, 1.0, 300.0, 1.0, 0.0)
+        block = block.T
         assert np.abs(block.real[:100]).max() < 1
         for part in (block.real[:100].ravel(), block.imag[:100].ravel()):
             assert np.mean(part) == pytest.approx(0, abs=0.03)
