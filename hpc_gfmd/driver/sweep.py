@@ -13,8 +13,9 @@ from .drive import Course, Outcome, Target, drive
 from .nested import Nested, cold_gap
 
 SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
-WARM_UP, WARM_DOWN = 1.5, 1.25  # a load up to so much larger or smaller starts from the one before, others from coarser grids
-FULL_P_STAR = 0.5  # full contact needs p* above std(p)/(E* g_rms) = 1/2 (unless the surface is very skewed)
+WARM_UP, WARM_DOWN = 1.45, 1.26  # a load up to so much larger or smaller starts from the one before, others from coarser grids
+# (not round numbers, nor the next one: p* has rounding errors)
+FULL_P_STAR = 0.499  # full contact needs p* above std(p)/(E* g_rms) = 1/2 (unless the surface is very skewed)
 FEW_POINTS = 6  # points on the wrong side that single precision may have
 
 
