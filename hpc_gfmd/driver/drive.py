@@ -7,7 +7,7 @@ import numpy as np
 from .certificate import Certificate, certify
 
 CHECK_FROM, CHECK_GROWTH = 10, 1.25  # iterations at which a solver without error estimates is judged: each 1.25 times later
-REFRESHES = 3  # times that a solver may be set right by a fresh pressure before it counts as stagnated
+REFRESHES = 5  # times that a solver may be set right by a fresh pressure before it counts as stagnated
 ROUNDING_SAFETY = 1.25  # on what rounding errors add to the error of the pressure
 SURE = 0.01  # expected number of points on the wrong side below which there is none
 NEAR = 12.0  # times its rms: the error of the pressure of a single point

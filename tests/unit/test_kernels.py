@@ -289,12 +289,11 @@ def prolonged(u, p, h, kap, stencil, parts=1):
         first, last = -(-start // step), -(-stop // step)
 
         def cut(a, i, k, width):
-            rows = [np.take(a, np.arange(*r), axis=0, mode="wrap") for r in ((i - width, i), (i, k), (k, k + width))]
-            return rows
+            return [np.take(a, np.arange(*r), axis=0, mode="wrap") for r in ((i - width, i), (i, k), (k, k + width))]
 
         g = np.empty((stop - start, n_y))
-        prolong.prolong_gap(*cut(u, first, last, prolong.HALO), *cut(p, first, last, prolong.HALO), *cut(h, start, stop, prolong.SWEEPS),
-                            g, start, first, n_x, m_x, step, m_y != n_y, kap, stencil)
+        coarse = [row for a in (u, p) for row in cut(a, first, last, prolong.HALO)]
+        prolong.prolong_gap(*coarse, *cut(h, start, stop, prolong.SWEEPS), g, start, first, n_x, m_x, step, m_y != n_y, kap, stencil)
         out.append(g)
     return np.concatenate(out)
 
