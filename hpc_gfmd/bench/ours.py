@@ -35,17 +35,18 @@ class Ours:
         self.p = case.p_star * self.sweep.surface.g_rms
         self.nested = self.sweep.nested
 
-    def solve(self, accuracy, solver="bpx", nested=True, max_iterations=100_000, residual=None):
+    def solve(self, accuracy, solver="bpx", nested=True, max_iterations=100_000, residual=None, budget=np.inf):
         """Solved to a relative accuracy of area, mean gap and pressure, from coarser grids (nested) or from a flat plane.
 
         With residual given it is that, the rms of the pressure on open points over p0, that ends the solve; accuracy is then None.
+        budget: seconds after which the solve is interrupted.
         """
         sweep = self.sweep
         sweep.target = Target(accuracy, residual, max_iterations)
         sweep.solver_class, sweep.nested = solver_class(solver), self.nested if nested else None
         sweep.solver = sweep.before = None  # nothing is left of the solve before
         begun, cpu = time.perf_counter(), time.process_time()
-        step = sweep.solve(self.p)
+        step = sweep.solve(self.p, lambda iterations, progress: time.perf_counter() - begun > budget)
         contact = step.contact
         pressure = np.asarray(contact.field("pressure"))
         seconds, cpu_seconds = time.perf_counter() - begun, time.process_time() - cpu

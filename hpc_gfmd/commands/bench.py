@@ -27,8 +27,8 @@ def add_parser(subparsers):
     accuracy.add_argument("--start", nargs="+", choices=("nested", "cold"), default=["nested", "cold"])
     accuracy.add_argument("--accuracy", type=number, nargs="+", default=[1e-2, 1e-3, 1e-4, 1e-5, 1e-6], metavar="EPS")
     accuracy.add_argument("--max-iterations", type=int, default=2000, metavar="K")
-    accuracy.add_argument("--budget", type=number, default=120.0, metavar="S", help="seconds of one solve after which a solver is "
-                          "not tried at tighter accuracies or repeated (default 120)")
+    accuracy.add_argument("--budget", type=number, default=120.0, metavar="S", help="seconds after which a solve is interrupted, "
+                          "not repeated, and tighter accuracies are not tried (default 120)")
     accuracy.set_defaults(main=main, part=_accuracy)
 
     scaling = parts.add_parser("scaling", help="strong and weak scaling under mpirun, where the time goes, and a model of a cluster")
