@@ -12,7 +12,7 @@ from .sweep import Sweep, first_precision
 
 SAMPLE = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 2, "lam_l_over_lam_s": 256, "lam_s_over_a": 2, "seed": 1}
 # FFT pairs to an accuracy of 1e-3, everything counted, and further ones per decade, for the default solver
-PAIRS, PAIRS_PER_DECADE = 13.0, 3.5
+PAIRS, PAIRS_PER_DECADE = 9.0, 2.8
 BASELINE_PAIRS = {"gfmd": 150.0, "fire": 400.0, "ccg": 150.0}
 
 
