@@ -1,4 +1,7 @@
-"""The pictures of `bench accuracy`: true error against time or FFT pairs, log-log, one panel per load and Hurst exponent."""
+"""The pictures of `bench accuracy`: true error against time or FFT pairs, log-log, one panel per load and Hurst exponent.
+
+Solves that were interrupted at their budget are drawn too: with the error that they had reached.
+"""
 
 NAMES = {"bpx": "BPX-GFMD (default)", "gfmd": "GFMD", "fire": "GFMD + FIRE", "ccg": "Polonsky-Keer CG"}
 LABELS = {"seconds_min": "time (s)", "cpu_seconds_min": "CPU time (s)", "fft_pairs": "FFT pairs, everything counted"}
@@ -9,7 +12,7 @@ def draw(rows, path, cost):
     """Draw the rows of the largest n of bench_accuracy to path. cost: which of LABELS to draw the error against."""
     from ..plotting.style import COLOURS, figure
 
-    rows = [row for row in rows if row["error"] and row["status"] == "converged"]
+    rows = [row for row in rows if row["error"] and row["status"] in ("converged", "interrupted")]
     if not rows:
         return
     n = max(row["n"] for row in rows)
