@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
-from contacts import rough, sweep_of
+from contacts import rough, solve_scene, sweep_of
 
+from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import all_observables
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.surface import build_surface
 
 P_STAR = 0.01 / np.sqrt(2)
 CASES = [  # hurst, lam_l/lam_s, seeds, kappa, its uncertainty, edge-corrected kappa
@@ -34,3 +37,27 @@ def test_persson_at_high_load():
     contact = sweep_of(rough((2, 32, 2))).solve(0.5 / np.sqrt(2)).contact
     assert 0.57 < all_observables()["a_r"](contact) < 0.72
     assert all_observables()["gap_over_h_rms"](contact) < 0.1
+
+
+@pytest.mark.parametrize(("p_star", "most"), [(0.007, 11.0), (0.353, 8.0)])
+def test_pairs_do_not_grow_with_the_grid(p_star, most):
+    """Everything counted, FFT pairs to 1e-3: means of three surfaces (measured at 512: 10.0 and 7.3).
+
+    At p* = 0.007 256 x 256 points take 14: single points are more than 1e-3 of the contact area there.
+    """
+    means = []
+    for points in (128, 512):
+        found = [solve_scene(rough((2, points // 4, 2), seed=seed), p_star, accuracy=1e-3).fft_pairs for seed in (1, 2, 3)]
+        means.append(np.mean(found))
+    assert means[1] <= most
+    assert means[1] <= means[0] + 1
+
+
+def test_heights_in_single_precision_are_rounded_once():
+    """Their transforms are in double precision; in low memory they are not, and errors are a few times larger."""
+    spec = Scene.from_dict({"surface": rough((2, 32, 2)), "load": {"p_star": 0.1}}).surface
+    exact = build_surface(spec, SerialComm(), np.float64).h
+    unit = np.finfo(np.float32).eps * exact
+    once, thrifty = (build_surface(spec, SerialComm(), np.float32, thrifty=thrifty).h for thrifty in (False, True))
+    assert (np.abs(once - exact) <= 0.51 * unit).all()
+    assert np.abs(once - exact).max() < np.abs(thrifty - exact).max() < 20 * unit.max()
