@@ -14,6 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..parallel.fft import COLUMN_BYTES, MIN_WIDTH
+
 
 @dataclass(frozen=True)
 class Machine:
@@ -57,9 +59,6 @@ class Network:
         return f"network of {1e6 * self.latency:g} us and {self.bandwidth / 1e9:g} GB/s per node"
 
 
-BLOCK_BYTES = 512 * 1024  # of a block of columns, see parallel/fft.py
-
-
 def predict(n, nodes, machine, network, ranks_per_node=None):
     """One row of the model: seconds of a solve, parallel efficiency against one core, shares; None beyond the slab limit."""
     per_node = ranks_per_node or min(machine.cores, max(1, n // nodes))
@@ -68,7 +67,7 @@ def predict(n, nodes, machine, network, ranks_per_node=None):
         return None
     compute = N / P * (machine.fft * np.log2(N) + machine.kernel) * machine.slowdown(per_node)
     off_node = N / nodes * machine.itemsize * (1 - 1 / nodes)  # a complex half spectrum has the bytes of the real field
-    width = max(8, BLOCK_BYTES // (n * 2 * machine.itemsize))
+    width = max(MIN_WIDTH, COLUMN_BYTES // (n * 2 * machine.itemsize))
     blocks = -(-(n // 2 + 1) // (P * width))
     transpose = 2 * off_node / network.bandwidth
     levels = max(0.0, np.log2(n / P))

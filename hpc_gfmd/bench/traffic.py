@@ -1,7 +1,7 @@
 """Bytes that the passes of the default solver move between memory and processor, per point of the fine grid.
 
 Counted are the fields that a pass has to read or write at least once; what stays in cache between the parts of a pass (row and column
-transforms work on pieces of 512 KiB) and what the memory system adds on its own (reading lines that are about to be overwritten) is
+transforms work on pieces of 256 KiB) and what the memory system adds on its own (reading lines that are about to be overwritten) is
 not counted, neither here nor for the copy that they are compared with.
 """
 

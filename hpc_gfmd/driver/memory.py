@@ -13,7 +13,7 @@ from .sweep import first_precision
 
 FIELDS = 4  # h, g, p, d; in low memory h is not kept
 LEVELS = 3 / 4 + 2 / 16 + 2 / 64 + 1 / 24  # coarse levels of the preconditioner, in fields
-NESTED = 2 / 3 + (3 + LEVELS) / 4 + 1 / 4  # transforms and gaps of all coarser grids, a solver and a displacement on the next one
+NESTED = 2 / 3 + (3 + LEVELS) / 4  # transforms and gaps of all coarser grids, a solver on the next one
 PIECE_GIB = 1 / 16  # of a field that is written at a time
 PROCESS_GIB = 0.25  # interpreter, libraries, compiled kernels, MPI buffers
 GIB = 2**30

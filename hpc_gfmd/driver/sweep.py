@@ -145,7 +145,8 @@ class Sweep:
             self._go_on(arrays, numbers)
         elif self.dtype == np.float32 and self.solver.takes_gap:
             # Rounding errors of the first pressure would stay to the end: only its changes are added to it.
-            self.solver.g[...] = g
+            if g is not self.solver.g:
+                self.solver.g[...] = g
             self._spent += certify(problem, self.solver.g, self.solver.p, dual=False).pairs
             self.solver.refresh()
         else:

@@ -38,7 +38,7 @@ class Bpx(Solver):
     name = "bpx"
     takes_gap = True
     state_names = ("g", "p", "d")
-    scalar_names = ("s", "rayleigh", "free", "nearly", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "iterations")
+    scalar_names = ("s", "rayleigh", "nearly", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "iterations")
 
     def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
@@ -73,7 +73,7 @@ class Bpx(Solver):
     def _begin(self, sums):
         """A new descent begins: no momentum, no memory of the Rayleigh quotient."""
         self.s = 1.0
-        self.rayleigh, self.free, self.nearly = RHO_MAX, False, 0.0
+        self.rayleigh, self.nearly = RHO_MAX, 0.0
         self._measure(sums)
 
     def load_state(self, arrays, numbers):
@@ -104,10 +104,10 @@ class Bpx(Solver):
         if plain:
             a, b = 0.0, 0.0
             pd, clipped = self._propose(1.0 / GRADIENT, 0.0, 0.0)
-        self.free = bool(not plain and abs(pd + descent) < CLIPPED * descent)
+        free = not plain and abs(pd + descent) < CLIPPED * descent
         dKd = float(self.grid.comm.sum([self.elastic.pressure_columns()])[0])
         optimum = -pd / dKd if dKd > 0 else 1.0
-        self.s = optimum if 0 < optimum < (1.0 if self.free else SHORT) else 1.0
+        self.s = optimum if 0 < optimum < (1.0 if free else SHORT) else 1.0
         self.nearly = clipped if self.s < 1 else 0.0
         sums = self._update(self.s)
 
