@@ -14,6 +14,7 @@ from .output.checkpoint import read_checkpoint, write_checkpoint
 from .output.read import partial_folder, read_partial
 from .output.record import RunFile, tidy
 from .output.table import table
+from .parallel import wisdom
 from .parallel.comm import threads_of, world
 from .parallel.fft import row_starts
 from .parallel.guard import guarded
@@ -69,6 +70,8 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
                     compressed=scene.output.compression, dtype=scene.output.dtype) as file:
         for line in filter(None, [file.note, *scene.warnings()]):
             say.say(f"note: {line}")
+        if resume and comm.rank == 0:
+            wisdom.take_from(file.partial)
         compile_once(comm, scene.solver)
         lam_s = getattr(scene.surface, "lam_s", None)
         low = scene.solver.low_memory
@@ -210,6 +213,8 @@ class _Run:
         """A checkpoint in the middle of a load (seconds: spent on it so far) or at its beginning."""
         if self.checkpointable:
             begun, sweep = time.monotonic(), self.sweep
+            if self.comm.rank == 0:
+                wisdom.keep_with(self.file.partial)
             write_checkpoint(self.comm, self.file.checkpoint, sweep.surface.grid, index, sweep.solver_class.name, state(), seconds)
             self.interrupt.saved(begun)
 
