@@ -75,7 +75,8 @@ class _Response:
         levels, t = self.levels, self.levels.transfers[0]
         restrict_level(self.residual_and_contact, levels.fields[0][:2], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
         levels.sweep_levels()
-        rz, _ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.c, levels.w, t.k0, t.f_x, t.mode, t.j0, t.f)
+        transfer = (t.k0, t.f_x, t.mode, t.j0, t.f)
+        rz, _ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.c, levels.w, *transfer)
         return float(self.comm.sum([rz])[0])
 
     def step(self):
