@@ -12,7 +12,7 @@ w of zero mean, <w, e> is at most |w|_S |e|_K; two of them give mean(e):
 import numpy as np
 
 PRESSURE = 0.65  # of the bound with kap in place of 1/K_max
-RESPONSE = 0.7  # of the second bound of the mean gap
+RESPONSE = 0.8  # of the second bound of the mean gap
 
 
 def field_errors(energy, uKu, closed, N, p0, gap, kap, response):
