@@ -7,17 +7,17 @@ far that is from the solution follows from the duality gap, which bounds the err
 
 for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled. The norm S of p^ - p is bounded without a
 transform by sums of squares on the levels of the multilevel operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap
-and of the pressure (solvers/errors.py), and from that of the pressure how many points may be on the wrong side.
+and of the pressure (bounds.py), and from that of the pressure how many points may be on the wrong side.
 """
 
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from ..bounds import field_errors
 from ..kernels.certify import BINS, PER_OCTAVE, dual_rows, judge, undecided
 from ..operators.elastic import Elastic
 from ..operators.multilevel import EQUIVALENCE
-from ..solvers.errors import field_errors
 
 TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
 # The largest error of the pressure of a point is so many times the rms: for any point (at most EDGE of them may be so wrong), for many.
