@@ -4,16 +4,10 @@ from collections import defaultdict
 
 import numpy as np
 
-from .levels import P_HIGH, P_LOW
 from .scatter import Scatter
 
 RATIOS = ("L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a")
 COLUMNS = ("hurst", "p_star", *RATIOS, "eps_t", "eps_f", "eps_c", "n")
-
-
-def near(a, b):
-    """Whether two pressures or ratios are the same but for rounding."""
-    return abs(a - b) <= 1e-6 * abs(b)
 
 
 def average(runs, observables):
@@ -64,8 +58,3 @@ def _mean(name, seeds, base, scatter):
     else:
         mean, square = np.mean([run[name] for run in seeds.values()]), relative**2 / len(seeds)
     return float(mean), float(abs(mean) * np.sqrt(square)) if np.isfinite(square) else None
-
-
-def low_high(rows):
-    """The rows at the two pressures of the paper, {"low": [...], "high": [...]}."""
-    return {name: [row for row in rows if near(row["p_star"], p)] for name, p in (("low", P_LOW), ("high", P_HIGH))}

@@ -13,6 +13,7 @@ from .case import Case
 HURST = (0.0, 0.3, 0.5, 0.8)
 HURST_GAP = (0.3, 0.5, 0.8)  # of p against gap, and of the tables of coefficients
 P_LOW, P_HIGH = 0.01 / sqrt(2), 0.5 / sqrt(2)  # printed as 0.007 and 0.353
+PRESSURES = {"low": P_LOW, "high": P_HIGH}
 LOADS = (0.001, 0.002, 0.004, P_LOW, 0.015, 0.03, 0.06, 0.12, 0.2, P_HIGH, 0.6, 1.0, 1.5, 2.0)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 def publish(study, store, level):
     """Write NAME.csv, NAME.json and NAME.png into the folder of the store; returns the rows of the table.
 
-    study: a module of items/. Nothing stored of it: nothing is written and the rows are empty.
+    study: study.Study. Nothing stored of it: nothing is written and the rows are empty.
     """
     cases = study.cases(level)
     runs = store.runs_of(cases)
@@ -18,8 +18,8 @@ def publish(study, store, level):
         return []
     rows = study.tabulate(runs, level)
     store.folder.mkdir(parents=True, exist_ok=True)
-    path = store.folder / study.NAME
-    head = {"name": study.NAME, "title": study.TITLE, "level": level, "runs": len(runs)}
+    path = store.folder / study.name
+    head = {"name": study.name, "title": study.title, "level": level, "runs": len(runs)}
     write_whole(path.with_suffix(".csv"), as_csv(rows))
     write_whole(path.with_suffix(".json"), json.dumps(head | {"rows": rows}, indent=1) + "\n")
     study.draw(rows, path.with_suffix(".png"))

@@ -1,4 +1,4 @@
-"""Green's function molecular dynamics on a small surface, with the signs as printed or as they should be: what the errata need."""
+"""Green's function molecular dynamics on a small surface, with the signs as printed or as they should be."""
 
 import numpy as np
 
