@@ -4,11 +4,11 @@ import json
 
 import numpy as np
 
-from hpc_gfmd.commands.number import number
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.theory import persson
-from hpc_gfmd.theory.checks import within
-from hpc_gfmd.theory.elastic import KAPPA_BGT
+from ..errors import SceneError
+from ..theory import persson
+from ..theory.checks import within
+from ..theory.elastic import KAPPA_BGT
+from .number import number
 
 COLUMNS = ("p_star", "a_r", "kappa", "gap_over_h_rms", "gap_over_g_rms_lam_s", "stiffness", "stiffness_lam_s")
 
@@ -41,9 +41,7 @@ def add_parser(subparsers):
         help="energy factor of partial contact (default %(default)s as in the literature; 1: first theory)",
     )
     parser.add_argument(
-        "--printed",
-        action="store_true",
-        help="the mean gap as published in 2014, where a factor of 2 is missing in one term",
+        "--printed", action="store_true", help="the mean gap as published in 2014, where a factor of 2 is missing in one term"
     )
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
     parser.set_defaults(main=main)
@@ -55,12 +53,7 @@ def main(args):
     curve = persson.curve(p_star, args.hurst, args.eps_f, args.gamma, args.printed)
     points = [{name: _finite(curve[name][i]) for name in COLUMNS} for i in range(p_star.size)]
     if args.json:
-        head = {
-            "hurst": args.hurst,
-            "eps_f": args.eps_f,
-            "gamma": args.gamma,
-            "formula": "printed" if args.printed else "corrected",
-        }
+        head = {"hurst": args.hurst, "eps_f": args.eps_f, "gamma": args.gamma, "formula": "printed" if args.printed else "corrected"}
         print(json.dumps(head | (points[0] if len(points) == 1 else {}) | {"points": points}))
         return 0
     print(
@@ -70,11 +63,7 @@ def main(args):
     )
     print(" ".join(f"{name:>20}" for name in COLUMNS))
     for point in points:
-        print(
-            " ".join(
-                f"{'inf' if point[name] is None else format(point[name], '.8g'):>20}" for name in COLUMNS
-            )
-        )
+        print(" ".join(f"{'inf' if point[name] is None else format(point[name], '.8g'):>20}" for name in COLUMNS))
     return 0
 
 

@@ -1,12 +1,11 @@
-"""`hpc-gfmd tfc`: corrections to the thermodynamic, fractal and continuum limits, and fits of their
-coefficients."""
+"""`hpc-gfmd tfc`: corrections to the thermodynamic, fractal and continuum limits, and fits of their coefficients."""
 
 import json
 import math
 
-from hpc_gfmd.commands.number import number
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.theory import tfc
+from ..errors import SceneError
+from ..theory import tfc
+from .number import number
 
 RATIOS = ("eps_t", "eps_f", "eps_c")
 
@@ -26,18 +25,14 @@ def add_parser(subparsers):
         parser.add_argument(f"--{name}", type=number)
     parser.add_argument("--sigma", type=number, help="uncertainty of the value")
     parser.add_argument(
-        "--table", metavar="TABLE", default="paper",
+        "--table",
+        metavar="TABLE",
+        default="paper",
         help="coefficients: paper (default), ours (fitted to our own runs), or a JSON file of the same form",
     )
-    parser.add_argument(
-        "--fit",
-        metavar="RUNS.csv",
-        help="fit the coefficients to the columns eps_t, eps_f, eps_c, value[, sigma]",
-    )
+    parser.add_argument("--fit", metavar="RUNS.csv", help="fit the coefficients to the columns eps_t, eps_f, eps_c, value[, sigma]")
     parser.add_argument("--terms", default="tfc", help="terms to fit, any of t, f, c (default: tfc)")
-    parser.add_argument(
-        "--free", default="", metavar="TERMS", help="terms whose exponent is fitted too (default: none)"
-    )
+    parser.add_argument("--free", default="", metavar="TERMS", help="terms whose exponent is fitted too (default: none)")
     parser.add_argument("--json", action="store_true", help="print JSON instead of text")
     parser.set_defaults(main=main)
     return parser
@@ -61,9 +56,7 @@ def _extrapolate(args):
     if args.sigma is not None and not (math.isfinite(args.sigma) and args.sigma >= 0):
         raise SceneError(f"sigma: found {args.sigma:g}, allowed: [0, inf)")
     table = tfc.table_of(args.table)
-    extrapolated, sigma, terms = tfc.extrapolate(
-        observable=args.observable, sigma=args.sigma, table=table, **given
-    )
+    extrapolated, sigma, terms = tfc.extrapolate(observable=args.observable, sigma=args.sigma, table=table, **given)
     report = {
         "observable": args.observable,
         **given,
@@ -78,9 +71,7 @@ def _extrapolate(args):
         "notes": list(terms.notes),
     }
     lines = [f"{args.observable} = {args.value:g} at H = {args.hurst:g}, p_star = {args.p_star:g}"]
-    lines += [
-        f"  correction {i}: {getattr(terms, i):+.4f}   (eps_{i} = {given[f'eps_{i}']:g})" for i in "tfc"
-    ]
+    lines += [f"  correction {i}: {getattr(terms, i):+.4f}   (eps_{i} = {given[f'eps_{i}']:g})" for i in "tfc"]
     lines += [f"extrapolated: {extrapolated:.4f}" + (f" +- {sigma:.4f}" if sigma is not None else "")]
     return report, "\n".join(lines + [f"note: {note}" for note in terms.notes])
 

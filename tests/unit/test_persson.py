@@ -211,8 +211,6 @@ def test_spectrum_reproduces_the_self_affine_surface(hurst):
     np.testing.assert_allclose(persson.mean_gap_spectrum(q, spectrum, p0, 5, area=2.5), gap, rtol=1e-11)
     function = persson.mean_gap_spectrum(q[[0, -1]], lambda q: 0.7 * q ** (-2 - 2 * hurst), p0, 5, area=2.5)
     np.testing.assert_allclose(function, gap, rtol=1e-10)
-    stiff = persson.stiffness(p, hurst, eps_f) * 5 * profile.g_rms / profile.h_rms
-    np.testing.assert_allclose(persson.stiffness_spectrum(q, spectrum, p0, 5, area=2.5), stiff, rtol=1e-11)
 
 
 def test_spectrum_rms_values_and_rolloff():
