@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,12 @@ import pytest
 
 from hpc_gfmd.bench import peers
 from hpc_gfmd.bench.cases import Case
+from hpc_gfmd.bench.kernels import field_passes
 from hpc_gfmd.bench.loosest import loosest
+from hpc_gfmd.bench.model import Machine, Network, predict
 from hpc_gfmd.bench.ours import Ours
 from hpc_gfmd.bench.reference import reference
 from hpc_gfmd.bench.timing import Clock, Sample, ratio
-from hpc_gfmd.bench.traffic import field_passes
 from hpc_gfmd.cli import main
 
 
@@ -99,7 +101,7 @@ def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, t
     assert error.count("\n") == 1
 
 
-@pytest.mark.parametrize(("what", "count"), [("fft", 4), ("kernels", 9)])
+@pytest.mark.parametrize(("what", "count"), [("fft", 3), ("kernels", 8)])
 def test_kernels_and_transforms(what, count, tmp_path):
     """In a process of their own: PFFT starts MPI."""
     pytest.importorskip("mpi4py_fft")
@@ -108,6 +110,30 @@ def test_kernels_and_transforms(what, count, tmp_path):
     found = rows(tmp_path / f"{what}.jsonl")
     assert len(found) == count
     assert all(r["ms_min"] > 0 for r in found)
+
+
+def test_storage(tmp_path):
+    assert main(["bench", "storage", "--n", "64", "--repeats", "1", "--folder", str(tmp_path), "-o", str(tmp_path / "out")]) == 0
+    found = rows(tmp_path / "out" / "storage.jsonl")
+    assert [r["way"] for r in found] == ["raw", "result file", "read back"]
+    assert found[1]["times_raw"] == pytest.approx(found[1]["seconds"] / found[0]["seconds"])
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_scaling_of_one_rank(tmp_path):
+    """Strong, and weak, which is the same; the model says of one core what was measured."""
+    assert main(["bench", "scaling", "--n", "64", "--ranks", "1", "--threads", "1", "--precision", "double", "--repeats", "1",
+                 "-o", str(tmp_path)]) == 0
+    found = rows(tmp_path / "scaling.jsonl")
+    assert [r["kind"] for r in found] == ["strong", "weak"]
+    for row in found:
+        assert row["efficiency"] == 1
+        assert sum(share for key, share in row.items() if key.startswith("share_")) == pytest.approx(1)
+    machine = Machine.from_row(found[0])
+    alone = predict(64, 1, replace(machine, cores=1), Network(latency=0))
+    assert alone["seconds"] == pytest.approx(found[0]["seconds"])
+    assert {row["n"] for row in rows(tmp_path / "scaling-model.jsonl")} == {2**15, 2**17}
+    assert (tmp_path / "scaling.png").stat().st_size > 10_000
 
 
 def test_worker_stands_alone():
