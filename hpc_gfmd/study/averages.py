@@ -4,13 +4,14 @@ from collections import defaultdict
 
 import numpy as np
 
+from .rows import Rows
 from .scatter import Scatter
 
 RATIOS = ("L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a")
 COLUMNS = ("hurst", "p_star", *RATIOS, "eps_t", "eps_f", "eps_c", "n")
 
 
-def average(runs, observables):
+def average(runs: Rows, observables: tuple[str, ...]) -> Rows:
     """One row per surface statistics and pressure, ordered: COLUMNS, n_seeds and, for each observable, its mean and NAME_se.
 
     The standard error is the scatter of realisations, pooled over neighbouring eps_f (scatter.Scatter), over sqrt(n_seeds); None
@@ -29,6 +30,12 @@ def average(runs, observables):
         for surface in sorted(surfaces):
             rows += _grids_of(surfaces[surface], observables, scatter)
     return rows
+
+
+def relative_scatter(row: dict, observable: str) -> float | None:
+    """Scatter of single realisations over the mean, from the standard error; None where it is not known."""
+    se = row.get(f"{observable}_se")
+    return se * row["n_seeds"] ** 0.5 / abs(row[observable]) if se is not None else None
 
 
 def _grids_of(runs, observables, scatter):

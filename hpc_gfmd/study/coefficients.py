@@ -1,18 +1,19 @@
 """The rows of the coefficient tables, and our own table in the form of the paper's, for `hpc-gfmd tfc`."""
 
 import json
+from pathlib import Path
 
 from ..errors import SceneError
 from . import fits, paper
 from .levels import PRESSURES, level_of
 from .publish import write_whole
-from .rows import by_hurst, low_high
+from .rows import Rows, by_hurst, low_high
 
 TERMS = "cft"
 FITS = {"kappa": (("raw", "kappa"), ("edge", "kappa_edge")), "gap_over_h_rms": (("raw", "gap_over_h_rms"),)}
 
 
-def table_rows(runs, level, observable, pressure):
+def table_rows(runs: Rows, level: str, observable: str, pressure: str) -> Rows:
     """For each H: our fits (area "raw" and, for kappa, "edge"; exponents "free" or "paper") and the row that the paper prints.
 
     Columns C_i, alpha_i, limit with NAME_se (None for what is not fitted), term_i = C_i eps_i^alpha_i at the reference system,
@@ -30,7 +31,7 @@ def table_rows(runs, level, observable, pressure):
     return rows
 
 
-def compare(rows, observable, pressure):
+def compare(rows: Rows, observable: str, pressure: str) -> Rows:
     """Our coefficients beside the paper's: with its exponents where we have such a fit, and with ours."""
     lines = []
     for hurst, part in by_hurst(rows).items():
@@ -49,7 +50,7 @@ def compare(rows, observable, pressure):
     return lines
 
 
-def our_table(runs, level):
+def our_table(runs: Rows, level: str) -> dict:
     """A table like paper_tfc.json from our fits with free exponents to the runs of levels.tfc_series: kappa as counted, gap/h_rms."""
     tables = []
     for observable in FITS:
@@ -67,7 +68,7 @@ def our_table(runs, level):
     }
 
 
-def write_our_table(table, path):
+def write_our_table(table: dict, path: str | Path) -> None:
     """Write the table as JSON. Raises OSError."""
     write_whole(path, json.dumps(table, indent=1, allow_nan=False) + "\n")
 

@@ -3,12 +3,14 @@
 Colours tell H, marks tell what else differs. Every public function writes one PNG of rows.
 """
 
+from pathlib import Path
+
 import numpy as np
 
 from ..plotting.style import COLOURS, THEORY, figure
 from ..theory import elastic, persson
 from .levels import HURST, PRESSURES
-from .rows import by_hurst, low_high
+from .rows import Rows, by_hurst, low_high
 
 MARKS = "osD^v<>P"
 LABELS = {
@@ -30,7 +32,8 @@ LARGEST_EPS_F = 0.5  # up to which theory is drawn
 CLOSED = 1e-5  # gap/h_rms below which theory is not drawn
 
 
-def two_pressures(rows, path, x, observable, series="lam_l_over_lam_s", theory=None, base=2):
+def two_pressures(rows: Rows, path: Path, x: str, observable: str, series: str = "lam_l_over_lam_s", theory=None,
+                  base: int = 2) -> None:
     """Two panels, the low and the high pressure of the paper: an observable, and NAME_edge where there is one, against a ratio.
 
     series: the column whose values get marks of their own, named in the legend where there are several; theory: function (ax, name of
@@ -74,7 +77,7 @@ def gap_lines(unit, widest=None):
     return draw
 
 
-def pressure_against_gap(rows, path):
+def pressure_against_gap(rows: Rows, path: Path) -> None:
     """p* against gap/h_rms for several eps_f at one H, with Persson's theory."""
     with figure(path, 5.0, 3.8) as fig:
         ax = fig.subplots()
@@ -90,7 +93,7 @@ def pressure_against_gap(rows, path):
         ax.legend()
 
 
-def areas(rows, path, panels, width):
+def areas(rows: Rows, path: Path, panels, width: float) -> None:
     """One panel for each (x, y, function of p_star that gives the theory's y, keywords of ax.set): as counted and edge-corrected."""
     with figure(path, width, 3.3) as fig:
         axes = fig.subplots(1, len(panels), squeeze=False)[0]
@@ -104,7 +107,7 @@ def areas(rows, path, panels, width):
         _legend(fig, rows, True)
 
 
-def coefficients(rows, path):
+def coefficients(rows: Rows, path: Path) -> None:
     """The three terms of eq. tfc at the reference system, ours beside the paper's, against H."""
     with figure(path, 9.0, 2.8) as fig:
         for ax, term in zip(fig.subplots(1, 3), "cft", strict=True):
@@ -117,7 +120,7 @@ def coefficients(rows, path):
         _legend(fig)
 
 
-def limits(rows, path):
+def limits(rows: Rows, path: Path) -> None:
     """kappa in the TFC limit against H, with the paper, other authors at H = 0.8 and theories."""
     kinds = (("raw", -0.008, 0, "o", False, "ours, as counted"), ("edge", 0.008, 0, "o", True, "ours, edge-corrected"),
              ("paper", 0.0, 1, "s", False, "paper"))

@@ -6,16 +6,17 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import SceneError
-from ..theory.tfc_fit import PAPER_ALPHA, fit_tfc
+from ..theory.tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc
 from .levels import level_of
-from .rows import near
+from .rows import Rows, near
 from .scatter import SOLVER_SHARE, Scatter, error_of
 
 POWER_LAW = (0.1, 4.5)  # exponents that a series along eps_c can have; others are the ends of what is tried
 GAP_ALPHA = {"t": 1.0, "f": None, "c": 1.0}  # the paper's choice for the gap, whose limit in units of h_rms is zero
 
 
-def fit_runs(runs, observable, alpha, terms="tfc", limit=None, scatter=None):
+def fit_runs(runs: Rows, observable: str, alpha: dict, terms: str = "tfc", limit: float | None = None,
+             scatter: Scatter | None = None) -> TfcFit:
     """theory.tfc_fit.fit_tfc on runs at one H and p*, with their covariance; alpha: exponents by term, None for free ones.
 
     Where the law does not fit within the errors (chi2 above its degrees of freedom), they are enlarged by the root of that ratio.
@@ -29,7 +30,7 @@ def fit_runs(runs, observable, alpha, terms="tfc", limit=None, scatter=None):
     return replace(fit, covariance=fit.covariance * max(1.0, fit.chi2 / fit.dof if fit.dof else 1.0))
 
 
-def axes(runs, level):
+def axes(runs: Rows, level: str) -> dict[str, Rows]:
     """The runs in which one ratio at a time differs from a system of the eps_f series: {"t", "f", "c": runs}, the last at the
     reference lam_l/lam_s, and "fine", those along eps_c at the lam_l/lam_s with most grids."""
     L, F, C = level_of(level).reference
@@ -46,7 +47,7 @@ def axes(runs, level):
             "c": picked(L_over_lam_l=L, lam_l_over_lam_s=F), "fine": picked(L_over_lam_l=L, lam_l_over_lam_s=finest)}
 
 
-def fit_observable(runs, observable, level, paper_exponents=False):
+def fit_observable(runs: Rows, observable: str, level: str, paper_exponents: bool = False) -> TfcFit:
     """eq. tfc on the axes through the reference system, as the paper does: for kappa with a free limit; for the gap, whose limit in
     units of h_rms is zero, over the finer half of the octaves of eps_f. A TfcFit.
 
@@ -66,18 +67,18 @@ def fit_observable(runs, observable, level, paper_exponents=False):
     return _with_exponent(chosen, observable, exponent_c(runs, observable, level, scatter=how["scatter"]), **how)
 
 
-def exponent_c(runs, observable, level, coarsest=0.5, scatter=None):
+def exponent_c(runs: Rows, observable: str, level: str, coarsest: float = 0.5, scatter=None) -> TfcFit:
     """limit + C_c eps_c^alpha_c along the longest eps_c series, from eps_c = coarsest down; a TfcFit."""
     series = [run for run in axes(runs, level)["fine"] if run["eps_c"] <= coarsest * 1.01]
     return fit_runs(series, observable, {"c": None}, "c", scatter=scatter or Scatter.of(runs, observable))
 
 
-def is_power_law(alpha, sigma):
+def is_power_law(alpha: float, sigma: float) -> bool:
     """Whether an exponent of eps_c is none of the ends of what is tried, and known at all."""
     return POWER_LAW[0] < alpha < POWER_LAW[1] and sigma < alpha
 
 
-def local_exponents(runs, observable, level):
+def local_exponents(runs: Rows, observable: str, level: str) -> Rows:
     """alpha_c between neighbouring octaves of the longest eps_c series from paired differences of the same surfaces.
 
     Rows eps_c (the middle grid of three), alpha, alpha_se (jackknife over three seeds or more, and solver), n_seeds; alpha None where
@@ -97,7 +98,7 @@ def local_exponents(runs, observable, level):
     return rows
 
 
-def power_law(rows, x, observable):
+def power_law(rows: Rows, x: str, observable: str) -> tuple[float | None, float | None]:
     """(exponent, standard error) of a straight line through the logarithms of rows with error bars; None where there are too few."""
     rows = [row for row in rows if row.get(observable) and row[observable] > 0]
     if len({row[x] for row in rows}) < 3:

@@ -80,39 +80,39 @@ LEVELS = {
 }
 
 
-def level_of(name):
+def level_of(name: str) -> Level:
     """The Level of a name. Raises SceneError."""
     if name not in LEVELS:
         raise SceneError(f"--level: found {name!r}, allowed: {', '.join(LEVELS)}")
     return LEVELS[name]
 
 
-def eps_c_series(level, hurst=HURST):
+def eps_c_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """lam_s/a varies, at the reference lam_l/lam_s and, over more octaves, at a smaller one; the same surfaces all along."""
     return _cases(level_of(level).eps_c, hurst, (P_LOW, P_HIGH))
 
 
-def eps_f_series(level, hurst=HURST):
+def eps_f_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """lam_l/lam_s varies, the rest as in the reference system."""
     return _cases(level_of(level).eps_f, hurst, (P_LOW, P_HIGH))
 
 
-def eps_t_series(level, hurst=HURST):
+def eps_t_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """L/lam_l varies, at two values of lam_l/lam_s."""
     return _cases(level_of(level).eps_t, hurst, (P_LOW, P_HIGH))
 
 
-def tfc_series(level, hurst=HURST):
+def tfc_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """All three series, for fits of eq. tfc and limits."""
     return [case for series in (eps_c_series, eps_f_series, eps_t_series) for case in series(level, hurst)]
 
 
-def pressure_series(level, hurst=HURST):
+def pressure_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """Sweeps over p_star for the contact area."""
     return _cases(level_of(level).area, hurst, level_of(level).loads)
 
 
-def gap_pressure_series(level, hurst=HURST_GAP):
+def gap_pressure_series(level: str, hurst: tuple[float, ...] = HURST_GAP) -> list[Case]:
     """Sweeps over p_star for the mean gap, at several lam_l/lam_s."""
     return _cases(level_of(level).gap, hurst, level_of(level).loads)
 

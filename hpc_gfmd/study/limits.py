@@ -15,6 +15,7 @@ import numpy as np
 from ..errors import SceneError
 from ..theory.least_squares import least_squares
 from ..theory.tfc_fit import PAPER_ALPHA
+from .rows import Rows
 from .scatter import Scatter
 
 NAMES = ("kappa", "C_t", "C_f", "D", "C_1", "C_2", "C_3", "alpha_f")
@@ -78,7 +79,7 @@ class Limit:
         return row | {"alpha_f_own": self.alpha_own[0], "alpha_f_own_se": self.alpha_own[1], "chi2_per_dof": self.chi2 / self.dof}
 
 
-def compare_routes(runs):
+def compare_routes(runs: Rows) -> tuple[Limit, Limit, float, float]:
     """(raw Limit, edge-corrected Limit, raw minus edge-corrected, its standard error) of runs at one H and p*.
 
     alpha_f is a property of the fractal limit, not of how the area is counted, and common to both: the mean of what each route

@@ -16,7 +16,7 @@ def numbers() -> dict:
     return json.loads(files(__package__).joinpath("paper_numbers.json").read_text(encoding="utf-8"))
 
 
-def of_hurst(name, hurst, *keys):
+def of_hurst(name: str, hurst: float, *keys) -> float | None:
     """A number that the paper gives for a Hurst exponent, e.g. of_hurst("area_high", 0.8); None where it gives none."""
     table = numbers()[name]
     for key in keys:
@@ -24,7 +24,7 @@ def of_hurst(name, hurst, *keys):
     return table.get(f"{hurst:g}")
 
 
-def coefficients(observable, pressure, hurst):
+def coefficients(observable: str, pressure: str, hurst: float) -> dict | None:
     """The row of a printed coefficient table, {"C_c": ..., "alpha_t": ...}; None where the paper has none.
 
     pressure: "low" or "high".
@@ -35,7 +35,7 @@ def coefficients(observable, pressure, hurst):
     return None
 
 
-def correction(coefficients, eps_t, eps_f, eps_c):
+def correction(coefficients: dict, eps_t: float, eps_f: float, eps_c: float) -> float:
     """The sum of the three terms of eq. tfc with printed coefficients."""
     eps = {"c": eps_c, "f": eps_f, "t": eps_t}
     return sum(coefficients[f"C_{i}"] * eps[i] ** coefficients[f"alpha_{i}"] for i in eps)

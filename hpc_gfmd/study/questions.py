@@ -8,7 +8,7 @@ from .levels import PRESSURES
 from .limits import compare_routes
 from .markdown import table
 from .paper import quoted
-from .rows import families, fine_half
+from .rows import Rows, families, fine_half
 
 SHARPEST = 0.125  # eps_c from which on alpha_c is fitted as its asymptotic value
 FAMILY = {"hurst": "H", "p_star": "p*"}
@@ -46,7 +46,7 @@ share of the logarithm of the printed ratio that the factor removes. At p* = 0.0
 {table}"""
 
 
-def section(runs, tables, level):
+def section(runs: Rows, tables: dict[str, Rows], level: str) -> str:
     """The section of the report; runs: those of levels.tfc_series, tables: {study: rows}."""
     alpha_c = ALPHA_C.format(sharpest=SHARPEST, printed=paper.numbers()["alpha_c"], table=_alpha_c(runs, level))
     theory = _theory(tables["fig6"])

@@ -5,6 +5,7 @@ paper_numbers.json and its coefficient tables.
 """
 
 import json
+from pathlib import Path
 
 from .. import __version__
 from . import catalogue, coefficients, questions
@@ -31,7 +32,7 @@ in `runs*.jsonl` when this page is written; nothing is typed in.
 - Theory: Persson with gamma = 0.42, corrected (solid) and as printed (dashed), never scaled."""
 
 
-def report(folder, level):
+def report(folder: str | Path, level: str) -> Path:
     """Write README.md and our_tfc.json beside the tables and pictures of a folder of runs, which are made where missing or old.
 
     Returns the path of the report. Raises OSError, SceneError for a level that does not exist.

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .case import Case
-
-Rows = list[dict]
+from .rows import Rows
 
 
 @dataclass(frozen=True)

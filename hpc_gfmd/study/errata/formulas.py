@@ -135,7 +135,7 @@ def inverted_ratio(_=None):
     return f"with the recommended a/lam_s = 1/{GRID} the cell has {GRID * 512:.0f} points along an axis, printed {GRID / 512:.3f}"
 
 
-def gap_from_energy(p_star, hurst, eps_f, gamma):
+def gap_from_energy(p_star: float, hurst: float, eps_f: float, gamma: float) -> float:
     """gap/h_rms = ∫ (dU/dp)/p dp from p_star up (eq. gap), integrated by parts, with the energy of eq. elasticEnergy."""
 
     def energy(p):

@@ -6,25 +6,24 @@ import numpy as np
 
 from ...theory import persson
 from .. import fits, paper
-from ..averages import average
+from ..averages import average, relative_scatter
 from ..draw import gap_lines, two_pressures
 from ..levels import P_LOW, eps_c_series, eps_f_series, eps_t_series
 from ..paper import of_hurst, quoted, saying
-from ..rows import by_hurst, coarsest, families, fine_half, finest, longest, low_high, near
+from ..rows import Rows, by_hurst, coarsest, families, fine_half, finest, longest, low_high, near
 from ..study import Study
-from .kappa import relative_scatter
 
 GAP = "gap_over_h_rms"
 WIDEST = (1e-16, 0.5)  # of eps_f in figure 8
 CONVERGED = 0.1  # this near the fractal limit counts as converged
 
 
-def means(runs, level):
+def means(runs: Rows, level: str) -> Rows:
     """Means over realisations of gap/h_rms."""
     return average(runs, (GAP,))
 
 
-def with_theory(runs, level=None, unit="h_rms"):
+def with_theory(runs: Rows, level: str | None = None, unit: str = "h_rms") -> Rows:
     """Means over realisations of the gap in a unit with Persson's, corrected and as printed, and the ratios of simulation to both."""
     rows = average(runs, (f"gap_over_{unit}",))
     for row in rows:
@@ -35,14 +34,14 @@ def with_theory(runs, level=None, unit="h_rms"):
     return rows
 
 
-def share_explained(rows):
+def share_explained(rows: Rows) -> float | None:
     """How much of ln(simulation/theory) the missing factor of 2 accounts for, mean over the finer half of the rows; None of no rows."""
     part = [row for row in fine_half(rows) if row["over_persson"] and row["over_persson_printed"]]
     logs = [np.log(row["over_persson_printed"] / row["over_persson"]) / np.log(row["over_persson_printed"]) for row in part]
     return float(np.mean(logs)) if logs else None
 
 
-def coarse_grid(rows):
+def coarse_grid(rows: Rows) -> Rows:
     """How much a coarse grid changes the gap at the high pressure."""
     lines = []
     for hurst, chosen in by_hurst(low_high(rows)["high"]).items():
@@ -59,7 +58,7 @@ def coarse_grid(rows):
     return lines
 
 
-def finite_size(rows):
+def finite_size(rows: Rows) -> Rows:
     """The sign and size of the finite-size correction."""
     lines = []
     for pressure, hurst, chosen in families(rows):
@@ -75,7 +74,7 @@ def finite_size(rows):
     return lines
 
 
-def exponents(rows, unit):
+def exponents(rows: Rows, unit: str) -> Rows:
     """The exponents of eps_f beside those of the paper. In the unit g_rms lam_s, those in the unit h_rms less H are expected."""
     lines = []
     for pressure, hurst, chosen in families(rows):
@@ -92,7 +91,7 @@ def exponents(rows, unit):
     return lines
 
 
-def theory_factors(rows, unit):
+def theory_factors(rows: Rows, unit: str) -> Rows:
     """By how much Persson's theory is too small at the high pressure: as printed, corrected, and what the missing factor explains."""
     lines = []
     for hurst, part in by_hurst(low_high(rows)["high"]).items():
@@ -106,7 +105,7 @@ def theory_factors(rows, unit):
     return lines
 
 
-def decades_needed(rows):
+def decades_needed(rows: Rows) -> Rows:
     """How many decades of roughness the fractal limit needs for H = 0.8 at the low pressure."""
     claim = paper.numbers()["decades_to_fractal_limit"]
     if not any(near(row["hurst"], claim["hurst"]) for row in low_high(rows)["low"]):

@@ -3,22 +3,22 @@
 from functools import partial
 
 from .. import fits, paper
-from ..averages import average
+from ..averages import average, relative_scatter
 from ..draw import kappa_lines, two_pressures
 from ..levels import eps_c_series, eps_f_series, eps_t_series
 from ..paper import of_hurst, quoted, saying
-from ..rows import by_hurst, coarsest, families, finest, longest, low_high, near
+from ..rows import Rows, by_hurst, coarsest, families, finest, longest, low_high, near
 from ..study import Study
 
 OBSERVABLES = ("kappa", "kappa_edge")  # as counted, edge-corrected
 
 
-def means(runs, level):
+def means(runs: Rows, level: str) -> Rows:
     """Means over realisations."""
     return average(runs, OBSERVABLES)
 
 
-def means_and_exponents(runs, level):
+def means_and_exponents(runs: Rows, level: str) -> Rows:
     """The means; where the series is long enough, alpha_c between neighbouring octaves of paired differences (NAME_alpha,
     NAME_alpha_se)."""
     rows = average(runs, OBSERVABLES)
@@ -32,7 +32,7 @@ def means_and_exponents(runs, level):
     return rows
 
 
-def exponent_and_area(rows):
+def exponent_and_area(rows: Rows) -> Rows:
     """The exponent alpha_c, and the contact area that the text gives."""
     lines = []
     for pressure, hurst, chosen in families(rows):
@@ -57,7 +57,7 @@ def exponent_and_area(rows):
     return lines
 
 
-def fractal_claim():
+def fractal_claim() -> tuple[str, str]:
     """What the text says of the fractal error of kappa, and what its formula and its table make of it."""
     claim = paper.numbers()["fractal_error"]
     printed = paper.coefficients("kappa", "low", claim["hurst"])
@@ -70,7 +70,7 @@ def fractal_claim():
         f"C_f = {printed['C_f']:g} makes it {by_table:.0%}; counting grid points at eps_c = 1/2 enlarges the fractal correction")
 
 
-def fractal_excess(rows):
+def fractal_excess(rows: Rows) -> str:
     """What we find of it; "" of rows that do not reach that far."""
     claim = paper.numbers()["fractal_error"]
     chosen = [row for row in low_high(rows)["low"] if near(row["hurst"], claim["hurst"])]
@@ -82,14 +82,14 @@ def fractal_excess(rows):
     return f"{raw:.0%} above lam_l/lam_s = {1 / best['eps_f']:g} as counted, {edge:.0%} edge-corrected"
 
 
-def fractal_error(rows):
+def fractal_error(rows: Rows) -> Rows:
     """The fractal error that the text gives for H = 0.8."""
     claim, why = fractal_claim()
     found = fractal_excess(rows)
     return [saying(claim, found, why)] if found else []
 
 
-def finite_size(rows):
+def finite_size(rows: Rows) -> Rows:
     """The scatter that the text gives, and the trend with eps_t."""
     lines = []
     for pressure, part in low_high(rows).items():
@@ -103,12 +103,6 @@ def finite_size(rows):
                 "scatter grows with H and falls as eps_t; from the smallest cell to the largest kappa changes by "
                 + ", ".join(f"{x:+.1%} (H = {h:g})" for h, x in drift.items())))
     return lines
-
-
-def relative_scatter(row, observable):
-    """Scatter of single realisations over the mean, from the standard error; None where it is not known."""
-    se = row.get(f"{observable}_se")
-    return se * row["n_seeds"] ** 0.5 / abs(row[observable]) if se is not None else None
 
 
 def _drawn(ratio, series="lam_l_over_lam_s"):

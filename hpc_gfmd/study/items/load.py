@@ -8,7 +8,7 @@ from ..averages import average
 from ..draw import areas, pressure_against_gap
 from ..levels import gap_pressure_series, pressure_series
 from ..paper import quoted, saying
-from ..rows import by_hurst
+from ..rows import Rows, by_hurst
 from ..study import Study
 from .gap import with_theory
 
@@ -20,13 +20,13 @@ AREAS = (("p_star", "a_r", persson.contact_area, {"xscale": "log", "yscale": "lo
 OPEN_AREA = (("p_inverse", "open_area", persson.noncontact_area, {"yscale": "log", "xlim": (0, 6), "ylim": (1e-4, 1)}),)
 
 
-def contact_area(runs, level):
+def contact_area(runs: Rows, level: str) -> Rows:
     """Means over realisations of a_r and kappa, as counted and edge-corrected, with Persson's a_r."""
     rows = average(runs, ("a_r", "a_r_edge", "kappa", "kappa_edge"))
     return [row | {"persson": float(persson.contact_area(row["p_star"]))} for row in rows]
 
 
-def open_area(runs, level):
+def open_area(runs: Rows, level: str) -> Rows:
     """Means over realisations of 1 - a_r, as counted and edge-corrected, with Persson's; 1/p* is p_inverse."""
     rows = average([run | {"open_area": 1 - run["a_r"], "open_area_edge": 1 - run["a_r_edge"]} for run in runs],
                    ("open_area", "open_area_edge"))
@@ -34,7 +34,7 @@ def open_area(runs, level):
             for row in rows if row["open_area"] > 0]
 
 
-def slope(rows):
+def slope(rows: Rows) -> Rows:
     """The slope at low pressure, and how little H matters."""
     low = by_hurst([row for row in rows if row["p_star"] <= LOW])
     if not low:
@@ -59,7 +59,7 @@ def slope(rows):
     ]
 
 
-def near_full_contact(rows):
+def near_full_contact(rows: Rows) -> Rows:
     """The ratio of simulation to theory near full contact."""
     parts = []
     for p_star in sorted({row["p_star"] for row in rows if row["p_star"] > NEAR_FULL}):
@@ -71,7 +71,7 @@ def near_full_contact(rows):
         "the ratio of the small open areas is a sharper test than that of the areas, both near 1")] if parts else []
 
 
-def theory_within(rows):
+def theory_within(rows: Rows) -> Rows:
     """How well theory and simulation agree on p* against gap at one H, without the highest loads."""
     within = paper.numbers()["theory_within"]["curves"]
     chosen = [row for row in rows if row["p_star"] < HIGHEST and row["over_persson"] and row["over_persson_printed"]]

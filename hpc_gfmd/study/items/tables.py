@@ -7,11 +7,11 @@ from .. import coefficients, draw, paper
 from ..levels import HURST_GAP, tfc_series
 from ..limits import compare_routes
 from ..paper import of_hurst, quoted, saying
-from ..rows import by_hurst, low_high
+from ..rows import Rows, by_hurst, low_high
 from ..study import Study
 
 
-def limits(runs, level):
+def limits(runs: Rows, level: str) -> Rows:
     """The paper's table, and our limits as counted (area "raw") and edge-corrected ("edge").
 
     kappa_tfc_se: realisations, solver and model together; difference, difference_se: raw minus edge-corrected; alpha_f: the fitted
@@ -31,7 +31,7 @@ def limits(runs, level):
     return rows
 
 
-def our_limits(rows):
+def our_limits(rows: Rows) -> Rows:
     """Our limits beside the paper's."""
     lines = []
     for raw, edge in zip(*([row for row in rows if row["area"] == area] for area in ("raw", "edge")), strict=True):
