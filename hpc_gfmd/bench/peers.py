@@ -73,6 +73,7 @@ class _Peer:
         return answer, np.load(self.pressure_path)
 
     def close(self):
+        """End the process."""
         self.process.stdin.close()
         try:
             self.process.wait(10)
@@ -90,15 +91,18 @@ class _We:
         self.name, self.case, self.precision = f"hpc-gfmd {precision}", case, precision
 
     def prepare(self):
+        """Plan and compile."""
         self.ours = Ours(self.case, self.precision)
         self.ours.solve(None, residual=1.0)
 
     def solve(self, tolerance):
+        """Numbers of the solve, and the pressure field."""
         solved = self.ours.solve(None, residual=tolerance)
         return {"seconds": solved.seconds, "cpu_seconds": solved.cpu_seconds, "iterations": solved.iterations,
                 "status": solved.status, "fft_pairs": solved.fft_pairs}, solved.pressure
 
     def close(self):
+        """Give the memory back."""
         self.ours = None
 
 

@@ -86,6 +86,38 @@ def test_peers_without_peers_compares_our_precisions(tmp_path):
     assert min(r["times_slower"] for r in found) == 1.0
 
 
+FAKE = """
+import numpy as np
+from types import SimpleNamespace
+
+def solve_nested(tol, **_):
+    known = np.load({path!r})
+    noise = np.random.default_rng(1).standard_normal(known.shape)
+    pressure = known + 3 * tol * noise * np.linalg.norm(known) / np.linalg.norm(noise)
+    return SimpleNamespace(pressure=pressure, iterations=7, status="converged")
+"""
+
+
+def test_another_code_is_given_the_loosest_tolerance_that_will_do(tmp_path, monkeypatch):
+    """A stand-in for ASPHER whose true error is three times its tolerance; one that is not installed is said and left out."""
+    np.save(tmp_path / "known.npy", reference(Case(64, 0.8, 0.05)).pressure)
+    (tmp_path / "aspher.py").write_text(FAKE.format(path=str(tmp_path / "known.npy")))
+    python = tmp_path / "bin" / "python"
+    python.parent.mkdir()
+    python.write_text(f'#!/bin/sh\nPYTHONPATH={tmp_path} exec {sys.executable} "$@"\n')
+    python.chmod(0o755)
+    monkeypatch.setenv("HPC_GFMD_PEERS", str(tmp_path))
+    assert main(["bench", "peers", "--n", "64", "--p-star", "0.05", "--precision", "double", "--codes", "aspher", "tamaas",
+                 "--repeats", "2", "-o", str(tmp_path)]) == 0
+    found = {row["code"]: row for row in rows(tmp_path / "peers.jsonl")}
+    ours, aspher, tamaas = (found[code] for code in ("hpc-gfmd double", "aspher", "tamaas"))
+    assert aspher["error"] == pytest.approx(3 * aspher["tolerance"], rel=1e-6)
+    assert 0.4e-5 < aspher["error"] <= 1e-5
+    assert (aspher["iterations"], aspher["repeats"], aspher["in_turn"], ours["times_slower"]) == (7, 2, "yes", 1.0)
+    assert (tamaas["status"], "seconds_min" in tamaas) == ("not reached", False)
+    assert "No module named 'tamaas'" in (tmp_path / "peers.txt").read_text()
+
+
 @pytest.mark.parametrize(("arguments", "says"), [
     (["accuracy", "--solvers", "nonsense"], "--solvers: found 'nonsense', allowed: bpx"),
     (["peers", "--codes", "nonsense"], "--codes: found 'nonsense', allowed: aspher"),
