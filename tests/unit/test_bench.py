@@ -5,11 +5,12 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from hpc_gfmd.bench import peers
+from hpc_gfmd.bench import peers, scaling
 from hpc_gfmd.bench.cases import Case
 from hpc_gfmd.bench.kernels import field_passes
 from hpc_gfmd.bench.loosest import loosest
@@ -18,6 +19,7 @@ from hpc_gfmd.bench.ours import Ours
 from hpc_gfmd.bench.reference import reference
 from hpc_gfmd.bench.timing import Clock, Sample, ratio
 from hpc_gfmd.cli import main
+from hpc_gfmd.errors import GfmdError
 
 
 @pytest.fixture(autouse=True)
@@ -166,6 +168,14 @@ def test_scaling_of_one_rank(tmp_path):
     assert alone["seconds"] == pytest.approx(found[0]["seconds"])
     assert {row["n"] for row in rows(tmp_path / "scaling-model.jsonl")} == {2**15, 2**17}
     assert (tmp_path / "scaling.png").stat().st_size > 10_000
+
+
+def test_a_failing_launcher_is_quoted_without_its_frame(monkeypatch):
+    """mpirun puts what it has to say between lines of dashes."""
+    said = SimpleNamespace(returncode=1, stdout="", stderr="-----\nno such host\n-----\n")
+    monkeypatch.setattr(scaling.subprocess, "run", lambda *_, **__: said)
+    with pytest.raises(GfmdError, match=r"on 2 ranks failed: no such host$"):
+        scaling.measure(64, 2, "double", 0.05, 1)
 
 
 def test_worker_stands_alone():
