@@ -1,4 +1,4 @@
-"""Green's function molecular dynamics on a small surface, with the signs as printed or as they should be: what the errata need."""
+"""Green's function molecular dynamics on a small surface, with the signs as printed or as they should be."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ N_SMALL, STEPS = 32, 400
 DT, ETA = 0.25, 0.08  # time step and damping: stable and slightly underdamped
 
 
-def small_surface(n=N_SMALL, hurst=HURST, seed=1):
+def small_surface(n: int = N_SMALL, hurst: float = HURST, seed: int = 1) -> np.ndarray:
     """A small self-affine surface, h_rms = 1, mean 0, peaks up."""
     q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(n, 1 / n)], indexing="ij"))
     keep = (q >= 2) & (q <= n / 4)
@@ -16,7 +16,7 @@ def small_surface(n=N_SMALL, hurst=HURST, seed=1):
     return z / z.std()
 
 
-def gfmd(damping=-1, load=-1, lifted=False, steps=STEPS):
+def gfmd(damping: int = -1, load: int = -1, lifted: bool = False, steps: int = STEPS) -> dict:
     """The paper's dynamics on a small surface, in units E* = 2, cell 2 pi, as its pseudocode but for the two signs.
 
     damping, load: -1 is right, +1 is printed. lifted: start at h_max instead of touching. Returns {"gap": mean gap/h_rms of every
