@@ -14,6 +14,7 @@ from .shapes import (
     frequencies,
     grid,
     log_uniform,
+    pixels,
     rough,
     square_pixels,
 )
@@ -90,7 +91,7 @@ def odd_grid(rng):
 
 @family
 def long_cell(rng):
-    n = choice(rng, ((512, 32), (32, 512), (640, 40), (40, 640)))
+    n = choice(rng, ((512, 32), (32, 512), (640, 40), (40, 640), (1024, 64)))
     return single(rng, rough(rng, n))
 
 
@@ -226,6 +227,13 @@ def ridges(rng):
     return single(rng, z)
 
 
+@family
+def tiny(rng):
+    """Grids of hardly any points, also along one axis only."""
+    n = choice(rng, ((2, 2), (3, 3), (1, 64), (97, 1), (2, 31), (5, 4), (8, 8), (16, 16), (1, 1000)))
+    return single(rng, rng.standard_normal(n) if rng.random() < 0.5 else np.exp(rng.standard_normal(n)), low=1e-4, high=3)
+
+
 # -- spikes and pits ---------------------------------------------------------------------------------------------------------------
 
 
@@ -332,7 +340,7 @@ def punch_square(rng):
     n = grid(rng)
     x, y = coordinates(n, (1, 1))
     a, b = rng.uniform(0.1, 0.45, 2)
-    return single(rng, 1.0 * ((np.abs(x) < a) & (np.abs(y) < b)), low=1e-4)
+    return single(rng, 1.0 * ((np.abs(x) < a) & (np.abs(y) < b)), pixels(rng, n), low=1e-4)
 
 
 @family
@@ -358,7 +366,7 @@ def punches(rng):
 def _indenter(shape):
     def make_wall(rng):
         n = grid(rng)
-        sizes = square_pixels(n)
+        sizes = pixels(rng, n)
         x, y = coordinates(n, sizes)
         shift = rng.random(2) / n if rng.random() < 0.5 else (0, 0)
         return single(rng, shape(x + shift[0], y + shift[1]), sizes, low=1e-4)
@@ -404,7 +412,8 @@ def _wave(n, k):
 @family
 def wave(rng):
     """cos x cos y with k x k periods, perfectly ordered."""
-    return single(rng, _wave(*choice(rng, WAVES)), low=3e-3, high=0.6)
+    n, k = choice(rng, WAVES)
+    return single(rng, _wave(n, k), pixels(rng, (n, n)), low=3e-3, high=0.6)
 
 
 LATTICES = ((72, 12), (128, 16), (96, 12), (96, 16), (144, 12), (64, 8), (100, 10), (120, 24), (120, 20))
@@ -418,7 +427,8 @@ def _lattice(n, d):
 @family
 def lattice(rng):
     """Paraboloids, all equal."""
-    return single(rng, _lattice(*choice(rng, LATTICES)), low=3e-3, high=0.6)
+    n, d = choice(rng, LATTICES)
+    return single(rng, _lattice(n, d), pixels(rng, (n, n)), low=3e-3, high=0.6)
 
 
 @family
@@ -506,6 +516,18 @@ def few_points_smooth(rng):
 
 
 @family
+def few_asperities(rng):
+    """Some smooth bumps of their own heights, and a load near a change of sides."""
+    n = choice(rng, ((64, 64), (100, 100), (81, 81), (128, 64)))
+    sizes = square_pixels(n)
+    z = np.zeros(n)
+    for dx, dy in distances(rng, n, sizes, int(rng.integers(2, 20))):
+        width = log_uniform(rng, 0.03, 0.2)
+        z = np.maximum(z, rng.uniform(0.5, 1) * np.exp(-(dx**2 + dy**2) / (2 * width**2)))
+    return Wall(z, sizes, (_change_of_sides(rng, z, sizes, log_uniform(rng, 5, 200) / z.size / 2),))
+
+
+@family
 def light(rng):
     return single(rng, rough(rng, grid(rng)), low=1e-5, high=3e-3)
 
@@ -545,20 +567,23 @@ def scene_wall(surface, loads):
     return Wall(heights, tuple(spec.physical_sizes), tuple(loads), 1.0, surface, units=False)
 
 
-def scene_surface(rng):
+def scene_surface(rng, lam_s_over_a=(2, 8)):
     """A [surface] table of 32 to 160 points along x."""
-    n_x = choice(rng, (32, 48, 64, 96, 100, 128, 160, 97))
+    n_x = choice(rng, (64, 72, 96, 100, 128, 160, 97))
     n_y = n_x if rng.random() < 0.7 else choice(rng, (32, 64, 128))
-    L_over_lam_l, lam_s_over_a = rng.uniform(1, 4), rng.uniform(2, 8)
+    L_over_lam_l, lam_s_over_a = rng.uniform(1, 3), rng.uniform(*lam_s_over_a)
     return {"kind": "self-affine", "hurst": round(rng.uniform(0, 1), 2), "L_over_lam_l": L_over_lam_l,
-            "lam_l_over_lam_s": max(n_x / (L_over_lam_l * lam_s_over_a), 1.0), "lam_s_over_a": lam_s_over_a,
+            "lam_l_over_lam_s": n_x / (L_over_lam_l * lam_s_over_a), "lam_s_over_a": lam_s_over_a,
             "seed": int(rng.integers(2**31)), "physical_sizes": [1.0, n_y / n_x]}
 
 
 @family
 def scene(rng):
-    while True:
-        surface = scene_surface(rng)
-        product = surface["L_over_lam_l"] * surface["lam_l_over_lam_s"] * surface["lam_s_over_a"]
-        if abs(product - round(product)) < 1e-9 and surface["lam_l_over_lam_s"] > 1.5:
-            return scene_wall(surface, (log_uniform(rng, 1e-3, 1.5),))
+    return scene_wall(scene_surface(rng), (log_uniform(rng, 1e-3, 1.5),))
+
+
+@family
+def few_points_scene(rng):
+    wall = scene_wall(scene_surface(rng, lam_s_over_a=(4, 16)), (1.0,))
+    p_star = log_uniform(rng, 5, 300) / wall.heights.size / 2
+    return replace(wall, loads=(_change_of_sides(rng, wall.heights, wall.physical_sizes, p_star),))

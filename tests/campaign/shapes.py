@@ -30,6 +30,12 @@ def square_pixels(n):
     return 1.0, n[1] / n[0]
 
 
+def pixels(rng, n):
+    """Physical sizes of a cell: mostly square pixels, some up to 1:16."""
+    ratio = choice(rng, (1 / 16, 1 / 4, 2, 4, 16)) if rng.random() < 0.25 else 1
+    return 1.0, n[1] / n[0] * ratio
+
+
 def frequencies(n, sizes):
     """|q| L_x / 2 pi of all modes."""
     return np.hypot((np.fft.fftfreq(n[0]) * n[0])[:, None], np.fft.fftfreq(n[1]) * n[1] * sizes[0] / sizes[1])

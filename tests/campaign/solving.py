@@ -9,7 +9,7 @@ import numpy as np
 from . import families, sweeps  # noqa: F401  sweeps adds its families
 from .truth import truths
 
-SECONDS = 120  # for all loads of one wall, one solver, one precision and one accuracy
+SECONDS = 120  # for all truths of one wall, and for all its loads by one solver in one precision to one accuracy
 DOUBTFUL = 1e-10  # a truth that violates its own conditions by more than this is none
 
 
@@ -22,7 +22,8 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
     head = {"family": name, "seed": seed, "index": index}
     try:
         wall = families.make(name, seed, index)
-        contact, exact = truths(wall.heights, wall.physical_sizes, wall.loads)
+        with _time_limit(seconds):
+            contact, exact = truths(wall.heights, wall.physical_sizes, wall.loads)
     except Exception as error:  # a campaign goes on
         return [head | {"status": "no wall", "error": f"{type(error).__name__}: {error}"}]
     head |= {"n": list(wall.heights.shape), "aspect": wall.physical_sizes[1] / wall.physical_sizes[0]}
@@ -36,11 +37,12 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
             with _time_limit(seconds), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 for k, (found, truth) in enumerate(zip(_solutions(wall, contact, way), exact)):
-                    exactly = {"contact": truth.contact, "gap": truth.gap_mean, "ties": [truth.ties_in, truth.ties_out], "kkt": truth.kkt}
+                    exactly = {"contact": truth.contact, "gap": truth.gap_mean, "kkt": truth.kkt,
+                               "ties": [truth.ties_in, truth.ties_out]}
                     rows.append(way | {"load": k, "p_star": wall.loads[k]} | exactly | _judged(found, truth, contact, wall))
                     done = k + 1
         except Exception as error:
-            failure = "too slow" if isinstance(error, TooSlow) else "raised"
+            failure = {"TooSlow": "too slow", "SceneError": "refused"}.get(type(error).__name__, "raised")
             rows.append(way | {"load": done, "p_star": wall.loads[min(done, len(wall.loads) - 1)], "status": failure,
                                "error": f"{type(error).__name__}: {error}"})
         rows[-1]["seconds"] = round(time.perf_counter() - begun, 4)

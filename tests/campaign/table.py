@@ -102,9 +102,10 @@ def report(rows, worst=40):
     if later:
         parts.append("Warm loads:\n\n" + markdown(later, "precision"))
     broken = [row for row in rows if row.get("status") in ("raised", "too slow", "no wall")]
-    parts.append(f"{len(bad)} failures, the worst of each wall:\n\n" + "\n".join(f"* {line(row)}" for row in worst_of_each(bad)[:worst]))
+    first = [f"* {line(row)}" for row in worst_of_each(bad)[:worst]]
+    parts.append("\n".join([f"{len(bad)} failures, the worst of each wall:\n", *first]))
     if broken:
-        parts.append(f"{len(broken)} raised or too slow:\n\n" + "\n".join(
-            f"* {row['family']} seed {row['seed']} index {row['index']} {row.get('solver')} {row.get('precision')} {row.get('accuracy')}"
-            f": {row['status']} {row['error'][:150]}" for row in broken[:worst]))
+        lines = [f"* {row['family']} seed {row['seed']} index {row['index']} {row.get('solver')} {row.get('precision')} "
+                 f"{row.get('accuracy')}: {row['status']} {row['error'][:150]}" for row in broken[:worst]]
+        parts.append("\n".join([f"{len(broken)} raised or too slow:\n", *lines]))
     return "\n\n".join(parts)
