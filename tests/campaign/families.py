@@ -477,7 +477,7 @@ def _load_of_area(z, a_r, sizes=None):
     low, high = 1e-7, 50.0
     for _ in range(18):
         middle = np.sqrt(low * high)
-        if contact.solve(middle)[0].contact < a_r * z.size:
+        if contact.solve(middle).contact < a_r * z.size:
             low = middle
         else:
             high = middle
@@ -488,12 +488,12 @@ def _change_of_sides(rng, z, sizes, p_star):
     """A load near p* at which the number of points changes, off by a random small share."""
     contact = Contact(z, sizes)
     low, high = p_star, p_star * 1.2
-    n_low, n_high = contact.solve(low)[0].contact, contact.solve(high)[0].contact
+    n_low, n_high = contact.solve(low).contact, contact.solve(high).contact
     if n_low == n_high:
         return p_star
     for _ in range(int(rng.integers(8, 22))):
         middle = 0.5 * (low + high)
-        n = contact.solve(middle)[0].contact
+        n = contact.solve(middle).contact
         low, high = (middle, high) if abs(n - n_low) < abs(n - n_high) else (low, middle)
     return float(rng.choice([low, high]))
 

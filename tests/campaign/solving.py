@@ -10,7 +10,6 @@ from . import families, sweeps  # noqa: F401  sweeps adds its families
 from .truth import truths
 
 SECONDS = 120  # for all truths of one wall, and for all its loads by one solver in one precision to one accuracy
-DOUBTFUL = 1e-10  # a truth that violates its own conditions by more than this is none
 
 
 class TooSlow(Exception):

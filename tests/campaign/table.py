@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .solving import DOUBTFUL
+from .truth import DOUBTFUL
 
 SLACK = 1e-9  # rounding of the truth and of the comparison
 KINDS = ("area", "gap", "pressure")

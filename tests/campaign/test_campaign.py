@@ -1,4 +1,4 @@
-"""Converged means converged: a tenth of the families in the quick tests, all of them, and all solvers, marked slow."""
+"""Converged means converged: hard walls of every class in the quick tests; all families, and all solvers, marked slow."""
 
 import os
 
@@ -13,7 +13,12 @@ SEED = int(os.environ.get("HPC_GFMD_SEED", 2311))
 WALLS = 8  # of each family
 BPX = ways(["bpx"], PRECISIONS, ACCURACIES, "yes")
 OTHERS = ways(["gfmd", "fire", "ccg"], ["double", "single"], [1e-2, 1e-4], "no")
-QUICK = ways(["bpx"], ["single", "double"], [1e-2, 1e-3, 1e-6], "yes")
+QUICK = ways(["bpx"], ["single", "double"], [1e-2, 1e-3, 1e-4], "yes")
+# Walls (seed 11) on which solves once were less accurate than they said.
+HARD = {"known": (0, 8, 12, 15), "change_of_sides": (0, 3, 7), "few_asperities": (1,), "few_points_scene": (3, 11), "punch_round": (2,),
+        "pyramid": (7,), "ridges": (1,), "long_mode": (3,), "smooth_near_full": (4,), "smooth_scene": (4, 12),
+        "high_pressure": (1,), "extreme_units": (0,), "sweep_near_full": (0,), "sweep_fine": (5,), "sweep_up_and_down": (14,),
+        "sweep_ordered": (6,), "sweep_scene": (14,)}
 
 
 def check(rows):
@@ -24,6 +29,11 @@ def check(rows):
     assert not bad, "\n".join(bad[:20])
     doubtful = [row for row in rows if "kkt" in row and not row["kkt"] < 1e-10]
     assert not doubtful
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_the_default_solver_on_hard_walls(name):
+    check([row for index in HARD[name] for row in rows_of(name, 11, index, QUICK)])
 
 
 @pytest.mark.slow
