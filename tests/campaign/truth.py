@@ -257,7 +257,8 @@ def _read(path, n):
             contact, gap_mean, ties_in, ties_out, kkt, rounds = data["numbers"]
     except (OSError, ValueError, KeyError, EOFError):
         return None
-    return Truth(p, int(contact), float(gap_mean), int(ties_in), int(ties_out), float(kkt), int(rounds))
+    truth = Truth(p, int(contact), float(gap_mean), int(ties_in), int(ties_out), float(kkt), int(rounds))
+    return truth if truth.kkt < DOUBTFUL else None
 
 
 def _write(path, truth):
