@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 
-from . import families, sweeps  # noqa: F401  sweeps adds its families
+from .families import make
 from .truth import truths
 
 SECONDS = 120  # for all truths of one wall, and for all its loads by one solver in one precision to one accuracy
@@ -20,7 +20,7 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
     """One dictionary for each way (solver, precision, accuracy, low_memory) and load of a wall; failures are rows too."""
     head = {"family": name, "seed": seed, "index": index}
     try:
-        wall = families.make(name, seed, index)
+        wall = make(name, seed, index)
         with _time_limit(seconds):
             contact, exact = truths(wall.heights, wall.physical_sizes, wall.loads)
     except Exception as error:  # a campaign goes on

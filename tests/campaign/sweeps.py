@@ -4,10 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from .families import FAMILIES, WAVES, _lattice, _wave, family, scene_wall
+from . import closing_walls, formed_walls, light_loads, rough_walls
+from .formed_walls import WAVES, lattice_heights, wave_heights
+from .registry import FAMILIES, family, scene_wall
 from .shapes import choice, log_uniform, rough, square_pixels
 
-SINGLE = tuple(FAMILIES)  # families of one load each
+# Families of one load each, in an order on which the walls of some sweeps depend.
+MODULES = [module.__name__ for module in (rough_walls, closing_walls, formed_walls, light_loads)]
+SINGLE = tuple(sorted(FAMILIES, key=lambda name: MODULES.index(FAMILIES[name].__module__)))
 
 
 def _walk(rng, start, ratios, low=1e-4, high=3.0):
@@ -70,7 +74,7 @@ def sweep_fine(rng):
 
 @family
 def sweep_fine_ordered(rng):
-    z = choice(rng, (_wave(*choice(rng, WAVES)), _lattice(72, 12), _lattice(96, 16)))
+    z = choice(rng, (wave_heights(*choice(rng, WAVES)), lattice_heights(72, 12), lattice_heights(96, 16)))
     wall = replace(FAMILIES["self_affine"](rng), heights=z, physical_sizes=square_pixels(z.shape))
     return _fine(rng, wall, log_uniform(rng, 5e-3, 0.4), choice(rng, (1e-3, 1e-2, 3e-2)), 60)
 

@@ -4,7 +4,7 @@ import numpy as np
 import oracle
 import pytest
 
-from campaign import families, sweeps  # noqa: F401  sweeps adds its families
+from campaign import families
 from campaign.truth import Contact
 
 WALLS = ["self_affine", "white_noise", "thin_pixels", "spike", "punch_square", "lattice", "minus_exponential", "pits", "tiny"]
