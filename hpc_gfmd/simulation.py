@@ -152,7 +152,7 @@ def _headline(scene, surface, n, comm, seconds):
 
 def _precision(settings):
     first = first_precision(settings).name
-    return f"{first}, or float64 for loads that need it" if settings.precision == "auto" and first == "float32" else first
+    return f"{first} until a load needs float64" if settings.precision == "auto" and first == "float32" else first
 
 
 class _Run:
@@ -260,8 +260,8 @@ class _Run:
         area, gap, pressure = contact.outcome.errors
         attributes = {"p": p, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
                       "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area,
-                      "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure, "precision": contact.g.dtype.name, "residual": contact.certificate.residual,
-                      "note": contact.note}
+                      "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure,
+                      "precision": contact.g.dtype.name, "residual": contact.certificate.residual, "note": contact.note}
         attributes |= contact.certificate.attributes() | numbers
         fields = {name: contact.field(name) for name in self.scene.output.fields}
         self.file.write_step(index, {k: v for k, v in attributes.items() if v is not None}, fields)

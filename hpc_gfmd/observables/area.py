@@ -1,9 +1,9 @@
 """Relative contact area, kappa = a_r/p*, both with the edge correction, and what the size of a grid point does to them.
 
-A point counts as touching or not as a whole, and along the edge of the contact more of them touch than would on a finer grid. Yastrebov,
-Anciaux, Molinari (2017): the area that is too much is EDGE_CORRECTION a^2 per boundary segment (side of a point that touches beside one
-that does not). That is an average over all directions of the edge on square points: it does not hold for contacts that vary along
-one axis only, nor where points are not square; a_r_corrected and kappa_corrected are None there.
+A point counts as touching or not as a whole, and along the edge of the contact more of them touch than would on a finer grid. By
+Yastrebov, Anciaux, Molinari (2017) the area that is too much is EDGE_CORRECTION a^2 per boundary segment (side of a point that touches
+beside one that does not). That is an average over all directions of the edge on square points: it does not hold for contacts that vary
+along one axis only, nor where points are not square; a_r_corrected and kappa_corrected are None there.
 """
 
 import numpy as np
