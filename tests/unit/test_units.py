@@ -63,7 +63,8 @@ def test_any_unit_in_the_file(tmp_path):
             close(one, wanted, unit)
 
 
-@pytest.mark.parametrize(("unit", "length", "name"), [(1e-40, 1, "pressure"), (1e40, 1, "pressure"), (1, 1e-40, "gap"), (1, 1e40, "gap")])
+@pytest.mark.parametrize(("unit", "length", "name"),
+                         [(1e-40, 1, "pressure"), (1e40, 1, "pressure"), (1, 1e-40, "gap"), (1, 1e40, "gap")])
 def test_single_precision_that_is_insisted_on_is_refused_where_it_is_too_little(tmp_path, unit, length, name):
     with pytest.raises(SceneError, match=rf'^output\.dtype: found "single", which cannot hold the {name} .*allowed: "double"$'):
         run_scene(scene(unit, length, dtype="single"), out=tmp_path / "a.h5", quiet=True)
@@ -82,10 +83,11 @@ def test_a_load_that_single_precision_cannot_hold(z, p):
 
 
 @pytest.mark.parametrize("given", [{"E_star": 1e100, "heights": 1e100, "physical_sizes": (1e-100, 1e-100)},
-                                   {"E_star": 1e-100, "heights": 1e-90, "physical_sizes": (1e90, 1e90)}, {"E_star": 1e-20, "pressure": 1e90}])
+                                   {"E_star": 1e-100, "heights": 1e-90, "physical_sizes": (1e90, 1e90)},
+                                   {"E_star": 1e-20, "pressure": 1e90}])
 def test_units_beyond_double_precision_are_refused(z, given):
     given = {"pressure": 1.0} | given
-    with pytest.raises(SceneError, match="allowed: 1e-[12][05]0 to 1e"):
+    with pytest.raises(SceneError, match=r"allowed: 1e-[12][05]0 to 1e"):
         hpc_gfmd.solve(z / np.abs(z).max() * given.pop("heights", 1.0), **given)
 
 
