@@ -38,7 +38,7 @@ def a_r_discretisation(contact):
     * one sphere (5 to 70,000 points): 0.8 in the mean, -0.8 to 1.6: how a circle lies on its grid is chance; the estimate with both
       parts was exceeded by up to 1.3 times;
     * rough with points of 1:2, 1:4, 1:8: 0.7 to 1.1;
-    * profiles (Westergaard): 0.2 +- 0.3 points per edge, hence b = EDGE_1D there.
+    * profiles (Westergaard): 0.2 +- 0.3 points per edge, 0.7 at most, hence b = EDGE_1D there.
     """
     segments = contact.boundary_segments
     bias = EDGE_1D if _one_dimensional(contact) else EDGE_CORRECTION

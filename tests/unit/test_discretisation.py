@@ -54,7 +54,7 @@ def test_a_profile():
             contact = solve_scene({"kind": "wave", "amplitude": 0.1, "n": [n, 4]}, load * np.sqrt(2) / 2, **TIGHT).contact
             truth = 2 / np.pi * np.arcsin(np.sqrt(load))
             found.append((a_r(contact) - truth) / (a_r(contact) * a_r_discretisation(contact)))
-    assert np.max(np.abs(found)) < 1.6
+    assert np.max(np.abs(found)) < 1.75  # 0.7 points at both edges
     assert 0.3 < np.mean(found) < 0.7
 
 
