@@ -75,7 +75,8 @@ def test_ranks_nobody_can_hear(folder, after):
 
 @pytest.mark.parametrize(("args", "after", "said"), [
     (["show", "out.h5"], ">/dev/full", "standard output: No space left on device"),
-    (["plan", "scene.toml"], ">&-", "standard output: "), (["show", "--json", "out.h5"], "| exec 0<&-", "")], ids=["full disk", "closed", "pipe"])
+    (["plan", "scene.toml"], ">&-", "standard output: "), (["show", "--json", "out.h5"], "| exec 0<&-", "")],
+    ids=["full disk", "closed", "pipe"])
 def test_what_is_printed_is_the_result(solved, args, after, said):
     """Here nothing is left where it cannot be printed."""
     code, _, err = shell(solved, [], args, after)

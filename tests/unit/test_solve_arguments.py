@@ -29,6 +29,7 @@ REFUSED = [
     ({"threads": 65536}, "machine.threads: found 65536, allowed on this machine"), ({"threads": 100_000}, "machine.threads"),
     ({"low_memory": True}, "solver.low_memory"), ({"precison": "single"}, "nearest: solver.precision"),
     ({"name": "gfdm"}, 'nearest: "gfmd"'),
+    ({"observables": "a_r"}, "output.observables"), ({"observables": ["a_rr"]}, 'nearest: "a_r"'),
     ({"pressure": [0.1, 0.2]}, "load.pressure"), ({"pressure": None}, "load.pressure"), ({"pressure": "0.1"}, "load.pressure"),
     ({"pressure": HUGE}, "load.pressure"), ({"pressure": -1}, "load.pressure"), ({"max_iterations": 0}, "solver.max_iterations"),
     ({"heights": [[1, 2], [3]]}, "heights: found"), ({"heights": [[HUGE, 1]]}, "heights: found"),
@@ -52,6 +53,7 @@ def test_refused_in_one_line(arguments, words):
     {"physical_sizes": np.array([1, 2])}, {"physical_sizes": [np.int64(1), 2.0]}, {"E_star": Decimal(2)},
     {"accuracy": None}, {"accuracy": None, "residual": 1e-6},
     {"residual": np.float64(1e-6)}, {"residual": None}, {"threads": "auto"}, {"threads": np.int64(2)}, {"heights": Z.tolist()},
+    {"observables": None}, {"observables": ["stiffness"]},
     {"heights": (100 * Z).astype(np.int8)}, {"heights": Z.astype(np.longdouble)}, {"low_memory": False}, {"max_iterations": 10**18},
 ], ids=lambda x: str(x)[:40])
 def test_accepted(arguments):
@@ -80,7 +82,7 @@ USUAL = {  # the values of each argument that make sense
     "pressure": positive, "E_star": positive, "physical_sizes": st.tuples(positive, positive), "accuracy": st.floats(1e-12, 0.5),
     "residual": st.floats(1e-300, 0.5), "threads": st.integers(0, 3), "precision": st.sampled_from(["single", "double", "auto"]),
     "low_memory": st.booleans(), "nested": st.booleans(), "options": st.just({}), "bogus": st.none(),
-    "name": st.sampled_from(["bpx", "gfmd", "ccg", "fire"])}
+    "observables": st.just(["kappa", "stiffness"]), "name": st.sampled_from(["bpx", "gfmd", "ccg", "fire"])}
 changes = st.lists(st.sampled_from(list(USUAL)), max_size=3, unique=True).flatmap(
     lambda keys: st.fixed_dictionaries({key: USUAL[key] | anything for key in keys}))
 
