@@ -45,8 +45,8 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=Non
 
     heights: (n_x, n_y), peaks up, in the unit of physical_sizes; pressure: in the unit of E_star; accuracy: wanted relative accuracy
     of a_r, gap_mean and pressure field (1e-3 where no residual is given instead); observables: names as in the scene's [output], such
-    as "stiffness"; threads: a whole number or "auto"; solver: further keys of the scene's [solver] (name, precision, residual, ...). All
-    are checked as those of a scene are.
+    as "stiffness"; threads: a whole number or "auto"; solver: further keys of the scene's [solver] (name, precision, residual, ...).
+    All are checked as those of a scene are.
     Returns a Solution; warns (errors.NotConverged) if its status is not "converged". Raises SceneError for input that makes no sense.
     """
     given = {"residual": None, "accuracy": accuracy} | solver

@@ -7,6 +7,7 @@ import time
 import numpy as np
 
 from ..errors import GfmdError, SceneError
+from ..streams import unfailing
 
 # Set by mpirun (Open MPI, MPICH, Intel MPI) and by srun --mpi=pmix/pmi2 for every process that they start.
 LAUNCHER_SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS")
@@ -181,7 +182,7 @@ def _abort_on_error(mpi, hook):
 
     def excepthook(kind, value, traceback):
         hook(kind, value, traceback)
-        sys.stderr.flush()
+        unfailing(sys.stderr).flush()
         mpi.Abort(1)
 
     return excepthook

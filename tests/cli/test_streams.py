@@ -5,6 +5,7 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from mpi_harness import call, environment, missing
@@ -12,6 +13,7 @@ from mpi_harness import call, environment, missing
 import hpc_gfmd
 from hpc_gfmd.cli import main
 from hpc_gfmd.output.read import read_result
+from hpc_gfmd.parallel.comm import _abort_on_error
 from hpc_gfmd.streams import Stream
 
 SCENE = """
@@ -134,3 +136,12 @@ def test_only_what_is_lost_is_lost():
     assert narrow.buffer.getvalue() == b"20 \\xb5m\n"
     assert stream.lost is None
     assert Path(Stream(sys.__stdout__).name).name == Path(sys.__stdout__.name).name
+
+
+def test_an_error_on_one_of_several_ranks_ends_all_even_if_it_cannot_be_printed(monkeypatch):
+    ended = []
+    hook = _abort_on_error(SimpleNamespace(Abort=ended.append), lambda *_: None)
+    for stream in (None, Broken(BrokenPipeError())):
+        monkeypatch.setattr(sys, "stderr", stream)
+        hook(ValueError, ValueError(), None)
+    assert ended == [1, 1]
