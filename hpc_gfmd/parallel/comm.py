@@ -143,10 +143,11 @@ def threads_of(comm, wanted):
     Raises SceneError on all ranks for more than some machine can bear: every thread takes memory of its own. Collective.
     """
     if wanted != "auto":
+        wanted = int(wanted)
         most = int(comm.min([THREADS_PER_CORE * (os.cpu_count() or 1)])[0])
         if wanted > most:
             raise SceneError(f"machine.threads: found {wanted}, allowed on this machine: up to {most} ({THREADS_PER_CORE} per core)")
-        return int(wanted)
+        return wanted
     cores = sorted(os.sched_getaffinity(0))
     here = comm.allgather((os.uname().nodename, cores))
     beside = sum(other == here[comm.rank] for other in here)  # ranks that are bound elsewhere do not share our cores

@@ -55,7 +55,7 @@ class HeightMap:
                 z = np.asarray(self.read(start, stop), dtype=np.float64)
         except Exception as error:
             raise SceneError(f"surface.path: reading {self.path} failed: {errors.one_line(str(error))}") from None
-        return checked(z, start, f"surface.path: {self.path}")
+        return checked(z, start, "surface.path", f" in {self.path}")
 
     def _npy(self, spec):
         with open(self.path, "rb") as file:

@@ -8,15 +8,15 @@ from ..errors import SceneError
 from ..units import LARGEST_HEIGHT
 
 
-def checked(z, start, where):
-    """The heights z (float64, rows from `start`) where all are finite and of a size whose squares are; where: begins the message.
+def checked(z, start, where, of=""):
+    """The heights z (float64, rows from `start`) where all are finite and of a size whose squares are; where, of: begin the message and tell the file.
 
     Raises SceneError for others: what instruments write for points that they could not measure is often nan or the largest number.
     """
     wrong = ~(np.abs(z) <= LARGEST_HEIGHT)
     if wrong.any():
         i, j = np.argwhere(wrong)[0]
-        raise SceneError(f"{where}: found a height of {z[i, j]:g} at ({start + i}, {j}), allowed: finite heights, "
+        raise SceneError(f"{where}: found {z[i, j]:g} at ({start + i}, {j}){of}, allowed: finite heights, "
                          f"{-LARGEST_HEIGHT:g} to {LARGEST_HEIGHT:g}")
     return z
 

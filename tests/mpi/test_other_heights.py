@@ -1,6 +1,7 @@
 """A run goes on with the heights that it began with, or it is refused."""
 
 import shutil
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -67,12 +68,14 @@ def begun(comm, shared_path, monkeypatch, capfd):
     return call
 
 
-@pytest.mark.parametrize("other", [lambda z: 2 * z, lambda z: z.T, lambda z: z[:-1], lambda z: z.reshape(8, 18)],
-                         ids=["content", "axes", "rows", "shape"])
-def test_other_heights_are_refused_and_the_right_ones_go_on(comm, begun, other):
+@pytest.mark.parametrize(("other", "checkpoint"), [(lambda z: 2 * z, True), (lambda z: 2 * z, False), (lambda z: z[:-1], False),
+                                                   (lambda z: z.reshape(8, 18), True)], ids=["content", "head", "rows", "shape"])
+def test_other_heights_are_refused_and_the_right_ones_go_on(comm, begun, other, checkpoint):
     z = random_heights((12, 12))
     z[0, 0] += 0.1
     assert begun(z, "run", "scene.toml", "-q")[0] == 143
+    if comm.rank == 0 and not checkpoint:
+        Path(PARTIAL, "checkpoint.h5").unlink()
     code, err = begun(other(z), *GO_ON)
     assert code == 2
     assert err.count("\n") == (comm.rank == 0)
