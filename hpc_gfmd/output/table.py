@@ -10,7 +10,7 @@ LEGEND = "+-: estimated error of the solver on this grid; grid: estimated error 
 COLUMNS = (
     ("p_star", "p*", "", None),
     ("p", "p", "[unit of E*]", None),
-    ("a_r", "a_r +- solver", "", "a_r_error"),
+    ("a_r", "a_r", "[+- solver]", "a_r_error"),
     ("a_r_discretisation", "grid", "[%]", None),
     ("kappa", "kappa", "", None),
     ("kappa_corrected", "edge-corr.", "", None),
