@@ -11,7 +11,8 @@ from ..units import LARGEST_HEIGHT
 def checked(z, start, where, of=""):
     """The heights z (float64, rows from `start`) where all are finite, and so are squares of them.
 
-    Raises SceneError for others, which begins with `where` and names the file, `of`: what instruments write for points that they could not measure is often nan or the largest number.
+    Raises SceneError for others, which begins with `where` and names the file, `of`: what instruments write for points that they could
+    not measure is often nan or the largest number.
     """
     wrong = ~(np.abs(z) <= LARGEST_HEIGHT)
     if wrong.any():
