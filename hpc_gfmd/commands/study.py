@@ -20,7 +20,7 @@ def add_parser(subparsers):
     parser.add_argument("--reference", metavar="FILE.json", help="write the data file of hpc_gfmd.reference from the stored sweeps")
     parser.add_argument("--coefficients", metavar="FILE.json", help="write our coefficients of eq. tfc, for `hpc-gfmd tfc --table`")
     parser.add_argument("--threads", default="1", metavar="T", help='threads of each rank: a number or "auto" (default 1)')
-    parser.set_defaults(main=main, parallel=True)
+    parser.set_defaults(main=main, saves=True)
     return parser
 
 
