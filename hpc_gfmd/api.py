@@ -8,6 +8,7 @@ import numpy as np
 from .contact import FIELDS
 from .driver.sweep import Sweep
 from .errors import NotConverged, SceneError
+from .kernels.cache import sound
 from .parallel.comm import SerialComm
 from .registry import all_observables
 from .scene import Load, Solver
@@ -69,8 +70,7 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=1e-
 
         return surface_from_rows(heights.shape, sizes, rows, SerialComm(), dtype, threads)
 
-    sweep = Sweep(make_surface, settings, E_star, duality="duality_gap" in observables)
-    step = sweep.solve(load.pressure[0])
+    step = sound(lambda: Sweep(make_surface, settings, E_star, duality="duality_gap" in observables).solve(load.pressure[0]))
     contact = step.contact
     if contact.outcome.status != "converged":
         errors = ", ".join(f"{error:.1e}" for error in contact.outcome.errors)
