@@ -41,6 +41,13 @@ def first_precision(settings):
     return np.dtype(np.float32 if loose else np.float64)
 
 
+def few_points(N, p_star, accuracy):
+    """Whether so few of N points will touch that single precision, which may err in a few of them, cannot give the area to an accuracy
+    (None where a residual is asked for)."""
+    expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
+    return accuracy is not None and FEW_POINTS / expected > accuracy
+
+
 class Sweep:
     """Solves loads on one surface in the order given.
 
@@ -71,7 +78,8 @@ class Sweep:
         if not midway:
             self._spent = 0.0
         promote = self.settings.precision == "auto" and self.dtype == np.float32
-        if promote and not midway and self._few_points(p):
+        p_star = p / (self.E_star * self.surface.g_rms)
+        if promote and not midway and few_points(self.surface.grid.N, p_star, self.settings.accuracy):
             self._to(np.float64)
             promote = False
         step = self._solve(p, watch, midway)
@@ -106,11 +114,6 @@ class Sweep:
         """Whether the load p, or one that follows it if p closes the gap at once, may start from the present state."""
         p_star = p / (self.E_star * self.surface.g_rms)
         return self.solver is not None and (self._near(p_star) or p_star >= FULL_P_STAR)
-
-    def _few_points(self, p):
-        """Whether so few points will touch that single precision, which may err in a few of them, cannot give the area."""
-        expected = self.surface.grid.N * min(1.0, 2 * p / (self.E_star * self.surface.g_rms))  # a_r is about 2 p*
-        return self.target.accuracy is not None and FEW_POINTS / expected > self.target.accuracy
 
     def _solve(self, p, watch, midway):
         p_star = p / (self.E_star * self.surface.g_rms)
