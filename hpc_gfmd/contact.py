@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .bodies.halfspace import HALF_SPACE
 from .errors import SceneError
 
 FIELDS = ("pressure", "gap", "displacement")
@@ -26,6 +27,7 @@ class Contact:
     outcome: object
     accuracy: float
     lam_s: float | None = None
+    body: object = HALF_SPACE
 
     @property
     def certificate(self):
@@ -93,7 +95,7 @@ class Contact:
         """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
         from .operators.tangent import tangent
 
-        return tangent(self.surface.grid, (self.g <= 0) & (self.q > 0), self.g.dtype, self.accuracy)
+        return tangent(self.surface.grid, self.body, (self.g <= 0) & (self.q > 0), self.g.dtype, self.accuracy)
 
     @property
     def pairs(self):

@@ -1,9 +1,9 @@
-"""Solvers and observables are found by looking into their folders: adding one means dropping in one file."""
+"""Solvers, observables and elastic bodies are found by looking into their folders: adding one means dropping in one file."""
 
 import importlib
 import pkgutil
 
-from . import observables, solvers
+from . import bodies, observables, solvers
 
 COMMON = {"base"}  # files in those folders that are not entries
 
@@ -22,6 +22,13 @@ def solver_class(name):
     name = "bpx" if name == "auto" else name
     module = importlib.import_module(f"{solvers.__name__}.{name}")
     return next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
+
+
+def body_classes():
+    """{name: class} of all elastic bodies."""
+    modules = {name: importlib.import_module(f"{bodies.__name__}.{name}") for name in _names(bodies)}
+    return {name: next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
+            for name, module in modules.items()}
 
 
 def all_observables():

@@ -3,7 +3,7 @@
 p = p0 + K u is computed anew in double precision; what it violates of u >= -h, p >= 0, p g = 0, mean(p) = p0 is the certificate. The
 duality gap bounds the energy error from above without any knowledge of the solution:
 
-    E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 2/|q|,
+    E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 1/K,
 
 for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled.
 """
@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from ..kernels.certify import dual_rows, judge
-from ..operators.halfspace import HalfSpace
+from ..operators.elastic import Elastic
 
 GAP_FACTOR = 2.03  # error of the mean gap over sqrt(G/(p0 gap_mean)): the largest ratio ever seen
 
@@ -57,15 +57,16 @@ class Certificate:
 def certify(problem, g, p, dtype=np.float64, dual=True, near=0.0):
     """Judge the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local slab). One pair, half more if dual.
 
-    near: size of the pressure below which a closed point, or gap over 2/q_nyquist below which an open one, may be on the wrong side.
+    near: size of the pressure below which a closed point, or of the gap times the stiffness of the shortest
+    waves below which an open one, may be on the wrong side.
     """
     grid = problem.grid
-    elastic = HalfSpace(grid, dtype)
+    elastic = Elastic(grid, problem.body, dtype)
     p0, N = float(problem.p0), grid.N
     passes = elastic.fft.passes()
     # What is as close as rounding errors are is a tie, and on either side right; but single precision may round differently.
     low = TIE * problem.rounding if near > 0 and problem.dtype == np.float64 else 0.0
-    kap = 2.0 / grid.q_nyquist
+    kap = 1.0 / problem.body.scale(grid)
 
     elastic.pressure_rows(problem.displacement_rows(g), passes)
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))

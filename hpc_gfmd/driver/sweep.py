@@ -4,6 +4,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from ..bodies.halfspace import HALF_SPACE
 from ..contact import Contact
 from ..errors import SceneError
 from ..problem import Problem
@@ -15,7 +16,6 @@ from .nested import Nested, cold_gap
 SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
 WARM_UP, WARM_DOWN = 1.45, 1.26  # a load up to so much larger or smaller starts from the one before, others from coarser grids
 # (not round numbers, nor the next one: p* has rounding errors)
-FULL_P_STAR = 0.499  # full contact needs p* above std(p)/(E* g_rms) = 1/2 (unless the surface is very skewed)
 FEW_POINTS = 6  # points on the wrong side that single precision may have
 
 
@@ -51,13 +51,13 @@ def few_points(N, p_star, accuracy):
 class Sweep:
     """Solves loads on one surface in the order given.
 
-    make_surface(dtype) -> surface.Surface; settings: scene.Solver. duality: whether the duality gap is wanted. Raises SceneError for
-    what cannot be asked.
+    make_surface(dtype) -> surface.Surface; settings: scene.Solver. duality: whether the duality gap is wanted; body: see bodies/.
+    Raises SceneError for what cannot be asked.
     """
 
-    def __init__(self, make_surface, settings, E_star=1.0, lam_s=None, duality=False):
+    def __init__(self, make_surface, settings, E_star=1.0, lam_s=None, duality=False, body=HALF_SPACE):
         self.make_surface, self.settings = make_surface, settings
-        self.E_star, self.lam_s = float(E_star), lam_s
+        self.E_star, self.lam_s, self.body = float(E_star), lam_s, body
         self.solver_class = solver_class(settings.name)
         self.target = Target(settings.accuracy, settings.residual, settings.max_iterations, duality=duality)
         self._to(first_precision(settings))
@@ -108,17 +108,20 @@ class Sweep:
             self._to(numbers["dtype"])
         if "p0" in numbers:
             self._spent = numbers.get("spent", 0.0)
-            self._begin(Problem(self.surface.grid, self.surface.h, numbers["p0"]), arrays, numbers)
+            self._begin(self._problem(numbers["p0"]), arrays, numbers)
+
+    def _problem(self, p_star):
+        return Problem(self.surface.grid, self.surface.h, p_star, body=self.body)
 
     def _may_start_here(self, p):
         """Whether the load p, or one that follows it if p closes the gap at once, may start from the present state."""
         p_star = p / (self.E_star * self.surface.g_rms)
-        return self.solver is not None and (self._near(p_star) or p_star >= FULL_P_STAR)
+        return self.solver is not None and (self._near(p_star) or p_star >= self.body.full_p_star)
 
     def _solve(self, p, watch, midway):
         p_star = p / (self.E_star * self.surface.g_rms)
         if not midway:
-            problem = Problem(self.surface.grid, self.surface.h, p_star)
+            problem = self._problem(p_star)
             full, pairs = self._full_contact(problem)
             self._spent += pairs
             if full is not None:
@@ -130,7 +133,8 @@ class Sweep:
         return self._step(p, solver.g, solver.p, outcome, solver.iterations, pairs)
 
     def _step(self, p, g, q, outcome, iterations, pairs):
-        contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.settings.accuracy or self.settings.residual, self.lam_s)
+        contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.settings.accuracy or self.settings.residual, self.lam_s,
+                          self.body)
         return Step(contact, iterations, float(pairs))
 
     def _begin(self, problem, arrays=None, numbers=None):
@@ -184,7 +188,7 @@ class Sweep:
 
     def _full_contact(self, problem):
         """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and the pairs spent on finding out."""
-        if problem.p0 < FULL_P_STAR:
+        if problem.p0 < self.body.full_p_star:
             return None, 0.0
         likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
         if not likely:

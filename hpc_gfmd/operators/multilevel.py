@@ -2,8 +2,9 @@
 
     M r = sum over levels of P ... P (weight_l + c theta_l)^-1 R ... R r
 
-theta_l is the local contact fraction: the restricted indicator of the contact. Damping each level by it is what keeps the spectrum
-of M K on the free points narrow at every load, without a parameter to tune.
+weight_l is the body's stiffness on that level (bodies/base.py), theta_l the local contact fraction: the restricted indicator of the
+contact. Damping each level by it is what keeps the spectrum of M K on the free points narrow at every load, without a parameter to
+tune.
 
 The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the indicator of A, and x) and interpolate
 from it. Levels whose rows are spread over the ranks exchange halo rows; once a level is small or thin it is summed onto every rank,
@@ -24,15 +25,16 @@ THIN_ROWS = 2  # and so are levels of which some rank has fewer rows than this
 
 
 class Multilevel:
-    """The sweep for one grid in one precision. longest: rows per pass of the solver; whole_points: see WHOLE_POINTS."""
+    """The sweep for one grid in one precision. weights: of its levels, see bodies/base.py; longest: rows per pass of the solver;
+    whole_points: see WHOLE_POINTS."""
 
-    def __init__(self, grid, dtype, longest, whole_points=WHOLE_POINTS):
+    def __init__(self, grid, weights, dtype, longest, whole_points=WHOLE_POINTS):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
         self.c, self.w = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
         hierarchy = levels(grid)
         if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
-            hierarchy = hierarchy * 2
-        self.levels = hierarchy
+            hierarchy, weights = hierarchy * 2, [*weights] * 2
+        self.levels, self.weights = hierarchy, np.asarray(weights, self.dtype)
 
         self.transfers, self.spread = [], []
         starts = grid.starts
@@ -47,7 +49,7 @@ class Multilevel:
             self.spread.append(coarse)
         # Level 1 is in the rank's own rows in any case: that is what the solver's passes write to and read from.
         self.fields = [np.zeros((3 if k == 0 else 2, t.rows + 2, t.m[1]), self.dtype) for k, t in enumerate(self.transfers)]
-        self.whole = _Whole(hierarchy[len(self.spread) + 1:], self.dtype)
+        self.whole = _Whole(hierarchy[len(self.spread) + 1:], self.weights[len(self.spread) + 1:])
 
         first = self.transfers[0]
         self.passes = first.passes(longest)
@@ -126,8 +128,7 @@ class Multilevel:
 
     def _smooth(self, k):
         a, t, z = self.fields[k], self.transfers[k + 1], self.fields[k + 1][0]
-        weight = self.dtype.type(self.levels[k + 1].weight)
-        return smooth_level(a, z, a[0], weight, self.c, self.w, t.k0, t.f_x, t.mode, t.j0, t.f)
+        return smooth_level(a, z, a[0], self.weights[k + 1], self.c, self.w, t.k0, t.f_x, t.mode, t.j0, t.f)
 
 
 def _dot(a, b):
@@ -138,13 +139,14 @@ def _dot(a, b):
 class _Whole:
     """The coarse levels that every rank sweeps alone, in one call."""
 
-    def __init__(self, levels, dtype):
+    def __init__(self, levels, weights):
+        dtype = weights.dtype
         self.shapes = np.array([level.n for level in levels], np.int64).reshape(-1, 2)
         sizes = self.shapes[:, 0] * self.shapes[:, 1]
         self.offsets = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
-        self.weights = np.array([level.weight for level in levels], dtype)
+        self.weights = weights
         self.r, self.t = np.zeros(sizes.sum(), dtype), np.zeros(sizes.sum(), dtype)
-        self.c, self.w = np.dtype(dtype).type(DAMPING), np.dtype(dtype).type(COUPLING)
+        self.c, self.w = dtype.type(DAMPING), dtype.type(COUPLING)
 
     @property
     def nbytes(self):

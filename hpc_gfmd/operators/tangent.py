@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..kernels.multilevel import restrict_level, smooth_level
-from .halfspace import HalfSpace
+from .elastic import Elastic
 from .multilevel import Multilevel
 
 DELAY = 2  # steps whose sum is taken for what was missing before them
@@ -33,15 +33,15 @@ class Tangent:
     pairs: float
 
 
-def tangent(grid, contact, dtype, accuracy):
-    """The Tangent of a contact, a local slab that is true where points touch. Collective.
+def tangent(grid, body, contact, dtype, accuracy):
+    """The Tangent of the contact of a body: a local slab that is true where points touch. Collective.
 
     Needs four fields and the levels of the preconditioner besides the transforms.
     """
     closed = int(grid.comm.sum([np.count_nonzero(contact)])[0])
     if closed in (0, grid.N):
         return Tangent(0.0 if closed else np.inf, 0.0, 0.0)
-    response = _Response(grid, contact, np.dtype(dtype))
+    response = _Response(grid, body, contact, np.dtype(dtype))
     rounding = float(np.finfo(dtype).eps)
     accuracy = max(accuracy, FINEST * rounding / MARGIN)
     total, gains = 0.0, [np.inf] * DELAY
@@ -57,10 +57,10 @@ def tangent(grid, contact, dtype, accuracy):
 class _Response:
     """The state of the iteration. `step` returns by how much b K_FF^-1 b has risen."""
 
-    def __init__(self, grid, contact, dtype):
+    def __init__(self, grid, body, contact, dtype):
         self.grid, self.comm = grid, grid.comm
-        self.elastic = HalfSpace(grid, dtype)
-        self.levels = Multilevel(grid, dtype, self.elastic.fft.R)
+        self.elastic = Elastic(grid, body, dtype)
+        self.levels = Multilevel(grid, body.weights(grid), dtype, self.elastic.fft.R)
         rows, n_y = grid.shape
         self.residual_and_contact = np.zeros((2, rows + 2, n_y), dtype)  # with the halo rows that the transfer expects
         self.residual, self.contact = self.residual_and_contact[:, 1:-1]
@@ -75,8 +75,8 @@ class _Response:
         levels, t = self.levels, self.levels.transfers[0]
         restrict_level(self.residual_and_contact, levels.fields[0][:2], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
         levels.sweep_levels()
-        weight = levels.dtype.type(levels.levels[0].weight)
-        rz, _ = smooth_level(self.residual_and_contact, levels.z, self.z, weight, levels.c, levels.w, t.k0, t.f_x, t.mode, t.j0, t.f)
+        transfer = (t.k0, t.f_x, t.mode, t.j0, t.f)
+        rz, _ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.c, levels.w, *transfer)
         return float(self.comm.sum([rz])[0])
 
     def step(self):

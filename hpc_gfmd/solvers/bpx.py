@@ -13,13 +13,13 @@ import numpy as np
 
 from ..aligned import LINE, zeros_aligned
 from ..kernels.contact import propose
-from ..operators.halfspace import HalfSpace
+from ..operators.elastic import Elastic
 from ..operators.multilevel import COUPLING, Multilevel
 from ..options import read_options
 from .base import Progress, Solver
 
 RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
-GRADIENT = 1.42  # bound of kap K's spectrum, sqrt 2: the step of a projected gradient
+GRADIENT = 1.0041  # times the largest K, over kap: a projected gradient step is a little shorter than what K allows
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
 CLIPPED = 0.02  # share of it up to which a step counts as not clipped
 SHORT = 0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
@@ -43,14 +43,15 @@ class Bpx(Solver):
     def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
         self.options = read_options(self.name, self.options, {})
-        grid, dtype = self.grid, problem.dtype
-        self.elastic = HalfSpace(grid, dtype)
+        grid, body, dtype = self.grid, problem.body, problem.dtype
+        self.elastic = Elastic(grid, body, dtype)
         self.fft = self.elastic.fft
-        self.levels = Multilevel(grid, dtype, self.fft.R)
+        self.levels = Multilevel(grid, body.weights(grid), dtype, self.fft.R)
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(dtype)
-        self.kap = 2.0 / grid.q_nyquist
+        self.kap = 1.0 / body.scale(grid)
+        self.gradient = 1.0 / (GRADIENT * self.kap * body.bounds(grid)[1])
         self._rows = {id(x): zeros_aligned((7, grid.n[1] + LINE // dtype.itemsize), dtype) for x in self.fft.row_scratch}
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
         self.rounding = problem.rounding
@@ -103,7 +104,7 @@ class Bpx(Solver):
         plain = not -pd > DESCENT * descent
         if plain:
             a, b = 0.0, 0.0
-            pd, clipped = self._propose(1.0 / GRADIENT, 0.0, 0.0)
+            pd, clipped = self._propose(self.gradient, 0.0, 0.0)
         free = not plain and abs(pd + descent) < CLIPPED * descent
         dKd = float(self.grid.comm.sum([self.elastic.pressure_columns()])[0])
         optimum = -pd / dKd if dKd > 0 else 1.0

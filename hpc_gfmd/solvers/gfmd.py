@@ -17,7 +17,7 @@ import numpy as np
 
 from ..aligned import zeros_aligned
 from ..kernels.dynamics import move, settle
-from ..operators.halfspace import HalfSpace
+from ..operators.elastic import Elastic
 from ..options import read_options
 from .base import Progress, Solver
 
@@ -39,10 +39,9 @@ class Gfmd(Solver):
         super().__init__(problem, options)
         self.options = read_options(self.name, self.options, self.allowed)
         grid, dtype = self.grid, problem.dtype
-        self.elastic = HalfSpace(grid, dtype)
+        self.elastic = Elastic(grid, problem.body, dtype)
         self.g, self.p, self.d = grid.empty(dtype), grid.empty(dtype), zeros_aligned(grid.shape, dtype)
-        self.stiffest = grid.q_nyquist / np.sqrt(2)
-        self.longest = min((np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1), default=self.stiffest)
+        self.longest, self.stiffest = problem.body.bounds(grid)
         self.patience = max(4 * self.patience, int(PATIENCE * np.sqrt(self.stiffest / self.longest)))
 
     # -- starting ------------------------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ import pytest
 from contacts import EXACT, random_heights, rough, solve_scene, sweep_of
 
 import hpc_gfmd
+from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.operators import tangent as tangent_module
 from hpc_gfmd.operators.tangent import tangent
@@ -44,7 +45,7 @@ def test_dense_oracle(dtype, sizes):
         grid = Grid(contact.shape, sizes)
         wanted = oracle.compliance(contact, sizes) / grid.a
         for accuracy in (1e-2, 1e-3, 1e-6, 1e-12):
-            found = tangent(grid, contact, dtype, accuracy)
+            found = tangent(grid, HALF_SPACE, contact, dtype, accuracy)
             error = abs(found.compliance / wanted - 1)
             assert error < max(accuracy, 16 * np.finfo(dtype).eps) + rounding
             assert error < found.error + rounding
@@ -84,7 +85,7 @@ def test_ends_of_the_load_curve():
     assert full.contact_points == full.N
     assert stiffness(full) is None
     assert stiffness(sweep_of({"kind": "wave", "amplitude": 0.0, "n": [4, 4]}).solve(0.1).contact) is None
-    assert tangent(Grid((8, 8)), np.zeros((8, 8), bool), np.float64, 1e-3).compliance == np.inf
+    assert tangent(Grid((8, 8)), HALF_SPACE, np.zeros((8, 8), bool), np.float64, 1e-3).compliance == np.inf
 
 
 def test_no_number_where_it_is_not_found(monkeypatch):
