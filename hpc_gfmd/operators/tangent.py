@@ -76,7 +76,7 @@ class _Response:
         restrict_level(self.residual_and_contact, levels.fields[0][:2], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
         levels.sweep_levels()
         transfer = (t.k0, t.f_x, t.mode, t.j0, t.f)
-        rz, _ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.c, levels.w, *transfer)
+        rz, *_ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.c, levels.w, *transfer)
         return float(self.comm.sum([rz])[0])
 
     def step(self):
