@@ -5,7 +5,7 @@ import pkgutil
 
 from . import bodies, observables, solvers
 
-COMMON = {"base"}  # files in those folders that are not entries
+COMMON = {"base", "errors"}  # files in those folders that are not entries
 
 
 def _names(package):
