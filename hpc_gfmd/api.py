@@ -8,6 +8,7 @@ import numpy as np
 from .contact import FIELDS
 from .driver.sweep import Sweep
 from .errors import NotConverged, SceneError, one_line
+from .kernels.cache import sound
 from .observables.area import a_r_discretisation
 from .parallel.comm import SerialComm, threads_of
 from .registry import all_observables, solver_names
@@ -67,8 +68,11 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=Non
 
         return surface_from_rows(heights.shape, sizes, rows, comm, dtype, threads)
 
-    sweep = Sweep(make_surface, scene.solver, scene.material.E_star, duality="duality_gap" in asked)
-    step = sweep.solve(sweep.pressures(scene.load)[0])
+    def pressed():
+        sweep = Sweep(make_surface, scene.solver, scene.material.E_star, duality="duality_gap" in asked)
+        return sweep.solve(sweep.pressures(scene.load)[0])
+
+    step = sound(pressed)
     contact = step.contact
     if contact.outcome.status != "converged":
         errors = ", ".join(f"{error:.1e}" for error in contact.outcome.errors)

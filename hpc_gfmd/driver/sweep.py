@@ -43,6 +43,13 @@ def first_precision(settings):
     return np.dtype(np.float32 if loose else np.float64)
 
 
+def few_points(N, p_star, accuracy):
+    """Whether so few of N points will touch that single precision, which may err in a few of them, cannot give the area to an accuracy
+    (None where a residual is asked for)."""
+    expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
+    return accuracy is not None and FEW_POINTS / expected > accuracy
+
+
 class Sweep:
     """Solves loads on one surface in the order given.
 
@@ -65,11 +72,12 @@ class Sweep:
         """
         if load.p_star and self.surface.g_rms == 0:
             raise SceneError("load.p_star: found a flat surface (g_rms = 0), allowed: load.pressure")
-        pressures = load.p0(self.E_star, self.surface.g_rms)
+        pressures, g_rms = load.p0(self.E_star, self.surface.g_rms), self.surface.g_rms
         require_range(self.E_star, self.surface, pressures)
-        too_much = next((p for p in pressures if self.settings.precision == "single" and not self._single_holds(p)), None)
-        if too_much is not None:
-            raise SceneError(f'solver.precision: found "single", too little for a pressure of {too_much:g}, allowed: "auto", "double"')
+        if self.settings.precision == "single" and g_rms > 0:
+            for p in pressures:
+                if not single_solves(p / (self.E_star * g_rms), self.surface.grid.N):
+                    raise SceneError(f'solver.precision: found "single", too little for a pressure of {p:g}, allowed: "auto", "double"')
         return pressures
 
     def solve(self, p, watch=None, midway=False):
@@ -82,7 +90,8 @@ class Sweep:
         if not midway:
             self._spent = 0.0
         promote = self.settings.precision == "auto" and self.dtype == np.float32
-        if promote and not midway and (self._few_points(p) or not self._single_holds(p)):
+        p_star, N = p / (self.E_star * self.surface.g_rms), self.surface.grid.N
+        if promote and not midway and (few_points(N, p_star, self.settings.accuracy) or not single_solves(p_star, N)):
             self._to(np.float64)
             promote = False
         step = self._solve(p, watch, midway)
@@ -128,14 +137,6 @@ class Sweep:
         """Whether the load p, or one that follows it if p closes the gap at once, may start from the present state."""
         p_star = p / (self.E_star * self.surface.g_rms)
         return self.solver is not None and (self._near(p_star) or p_star >= self.body.full_p_star)
-
-    def _single_holds(self, p):
-        return self.surface.g_rms == 0 or single_solves(p / (self.E_star * self.surface.g_rms), self.surface.grid.N)
-
-    def _few_points(self, p):
-        """Whether so few points will touch that single precision, which may err in a few of them, cannot give the area."""
-        expected = self.surface.grid.N * min(1.0, 2 * p / (self.E_star * self.surface.g_rms))  # a_r is about 2 p*
-        return self.target.accuracy is not None and FEW_POINTS / expected > self.target.accuracy
 
     def _solve(self, p, watch, midway):
         p_star = p / (self.E_star * self.surface.g_rms)
