@@ -11,7 +11,7 @@ from .errors import NotConverged, SceneError, one_line
 from .kernels.cache import sound
 from .observables.area import a_r_discretisation
 from .parallel.comm import SerialComm, threads_of
-from .registry import all_observables, solver_names
+from .registry import all_distributions, distributions_named, observable_names, observables_named, solver_names
 from .scene import ArrayScene, check_names
 from .surface.build import surface_from_rows
 
@@ -22,7 +22,8 @@ class Solution:
     fft_pairs: everything counted; errors: the solver's estimated relative errors of (a_r, gap_mean, pressure field) on this grid;
     a_r_discretisation: estimated relative error of a_r by the size of a grid point (see observables.area); p_star; precision: in which
     it was solved; note: what limits the meaning of the numbers, such as too few points that touch, or None; observables: those that
-    were asked for, by name."""
+    were asked for, by name; distributions: arrays of those that were asked for, by name, such as "edges" and "density" of
+    distributions["pressure"]."""
 
     a_r: float
     kappa: float
@@ -39,14 +40,17 @@ class Solution:
     precision: str
     note: str | None = None
     observables: dict[str, float | None] = field(default_factory=dict)
+    distributions: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
 
 
-def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=None, observables=(), threads=1, **solver):
+def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=None, observables=(), threads=1, distributions=(),
+          **solver):
     """Press an elastic half-space of modulus E_star against rigid heights with a mean pressure.
 
     heights: (n_x, n_y), peaks up, in the unit of physical_sizes; pressure: in the unit of E_star; accuracy: wanted relative accuracy
     of a_r, gap_mean and pressure field (1e-3 where no residual is given instead); observables: names as in the scene's [output], such
-    as "stiffness"; threads: a whole number or "auto"; solver: further keys of the scene's [solver] (name, precision, residual, ...).
+    as "stiffness" or "patches"; threads: a whole number or "auto"; distributions: names, too, such as "pressure"; solver: further keys
+    of the scene's [solver] (name, precision, residual, ...).
     All are checked as those of a scene are.
     Returns a Solution; warns (errors.NotConverged) if its status is not "converged". Raises SceneError for input that makes no sense.
     """
@@ -54,11 +58,10 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=Non
     scene = ArrayScene.from_dict(
         {"surface": {"physical_sizes": _plain(physical_sizes)}, "material": {"E_star": _plain(E_star)},
          "load": {"pressure": [_plain(pressure)]}, "machine": {"threads": _plain(threads)},
-         "output": {"observables": _plain(observables)},
+         "output": {"observables": _plain(observables), "distributions": _plain(distributions)},
          "solver": {key: _plain(value) for key, value in given.items() if value is not None or key not in ("accuracy", "residual")}},
         "hpc_gfmd.solve")
-    known = all_observables()
-    check_names(scene, solver_names(), known, ())
+    check_names(scene, solver_names(), observable_names(), (), all_distributions())
     heights, asked, comm = _checked(heights), scene.output.observables or (), SerialComm()
     sizes, threads = scene.surface.physical_sizes, threads_of(comm, scene.machine.threads)
 
@@ -78,12 +81,13 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=Non
         errors = ", ".join(f"{error:.1e}" for error in contact.outcome.errors)
         warnings.warn(f"not converged ({contact.outcome.status}): estimated errors of area, mean gap, pressure: {errors}",
                       NotConverged, stacklevel=3)  # where the caller of hpc_gfmd.solve is
-    observed = {name: known[name](contact) for name in asked}
+    observed = {name: f(contact) for name, f in observables_named(asked).items()}
+    counted = distributions_named(scene.output.distributions, contact)
     a_r = contact.contact_points / contact.N
     return Solution(a_r, a_r / contact.p_star if contact.g_rms > 0 else float("nan"), contact.gap_mean,
                     *(np.asarray(contact.field(name)) for name in FIELDS), contact.outcome.status,
                     step.iterations, step.fft_pairs, contact.outcome.errors, contact.p_star, float(a_r_discretisation(contact)),
-                    contact.g.dtype.name, contact.note, observed)
+                    contact.g.dtype.name, contact.note, observed, counted)
 
 
 def _checked(heights):

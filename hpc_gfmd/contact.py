@@ -96,24 +96,58 @@ class Contact:
         """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
         from .operators.tangent import tangent
 
-        return tangent(self.surface.grid, self.body, (self.g <= 0) & (self.q > 0), self.g.dtype, self.accuracy)
+        return tangent(self.surface.grid, self.body, self.touching(0, len(self.g)), self.g.dtype, self.accuracy)
+
+    @cached_property
+    def spectra(self):
+        """The operators.spectra.Spectra of this contact."""
+        from .operators.spectra import Spectra
+
+        return Spectra(self)
 
     @property
     def pairs(self):
         """FFT pairs that observables of this contact took so far."""
-        return self.tangent.pairs if "tangent" in vars(self) else 0.0
+        return sum(vars(self)[name].pairs for name in ("tangent", "spectra") if name in vars(self))
+
+    def touching(self, i0, i1):
+        """Which points touch in the rows i0 <= i < i1 of this rank's slab of the grid that was solved."""
+        return (self.g[i0:i1] <= 0) & (self.q[i0:i1] > 0)
+
+    def clusters(self, of_contact=True, corners=False):
+        """The parallel.clusters.Clusters of the points that touch, or of those that do not, found once. Collective.
+
+        corners: whether points belong together that share a corner only.
+        """
+        if (of_contact, corners) not in self._clusters:
+            from .parallel.clusters import find_clusters
+
+            grid = self.surface.grid
+            self._clusters[of_contact, corners] = find_clusters(
+                grid.comm, lambda i0, i1: self.touching(i0, i1) == of_contact, grid.rows, grid.n, corners=corners)
+        return self._clusters[of_contact, corners]
 
     @cached_property
-    def boundary_segments(self):
-        """Grid-cell sides between a point in contact and one that is not."""
+    def _clusters(self):
+        return {}
+
+    @cached_property
+    def edges(self):
+        """Grid-cell sides between a point in contact and one that is not: how many of them run along x, and how many along y."""
         from .kernels.certify import contact_edges
         from .parallel import halo
 
         grid = self.surface.grid
         if grid.N == 1:
-            return 0
+            return 0, 0
         below = halo.next_row(grid.comm, np.stack([self.g[:1], self.q[:1]]))
-        return int(grid.comm.sum([contact_edges(self.g, self.q, below[0], below[1])])[0])
+        along_x, along_y = grid.comm.sum(contact_edges(self.g, self.q, below[0], below[1]))
+        return int(along_x), int(along_y)
+
+    @property
+    def boundary_segments(self):
+        """The same, of either direction."""
+        return sum(self.edges)
 
     def field(self, name):
         """One of FIELDS as a local slab of the whole grid, computed as it is read.

@@ -33,12 +33,40 @@ def body_classes():
 
 def all_observables():
     """{name: function of a Contact} of all observables, those of one file in the order they are given there."""
-    return {name: f for module in _observables() for name, f in module.OBSERVABLES.items()}
+    return _merged("OBSERVABLES")
 
 
 def default_observables():
-    """Names of the observables that cost no FFT: what a result has where the scene names none."""
-    return [name for module in _observables() if not getattr(module, "ON_REQUEST", False) for name in module.OBSERVABLES]
+    """Names of the observables that cost no more than a look at each point: what a result has where the scene names none."""
+    return [name for module in _observables() if not getattr(module, "ON_REQUEST", False)
+            for name in getattr(module, "OBSERVABLES", ())]
+
+
+def observable_names():
+    """What a scene may ask for: names of observables, and names that stand for several of them."""
+    return {*all_observables(), *_merged("TOGETHER")}
+
+
+def observables_named(names):
+    """{name: function of a Contact} of the observables that these names stand for; None: of the default ones."""
+    together = _merged("TOGETHER")
+    wanted = default_observables() if names is None else [one for name in names for one in together.get(name, (name,))]
+    return {name: f for name, f in all_observables().items() if name in wanted}
+
+
+def all_distributions():
+    """{name: function of a Contact} of all distributions: {what: array of numbers}, or None where there is nothing to count."""
+    return _merged("DISTRIBUTIONS")
+
+
+def distributions_named(names, contact):
+    """{name: {what: array of numbers}} of the distributions of a contact by these names that have anything to count. Collective."""
+    found = {name: f(contact) for name, f in all_distributions().items() if name in names}
+    return {name: arrays for name, arrays in found.items() if arrays is not None}
+
+
+def _merged(table):
+    return {name: entry for module in _observables() for name, entry in getattr(module, table, {}).items()}
 
 
 def _observables():

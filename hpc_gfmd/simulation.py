@@ -23,7 +23,7 @@ from .parallel.fft import row_starts
 from .parallel.guard import guarded
 from .parallel.interrupt import Interrupt
 from .progress import Reporter
-from .registry import all_observables, default_observables, solver_names
+from .registry import all_distributions, distributions_named, observable_names, observables_named, solver_names
 from .scene import Scene, check_names, load_scene, with_overrides
 from .surface import build_surface, surface_size
 from .units import field_dtype
@@ -54,8 +54,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
     with guarded(comm, "reading the scene"):
         read = _read_scene(comm, scene, overrides, out)
     scene = comm.bcast(read)
-    observables = all_observables()
-    check_names(scene, solver_names(), observables, FIELDS)
+    check_names(scene, solver_names(), observable_names(), FIELDS, all_distributions())
     if scene.solver.low_memory and "displacement" in scene.output.fields:
         raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap')
     n = None
@@ -89,7 +88,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))
         file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
         say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
-        run = _Run(comm, scene, file, sweep, observables, say, interrupt)
+        run = _Run(comm, scene, file, sweep, say, interrupt)
         return run.all_steps(pressures)
 
 
@@ -161,11 +160,11 @@ def _precision(settings):
 class _Run:
     """The load steps of one run."""
 
-    def __init__(self, comm, scene, file, sweep, observables, say, interrupt):
+    def __init__(self, comm, scene, file, sweep, say, interrupt):
         self.comm, self.scene, self.file, self.sweep = comm, scene, file, sweep
         self.say, self.interrupt = say, interrupt
-        wanted = default_observables() if scene.output.observables is None else scene.output.observables
-        self.observables = {k: f for k, f in observables.items() if k in wanted}
+        self.observables = observables_named(scene.output.observables)
+        self.distributions = scene.output.distributions
         self.checkpointable = sweep.surface.reduced_axis is None and sweep.surface.g_rms > 0
 
     def all_steps(self, pressures):
@@ -254,6 +253,8 @@ class _Run:
         """A finished load into the file."""
         contact = step.contact
         numbers = {name: f(contact) for name, f in self.observables.items()}
+        for name, found in distributions_named(self.distributions, contact).items():
+            numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
         area, gap, pressure = contact.outcome.errors
         attributes = {"p": p, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
                       "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area,

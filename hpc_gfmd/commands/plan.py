@@ -22,14 +22,14 @@ def main(args) -> int:
     from ..driver.memory import available_gib, memory_of
     from ..driver.timing import expected_seconds
     from ..errors import SceneError
-    from ..registry import all_observables, solver_names
+    from ..registry import all_distributions, observable_names, solver_names
     from ..scene import check_names, load_scene
     from ..surface import surface_size
 
     if args.ranks < 1:
         raise SceneError(f"--ranks: found {args.ranks}, allowed: a whole number from 1")
     scene = load_scene(args.scene, args.set)
-    check_names(scene, solver_names(), all_observables(), FIELDS)
+    check_names(scene, solver_names(), observable_names(), FIELDS, all_distributions())
     n = surface_size(scene.surface)
     cores = len(os.sched_getaffinity(0))
     threads = max(1, cores // args.ranks) if scene.machine.threads == "auto" else scene.machine.threads

@@ -81,16 +81,19 @@ def dual_rows(g, p, x, scale, i0, i1):
 
 @kernel
 def contact_edges(g, p, below_g, below_p):
-    """Segments between a contact point and a point out of contact, in this slab; below: the first row after the slab."""
+    """Segments between a contact point and a point out of contact, in this slab: those along x and those along y.
+
+    below: the first row after the slab.
+    """
     rows, n = g.shape
-    count = 0
+    along_x = along_y = 0
     for i in range(rows):
         for j in range(n):
             here = g[i, j] <= 0 and p[i, j] > 0
             right = j + 1 if j + 1 < n else 0
-            count += here != (g[i, right] <= 0 and p[i, right] > 0)
+            along_x += here != (g[i, right] <= 0 and p[i, right] > 0)
             if i + 1 < rows:
-                count += here != (g[i + 1, j] <= 0 and p[i + 1, j] > 0)
+                along_y += here != (g[i + 1, j] <= 0 and p[i + 1, j] > 0)
             else:
-                count += here != (below_g[j] <= 0 and below_p[j] > 0)
-    return count
+                along_y += here != (below_g[j] <= 0 and below_p[j] > 0)
+    return along_x, along_y

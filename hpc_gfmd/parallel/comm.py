@@ -34,6 +34,10 @@ class SerialComm:
         """The list of every rank's object."""
         return [obj]
 
+    def gather(self, obj):
+        """The list of every rank's object on rank 0, None on the others."""
+        return [obj]
+
     def barrier(self):
         """Wait for all ranks."""
 
@@ -77,6 +81,10 @@ class MpiComm:
     def allgather(self, obj):
         """The list of every rank's object."""
         return self.mpi.allgather(obj)
+
+    def gather(self, obj):
+        """The list of every rank's object on rank 0, None on the others."""
+        return self.mpi.gather(obj, root=0)
 
     def barrier(self):
         """Wait for all ranks."""

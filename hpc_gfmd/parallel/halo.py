@@ -67,6 +67,9 @@ def next_row(comm, a):
     """The row after this rank's rows, of which a (..., >= 0 rows, m) has the first; periodic, ranks without rows are skipped."""
     if comm.size == 1:
         return a[..., 0, :].copy()
+    if comm.min([a.shape[-2]])[0]:
+        first = np.ascontiguousarray(a[..., 0, :])
+        return _exchange(comm, first, first)[1]
     firsts = comm.allgather(a[..., 0, :].copy() if a.shape[-2] else None)
     order = [(comm.rank + 1 + k) % comm.size for k in range(comm.size)]
     return next(firsts[r] for r in order if firsts[r] is not None)

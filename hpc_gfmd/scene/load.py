@@ -36,14 +36,15 @@ def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
 
 
 def check_names(scene: Scene, solvers: Iterable[str], observables: Iterable[str],
-                fields: Iterable[str]) -> None:
+                fields: Iterable[str], distributions: Iterable[str] = ()) -> None:
     """Compare the names in the scene with those that the registries know.
 
     Raises SceneError naming the nearest one.
     """
     for key, found, known in (("solver.name", [scene.solver.name], {"auto", *solvers}),
                               ("output.observables", scene.output.observables or (), set(observables)),
-                              ("output.fields", scene.output.fields, set(fields))):
+                              ("output.fields", scene.output.fields, set(fields)),
+                              ("output.distributions", scene.output.distributions, set(distributions))):
         for name in found:
             if name not in known:
                 guess = f'nearest: "{nearest(name, known)}", ' if known else ""

@@ -66,11 +66,11 @@ class Scene(Table):
         """SHA-256 (hex) of all that changes the answer or what is kept of it.
 
         [machine], the title, the path of the result and its (lossless) compression do not count, nor does the
-        order of fields and observables. A height map counts by its path, not by its content.
+        order of fields, observables and distributions. A height map counts by its path, not by its content.
         """
         data = self.model_dump(mode="json", exclude={"machine": True, "title": True,
                                                      "output": {"path", "compression"}})
-        for key in ("fields", "observables"):
+        for key in ("fields", "observables", "distributions"):
             data["output"][key] = data["output"][key] and sorted(data["output"][key])
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 

@@ -110,6 +110,7 @@ class Output(Table):
     fields: names(Literal["pressure", "gap", "displacement"]) = Field(
         (), description='a list out of "pressure", "gap", "displacement", each once')
     observables: names(Path) | None = Field(None, description="a list of names, each once")
+    distributions: names(Path) = Field((), description="a list of names, each once")
     dtype: Literal["single", "double"] | None = Field(None, description='"single" or "double"')
     compression: bool = Field(False, description="true or false")
 

@@ -1,0 +1,59 @@
+"""Contact patches: how many, how large, and how their sizes are distributed.
+
+Points belong to one patch where they share a side (4-connected), also across the periodic border: the boundary of the contact is made
+of such sides, and it is what others count (scipy, ContactMechanics). Whether two points that share a corner only would be joined on a
+finer grid nobody knows; names that end in _8 join them (8-connected). Sizes are areas, in the unit of length squared.
+"""
+
+import numpy as np
+
+ON_REQUEST = True
+BINS_PER_OCTAVE = 2
+
+
+def _area(contact):
+    """Of one point."""
+    a_x, a_y = contact.surface.grid.spacings
+    return a_x * a_y
+
+
+def _of_patches(corners):
+    """Number of patches, largest and mean size; a mean needs a patch."""
+
+    def number(contact):
+        return int(contact.surface.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
+
+    def largest(contact):
+        return float(contact.surface.grid.comm.max([contact.clusters(corners=corners).sizes.max(initial=0)])[0]) * _area(contact)
+
+    def mean(contact):
+        patches = number(contact)
+        return contact.contact_points * _area(contact) / patches if patches else None
+
+    return number, largest, mean
+
+
+def _sizes(corners):
+    """The distribution of patch sizes: see `sizes`."""
+
+    def sizes(contact):
+        """edges of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points); density: share of the patches per area, integrates
+        to 1. None without a patch."""
+        comm, found = contact.surface.grid.comm, contact.clusters(corners=corners).sizes
+        largest = comm.max([found.max(initial=0)])[0]
+        if largest == 0:
+            return None
+        octaves = int(np.log2(largest)) + 1
+        edges = np.unique(np.ceil(2.0 ** (np.arange(BINS_PER_OCTAVE * octaves + 1) / BINS_PER_OCTAVE)))
+        edges = edges[: np.searchsorted(edges, largest, "right") + 1]
+        counts = comm.sum(np.histogram(found, edges)[0])
+        return {"edges": edges * _area(contact), "density": counts / counts.sum() / (np.diff(edges) * _area(contact))}
+
+    return sizes
+
+
+NAMES = ("patches", "patch_largest", "patch_mean")
+NAMES_8 = tuple(f"{name}_8" for name in NAMES)
+OBSERVABLES = dict(zip(NAMES + NAMES_8, _of_patches(False) + _of_patches(True), strict=True))
+TOGETHER = {"patches": NAMES, "patches_8": NAMES_8}
+DISTRIBUTIONS = {"patches": _sizes(False), "patches_8": _sizes(True)}

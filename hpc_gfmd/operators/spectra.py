@@ -1,0 +1,110 @@
+"""Power spectra and autocorrelations of the fields of a contact, averaged over directions, by the transforms of its grid.
+
+With f_q = (1/N) sum_r f(r) exp(-i q.r), without the mean (q = 0):
+
+    C(q) = L_x L_y <|f_q|^2>        averaged over the wave vectors in a ring,    sum_q C(q)/(L_x L_y) = variance of f
+    A(r) = <f(x) f(x + r)>          averaged over x and over the distances r in a ring (minimal image),    A(0) = variance of f
+
+Rings are RINGS to a factor of two, beginning at the longest wave and at the nearest neighbours; q and r are means over their points.
+Along one axis alone (the other has one point) C is L <|f_q|^2>.
+"""
+
+import numpy as np
+
+RINGS = 8
+
+
+class Spectra:
+    """pairs: FFT pairs taken so far, in those of the grid. All methods are collective.
+
+    Transforms are those that the solve has planned, in the better precision of them.
+    """
+
+    def __init__(self, contact):
+        self.contact, self.grid, self.pairs = contact, contact.surface.grid, 0.0
+        planned = self.grid.planned() or [self.grid.fft(contact.g.dtype)]
+        self.fft = max(planned, key=lambda fft: fft.dtype.itemsize)
+        self._lengths = [size for size, n in zip(self.grid.sizes, self.grid.n) if n > 1] or [1.0]
+
+    def power(self, name):
+        """Radial power spectrum of "heights", "pressure" or "gap": {"q": in 1/length, "power": C}; None on a grid of one point."""
+        q_x, q_y = self.grid.q_x / self.grid.a, np.append(self.grid.q_y, 0) / self.grid.a
+        longest = 2 * np.pi / max(self._lengths)
+        columns = self.fft.W * self.fft.M
+        j = np.minimum(np.arange(columns), len(q_y) - 1)
+        weight = self.grid.multiplicity(np.arange(columns))
+        scale = np.prod(self._lengths) * (self.fft.scale * self._unit(name)) ** 2
+
+        def sums(block, m):
+            mine = slice(m * self.fft.W, (m + 1) * self.fft.W)
+            q = np.hypot(q_x, q_y[j[mine], None])
+            use = (q > 0) & (weight[mine, None] > 0)
+            squares = scale * (block.real.astype(np.float64) ** 2 + block.imag.astype(np.float64) ** 2)
+            return _ring_sums(q[use], longest, np.broadcast_to(weight[mine, None], q.shape)[use], squares[use])
+
+        q, power = self._means(self._columns(name, sums, backward=False))
+        self.pairs += 0.5
+        return {"q": q, "power": power} if len(q) else None
+
+    def autocorrelation(self, name):
+        """Radial autocorrelation of "heights", "pressure" or "gap": {"r": distances, up to half of the cell, "correlation": A}."""
+        unit = self.fft.scale * self._unit(name)
+
+        def square(block, m):
+            block[...] = (unit * unit) * (block.real**2 + block.imag**2)
+            if self.fft.columns_of(m)[0] == 0:
+                block[0, 0] = 0
+
+        self._columns(name, square, backward=True)
+        self.pairs += 1.0
+        x, y = (np.minimum(np.arange(n), n - np.arange(n)) * spacing for n, spacing in zip(self.grid.n, self.grid.spacings))
+        x = x[slice(*self.grid.rows)]
+        nearest = min(a for a, n in zip(self.grid.spacings, self.grid.n) if n > 1) if self.grid.N > 1 else 1.0
+
+        def sums(i0, i1, values):
+            r = np.hypot(x[i0:i1, None], y)
+            use = r <= min(self._lengths) / 2
+            return _ring_sums(r[use], nearest, np.ones(np.count_nonzero(use)), values[: i1 - i0][use])
+
+        r, correlation = self._means(self.fft.backward_rows(sums))
+        return {"r": r, "correlation": correlation}
+
+    def _unit(self, name):
+        return self.contact.pressure_unit if name == "pressure" else self.contact.surface.height_unit
+
+    def _columns(self, name, apply, backward):
+        """Transform a field, in the program's units, and call apply(block, m) on its columns; returns what that returned."""
+        contact, known = self.contact, name != "heights" or self.contact.surface.h is not None
+        add = None if known else contact.surface.add_spectrum(self.fft)
+
+        def fill(i0, i1, out):
+            if name == "pressure":
+                out[: i1 - i0] = np.where(contact.touching(i0, i1), contact.q[i0:i1], 0)
+            else:
+                out[: i1 - i0] = contact.g[i0:i1] if name == "gap" else contact.surface.h[i0:i1]
+
+        def added(block, m):
+            add(block, m)
+            return apply(block, m)
+
+        if known:
+            self.fft.forward_rows(fill)
+        return self.fft.columns(apply if known else added, forward=known, backward=backward)
+
+    def _means(self, parts):
+        """Means over the rings (distance, value) of what all blocks of all ranks summed up, without empty rings."""
+        comm = self.grid.comm
+        rings = int(comm.max([max((part.shape[1] for part in parts), default=0)])[0])
+        total = np.zeros((3, rings))
+        for part in parts:
+            total[:, : part.shape[1]] += part
+        counts, distances, values = comm.sum(total)
+        filled = counts > 0
+        return distances[filled] / counts[filled], values[filled] / counts[filled]
+
+
+def _ring_sums(distance, first, weight, values):
+    """Sums over the points in each ring of (weight, weight distance, weight value), (3, rings); ring 0 is distance 0."""
+    with np.errstate(divide="ignore"):
+        ring = np.maximum(1 + np.floor(RINGS * np.log2(distance / first) + 0.5), 0).astype(np.int64)
+    return np.stack([np.bincount(ring, w) for w in (weight, weight * distance, weight * values)])
