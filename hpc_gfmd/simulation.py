@@ -76,7 +76,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
             say.say(f"note: {line}")
         if resume and comm.rank == 0:
             wisdom.take_from(file.partial)
-        compile_once(comm, scene.solver)
+        compile_once(comm, scene.solver, _asked(scene.output))
         lam_s = getattr(scene.surface, "lam_s", None)
         low = scene.solver.low_memory
         kind = LowMemorySweep if low else Sweep
@@ -118,6 +118,11 @@ def _read_scene(comm, scene, overrides, out):
         scene = Scene.from_dict(scene.model_dump(exclude_none=True) | {"output": {k: v for k, v in output.items() if v is not None}},
                                 "-o")
     return scene
+
+
+def _asked(output):
+    """The functions of a Contact that this run will call."""
+    return [*observables_named(output.observables).values(), a_r_discretisation, *map(all_distributions().get, output.distributions)]
 
 
 def _require_same_heights(file, surface):

@@ -101,10 +101,11 @@ def comm():
         return None
     from hpc_gfmd.driver.warmup import compile_once
     from hpc_gfmd.parallel.comm import world
+    from hpc_gfmd.registry import all_observables
     from hpc_gfmd.scene import Solver
 
     for precision in ("single", "double"):
-        compile_once(world(), Solver(precision=precision))
+        compile_once(world(), Solver(precision=precision), all_observables().values())
     return world()
 
 

@@ -46,19 +46,19 @@ def gap(contact):
     comm, surface = contact.surface.grid.comm, contact.surface
     if surface.h_rms == 0:
         return None
-    unit = surface.height_unit / surface.h_rms
+    unit, lowest = surface.height_unit / surface.h_rms, -GAP_BINS * GAP_OCTAVES - 1
 
     def bins(i0, i1):
         gaps = contact.g[i0:i1][~contact.touching(i0, i1)].astype(np.float64) * unit
-        return np.floor(GAP_BINS * np.log2(np.maximum(gaps, 2.0 ** (-GAP_OCTAVES - 1)))).astype(np.int64)
+        with np.errstate(divide="ignore"):
+            return np.maximum(np.floor(GAP_BINS * np.log2(gaps)), lowest).astype(np.int64)
 
-    lowest = -GAP_BINS * GAP_OCTAVES - 1
     top = int(comm.max(_over_rows(contact, lambda i0, i1: [bins(i0, i1).max(initial=lowest - 1)], np.maximum, [lowest - 1]))[0])
     if top < lowest:
         return None
 
     def counts(i0, i1):
-        return np.bincount(np.maximum(bins(i0, i1), lowest) - lowest, minlength=top - lowest + 1)
+        return np.bincount(bins(i0, i1) - lowest, minlength=top - lowest + 1)
 
     edges = np.append(0.0, 2.0 ** (np.arange(lowest + 1, top + 2) / GAP_BINS)) * surface.h_rms
     return _density(edges, comm.sum(_over_rows(contact, counts, np.add, np.zeros(top - lowest + 1))))

@@ -48,10 +48,9 @@ class Spectra:
 
     def autocorrelation(self, name):
         """Radial autocorrelation of "heights", "pressure" or "gap": {"r": distances, up to half of the cell, "correlation": A}."""
-        unit = self.fft.scale * self._unit(name)
-
         def square(block, m):
-            block[...] = (unit * unit) * (block.real**2 + block.imag**2)
+            block *= self.fft.dtype.type(self.fft.scale)
+            block[...] = block.real**2 + block.imag**2
             if self.fft.columns_of(m)[0] == 0:
                 block[0, 0] = 0
 
@@ -67,7 +66,7 @@ class Spectra:
             return _ring_sums(r[use], nearest, np.ones(np.count_nonzero(use)), values[: i1 - i0][use])
 
         r, correlation = self._means(self.fft.backward_rows(sums))
-        return {"r": r, "correlation": correlation}
+        return {"r": r, "correlation": self._unit(name) ** 2 * correlation}
 
     def _unit(self, name):
         return self.contact.pressure_unit if name == "pressure" else self.contact.surface.height_unit

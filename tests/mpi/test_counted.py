@@ -1,0 +1,55 @@
+"""What is counted on slabs is what one process counts, to the last point; and it is in the file."""
+
+import numpy as np
+import pytest
+from contacts import rough
+from counted import contact_of, random_fields
+
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.registry import all_distributions, all_observables, observables_named
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.simulation import run_scene
+
+pytestmark = pytest.mark.mpi
+COUNTED = list(observables_named(["patches", "patches_8", "perimeter", "percolation", "percolation_8"]))
+
+
+@pytest.mark.parametrize("share", [0.02, 0.4, 0.6, 0.97])
+@pytest.mark.parametrize("n", [(3, 40), (61, 47), (130, 64), (64, 1), (2, 2)], ids=str)
+def test_same_numbers(comm, n, share):
+    g, q = random_fields(n, seed=n[0], share=share)
+    slab, whole = contact_of(g, q, comm=comm), contact_of(g, q)
+    for name in COUNTED:
+        assert all_observables()[name](slab) == all_observables()[name](whole), name
+
+
+@pytest.mark.parametrize("n", [(3, 40), (61, 47), (128, 64)], ids=str)
+@pytest.mark.parametrize("name", all_distributions())
+def test_same_distributions(comm, n, name):
+    g, q = random_fields(n, seed=n[0])
+    h = np.random.default_rng(1).random(n)
+    found, wanted = (all_distributions()[name](contact_of(g, q, (1.0, 1.3), world, h, (3.0, 0.2))) for world in (comm, None))
+    assert found.keys() == wanted.keys()
+    exact = {"edges", "density"}
+    for what, array in found.items():
+        assert array == pytest.approx(wanted[what], rel=0 if what in exact else 1e-11, abs=0 if what in exact else 1e-14), what
+        assert all(np.array_equal(array, other) for other in comm.allgather(array))
+
+
+def test_in_the_file(comm, shared_path):
+    """Of a run on all ranks; distributions as lists, and nothing that was not asked for."""
+    if comm is None:
+        return
+    asked = {"observables": ["patches", "percolation"], "distributions": ["pressure", "patches", "gap_spectrum"]}
+    scene = Scene.from_dict({"surface": rough((1, 16, 2)), "load": {"p_star": [0.1, 1e3]}, "output": asked,
+                             "solver": {"accuracy": 1e-2}})
+    assert run_scene(scene, out=shared_path / "counted.h5", quiet=True, comm=comm).exit_code == 0
+    rough_one, full = read_result(shared_path / "counted.h5").steps
+    names = {"pressure_edges", "pressure_density", "patches_edges", "patches_density", "gap_spectrum_q", "gap_spectrum_power"}
+    assert {name for name, value in rough_one.items() if isinstance(value, list)} == names
+    assert np.sum(np.diff(rough_one["pressure_edges"]) * rough_one["pressure_density"]) == pytest.approx(1)
+    assert rough_one["patches"] > full["patches"] == 1
+    assert full["contact_percolates_x"] is True
+    assert full["gap_percolates_x"] is False
+    assert "perimeter" not in full
+    comm.barrier()
