@@ -23,8 +23,8 @@ DAMPING = 4.0  # c
 COUPLING = 1.05  # w
 WHOLE_POINTS = 128 * 128  # levels of at most this many points are swept by every rank
 THIN_ROWS = 2  # and so are levels of which some rank has fewer rows than this
-# <r, S r> of a field of zero mean is at most so many times kap times the sum over levels of <r, r>/weight. On all kinds of grids the
-# largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
+# <r, S r> of a field of zero mean is at most so many times kap times the sum over levels of <r, r>/weight. On all kinds of grids
+# the largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
 EQUIVALENCE = 1.8
 
 
