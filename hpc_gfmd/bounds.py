@@ -14,13 +14,13 @@ import numpy as np
 
 from .kernels.certify import BINS, PER_OCTAVE, undecided
 
-PRESSURE = 0.65  # of the bound with kap in place of 1/K_max
-UNKNOWN, ALIGNED = 0.5, 1.2  # in the second expression for the mean gap: share of the bound; S over the sum over levels for long waves
+PRESSURE, TINY = 0.55, 5.0  # of the bound with kap in place of 1/K_max; on small grids more, by TINY over the root of their points
+UNKNOWN, ALIGNED = 0.3, 1.2  # in the second expression for the mean gap: share of the bound; S over the sum over levels for long waves
 
 TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
 # The error of the pressure of a point is at most FAR times the rms, of EDGE points; of more it is at most NEAR times
-FAR, NEAR, EDGE = 6.0, 2.0, 3
-SHARE, ASPERITY = 0.1, 8  # of the points that are near: share on the wrong side, and how many may change sides at once
+FAR, NEAR, EDGE = 6.0, 1.8, 3
+SHARE, ASPERITY = 0.05, 8  # of the points that are near: share on the wrong side, and how many may change sides at once
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 
 
@@ -33,7 +33,7 @@ def field_errors(energy, uKu, closed, N, p0, gap, kap, response, aligned):
     e = np.sqrt(max(energy, 0.0))
     shift = min(e * (np.sqrt(max(uKu, 0.0)) + e) / p0, UNKNOWN * response * e + ALIGNED * abs(aligned)) / N
     mean_gap = shift / (gap - shift) if shift < gap else (0.0 if shift == 0 else np.inf)
-    return float(mean_gap), float(PRESSURE * e / np.sqrt(kap * closed))
+    return float(mean_gap), float(PRESSURE * (1 + TINY / np.sqrt(N)) * e / np.sqrt(kap * closed))
 
 
 def points_on_wrong_side(problem, g, p, kap, squares, spread):
