@@ -19,9 +19,9 @@ UNKNOWN, ALIGNED = 0.3, 1.2  # in the second expression for the mean gap: share 
 
 TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
 # The error of the pressure of a point is at most FAR times the rms, of EDGE points; of more it is at most NEAR times, and what it takes
-# less than CLOSE times to move is moved. Of the points that are near a SHARE is on the wrong side, and ASPERITY may change sides at once
+# less than CLOSE times to move is moved. Of the points that are near a SHARE is on the wrong side; ASPERITY may change sides at once.
 FAR, NEAR, CLOSE, EDGE = 6.0, 1.8, 0.45, 3
-SHARE, ASPERITY = 0.05, 8
+SHARE, ASPERITY = 0.05, 10
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 
 

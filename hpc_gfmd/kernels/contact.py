@@ -53,8 +53,8 @@ def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, 
 
     Restricts p on F and closed p on A, the indicator of A, and x on F to the coarser grid: coarse (3, rows + 2, m) with halo gets the
     rows that belong to this pass alone, first and last (3, m) the two that it shares. rows: (7, n_y) scratch.
-    Returns sums: p^2 on F, p^2, p d, on F: d x and p x, points in contact, gap; points that would open, and close, if the same step were
-    made again.
+    Returns sums: p^2 on F, p^2, p d, on F: d x and p x, points in contact, gap; points that would open, and close, if the same step
+    were made again.
     """
     n = g.shape[1]
     zero = g.dtype.type(0)
