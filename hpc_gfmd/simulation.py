@@ -19,7 +19,7 @@ from .parallel.fft import row_starts
 from .parallel.guard import guarded
 from .parallel.interrupt import Interrupt
 from .progress import Reporter
-from .registry import all_observables, solver_names
+from .registry import all_observables, body_of, solver_names
 from .scene import Scene, check_names, load_scene, with_overrides
 from .surface import build_surface, surface_size
 from .versions import versions
@@ -74,7 +74,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         low = scene.solver.low_memory
         kind = LowMemorySweep if low else Sweep
         sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads, low), scene.solver, scene.material.E_star, lam_s,
-                     duality="duality_gap" in (scene.output.observables or ()))
+                     duality="duality_gap" in (scene.output.observables or ()), body=body_of(scene.material))
         pressures = sweep.pressures(scene.load)
         file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))
         file.update_head(setup_seconds=time.monotonic() - begun)

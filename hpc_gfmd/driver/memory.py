@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..parallel.fft import row_starts
+from ..registry import body_of
 from .sweep import first_precision
 
 FIELDS = 4  # h, g, p, d; in low memory h is not kept
@@ -46,6 +47,7 @@ def memory_of(scene, n, ranks):
     if not low and scene.solver.nested is not False:
         extra = max(extra, points * itemsize * NESTED) if loads > 1 else extra + points * itemsize / 3
     fields += extra
+    spectrum *= 1 + body_of(scene.material).table_share
     certificate = 0.0 if low or itemsize == 8 else spectrum * 8
     return Memory(fields, spectrum * itemsize, certificate, PROCESS_GIB)
 
