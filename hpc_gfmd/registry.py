@@ -43,7 +43,13 @@ def body_of(material, free=(False, False)):
 
 def all_observables():
     """{name: function of a Contact} of all observables, those of one file in the order they are given there."""
-    found = {}
-    for name in _names(observables):
-        found |= importlib.import_module(f"{observables.__name__}.{name}").OBSERVABLES
-    return found
+    return {name: f for module in _observables() for name, f in module.OBSERVABLES.items()}
+
+
+def default_observables():
+    """Names of the observables that cost no FFT: what a result has where the scene names none."""
+    return [name for module in _observables() if not getattr(module, "ON_REQUEST", False) for name in module.OBSERVABLES]
+
+
+def _observables():
+    return [importlib.import_module(f"{observables.__name__}.{name}") for name in _names(observables)]

@@ -21,11 +21,16 @@ FEW_POINTS = 6  # points on the wrong side that single precision may have
 
 @dataclass(frozen=True)
 class Step:
-    """A solved load. contact: its fields; iterations on the fine grid; fft_pairs: everything counted, in fine-grid pairs."""
+    """A solved load. contact: its fields; iterations on the fine grid; pairs: FFT pairs of the solve, in fine-grid pairs."""
 
     contact: Contact
     iterations: int
-    fft_pairs: float
+    pairs: float
+
+    @property
+    def fft_pairs(self):
+        """Everything counted, in fine-grid pairs: the solve, and the observables that were asked for so far."""
+        return self.pairs + self.contact.pairs
 
 
 def first_precision(settings):
@@ -48,7 +53,6 @@ class Sweep:
         self.E_star, self.lam_s, self.body = float(E_star), lam_s, body
         self.solver_class = solver_class(settings.name)
         self.target = Target(settings.accuracy, settings.residual, settings.max_iterations, duality=duality)
-        self.before = None
         self._to(first_precision(settings))
 
     def pressures(self, load):
@@ -77,13 +81,12 @@ class Sweep:
             step = self._solve(p, watch, False)
         if step.contact.outcome.status == "nonfinite":
             self.solver = None  # nothing starts from that
-        self.before = (p, step.contact.gap_mean)
         return step
 
     def state(self, upcoming=None):
         """What `restore` needs to go on in the present load or, given the mean pressure of the load that is upcoming, at its
         beginning: local slabs by name, and numbers."""
-        arrays, numbers = {}, {"dtype": self.dtype.name, "before": self.before}
+        arrays, numbers = {}, {"dtype": self.dtype.name}
         if upcoming is None or self._may_start_here(upcoming):
             arrays, own = self.solver.state()
             numbers |= {"p0": self.solver.p0, "own": own}
@@ -95,7 +98,6 @@ class Sweep:
         """Go back to a `state`, perhaps of another number of ranks. Collective. arrays: function of the grid, gives local slabs."""
         if numbers["dtype"] != self.dtype:
             self._to(numbers["dtype"])
-        self.before = numbers["before"]
         if "p0" in numbers:
             self._spent = numbers.get("spent", 0.0)
             self._begin(self._problem(numbers["p0"]), arrays, numbers)
@@ -128,7 +130,8 @@ class Sweep:
         return self._step(p, solver.g, solver.p, outcome, solver.iterations, pairs)
 
     def _step(self, p, g, q, outcome, iterations, pairs):
-        contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.before, self.lam_s)
+        contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.settings.accuracy or self.settings.residual, self.lam_s,
+                          self.body)
         return Step(contact, iterations, float(pairs))
 
     def _begin(self, problem, arrays=None, numbers=None):
@@ -212,7 +215,5 @@ class Sweep:
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
         certificate = Certificate(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, self.surface.grid.N, 0, 0.0, 0.0)
-        step = self._step(p, g, np.ones_like(g), Outcome("converged", (0.0, 0.0, 0.0), certificate, 0.0), 0, 0.0)
-        self.before = (p, 0.0)
-        return step
+        return self._step(p, g, np.ones_like(g), Outcome("converged", (0.0, 0.0, 0.0), certificate, 0.0), 0, 0.0)
 

@@ -93,12 +93,16 @@ class Multilevel:
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
         finest level.
         """
-        first = self.transfers[0]
         if not self.passes:
             self.fields[0][...] = 0
         elif not self.in_order:
             for k in range(len(self.passes)):
                 self._join(k)
+        return self.sweep_levels()
+
+    def sweep_levels(self):
+        """`sweep` of what fields[0] holds, its halo rows still to be added to the neighbours' rows."""
+        first = self.transfers[0]
         for k in range(len(self.spread)):
             halo.accumulate(self.comm, self.fields[k])
             t = self.transfers[k + 1]

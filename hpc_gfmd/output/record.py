@@ -19,7 +19,7 @@ from ..parallel.h5 import Slab, write_file
 from . import lock
 from .read import HEAD, Result, partial_folder, read_partial
 
-_OURS = re.compile(r"(head|step-\d+|checkpoint[\w-]*)\.h5(\.tmp)?")
+_OURS = re.compile(r"(head|step-\d+|checkpoint[\w-]*)\.h5(\.tmp)?|wisdom-\w+")
 
 
 class RunFile:
