@@ -143,11 +143,13 @@ def reading(path, kind=FORMAT):
 
 def fields_of(path, group, n) -> dict[str, Stored]:
     """The fields in a group of an open file, to be read slab by slab later. Raises ValueError if one does not fit the surface."""
-    found = {name: item for name, item in h5_inside.items(group) if len(getattr(item, "shape", ())) == 2}
-    for name, item in found.items():
-        if item.dtype.kind not in "fc" or list(item.shape) != list(n):
-            raise ValueError(f"{name} holds {item.shape} of {item.dtype}, the surface has {tuple(n)} points")
-    return {name: Stored(path, item.name, item.shape, item.dtype, int(item.attrs[CHECKSUM])) for name, item in found.items()}
+    found = {}
+    for name, item in h5_inside.items(group):
+        if len(getattr(item, "shape", ())) == 2:
+            if item.dtype.kind not in "fc" or list(item.shape) != list(n):
+                raise ValueError(f"{name} holds {item.shape} of {item.dtype}, the surface has {tuple(n)} points")
+            found[name] = Stored(path, item.name.lstrip("/"), item.shape, item.dtype, int(item.attrs[CHECKSUM]))
+    return found
 
 
 def _content(file, path) -> tuple[dict, dict, dict]:
@@ -162,5 +164,5 @@ def _content(file, path) -> tuple[dict, dict, dict]:
 
 def _result(path, head, surface, steps, status, **more) -> Result:
     attributes, fields = zip(*steps.values(), strict=True) if steps else ((), ())
-    return Result(path, surface, list(attributes), list(steps), status, str(head.get("scene", "")), json.loads(head.get("versions", "{}")),
-                  head, list(fields), **more)
+    scene, versions = str(head.get("scene", "")), json.loads(head.get("versions", "{}"))
+    return Result(path, surface, list(attributes), list(steps), status, scene, versions, head, list(fields), **more)

@@ -184,7 +184,7 @@ class RunFile:
         if lost:
             raise GfmdError(f"the files of load steps {', '.join(lost)} have been damaged; restart to solve them again")
         for stored in done.fields:
-            fields |= {field.dataset.lstrip("/"): field for field in stored.values()}
+            fields |= {field.dataset: field for field in stored.values()}
         if (heights := self.partial / "heights.h5").exists():
             with reading(heights) as file:
                 fields["surface/heights"] = fields_of(heights, file["surface"], self.n)["heights"]
