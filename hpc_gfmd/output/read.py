@@ -125,11 +125,11 @@ def reading(path, kind=FORMAT):
         if not h5py.is_hdf5(path):
             raise SceneError(f"{path}: not an HDF5 file")
         with h5py.File(path, "r", locking=False) as file:
-            if file.attrs.get("format") != kind:
-                raise SceneError(f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd (format = {kind!r})")
             version = file.attrs.get("format_version")
-            if version != FORMAT_VERSION:
+            if version not in (None, FORMAT_VERSION):
                 raise SceneError(f"{path}: format_version is {errors.one_line(str(version))}, this program reads {FORMAT_VERSION}")
+            if version is None or unsealed(file).get("format") != kind:
+                raise SceneError(f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd (format = {kind!r})")
             yield file
     except FileNotFoundError:
         raise SceneError(f"{path}: no such file") from None
