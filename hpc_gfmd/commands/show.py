@@ -34,7 +34,7 @@ def main(args) -> int:
     result = read_result(args.file)
     shown, text = as_dict(result), as_text(result)
     if args.tfc is not None:
-        from ..output.limits import limits_text, to_limits  # imports scipy
+        from .limits import limits_text, to_limits  # imports scipy
 
         limits = to_limits(result, args.tfc)
         shown, text = shown | _finite({"tfc": limits}), f"{text}\n\n{limits_text(limits)}"

@@ -128,10 +128,6 @@ class RunFile:
             (self.partial / HEAD).unlink(missing_ok=True)  # a wrong scene leaves nothing behind
         self.close()
 
-    @property
-    def _tmp(self) -> Path:
-        return self.path.with_name(self.path.name + ".tmp")
-
     def _claim(self, identity, resume, force) -> tuple[list[int], list[str], dict]:
         """Rank 0: folder, lock, and what an earlier run left."""
         if not self.path.parent.is_dir():
@@ -151,8 +147,6 @@ class RunFile:
         if left is not None and resume:
             if left.head.get("identity") != identity:
                 raise SceneError(f"{self.partial}: belongs to another scene; remove it or change output.path")
-            for junk in (*self.partial.glob("*.tmp"), self._tmp):
-                junk.unlink(missing_ok=True)
             states = zip(left.indices, [step.get("status") for step in left.steps], strict=True)
             done = [index for index, status in states if status != "interrupted"]
             kept = {name: left.head[name] for name in ("start_time",) if name in left.head}
@@ -163,7 +157,6 @@ class RunFile:
         elif files:
             notes += [f"removed an interrupted run that cannot be read ({len(files)} files of load steps)"]
         _clear(self.partial, keep_lock=True)
-        self._tmp.unlink(missing_ok=True)
         return [], notes, {}
 
     def _to_replace(self, identity, force) -> list[str]:
