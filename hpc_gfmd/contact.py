@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .bodies.halfspace import HALF_SPACE
 from .errors import SceneError
 
 FIELDS = ("pressure", "gap", "displacement")
@@ -17,7 +18,7 @@ ROUNDING = 16  # times the rounding error of the heights: a mean gap below that 
 @dataclass(frozen=True)
 class Contact:
     """surface: surface.Surface; g, q: gap and pressure of the solution in the program's units, local slabs; p: mean pressure in the
-    unit of E_star; certificate, outcome: see driver/; before: (p, gap_mean) of the load before, or None; lam_s: or None."""
+    unit of E_star; outcome: see driver/; accuracy: relative, of what observables still have to solve for; lam_s: or None."""
 
     surface: object
     E_star: float
@@ -25,8 +26,9 @@ class Contact:
     g: np.ndarray
     q: np.ndarray
     outcome: object
-    before: tuple[float, float] | None = None
+    accuracy: float
     lam_s: float | None = None
+    body: object = HALF_SPACE
 
     @property
     def certificate(self):
@@ -88,6 +90,18 @@ class Contact:
             precision = "single" if self.g.dtype == np.float32 else "double"
             return f"the gap is all rounding at this load in {precision} precision"
         return None
+
+    @cached_property
+    def tangent(self):
+        """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
+        from .operators.tangent import tangent
+
+        return tangent(self.surface.grid, self.body, (self.g <= 0) & (self.q > 0), self.g.dtype, self.accuracy)
+
+    @property
+    def pairs(self):
+        """FFT pairs that observables of this contact took so far."""
+        return self.tangent.pairs if "tangent" in vars(self) else 0.0
 
     @cached_property
     def boundary_segments(self):

@@ -3,19 +3,22 @@
 Units: in-plane length a = sqrt(a_x a_y), height g_rms a, pressure E* g_rms. Everything is then of order one whatever the scene's
 units, and p0 is p*:
 
-    K = |q|/2,    p = p0 + K u,    u >= -h,    g = u + h >= 0,    p >= 0,    p g = 0.
+    p = p0 + K u,   K(q) of the elastic body (|q|/2 for a half-space),    u >= -h,    g = u + h >= 0,    p >= 0,    p g = 0.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from .bodies.base import Body
+from .bodies.halfspace import HALF_SPACE
+
 ROUNDING = 2.5  # rms of the error of K h over the rms of h, in units of the working precision: the largest seen
 
 
 @dataclass(frozen=True)
 class Problem:
-    """h: local slab of the initial gap, >= 0 with minimum 0, in the working precision; p0: mean pressure.
+    """h: local slab of the initial gap, >= 0 with minimum 0, in the working precision; p0: mean pressure; body: see bodies/.
 
     Without h (None) the displacement u = g - h is formed in Fourier space, where add_spectrum(fft) gives a function (block, m) that
     adds the transform of -h to a block of columns; `working` then tells the precision and h_rms what root_mean_square() gave.
@@ -27,6 +30,7 @@ class Problem:
     add_spectrum: object = None
     working: np.dtype | None = None
     h_rms: float | None = None
+    body: Body = HALF_SPACE
 
     @property
     def dtype(self):

@@ -1,9 +1,9 @@
-"""Solvers and observables are found by looking into their folders: adding one means dropping in one file."""
+"""Solvers, observables and elastic bodies are found by looking into their folders: adding one means dropping in one file."""
 
 import importlib
 import pkgutil
 
-from . import observables, solvers
+from . import bodies, observables, solvers
 
 COMMON = {"base"}  # files in those folders that are not entries
 
@@ -24,9 +24,22 @@ def solver_class(name):
     return next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
 
 
+def body_classes():
+    """{name: class} of all elastic bodies."""
+    modules = {name: importlib.import_module(f"{bodies.__name__}.{name}") for name in _names(bodies)}
+    return {name: next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
+            for name, module in modules.items()}
+
+
 def all_observables():
     """{name: function of a Contact} of all observables, those of one file in the order they are given there."""
-    found = {}
-    for name in _names(observables):
-        found |= importlib.import_module(f"{observables.__name__}.{name}").OBSERVABLES
-    return found
+    return {name: f for module in _observables() for name, f in module.OBSERVABLES.items()}
+
+
+def default_observables():
+    """Names of the observables that cost no FFT: what a result has where the scene names none."""
+    return [name for module in _observables() if not getattr(module, "ON_REQUEST", False) for name in module.OBSERVABLES]
+
+
+def _observables():
+    return [importlib.import_module(f"{observables.__name__}.{name}") for name in _names(observables)]

@@ -14,12 +14,13 @@ from .output.checkpoint import read_checkpoint, write_checkpoint
 from .output.read import partial_folder, read_partial
 from .output.record import RunFile, tidy
 from .output.table import table
+from .parallel import wisdom
 from .parallel.comm import threads_of, world
 from .parallel.fft import row_starts
 from .parallel.guard import guarded
 from .parallel.interrupt import Interrupt
 from .progress import Reporter
-from .registry import all_observables, solver_names
+from .registry import all_observables, default_observables, solver_names
 from .scene import Scene, check_names, load_scene, with_overrides
 from .surface import build_surface, surface_size
 from .versions import versions
@@ -70,6 +71,8 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
                     compressed=scene.output.compression, dtype=scene.output.dtype) as file:
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
+        if resume and comm.rank == 0:
+            wisdom.take_from(file.partial)
         compile_once(comm, scene.solver)
         lam_s = getattr(scene.surface, "lam_s", None)
         low = scene.solver.low_memory
@@ -138,8 +141,8 @@ class _Run:
     def __init__(self, comm, scene, file, sweep, observables, say, interrupt):
         self.comm, self.scene, self.file, self.sweep = comm, scene, file, sweep
         self.say, self.interrupt = say, interrupt
-        wanted = scene.output.observables
-        self.observables = {k: f for k, f in observables.items() if wanted is None or k in wanted}
+        wanted = default_observables() if scene.output.observables is None else scene.output.observables
+        self.observables = {k: f for k, f in observables.items() if k in wanted}
         self.checkpointable = sweep.surface.reduced_axis is None and sweep.surface.g_rms > 0
 
     def all_steps(self, pressures):
@@ -171,19 +174,11 @@ class _Run:
         except GfmdError as error:
             self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
             self.sweep.solver = None
-            self.sweep.before = self._gap_of(unfinished - 1)
             return unfinished, None
         first = found.step if found else 0  # died before its first checkpoint
         if first < unfinished:
             self.say.say(f"note: repeating from load {first + 1}, where the last checkpoint is; finished loads stay as they are")
         return first, found if found and found.midway else None
-
-    def _gap_of(self, index):
-        """(p, mean gap) of a finished step, for the stiffness of the next one; None without it."""
-        if index not in self.file.finished:
-            return None
-        step = self._done()[self.file.finished.index(index)]
-        return (step["p"], step["gap_mean"]) if "gap_mean" in step else None
 
     def _done(self):
         steps = None
@@ -223,6 +218,8 @@ class _Run:
         """A checkpoint in the middle of a load (seconds: spent on it so far) or at its beginning."""
         if self.checkpointable:
             begun, sweep = time.monotonic(), self.sweep
+            if self.comm.rank == 0:
+                wisdom.keep_with(self.file.partial)
             write_checkpoint(self.comm, self.file.checkpoint, sweep.surface.grid, index, sweep.solver_class.name, state(), seconds,
                              self.scene.identity())
             self.interrupt.saved(begun)

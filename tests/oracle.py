@@ -79,3 +79,10 @@ def _complementary(K, b, first):
         if not contact.any():
             contact[first] = True
     raise AssertionError("the oracle found no solution")
+
+
+def compliance(contact, sizes=(1.0, 1.0), E_star=1.0):
+    """-d(mean gap)/dp while the points of a boolean array stay in contact and the others, where 1 + K v = 0, out of it."""
+    free = ~contact.ravel()
+    K = stiffness(contact.shape, sizes, E_star)[np.ix_(free, free)]
+    return float(np.linalg.solve(K, np.ones(len(K))).sum() / contact.size)

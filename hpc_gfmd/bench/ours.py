@@ -44,7 +44,7 @@ class Ours:
         sweep = self.sweep
         sweep.target = Target(accuracy, residual, max_iterations)
         sweep.solver_class, sweep.nested = solver_class(solver), self.nested if nested else None
-        sweep.solver = sweep.before = None  # nothing is left of the solve before
+        sweep.solver = None  # nothing is left of the solve before
         begun, cpu = time.perf_counter(), time.process_time()
         step = sweep.solve(self.p, lambda iterations, progress: time.perf_counter() - begun > budget)
         contact = step.contact

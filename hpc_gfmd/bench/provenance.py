@@ -6,22 +6,15 @@ import subprocess
 import time
 from pathlib import Path
 
-from ..versions import versions
+from ..versions import processor, versions
 
 
 def provenance(comm=None, threads=1):
     """Host, processor, load, versions, commit, time, threads and ranks."""
-    return {"host": platform.node(), "cpu": _cpu(), "cores": len(os.sched_getaffinity(0)), "load_average": round(os.getloadavg()[0], 2),
+    return {"host": platform.node(), "cpu": processor(), "cores": len(os.sched_getaffinity(0)),
+            "load_average": round(os.getloadavg()[0], 2),
             "ranks": comm.size if comm else 1, "threads": threads, "time": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
             "commit": _commit(), "versions": versions()}
-
-
-def _cpu():
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()
 
 
 def _commit():

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..caches import cache_folder
 from ..errors import GfmdError
-from ..parallel.plans import cache_folder
 from .ours import Ours
 
 ACCURACY = 1e-9  # asked of a reference

@@ -21,8 +21,9 @@ def facts():
     import h5py
     import numba
 
+    from ..caches import cache_folder
     from ..driver.memory import available_gib
-    from ..parallel.plans import cache_folder, fft_library
+    from ..parallel.fftw import fft_library
     from ..registry import solver_names
     from ..versions import versions
 

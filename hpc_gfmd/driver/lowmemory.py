@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import SceneError
-from ..problem import Problem
 from .nested import Nested
 from .sweep import Sweep
 
@@ -44,7 +43,7 @@ class LowMemorySweep(Sweep):
         else:
             g = h
         self.surface = replace(self.surface, h=None)
-        bare = Problem(self.surface.grid, None, problem.p0, self.surface.add_spectrum, self.dtype, h_rms)
+        bare = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)
         self.solver = self.solver_class(bare, self.settings.options, g=g)
         self._count()
         if arrays is None:

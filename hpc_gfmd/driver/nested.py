@@ -5,15 +5,15 @@ The finer grid's own heights are then given way to locally, without an FFT (kern
 Decimation (every second point) keeps the heights of the asperities; averages and envelopes do not, and start worse at small loads.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..grid import Grid
 from ..kernels.prolong import HALO, SWEEPS, prolong_gap
 from ..operators.coarsening import levels
-from ..operators.halfspace import near_stiffness
 from ..parallel import halo
 from ..parallel.comm import SerialComm
-from ..problem import Problem
 from .certificate import certify
 
 COARSEST = 32  # points along an axis below which there is no coarser grid
@@ -93,7 +93,7 @@ class Nested:
             return True, 0.0
         coarse = _decimated(problem, *self.steps[0])
         g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
-        certificate = certify(coarse, g, p, coarse.dtype.type, dual=False)
+        certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
         share = coarse.grid.N / problem.grid.N
         likely = certificate.contact >= (1 - TENSION) * coarse.grid.N
         return problem.grid.comm.bcast(likely), certificate.pairs * share
@@ -105,7 +105,7 @@ def _decimated(problem, fine, grid):
     h = np.ascontiguousarray(problem.h[(-fine.rows[0]) % step[0]::step[0], ::step[1]])
     if grid.comm.size != fine.comm.size:
         h = np.concatenate(fine.comm.allgather(h))
-    return Problem(grid, h / h.dtype.type(grid.a / fine.a), problem.p0)
+    return replace(problem, grid=grid, h=h / h.dtype.type(grid.a / fine.a))
 
 
 def _prolong(problem, coarse, solver, full, into):
@@ -133,5 +133,5 @@ def _prolong(problem, coarse, solver, full, into):
 
     before, after = halo.neighbours(fine.comm, problem.h, SWEEPS)
     prolong_gap(*with_halo(u), *with_halo(solver.p), before, problem.h, after, out, start, first, fine.n[0], coarse.grid.n[0], step_x,
-                coarse.grid.n[1] != fine.n[1], real(2 / fine.q_nyquist), near_stiffness(fine).astype(problem.dtype))
+                coarse.grid.n[1] != fine.n[1], real(1 / problem.body.scale(fine)), problem.body.near(fine).astype(problem.dtype))
     return out

@@ -1,31 +1,36 @@
 """One load after another on one surface: which precision, which start, and what comes out."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
+from ..bodies.halfspace import HALF_SPACE
 from ..contact import Contact
 from ..errors import SceneError
 from ..problem import Problem
 from ..registry import solver_class
-from .certificate import Certificate, certify
+from .certificate import Certificate, certify, rounding_error
 from .drive import Course, Outcome, Target, drive
 from .nested import Nested, cold_gap
 
 SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
 WARM_UP, WARM_DOWN = 1.45, 1.26  # a load up to so much larger or smaller starts from the one before, others from coarser grids
 # (not round numbers, nor the next one: p* has rounding errors)
-FULL_P_STAR = 0.499  # full contact needs p* above std(p)/(E* g_rms) = 1/2 (unless the surface is very skewed)
 FEW_POINTS = 6  # points on the wrong side that single precision may have
 
 
 @dataclass(frozen=True)
 class Step:
-    """A solved load. contact: its fields; iterations on the fine grid; fft_pairs: everything counted, in fine-grid pairs."""
+    """A solved load. contact: its fields; iterations on the fine grid; pairs: FFT pairs of the solve, in fine-grid pairs."""
 
     contact: Contact
     iterations: int
-    fft_pairs: float
+    pairs: float
+
+    @property
+    def fft_pairs(self):
+        """Everything counted, in fine-grid pairs: the solve, and the observables that were asked for so far."""
+        return self.pairs + self.contact.pairs
 
 
 def first_precision(settings):
@@ -39,16 +44,15 @@ def first_precision(settings):
 class Sweep:
     """Solves loads on one surface in the order given.
 
-    make_surface(dtype) -> surface.Surface; settings: scene.Solver. duality: whether the duality gap is wanted. Raises SceneError for
-    what cannot be asked.
+    make_surface(dtype) -> surface.Surface; settings: scene.Solver. duality: whether the duality gap is wanted; body: see bodies/.
+    Raises SceneError for what cannot be asked.
     """
 
-    def __init__(self, make_surface, settings, E_star=1.0, lam_s=None, duality=False):
+    def __init__(self, make_surface, settings, E_star=1.0, lam_s=None, duality=False, body=HALF_SPACE):
         self.make_surface, self.settings = make_surface, settings
-        self.E_star, self.lam_s = float(E_star), lam_s
+        self.E_star, self.lam_s, self.body = float(E_star), lam_s, body
         self.solver_class = solver_class(settings.name)
         self.target = Target(settings.accuracy, settings.residual, settings.max_iterations, duality=duality)
-        self.before = None
         self._to(first_precision(settings))
 
     def pressures(self, load):
@@ -77,13 +81,12 @@ class Sweep:
             step = self._solve(p, watch, False)
         if step.contact.outcome.status == "nonfinite":
             self.solver = None  # nothing starts from that
-        self.before = (p, step.contact.gap_mean)
         return step
 
     def state(self, upcoming=None):
         """What `restore` needs to go on in the present load or, given the mean pressure of the load that is upcoming, at its
         beginning: local slabs by name, and numbers."""
-        arrays, numbers = {}, {"dtype": self.dtype.name, "before": self.before}
+        arrays, numbers = {}, {"dtype": self.dtype.name}
         if upcoming is None or self._may_start_here(upcoming):
             arrays, own = self.solver.state()
             numbers |= {"p0": self.solver.p0, "own": own}
@@ -95,15 +98,17 @@ class Sweep:
         """Go back to a `state`, perhaps of another number of ranks. Collective. arrays: function of the grid, gives local slabs."""
         if numbers["dtype"] != self.dtype:
             self._to(numbers["dtype"])
-        self.before = numbers["before"]
         if "p0" in numbers:
             self._spent = numbers.get("spent", 0.0)
-            self._begin(Problem(self.surface.grid, self.surface.h, numbers["p0"]), arrays, numbers)
+            self._begin(self._problem(numbers["p0"]), arrays, numbers)
+
+    def _problem(self, p_star):
+        return Problem(self.surface.grid, self.surface.h, p_star, body=self.body)
 
     def _may_start_here(self, p):
         """Whether the load p, or one that follows it if p closes the gap at once, may start from the present state."""
         p_star = p / (self.E_star * self.surface.g_rms)
-        return self.solver is not None and (self._near(p_star) or p_star >= FULL_P_STAR)
+        return self.solver is not None and (self._near(p_star) or p_star >= self.body.full_p_star)
 
     def _few_points(self, p):
         """Whether so few points will touch that single precision, which may err in a few of them, cannot give the area."""
@@ -113,7 +118,7 @@ class Sweep:
     def _solve(self, p, watch, midway):
         p_star = p / (self.E_star * self.surface.g_rms)
         if not midway:
-            problem = Problem(self.surface.grid, self.surface.h, p_star)
+            problem = self._problem(p_star)
             full, pairs = self._full_contact(problem)
             self._spent += pairs
             if full is not None:
@@ -125,7 +130,8 @@ class Sweep:
         return self._step(p, solver.g, solver.p, outcome, solver.iterations, pairs)
 
     def _step(self, p, g, q, outcome, iterations, pairs):
-        contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.before, self.lam_s)
+        contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.settings.accuracy or self.settings.residual, self.lam_s,
+                          self.body)
         return Step(contact, iterations, float(pairs))
 
     def _begin(self, problem, arrays=None, numbers=None):
@@ -147,8 +153,9 @@ class Sweep:
             # Rounding errors of the first pressure would stay to the end: only its changes are added to it.
             if g is not self.solver.g:
                 self.solver.g[...] = g
-            self._spent += certify(problem, self.solver.g, self.solver.p, dual=False).pairs
-            self.solver.refresh()
+            fresh = certify(problem, self.solver.g, self.solver.p)
+            self._spent += fresh.pairs
+            self.solver.refresh(2 * fresh.energy * self.surface.grid.N)
         else:
             self.solver.start(g)
 
@@ -179,18 +186,18 @@ class Sweep:
 
     def _full_contact(self, problem):
         """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and the pairs spent on finding out."""
-        if problem.p0 < FULL_P_STAR:
+        if problem.p0 < self.body.full_p_star:
             return None, 0.0
         likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
         if not likely:
             return None, pairs
         g, q = np.zeros_like(problem.h), np.empty_like(problem.h)
-        certificate = certify(problem, g, q, dual=self.target.duality)
+        certificate = certify(problem, g, q, dtype=self.target.judged_in, dual=self.target.duality)
         pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
             return None, pairs
-        errors = (0.0, 0.0, 0.0 if problem.dtype == np.float64 else problem.rounding / problem.p0)
-        return (g, q, Outcome("converged", errors, certificate, 0.0)), pairs
+        exact = replace(certificate, errors=(0.0, 0.0, rounding_error(problem, certificate.contact, problem.p0)))
+        return (g, q, Outcome("converged", exact, 0.0)), pairs
 
     def _to(self, dtype):
         """Make the surface in this precision and plan all transforms that its contacts need."""
@@ -208,8 +215,6 @@ class Sweep:
     def _flat(self, p):
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
-        certificate = Certificate(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, self.surface.grid.N, 0, 0.0, 0.0)
-        step = self._step(p, g, np.ones_like(g), Outcome("converged", (0.0, 0.0, 0.0), certificate, 0.0), 0, 0.0)
-        self.before = (p, 0.0)
-        return step
+        certificate = Certificate(contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0)
+        return self._step(p, g, np.ones_like(g), Outcome("converged", certificate, 0.0), 0, 0.0)
 

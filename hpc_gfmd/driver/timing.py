@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from ..parallel.plans import cache_folder
+from ..caches import cache_folder, keep
 from ..scene import Scene
 from .sweep import Sweep, first_precision
 
@@ -37,13 +37,7 @@ def seconds_per_work(dtype):
     except (OSError, ValueError, KeyError, TypeError):
         pass
     value = _measure(dtype)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        aside = path.with_suffix(f".{os.getpid()}")
-        aside.write_text(json.dumps({"host": os.uname().nodename, "seconds_per_work": value, "time": time.time()}))
-        os.replace(aside, path)
-    except OSError:
-        pass
+    keep(path, json.dumps({"host": os.uname().nodename, "seconds_per_work": value, "time": time.time()}).encode())
     return value
 
 

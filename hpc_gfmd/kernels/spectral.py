@@ -1,11 +1,11 @@
 """Kernels on spectra: blocks of W columns as rows of the transform leave them, (n_x, W), and turned, (W, n_x), to be transformed.
 
-|q| is computed on the fly.
+|q| is computed on the fly, other stiffnesses stand in tables that are even in q_x: (W, n_x//2 + 1).
 """
 
 import numpy as np
 
-from .jit import kernel
+from .jit import inline, kernel
 
 TILE = 8  # complex numbers of single precision in a cache line
 PIECE = 1024  # numbers that are summed up in their own precision
@@ -104,6 +104,46 @@ def multiply_compliance(columns, q_x, q_y, weight, factor):
                 e += s * c * c
                 piece[j] = s * c
             energy += weight[w] * e
+    return energy
+
+
+@kernel
+def multiply_by_table(columns, table, weight, factor):
+    """columns *= factor table, in place; returns sum(weight factor table |columns|^2) of the values before.
+
+    columns: (W, 2 n_x), real and imaginary parts in turn; table: (W, n_x//2 + 1) for q_x = 0 and the positive ones; weight: (W,).
+    """
+    energy = 0.0
+    for w in range(columns.shape[0]):
+        energy += weight[w] * _multiply(columns[w], table[w], factor, False)
+    return energy
+
+
+@kernel
+def divide_by_table(columns, table, weight, factor):
+    """columns *= factor/table, and 0 where the table is; returns sum(weight factor/table |columns|^2) of the values before."""
+    energy = 0.0
+    for w in range(columns.shape[0]):
+        energy += weight[w] * _multiply(columns[w], table[w], factor, True)
+    return energy
+
+
+@inline
+def _multiply(column, table, factor, divide):
+    """One column; the energy is summed up over PIECE numbers in their own precision."""
+    n, half = column.shape[0] // 2, table.shape[0]
+    zero = factor * 0
+    energy = 0.0
+    for i0 in range(0, n, PIECE):
+        e = zero
+        for i in range(i0, min(i0 + PIECE, n)):
+            t = table[i if i < half else n - i]
+            k = (factor / t if t > zero else zero) if divide else factor * t
+            a, b = column[2 * i], column[2 * i + 1]
+            e += k * (a * a + b * b)
+            column[2 * i] = k * a
+            column[2 * i + 1] = k * b
+        energy += e
     return energy
 
 

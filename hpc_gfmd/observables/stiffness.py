@@ -1,12 +1,17 @@
-"""Contact stiffness from the load sweep."""
+"""Contact stiffness: the tangent of the load curve."""
+
+from math import inf
+
+ON_REQUEST = True
 
 
 def stiffness(contact):
-    """-dp/d(mean gap) as the secant from the load before; None for the first load."""
-    before = contact.before
-    if before is None or before[1] == contact.gap_mean:
-        return None
-    return (contact.p - before[0]) / (before[1] - contact.gap_mean)
+    """-dp/d(mean gap) while no point changes sides, with a relative error of at most the accuracy asked for.
+
+    None in full contact, where it is infinite, where nothing touches, and where it was not found to that accuracy.
+    """
+    compliance = contact.tangent.compliance
+    return contact.pressure_unit / (compliance * contact.surface.height_unit) if 0 < compliance < inf else None
 
 
 OBSERVABLES = {"stiffness": stiffness}

@@ -1,4 +1,4 @@
-"""How a grid is coarsened: sizes and weights of the levels, and which coarse rows a rank owns."""
+"""How a grid is coarsened: sizes and wave numbers of the levels, and which coarse rows a rank owns."""
 
 from dataclasses import dataclass
 
@@ -9,10 +9,10 @@ SQRT2 = np.sqrt(2.0)
 
 @dataclass(frozen=True)
 class Level:
-    """One level of the hierarchy: points, and its largest wave number relative to that of the finest level."""
+    """One level of the hierarchy: points, and its largest wave number over sqrt 2 (as Grid.q_nyquist) in units of 1/a."""
 
     n: tuple[int, int]
-    weight: float
+    q: float
 
 
 def levels(grid):
@@ -22,8 +22,7 @@ def levels(grid):
     stretched cells and grids with very different n_x and n_y approach square spacing.
     """
     n, spacing = list(grid.n), [s / grid.a for s in grid.spacings]
-    out = [Level(tuple(n), 1.0)]
-    q0 = _nyquist(n, spacing)
+    out = [Level(tuple(n), _nyquist(n, spacing))]
     while max(n) > 1:
         finest = min(s for s, k in zip(spacing, n) if k > 1)
         for axis in (0, 1):
@@ -31,8 +30,7 @@ def levels(grid):
                 length = spacing[axis] * n[axis]
                 n[axis] = (n[axis] + 1) // 2
                 spacing[axis] = length / n[axis]
-        weight = _nyquist(n, spacing) / q0 if max(n) > 1 else out[-1].weight / 2
-        out.append(Level(tuple(n), weight))
+        out.append(Level(tuple(n), _nyquist(n, spacing) if max(n) > 1 else out[-1].q / 2))
     return out
 
 

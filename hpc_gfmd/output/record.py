@@ -21,7 +21,7 @@ from . import lock
 from .describe import SIGNS, describe
 from .read import FORMAT, FORMAT_VERSION, HEAD, fields_of, followed, partial_folder, read_partial, read_whole, reading
 
-_OURS = re.compile(r"(head|heights|step-\d+|checkpoint[\w-]*)\.h5(\.tmp)?")
+_OURS = re.compile(r"(head|heights|step-\d+|checkpoint[\w-]*)\.h5(\.tmp)?|wisdom-\w+")
 
 
 class RunFile:

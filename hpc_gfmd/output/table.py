@@ -14,6 +14,7 @@ COLUMNS = (
     ("kappa_corrected", "edge-corr.", "", None),
     ("gap_mean", "mean gap", "[length]", "gap_error"),
     ("gap_over_h_rms", "gap/h_rms", "", None),
+    ("stiffness", "stiffness", "[E*/length]", None),
     ("pressure_error", "error of p", "[%]", None),
     ("iterations", "iter.", "", None),
     ("fft_pairs", "FFT pairs", "", None),

@@ -22,7 +22,8 @@ import numpy as np
 
 from ..aligned import empty_aligned
 from ..kernels.spectral import from_blocks, to_blocks, turn, turn_back
-from .plans import Plans, Wisdom
+from .plans import Plans
+from .wisdom import planned
 
 COLUMN_BYTES = 256 * 1024  # of a block of columns, which is turned in the second-level cache
 ROW_BYTES = 256 * 1024  # of the spectra of one pass of rows: these share the second-level cache with the rows of the caller's fields
@@ -55,7 +56,6 @@ class SlabFFT:
         self.R = self._rows_per_pass(complex_dtype.itemsize)
         self.threads = threads
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
-        wisdom = Wisdom(f"{n_x}x{n_y}-{self.dtype.name}-R{self.R}-C{self.W}", self.dtype)
         self.blocks = empty_aligned((self.M, self.n_loc, self.W), complex_dtype)
         self.blocks[...] = 0.0  # also touches the pages, and keeps padding columns free of NaN
         self._scratch = []
@@ -64,11 +64,11 @@ class SlabFFT:
             half = empty_aligned((self.R, self.n_c), complex_dtype)
             turned = empty_aligned((self.W, n_x), complex_dtype)
             block = empty_aligned((n_x, self.W) if comm.size > 1 else (0, self.W), complex_dtype)  # what other ranks send
-            if not self._scratch:
-                self.plans = Plans(real, half, turned)
             real[...], half[...], turned[...], block[...] = 0, 0, 0, 0
             self._scratch.append((real, half, turned, block))
-        wisdom.keep()
+        self.plans = planned(comm, self.dtype, lambda: Plans(*self._scratch[0][:3]))
+        for a in self._scratch[0][:3]:
+            a[...] = 0  # planning has left noise
 
     def _block_width(self, itemsize):
         """W and K so that a block of complete columns fits the cache and little is padded."""
@@ -83,8 +83,9 @@ class SlabFFT:
 
     def _rows_per_pass(self, itemsize):
         wanted = int(np.clip(ROW_BYTES // (self.n_c * itemsize), 8, 256))
-        passes = max(1, -(-self.n_loc // wanted))
-        R = max(1, -(-self.n_loc // passes))
+        longest = int(np.diff(self.starts).max())  # on any rank: all plan alike
+        passes = max(1, -(-longest // wanted))
+        R = max(1, -(-longest // passes))
         return R + R % 2 if R > 1 else R  # even: a coarse row then belongs to one pass
 
     @property

@@ -1,6 +1,6 @@
 """Constrained conjugate gradients on the pressure (Polonsky and Keer, Wear 231, 206, 1999).
 
-Minimises 1/2 <q, S q> + <q, h> over pressures q >= 0 of mean p0, S = 2/|q| the inverse of K. In contact, {q > 0}, the gap
+Minimises 1/2 <q, S q> + <q, h> over pressures q >= 0 of mean p0, S the inverse of K. In contact, {q > 0}, the gap
 e = S q + h - constant has to vanish; the constant is such that its mean there does. One iteration: conjugate direction t from e, exact
 line search (one convolution with S), q <- max(q - tau t, 0), pressure for points out of contact that penetrate (the direction is then
 forgotten), rescaling of q to the mean p0 (the load balance), and the new gap (a second convolution): two FFT pairs. With the option
@@ -13,7 +13,7 @@ import numpy as np
 
 from ..aligned import zeros_aligned
 from ..kernels.pressure import advance, close, conjugate, direct, gradient, press, respace, respond
-from ..operators.halfspace import HalfSpace, reader
+from ..operators.elastic import Elastic, reader
 from ..options import read_options
 from .base import Progress, Solver
 
@@ -35,11 +35,11 @@ class Ccg(Solver):
         self.options = read_options(self.name, self.options, self.allowed)
         self.preconditioned = self.options.get("preconditioned", 0) > 0
         grid, dtype = self.grid, problem.dtype
-        self.elastic = HalfSpace(grid, dtype)
+        self.elastic = Elastic(grid, problem.body, dtype)
         self.real = dtype.type
         self.g, self.p, self.q, self.w = (grid.empty(dtype) for _ in range(4))
         self.t = zeros_aligned(grid.shape, dtype)
-        self.stiffest = grid.q_nyquist / np.sqrt(2)  # the largest eigenvalue of K
+        self.stiffest = problem.body.bounds(grid)[1]  # the largest eigenvalue of K
         self.patience = 5 * self.patience
 
     # -- starting ------------------------------------------------------------------------------------------------------------
@@ -76,7 +76,7 @@ class Ccg(Solver):
         self._close([scaled(i0, i1) for i0, i1 in self.elastic.fft.passes()])
         self.refresh()
 
-    def refresh(self):
+    def refresh(self, uKu=None):
         """Only the direction is carried on from one iteration to the next: it is forgotten."""
         self.fresh, self.previous = True, 1.0
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..aligned import zeros_aligned
 from ..kernels.dynamics import move, settle
-from ..operators.halfspace import HalfSpace
+from ..operators.elastic import Elastic
 from ..options import read_options
 from .base import Progress, Solver
 
@@ -39,10 +39,9 @@ class Gfmd(Solver):
         super().__init__(problem, options)
         self.options = read_options(self.name, self.options, self.allowed)
         grid, dtype = self.grid, problem.dtype
-        self.elastic = HalfSpace(grid, dtype)
+        self.elastic = Elastic(grid, problem.body, dtype)
         self.g, self.p, self.d = grid.empty(dtype), grid.empty(dtype), zeros_aligned(grid.shape, dtype)
-        self.stiffest = grid.q_nyquist / np.sqrt(2)
-        self.longest = min((np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1), default=self.stiffest)
+        self.longest, self.stiffest = problem.body.bounds(grid)
         self.patience = max(4 * self.patience, int(PATIENCE * np.sqrt(self.stiffest / self.longest)))
 
     # -- starting ------------------------------------------------------------------------------------------------------------
@@ -61,7 +60,7 @@ class Gfmd(Solver):
         self._measure(self.elastic.use_rows(self._settle))
         self._begin()
 
-    def refresh(self):
+    def refresh(self, uKu=None):
         self.d[...] = 0
         fft = self.elastic.fft
         zero = np.zeros((fft.R, self.grid.n[1]), self.problem.dtype)

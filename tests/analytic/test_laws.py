@@ -41,14 +41,6 @@ def test_energy_is_the_work_of_the_pressure():
     assert defects[1] < 1e-2
 
 
-def test_stiffness_is_the_derivative():
-    sweep = sweep_of(SURFACE, **EXACT)
-    assert numbers(sweep.solve(0.1))["stiffness"] is None
-    before = numbers(sweep.solve(0.1))["gap_mean"]
-    after = numbers(sweep.solve(0.102))
-    assert after["stiffness"] == pytest.approx(0.002 / (before - after["gap_mean"]), rel=1e-6)
-
-
 def test_loading_equals_unloading_and_warm_equals_cold():
     def results(loads, fresh=False):
         sweep, found = sweep_of(SURFACE, **EXACT), {}

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.grid import Grid
-from hpc_gfmd.operators.halfspace import HalfSpace
+from hpc_gfmd.operators.elastic import Elastic
 
 GRIDS = [((16, 16), (1.0, 1.0)), ((15, 15), (1.0, 1.0)), ((16, 15), (1.0, 1.0)), ((9, 20), (2.0, 0.7)), ((1, 12), (1.0, 1.0)),
          ((13, 1), (1.0, 1.0)), ((2, 2), (1.0, 3.0)), ((17, 23), (3.0, 3.0))]
@@ -18,7 +19,7 @@ def modes(n):
 @pytest.mark.parametrize(("n", "sizes"), GRIDS)
 def test_single_modes(n, sizes):
     grid = Grid(n, sizes)
-    elastic = HalfSpace(grid, np.float64)
+    elastic = Elastic(grid, HalfSpace(), np.float64)
     x, y = np.meshgrid(np.arange(n[0]) / n[0], np.arange(n[1]) / n[1], indexing="ij")
     for k_x in modes(n[0]):
         for k_y in modes(n[1]):
@@ -35,12 +36,12 @@ def test_energy_of_a_wave():
     """Energy per area E* |q|/8 of u = cos(q r), here with E* = 1 and lengths in units of the spacing."""
     grid = Grid((12, 10), (1.0, 1.0))
     u = np.cos(2 * np.pi * np.arange(12) / 12)[:, None] * np.ones(10)
-    uKu = HalfSpace(grid, np.float64).apply_to(u, grid.empty(np.float64))
+    uKu = Elastic(grid, HalfSpace(), np.float64).apply_to(u, grid.empty(np.float64))
     assert uKu / 2 / grid.N == pytest.approx(2 * np.pi * grid.a / 8, rel=1e-12)
 
 
 def test_the_mean_costs_nothing():
     grid = Grid((7, 6))
     out = grid.empty(np.float64)
-    assert HalfSpace(grid, np.float64).apply_to(np.full(grid.shape, 3.0), out) == pytest.approx(0, abs=1e-20)
+    assert Elastic(grid, HalfSpace(), np.float64).apply_to(np.full(grid.shape, 3.0), out) == pytest.approx(0, abs=1e-20)
     assert np.abs(out).max() < 1e-14

@@ -113,18 +113,3 @@ def test_a_bad_note_of_the_speed_of_this_machine(content, tmp_path, monkeypatch)
     monkeypatch.setattr(timing, "_measure", lambda dtype: 1e-9)
     (tmp_path / "speed-float64.json").write_bytes(content)
     assert timing.seconds_per_work("float64") == 1e-9
-
-
-@pytest.mark.parametrize("content", [b"", b"(fftw-3.3.10 fftw_wisdom", b"\0\xff" * 500, b"(" * 5000])
-def test_bad_memories_of_plans(content, tmp_path, monkeypatch):
-    """FFTW measures again."""
-    import numpy as np
-
-    from hpc_gfmd.parallel.plans import Wisdom
-
-    monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path))
-    (tmp_path / "wisdom").mkdir()
-    (tmp_path / "wisdom" / "some").write_bytes(content)
-    found = Wisdom("some", np.float64)
-    assert not found.known
-    found.keep()

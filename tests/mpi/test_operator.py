@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from contacts import relative
 
+from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.grid import Grid
-from hpc_gfmd.operators.halfspace import HalfSpace
+from hpc_gfmd.operators.elastic import Elastic
 from hpc_gfmd.parallel import halo
 
 pytestmark = pytest.mark.mpi
@@ -27,7 +28,7 @@ def test_stiffness(comm, n, dtype, tolerance):
     mine = slice(*grid.rows)
     u = np.random.default_rng(1).standard_normal(n)
     local, out = u[mine].astype(dtype), grid.empty(dtype)
-    elastic = HalfSpace(grid, dtype)
+    elastic = Elastic(grid, HalfSpace(), dtype)
     energy = comm.sum([elastic.apply_to(local, out)])[0]
     wanted = stiffness(n, sizes, u) * grid.a
     assert np.abs(out - wanted[mine]).max(initial=0) <= tolerance * max(np.abs(wanted).max(), 1e-30)
@@ -42,7 +43,7 @@ def test_compliance_is_the_inverse(comm, n):
     p = np.random.default_rng(2).standard_normal(n)
     p -= p.mean()
     u, back = grid.empty(np.float64), grid.empty(np.float64)
-    elastic = HalfSpace(grid, np.float64)
+    elastic = Elastic(grid, HalfSpace(), np.float64)
     elastic.apply_compliance(p[mine], u)
     elastic.apply_to(u, back)
     if len(back) and n[0] % 2 and n[1] % 2:

@@ -22,6 +22,7 @@ FORBIDDEN = {  # folder: parts of the package that it must not know
     "scene/": ("grid", "parallel", "kernels", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
     "kernels/": ("scene", "grid", "parallel", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
     "parallel/": ("scene", "grid", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
+    "bodies/": ("scene", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
     "surface/": ("solvers", "driver", "output", "observables", "plotting", "run", "theory"),
     "solvers/": ("scene", "surface", "driver", "output", "observables", "plotting", "run", "theory"),
     "observables/": ("scene", "solvers", "driver", "output", "plotting", "run", "theory"),
@@ -61,6 +62,15 @@ def test_file(path):
     if here.startswith("scene/"):
         assert not {f for f in found if f.partition(".")[0] in HEAVY}
     assert len(path.read_text().splitlines()) <= LONGEST
+
+
+def test_only_bodies_know_a_stiffness():
+    """Whoever needs a step length, a weight or a bound asks the body: no other file looks at the shortest wave or multiplies by |q|."""
+    words = ("q_nyquist", "multiply_stiffness", "multiply_compliance", "_by_table", "halfspace.HalfSpace")
+    places = ("bodies/", "kernels/spectral.py", "operators/coarsening.py", "grid.py", "bench/")
+    knowing = {name(path) for path in FILES if any(word in path.read_text() for word in words)}
+    assert not {f for f in knowing if not f.startswith(places)}
+    assert any(f.startswith("bodies/") for f in knowing)
 
 
 @pytest.mark.parametrize("path", [p for p in FILES if p.read_text().strip()], ids=name)

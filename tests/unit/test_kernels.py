@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.kernels import certify, contact, multilevel, prolong, spectral, surface
 from hpc_gfmd.operators.coarsening import Transfer, levels, owned_rows
-from hpc_gfmd.operators.halfspace import near_stiffness
 from hpc_gfmd.operators.multilevel import COUPLING, DAMPING, Multilevel
 
 SIZES = [(8, 8), (9, 9), (8, 6), (12, 7), (5, 16), (1, 16), (16, 1), (2, 2), (3, 5), (4, 32), (17, 33), (1, 1)]
@@ -147,7 +147,7 @@ def test_update(random, n, s):
     """New state, sums, and the restriction of p and x on F and of the indicator of A, in one or in several passes."""
     for longest in (n[0], 2):
         grid = Grid(n)
-        levels_of = Multilevel(grid, np.float64, longest)
+        levels_of = Multilevel(grid, HalfSpace().weights(grid), np.float64, longest)
         if levels_of.levels[0].n == levels_of.levels[1].n:
             return
         g, p, d = state(random, n)
@@ -202,12 +202,12 @@ def test_transfers_are_adjoint(random, n):
 def test_hierarchy(n, sizes):
     hierarchy = levels(Grid(n, sizes))
     assert hierarchy[0].n == n
-    assert hierarchy[0].weight == 1
+    assert hierarchy[0].q == pytest.approx(Grid(n, sizes).q_nyquist, rel=1e-12)
     assert hierarchy[-1].n == (1, 1)
     for fine, coarse in zip(hierarchy, hierarchy[1:], strict=False):
         assert all(c in (f, (f + 1) // 2) for f, c in zip(fine.n, coarse.n, strict=True))
         assert coarse.n != fine.n
-        assert 0 < coarse.weight <= fine.weight * 1.01
+        assert 0 < coarse.q <= fine.q * 1.01
 
 
 def test_every_coarse_row_has_one_owner():
@@ -225,7 +225,7 @@ def test_every_coarse_row_has_one_owner():
 def by_matrices(grid, r, theta, level=0):
     """M' r by the recursion z_l = r_l/(weight_l + c theta_l) + w P z_(l+1), from a level on."""
     hierarchy = levels(grid)
-    z = r / (hierarchy[level].weight + DAMPING * theta)
+    z = r / (HalfSpace().weights(grid)[level] + DAMPING * theta)
     if level + 1 < len(hierarchy):
         n, m = hierarchy[level].n, hierarchy[level + 1].n
         P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
@@ -236,7 +236,7 @@ def by_matrices(grid, r, theta, level=0):
 
 def swept(grid, p, closed):
     """M' p on level 1 by the solver's own sweep, and the sum <p, M' p>."""
-    sweep = Multilevel(grid, np.float64, max(grid.n[0], 1))
+    sweep = Multilevel(grid, HalfSpace().weights(grid), np.float64, max(grid.n[0], 1))
     g = np.where(closed, 0.0, 1.0)
     q = np.where(closed, 1.0, p)
     zero, work = np.zeros(grid.n), np.zeros((7, grid.n[1] + 1))
@@ -346,9 +346,9 @@ def test_stiffness_between_neighbours():
     q = np.hypot(grid.q_x[:, None], 2 * np.pi * np.fft.fftfreq(80) * grid.a / grid.spacings[1])
     theta_x, theta_y = 2 * np.pi * np.fft.fftfreq(64)[:, None], 2 * np.pi * np.fft.fftfreq(80)
     wanted = [np.mean(0.5 * q * np.cos(i * theta_x) * np.cos(j * theta_y)) for i, j in ((0, 0), (1, 0), (0, 1), (1, 1))]
-    assert near_stiffness(grid) == pytest.approx(wanted, abs=1e-4)
-    assert (near_stiffness(Grid((64, 1)))[2:] == 0).all()
-    assert (near_stiffness(Grid((2, 64)))[[1, 3]] == 0).all()
+    assert HalfSpace().near(grid) == pytest.approx(wanted, abs=1e-4)
+    assert (HalfSpace().near(Grid((64, 1)))[2:] == 0).all()
+    assert (HalfSpace().near(Grid((2, 64)))[[1, 3]] == 0).all()
 
 
 # ---- judging ---------------------------------------------------------------------------------------------------------------

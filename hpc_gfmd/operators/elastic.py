@@ -1,34 +1,25 @@
-"""The elastic half-space: p = p0 + K u with K = |q|/2 in the units of problem.py (E* = 1, lengths in units of a)."""
-
-from functools import cache
+"""Applying the stiffness K of an elastic body, or its compliance S = 1/K, to fields: p = p0 + K u in the units of problem.py."""
 
 import numpy as np
 
-from ..kernels.spectral import multiply_compliance, multiply_stiffness
 
-NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
-
-
-class HalfSpace:
-    """Applies K, or its inverse S = 2/|q|, to fields that the caller makes and uses a few rows at a time.
+class Elastic:
+    """Applies K, or its inverse S, to fields that the caller makes and uses a few rows at a time. body: see bodies/.
 
     `pairs` counts the FFT pairs done so far on this grid (a transform in one direction is half a pair).
     """
 
-    def __init__(self, grid, dtype):
+    def __init__(self, grid, body, dtype):
         self.grid = grid
         self.fft = grid.fft(dtype)
-        self.q_x = np.repeat(grid.q_x, 2).astype(self.fft.dtype)  # kernels see real and imaginary parts as numbers of their own
-        self.q_y, self.weight = grid.column_tables(self.fft)
+        self.multipliers = body.multipliers(grid, self.fft)
         self.pairs = 0.0
 
-    def _columns(self, kernel, factor, backward=True, add=None):
-        scale = self.fft.scale
-
+    def _columns(self, multiply, backward=True, add=None):
         def apply(block, m):
             if add is not None:
                 add(block, m)
-            return kernel(block.view(self.fft.dtype), self.q_x, self.q_y[m], self.weight[m], self.fft.dtype.type(factor * scale))
+            return multiply(block, m)
 
         return float(sum(self.fft.columns(apply, backward=backward)))
 
@@ -38,7 +29,7 @@ class HalfSpace:
 
     def pressure_columns(self, add=None):
         """Second third; returns this rank's share of <u, K u>, summed over all points. add(block, m) completes the columns first."""
-        return self._columns(multiply_stiffness, 0.5, add=add)
+        return self._columns(self.multipliers.stiffness, add=add)
 
     def use_rows(self, use, passes=None):
         """Last third: rows of K u are given to use; returns what it returned."""
@@ -65,25 +56,12 @@ class HalfSpace:
 
     def displacement_columns(self):
         """After `pressure_rows` of a pressure: S p with zero mean, for `use_rows`; returns this rank's share of <p, S p>."""
-        return self._columns(multiply_compliance, 2.0)
+        return self._columns(self.multipliers.compliance)
 
     def compliance_columns(self):
         """After `pressure_rows` of a pressure: this rank's share of <p, S p>. Half a pair in all, nothing is transformed back."""
         self.pairs += 0.5
-        return self._columns(multiply_compliance, 2.0, backward=False)
-
-
-def near_stiffness(grid):
-    """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0 where there are none)."""
-    return _near_stiffness(tuple(min(k, NEAR_POINTS) for k in grid.n), tuple(s / grid.a for s in grid.spacings))
-
-
-@cache
-def _near_stiffness(n, spacings):
-    q = [2 * np.pi * np.fft.fftfreq(k) / s for k, s in zip(n, spacings, strict=True)]
-    K = np.fft.ifft2(0.5 * np.hypot(q[0][:, None], q[1])).real
-    x, y = (k > 2 for k in n)
-    return np.array([K[0, 0], K[1 % n[0], 0] * x, K[0, 1 % n[1]] * y, K[1 % n[0], 1 % n[1]] * (x and y)])
+        return self._columns(self.multipliers.compliance, backward=False)
 
 
 def reader(field):

@@ -1,0 +1,116 @@
+"""What an elastic body is: its stiffness K(q) on any grid, and all numbers that the solvers derive from it.
+
+Units as in problem.py: E* = 1, in-plane lengths in grid spacings a. Load control eliminates the rigid translation, so on a grid
+K(0) = 0 and S = 1/K has zero mean; what a uniform pressure does (`stiffness` at q = 0) counts for the approach alone.
+"""
+
+from functools import cache
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ..kernels.spectral import divide_by_table, multiply_by_table
+from ..operators.coarsening import levels
+
+NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
+SAMPLES = 400  # of K between the longest and the shortest wave, where it may not be monotone
+SQRT2 = np.sqrt(2.0)
+
+_multipliers = WeakKeyDictionary()  # transforms: {body: Tabled}
+
+
+class Body:
+    """A body given by the radial function `stiffness`. Instances are hashable: frozen dataclasses.
+
+    name: the file's; full_p_star: below this p* full contact is out of the question, because the pressure that flattens a surface
+    varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed).
+    """
+
+    name = ""
+    full_p_star = 0.499
+
+    @classmethod
+    def examples(cls):
+        """A few bodies of this kind, for the contract tests."""
+        return [cls()]
+
+    def stiffness(self, q, a):
+        """K at wave numbers q >= 0 (array, in units of 1/a); a: grid spacing in the unit of the body's own lengths."""
+        raise NotImplementedError
+
+    def multipliers(self, grid, fft):
+        """What multiplies the columns of the spectrum by K and S: an object with stiffness(block, m) and compliance(block, m), which
+        fold in 1/N and return this block's share of <u, K u> or <p, S p>. The table is made once for each plan of transforms."""
+        made = _multipliers.setdefault(fft, {})
+        if self not in made:
+            made[self] = Tabled(grid, fft, self.table(grid, fft))
+        return made[self]
+
+    def table(self, grid, fft):
+        """K for this rank's columns, shape (own blocks, W, n_x//2 + 1): it is even in q_x."""
+        q_x, q_y = grid.q_x[: grid.n[0] // 2 + 1], grid.column_tables(fft)[0][grid.comm.rank::grid.comm.size]
+        out = np.empty((*q_y.shape, len(q_x)), fft.dtype)
+        for block, q in zip(out, np.asarray(q_y, np.float64)):
+            block[...] = self.stiffness(np.hypot(q_x, q[:, None]), grid.a)
+        return out
+
+    def scale(self, grid):
+        """K of the shortest wave of the grid (the corner of the Brillouin zone) over sqrt 2: what the finest level is weighted by."""
+        return float(self.stiffness(np.array([SQRT2 * grid.q_nyquist]), grid.a)[0]) / SQRT2
+
+    def bounds(self, grid):
+        """The smallest and the largest K of all waves of the grid."""
+        shortest = SQRT2 * grid.q_nyquist
+        longest = min((2 * np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1), default=shortest)
+        K = self.stiffness(np.geomspace(longest, shortest, SAMPLES), grid.a)
+        return float(K.min()), float(K.max())
+
+    def weights(self, grid):
+        """The stiffness of every level of the grid's hierarchy in the multilevel preconditioner, relative to the finest.
+
+        A wave is corrected on its own level and on all finer ones: each level adds what 1/K grows by from the level before, divided
+        by its part of such a sum where K is proportional to q. Where K does not fall (a thin layer pressed by long waves) a level
+        adds nothing: infinity.
+        """
+        q = np.array([level.q for level in levels(grid)])
+        K = self.stiffness(SQRT2 * q, grid.a)
+        weights = np.ones(len(q))
+        for k in range(1, len(q)):
+            share = 1 - q[k] / q[k - 1]
+            grown = K[0] / K[k] - K[0] / K[k - 1]
+            weights[k] = K[k] / K[0] if share <= 0 else (share / grown if grown > 0 else np.inf)
+        return weights
+
+    def near(self, grid):
+        """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0 where there are none)."""
+        return _near(self, tuple(min(k, NEAR_POINTS) for k in grid.n), grid.spacings, grid.a)
+
+
+class Tabled:
+    """The multipliers of a body whose K stands in a table."""
+
+    def __init__(self, grid, fft, table):
+        self.ranks, self.scale, self.dtype = grid.comm.size, fft.scale, fft.dtype
+        self.weight = grid.column_tables(fft)[1]
+        if grid.comm.rank == 0:
+            table[0, 0, 0] = 0  # the rigid translation
+        self.table = table
+
+    def stiffness(self, block, m):
+        """block *= K/N."""
+        return self._call(multiply_by_table, block, m)
+
+    def compliance(self, block, m):
+        """block *= S/N, 0 where K is."""
+        return self._call(divide_by_table, block, m)
+
+    def _call(self, kernel, block, m):
+        return kernel(block.view(self.dtype), self.table[m // self.ranks], self.weight[m], self.dtype.type(self.scale))
+
+
+@cache
+def _near(body, n, spacings, a):
+    q = [2 * np.pi * np.fft.fftfreq(k) * a / s for k, s in zip(n, spacings, strict=True)]
+    K = np.fft.ifft2(body.stiffness(np.hypot(q[0][:, None], q[1]), a)).real
+    x, y = (k > 2 for k in n)
+    return np.array([K[0, 0], K[1 % n[0], 0] * x, K[0, 1 % n[1]] * y, K[1 % n[0], 1 % n[1]] * (x and y)])

@@ -1,0 +1,44 @@
+"""The elastic half-space, K = |q|/2, computed on the fly."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..kernels.spectral import multiply_compliance, multiply_stiffness
+from .base import Body
+
+
+@dataclass(frozen=True)
+class HalfSpace(Body):
+    """Linear elastic, infinitely deep, periodic in the plane."""
+
+    name = "halfspace"
+
+    def stiffness(self, q, a):
+        return q / 2
+
+    def multipliers(self, grid, fft):
+        return OnTheFly(grid, fft)
+
+
+HALF_SPACE = HalfSpace()
+
+
+class OnTheFly:
+    """Multiplies by K = |q|/2 and S = 2/|q| without a table."""
+
+    def __init__(self, grid, fft):
+        self.dtype, self.scale = fft.dtype, fft.scale
+        self.q_x = np.repeat(grid.q_x, 2).astype(fft.dtype)  # kernels see real and imaginary parts as numbers of their own
+        self.q_y, self.weight = grid.column_tables(fft)
+
+    def stiffness(self, block, m):
+        """block *= K/N."""
+        return self._call(multiply_stiffness, block, m, 0.5)
+
+    def compliance(self, block, m):
+        """block *= S/N, 0 at q = 0."""
+        return self._call(multiply_compliance, block, m, 2.0)
+
+    def _call(self, kernel, block, m, factor):
+        return kernel(block.view(self.dtype), self.q_x, self.q_y[m], self.weight[m], self.dtype.type(factor * self.scale))

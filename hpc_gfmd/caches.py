@@ -1,0 +1,30 @@
+"""What is kept from run to run on this machine: measured plans, compiled kernels, the speed. Nothing of it is ever needed."""
+
+import os
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+
+def cache_folder():
+    """The user's cache folder of this program; HPC_GFMD_CACHE or XDG_CACHE_HOME move it."""
+    root = os.environ.get("HPC_GFMD_CACHE")
+    if root:
+        return Path(root)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "hpc-gfmd"
+
+
+def keep(path, content: bytes):
+    """Write a file aside and rename it: whoever reads it meanwhile sees the old or the new one. A folder that cannot be written is no
+    error."""
+    name = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f"{path.name}.", delete=False) as file:
+            name = file.name
+            file.write(content)
+        os.replace(name, path)
+    except OSError:
+        if name is not None:
+            with suppress(OSError):
+                os.unlink(name)

@@ -1,0 +1,103 @@
+"""The response to a small change of the load while no point changes sides: the tangent of the load curve.
+
+With the points F out of contact, p0 + dp changes the displacement by v dp where
+
+    1 + (K v)(r) = 0 on F,    v = 0 in contact,    d(mean gap)/dp0 = mean(v),
+
+a linear problem, symmetric and positive definite: conjugate gradients, preconditioned as the solver is, without a projection. With
+b = 1 on F as the right-hand side the wanted number is b K_FF^-1 b, and each step adds alpha <r, z> to it: the sum rises, and what is
+still missing is the squared energy norm of the error (Hestenes and Stiefel 1952; in finite precision Strakos and Tichy 2002).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..kernels.multilevel import restrict_level, smooth_level
+from .elastic import Elastic
+from .multilevel import Multilevel
+
+DELAY = 2  # steps whose sum is taken for what was missing before them
+MARGIN = 0.5  # share of the accuracy asked for that this sum may have
+FINEST = 16  # times the rounding error of the precision: no number is more accurate than that
+MAX_STEPS = 1000
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """compliance: -d(mean gap)/dp0 in the problem's units, 0 in full contact, inf where nothing touches, nan where it was not found to
+    the accuracy asked for; error: estimated, relative; pairs: FFT pairs it took."""
+
+    compliance: float
+    error: float
+    pairs: float
+
+
+def tangent(grid, body, contact, dtype, accuracy):
+    """The Tangent of the contact of a body: a local slab that is true where points touch. Collective.
+
+    Needs four fields and the levels of the preconditioner besides the transforms.
+    """
+    closed = int(grid.comm.sum([np.count_nonzero(contact)])[0])
+    if closed in (0, grid.N):
+        return Tangent(0.0 if closed else np.inf, 0.0, 0.0)
+    response = _Response(grid, body, contact, np.dtype(dtype))
+    rounding = float(np.finfo(dtype).eps)
+    accuracy = max(accuracy, FINEST * rounding / MARGIN)
+    total, gains = 0.0, [np.inf] * DELAY
+    while not sum(gains) <= MARGIN * accuracy * total:
+        if response.steps == MAX_STEPS or np.isnan(total):
+            total = np.nan
+            break
+        gains = [*gains[1:], response.step()]
+        total += gains[-1]
+    return Tangent(total / grid.N, max(sum(gains) / total, FINEST * rounding), response.elastic.pairs)
+
+
+class _Response:
+    """The state of the iteration. `step` returns by how much b K_FF^-1 b has risen."""
+
+    def __init__(self, grid, body, contact, dtype):
+        self.grid, self.comm = grid, grid.comm
+        self.elastic = Elastic(grid, body, dtype)
+        self.levels = Multilevel(grid, body.weights(grid), dtype, self.elastic.fft.R)
+        rows, n_y = grid.shape
+        self.residual_and_contact = np.zeros((2, rows + 2, n_y), dtype)  # with the halo rows that the transfer expects
+        self.residual, self.contact = self.residual_and_contact[:, 1:-1]
+        self.contact[...] = contact
+        self.residual[...] = 1 - self.contact
+        self.z = np.zeros((rows + 2, n_y), dtype)
+        self.d = np.zeros((rows, n_y), dtype)
+        self.rz, self.steps = np.inf, 0
+
+    def _precondition(self):
+        """z = M r; returns <r, z>."""
+        levels, t = self.levels, self.levels.transfers[0]
+        restrict_level(self.residual_and_contact, levels.fields[0][:2], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
+        levels.sweep_levels()
+        transfer = (t.k0, t.f_x, t.mode, t.j0, t.f)
+        rz, *_ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.c, levels.w, *transfer)
+        return float(self.comm.sum([rz])[0])
+
+    def step(self):
+        """One step of conjugate gradients."""
+        self.steps += 1
+        before, self.rz = self.rz, self._precondition()
+        beta = self.rz / before if self.rz > 0 else 0.0
+        z = self.z[1:-1]
+
+        def fill(i0, i1, x):
+            d = self.d[i0:i1]
+            d *= beta
+            d += z[i0:i1] * (1 - self.contact[i0:i1])
+            x[: i1 - i0] = d
+
+        self.elastic.pressure_rows(fill)
+        dKd = float(self.comm.sum([self.elastic.pressure_columns()])[0])
+        alpha = self.rz / dKd if dKd > 0 or np.isnan(dKd) else 0.0  # 0: solved to the last bit
+
+        def use(i0, i1, x):
+            self.residual[i0:i1] -= alpha * x[: i1 - i0] * (1 - self.contact[i0:i1])
+
+        self.elastic.use_rows(use)
+        return alpha * self.rz

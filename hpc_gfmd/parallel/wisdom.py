@@ -1,0 +1,123 @@
+"""FFTW's memory of measured plans ("wisdom"): kept from run to run, the same on all ranks, kept with every checkpoint.
+
+The same plan rounds in the same way, and planning by measurement takes seconds. So rank 0 plans, with what the user's cache knows, and
+the others take over its wisdom. There is one file for each kind of machine and precision, of bounded size; nobody waits for anybody:
+of what two runs measure at the same moment one may be lost, and is measured again some day.
+"""
+
+import hashlib
+import os
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from ..aligned import empty_aligned
+from ..caches import cache_folder, keep
+from ..versions import processor
+from .comm import launcher_rank
+from .fftw import load_fftw
+
+LIMIT = 2**20  # bytes beyond which what a file or this process knows is left, and begun anew
+
+
+def planned(comm, dtype, make):
+    """make() makes plans by measurement; returns what it returned, planned alike on all ranks. Collective."""
+    if load_fftw() is None:
+        return make()
+    wisdom, plans = _wisdom(np.dtype(dtype).name), None
+    if comm.rank == 0:
+        if len(wisdom.text()) > LIMIT:
+            wisdom.replace(b"")
+        known = wisdom.add(_content(wisdom.path, LIMIT))
+        plans = make()
+        if launcher_rank() == 0 and not _lines(wisdom.text()) <= known:
+            wisdom.add(_content(wisdom.path, LIMIT))  # what others have found meanwhile
+            keep(wisdom.path, wisdom.text())
+    if comm.size > 1:
+        text = comm.bcast(wisdom.text() if comm.rank == 0 else None)
+        if comm.rank != 0:
+            wisdom.replace(text)
+            plans = make()
+    return plans
+
+
+def keep_with(folder):
+    """Write all plans of this process into a folder, for a run that goes on from there."""
+    for name in _used:
+        keep(Path(folder) / f"wisdom-{name}", _wisdom(name).text())
+
+
+def take_from(folder):
+    """Plan as the run did that wrote this folder; what is not there or of another kind of machine is measured."""
+    for path in Path(folder).glob("wisdom-*"):
+        name = path.name.removeprefix("wisdom-")
+        if load_fftw() is not None and name in ("float32", "float64"):
+            _wisdom(name).replace(_content(path))
+
+
+class _Wisdom:
+    """The wisdom of this process in one precision. What it knows already wins over what is read."""
+
+    def __init__(self, name):
+        from mpi4py_fft.fftw import fftw_xfftn, fftwf_xfftn
+
+        self.name, self.library = name, fftw_xfftn if name == "float64" else fftwf_xfftn
+        tiny = empty_aligned((8,), np.result_type(name, np.complex64))
+        # The first plan initialises the threads of FFTW, which forgets wisdom read before it.
+        load_fftw().fftn(tiny, None, (0,), 1, (load_fftw().FFTW_ESTIMATE,), tiny)
+        # Wisdom begins with a line that tells version and instruction sets.
+        self.kind = hashlib.sha256(self.text().split(b"\n", 1)[0] + processor().encode()).hexdigest()[:16]
+
+    @property
+    def path(self):
+        """The file of this kind of machine in the cache."""
+        return cache_folder() / "wisdom" / f"{self.kind}-{self.name}"
+
+    def text(self):
+        """All of it, as FFTW writes it; empty where there is no room for a temporary file."""
+        try:
+            with tempfile.NamedTemporaryFile() as file:
+                self.library.export_wisdom(os.fsencode(file.name))
+                return Path(file.name).read_bytes()
+        except OSError:
+            return b""
+
+    def add(self, text):
+        """Know this, too; returns its lines, none if it could not be understood."""
+        try:
+            with tempfile.NamedTemporaryFile() as file:
+                file.write(text)
+                file.flush()
+                return _lines(text) if text and self.library.import_wisdom(os.fsencode(file.name)) else set()
+        except OSError:
+            return set()
+
+    def replace(self, text):
+        """Know this and nothing else."""
+        self.library.forget_wisdom()
+        self.add(text)
+
+
+_used = []  # precisions
+
+
+@cache
+def _wisdom(name):
+    _used.append(name)
+    return _Wisdom(name)
+
+
+def _content(path, most=np.inf):
+    """What a file of at most so many bytes holds; nothing where it is longer or cannot be read."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return b""
+    return content if len(content) <= most else b""
+
+
+def _lines(text):
+    """One for each (part of a) plan."""
+    return set(text.split(b"\n"))

@@ -1,0 +1,134 @@
+"""What every elastic body promises. A new file in hpc_gfmd/bodies is tested by being there."""
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.bodies.base import SQRT2, Tabled
+from hpc_gfmd.grid import Grid
+from hpc_gfmd.operators.coarsening import levels
+from hpc_gfmd.operators.elastic import Elastic
+from hpc_gfmd.registry import body_classes
+
+BODIES = [body for cls in body_classes().values() for body in cls.examples()]
+GRIDS = [((16, 16), (1.0, 1.0)), ((15, 12), (1.0, 0.7)), ((1, 16), (1.0, 1.0)), ((16, 1), (1.0, 1.0)), ((2, 2), (1.0, 3.0)),
+         ((48, 40), (1.0, 1.0))]
+every_body = pytest.mark.parametrize("body", BODIES, ids=repr)
+every_grid = pytest.mark.parametrize(("n", "sizes"), GRIDS, ids=str)
+
+
+def matrix(body, grid):
+    """K as the operator applies it, column by column."""
+    elastic, out = Elastic(grid, body, np.float64), np.empty((grid.N, grid.N))
+    for k in range(grid.N):
+        u, x = np.zeros(grid.N), grid.empty(np.float64)
+        u[k] = 1
+        elastic.apply_to(u.reshape(grid.n), x)
+        out[:, k] = x.ravel()
+    return out
+
+
+@pytest.mark.parametrize("name", body_classes())
+def test_by_name(name):
+    assert body_classes()[name].name == name
+    assert body_classes()[name].examples()
+
+
+@every_body
+def test_is_a_value(body):
+    """Equal bodies are one key; so are their tables."""
+    assert hash(body) == hash(type(body)(**vars(body)))
+    assert body == type(body)(**vars(body))
+
+
+@every_body
+@every_grid
+def test_symmetric_and_positive(body, n, sizes):
+    """K is symmetric, costs nothing for a rigid translation, and is positive for everything else."""
+    grid = Grid(n, sizes)
+    if grid.N > 400:
+        return
+    K = matrix(body, grid)
+    assert np.allclose(K, K.T, atol=1e-12)
+    assert np.abs(K.sum(axis=0)).max() < 1e-12
+    values = np.linalg.eigvalsh(K)
+    assert abs(values[0]) < 1e-12
+    assert values[1] > 1e-3
+
+
+@every_body
+@every_grid
+def test_bounds(body, n, sizes):
+    """Step sizes and weights: no wave is stiffer or softer than the body says, and the shortest is as stiff as it says."""
+    grid = Grid(n, sizes)
+    if grid.N > 400:
+        return
+    values = np.linalg.eigvalsh(matrix(body, grid))
+    smallest, largest = body.bounds(grid)
+    assert smallest * 0.89 <= values[1]
+    assert values[-1] <= largest * 1.02
+    assert body.scale(grid) * SQRT2 <= largest * (1 + 1e-12)
+    assert body.scale(grid) > 0
+
+
+@every_body
+@every_grid
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_compliance_is_the_inverse(body, n, sizes, dtype):
+    """S K u = u less its mean, K S p likewise; and the energies <u, K u> and <p, S p> are what they are said to be."""
+    grid, tolerance = Grid(n, sizes), 2e3 * float(np.finfo(dtype).eps)
+    elastic = Elastic(grid, body, dtype)
+    u, p, back = (grid.empty(dtype) for _ in range(3))
+    u[...] = np.random.default_rng(1).standard_normal(n)
+    uKu = elastic.apply_to(u, p)
+    pSp = elastic.apply_compliance(p, back)
+    assert np.abs(back - (u - u.mean())).max() < tolerance
+    assert uKu == pytest.approx(np.vdot(u, p), rel=tolerance)
+    assert pSp == pytest.approx(np.vdot(p, back), rel=tolerance)
+    elastic.pressure_rows(lambda i0, i1, x: np.copyto(x[: i1 - i0], p[i0:i1]))
+    assert elastic.compliance_columns() == pytest.approx(pSp, rel=1e-5)
+
+
+@every_body
+@every_grid
+def test_weights(body, n, sizes):
+    """One for each level, the finest one 1, all positive; infinite where a level has nothing to add."""
+    grid = Grid(n, sizes)
+    weights = body.weights(grid)
+    assert len(weights) == len(levels(grid))
+    assert weights[0] == 1
+    assert (weights > 0).all()
+
+
+@every_body
+def test_near_stiffness(body):
+    """K between neighbours, as a point force sees it; its own is positive, those beside it pull the other way."""
+    grid = Grid((48, 40))
+    u, p = np.zeros(grid.n), grid.empty(np.float64)
+    u[5, 7] = 1
+    Elastic(grid, body, np.float64).apply_to(u, p)
+    mean = float(body.stiffness(np.zeros(1), grid.a)[0]) / grid.N  # which load control leaves out
+    near = body.near(grid)
+    assert near == pytest.approx([p[5, 7] + mean, p[6, 7] + mean, p[5, 8] + mean, p[6, 8] + mean], abs=2e-3 * near[0])
+    assert near[0] > 0 > near[1]
+    assert (body.near(Grid((64, 1)))[2:] == 0).all()
+    assert (body.near(Grid((2, 64)))[[1, 3]] == 0).all()
+
+
+@every_body
+def test_short_waves_see_a_half_space(body):
+    """Whatever is below or beside, a wave much shorter than that is pressed as on a half-space: K -> |q|/2."""
+    q = np.array([1.0, 3.0])
+    assert body.stiffness(q, 1e-3) == pytest.approx(q / 2, rel=1e-2)
+
+
+@every_body
+def test_table_and_on_the_fly(body):
+    """The table of a radial K multiplies as the body itself does, on every rank's part of it."""
+    grid = Grid((24, 20))
+    fft = grid.fft(np.float64)
+    table, own = Tabled(grid, fft, body.table(grid, fft)), body.multipliers(grid, fft)
+    block = np.random.default_rng(2).standard_normal((fft.W, 2 * 24)).view(complex)
+    for method in ("stiffness", "compliance"):
+        one, other = block.copy(), block.copy()
+        assert getattr(table, method)(one, 0) == pytest.approx(getattr(own, method)(other, 0), rel=1e-12)
+        assert np.allclose(one, other, rtol=1e-12, atol=1e-15)
