@@ -90,6 +90,46 @@ def round_trip(comm, shared_path, n, rows, compressed, dtype):
     comm.barrier()
 
 
+def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
+    """Groups, attributes, types, values and coordinates; but for times and who wrote it."""
+    import h5py
+
+    n, own = (7, 5), {"start_time", "end_time", "ranks", "io", "record"}
+    whole = field(n)
+
+    def write(world, path, rows):
+        for compressed in (False, True):
+            with RunFile(world, path / f"{compressed}.h5", n, rows, HEAD, SURFACE, compressed=compressed) as run:
+                run.write_heights(whole[slice(*rows)])
+                for index in (0, 1):
+                    run.write_step(index, {"p": 0.1 + index}, {"gap": whole[slice(*rows)], "pressure": whole[slice(*rows)] + index})
+                run.finish("converged")
+        world.barrier()
+
+    def content(path):
+        found = {}
+        with h5py.File(path, "r", locking=False) as file:
+            names = ["/"]
+            file.visit(names.append)
+            for name in names:
+                item = file[name]
+                attributes = {k: str(v) for k, v in item.attrs.items() if k not in own and "LIST" not in k}
+                is_data = isinstance(item, h5py.Dataset)
+                found[name] = attributes, (item.dtype.str, item.chunks, item.compression, item[()].tobytes()) if is_data else None
+        return found
+
+    (shared_path / f"alone-{comm.rank}").mkdir()
+    write(comm, shared_path, slab(comm, 7))
+    write(SerialComm(), shared_path / f"alone-{comm.rank}", (0, 7))
+    for name in ("False.h5", "True.h5"):
+        together, by_one = content(shared_path / name), content(shared_path / f"alone-{comm.rank}" / name)
+        assert list(together) == list(by_one)
+        assert together == by_one
+        assert "steps/0001/gap" in together
+        assert "VTKHDF/PointData/gap" in together
+    comm.barrier()
+
+
 def test_several_ranks_write_and_read_by_mpi_io(comm, shared_path, monkeypatch):
     """The driver that HDF5 itself names, and the transfers that were collective."""
     import h5py
