@@ -21,7 +21,7 @@ from ..solvers.errors import field_errors
 
 TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
 REACH = 2.0  # times the rms error of the pressure: the largest error of a point; 1.5 is the most that was ever needed
-ALIKE = 0.25  # share of the points within reach that are taken to be on the wrong side ...
+ALIKE = 0.2  # share of the points within reach that are taken to be on the wrong side ...
 EDGE = 3  # ... and at least so many of them
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 STORED = 0.5  # rounding error of a number that is stored, in units of the precision

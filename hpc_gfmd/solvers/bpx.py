@@ -26,8 +26,8 @@ CLIPPED = 0.02  # share of it up to which a step counts as not clipped
 SHORT = 0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
 
 # What the certificate will say, as far as a step can know: asked too early it costs a pair, too late an iteration
-EXPECTED = 0.9  # of the bound from its parts
-AREA = 0.5  # share of the contact on the wrong side over the error of the pressure
+EXPECTED = 0.92  # of the bound from its parts
+AREA = 0.9, 2.0  # share of the contact on the wrong side over the error of the pressure, at vanishing a_r, and per a_r
 
 
 class Bpx(Solver):
@@ -195,4 +195,5 @@ class Bpx(Solver):
         energy = (EXPECTED * (norm * (1 + off) + off * np.sqrt(max(self.uKu, 0.0)))) ** 2
         response = np.sqrt(self.kap * self.t_norm) * self.N / self.contact
         gap, pressure = field_errors(energy, self.uKu, closed, self.N, self.p0, self.gap_mean, self.kap, response)
-        return AREA * pressure + self.nearly / self.contact, gap, pressure
+        area = (AREA[0] + AREA[1] * self.contact / self.N) * pressure
+        return area + self.nearly / self.contact, gap, pressure
