@@ -22,10 +22,13 @@ def sealed(attributes: dict) -> dict:
 
 
 def unsealed(group) -> dict:
-    """The attributes of a group as Python numbers, texts and lists; raises ValueError unless they are what was written."""
+    """The attributes of a group as Python numbers, texts and lists; raises ValueError if other numbers stand beside the record."""
     found = json.loads(group.attrs[RECORD])
-    numbers = {name for name in group.attrs if name != RECORD and group.attrs.get_id(name).dtype.kind != "O"}
-    changed = [name for name in numbers if json.dumps(_plain(group.attrs[name])) != json.dumps(found.get(name))]
+    changed = (set(found) | {RECORD}) ^ set(group.attrs)
+    for name, value in found.items():
+        text = isinstance(value, str) or (isinstance(value, list) and any(isinstance(one, str) for one in value))
+        if name in group.attrs and not text and not _says(group.attrs, name, value):
+            changed.add(name)
     if changed:
         raise ValueError(f"{', '.join(sorted(changed))} of {group.name} is not what was written")
     return found
@@ -57,6 +60,10 @@ class Checked:
         if stop == self.shape[0] and self._found % _MODULUS != self.field.checksum:
             raise GfmdError(f"{self.field.path}: the numbers of {self.field.dataset} are damaged")
         return rows
+
+
+def _says(attributes, name, number) -> bool:
+    return attributes.get_id(name).dtype.kind != "O" and json.dumps(_plain(attributes[name])) == json.dumps(number)
 
 
 def _plain(value):
