@@ -176,20 +176,23 @@ def opened(comm, path, mode, doing):
 def _pass_on(comm, field, take, doing) -> int:
     """This rank's rows, piece by piece, to take(start, rows), as often on every rank; returns the checksum of the whole field.
 
-    Where a rank fails all stop after the same piece: leaving the collective calls alone would hang the others.
+    A rank that fails takes part in the collective calls, without rows, and then all stop: leaving alone would hang the others.
     """
     first, last = field.span
     step = max(1, PIECE_BYTES // (field.shape[1] * field.stored.itemsize))
     own, found = range(first, last, step), 0
     with field.reader(comm) as read:
         for call in range(int(comm.max([len(own)])[0])):
-            start = own[call] if call < len(own) else last
-            rows = None
+            start, rows, failed = own[call] if call < len(own) else last, np.empty((0, field.shape[1]), field.stored), None
             with guarded(comm, doing):
-                rows = read(start, min(start + step, last))
-                found += rows_sum(rows, start)
-            with guarded(comm, doing):
+                try:
+                    rows = read(start, min(start + step, last))
+                    found += rows_sum(rows, start)
+                except Exception as error:
+                    failed = error
                 take(start, rows)
+                if failed is not None:
+                    raise failed
     found = total(comm, found)
     if isinstance(field, Stored) and found != field.checksum:
         raise GfmdError(f"{field.path}: the numbers of {field.dataset} are damaged")
