@@ -7,6 +7,7 @@ import numpy as np
 
 from .bodies.halfspace import HALF_SPACE
 from .errors import SceneError
+from .units import field_dtype
 
 FIELDS = ("pressure", "gap", "displacement")
 STORABLE = (*FIELDS, "heights")  # the last one once for all loads
@@ -116,7 +117,9 @@ class Contact:
         return int(grid.comm.sum([contact_edges(self.g, self.q, below[0], below[1])])[0])
 
     def field(self, name):
-        """One of FIELDS as a local slab of the whole grid, in the precision of the solution, computed as it is read.
+        """One of FIELDS as a local slab of the whole grid, computed as it is read.
+
+        In the precision of the solution, or in double precision where single cannot hold it in the scene's units.
 
         It refers to the solver's own arrays: the next load of a sweep overwrites them.
 
@@ -125,19 +128,22 @@ class Contact:
         """
         if name not in FIELDS:
             raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")
+        dtype = field_dtype(name, self.g.dtype, self.p, self.surface)
+        real = dtype.type
 
         def values(take):
             g, q = self.g[take], self.q[take]
             if name == "pressure":
-                return np.where((g <= 0) & (q > 0), q, 0) * q.dtype.type(self.pressure_unit)
-            return (g if name == "gap" else g - self.surface.h[take]) * g.dtype.type(self.surface.height_unit)
+                return np.where((g <= 0) & (q > 0), q, 0) * real(self.pressure_unit)
+            return (g if name == "gap" else g - self.surface.h[take]) * real(self.surface.height_unit)
 
-        return _on_the_whole_grid(self.surface, values, self.g.dtype)
+        return _on_the_whole_grid(self.surface, values, dtype)
 
 
 def heights_of(surface):
     """Heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest at 0: as Contact.field."""
-    return _on_the_whole_grid(surface, lambda take: -surface.h[take] * surface.h.dtype.type(surface.height_unit), surface.h.dtype)
+    dtype = field_dtype("heights", surface.h.dtype, 0.0, surface)
+    return _on_the_whole_grid(surface, lambda take: surface.h[take] * -dtype.type(surface.height_unit), dtype)
 
 
 def _on_the_whole_grid(surface, values, dtype):

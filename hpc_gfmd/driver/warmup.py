@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
+from ..kernels.cache import sound
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
@@ -19,9 +20,9 @@ def compile_once(comm, settings):
     """Solve and evaluate a tiny contact with the same solver and precision, first on rank 0, then on the others. Collective."""
     with guarded(comm, "compiling"):
         if comm.rank == 0:
-            _tiny_contact(settings)
+            sound(lambda: _tiny_contact(settings))
     if comm.rank != 0:
-        _tiny_contact(settings)
+        sound(lambda: _tiny_contact(settings))
 
 
 def _tiny_contact(settings):

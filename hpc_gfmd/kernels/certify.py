@@ -4,7 +4,7 @@ import numpy as np
 
 from .jit import kernel
 
-BINS, PER_OCTAVE = 160, 4  # of squares: the first tenth is from the largest to a sixteenth of it
+BINS, PER_OCTAVE = 160, 4  # of squares: down to 2^-40 of the largest
 
 
 @kernel

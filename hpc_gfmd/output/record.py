@@ -33,7 +33,8 @@ class RunFile:
     they are removed; force: replace even what is no result of this scene; compressed: shuffle and gzip;
     dtype: of the stored fields, such as "single" (default: as they come).
 
-    finished: indices of the steps that are already there; notes: what was found, a line each.
+    finished: indices of the steps that are already there; notes: what was found, a line each; earlier: root attributes of the
+    run that is resumed which hold for this one, too.
     Raises SceneError if the folder is missing or not writable, another run holds the file, it is something else that may not be
     replaced, or resume finds another scene.
     """
@@ -53,9 +54,9 @@ class RunFile:
             with guarded(comm, f"opening {self.path}"):
                 if comm.rank == 0:
                     found = self._claim(head.get("identity"), resume, force)
-            self.finished, self.notes, earlier = comm.bcast(found)
+            self.finished, self.notes, self.earlier = comm.bcast(found)
             self._head = {"format": FORMAT, "format_version": FORMAT_VERSION, "start_time": _now(), "ranks": comm.size,
-                          "io": io_way(comm, self.partial), "signs": SIGNS} | earlier | head
+                          "io": io_way(comm, self.partial), "signs": SIGNS} | self.earlier | head
             self._surface = dict(surface)
             self._write_head()
         except GfmdError:
@@ -149,7 +150,7 @@ class RunFile:
                 raise SceneError(f"{self.partial}: belongs to another scene; remove it or change output.path")
             states = zip(left.indices, [step.get("status") for step in left.steps], strict=True)
             done = [index for index, status in states if status != "interrupted"]
-            kept = {name: left.head[name] for name in ("start_time",) if name in left.head}
+            kept = {name: left.head[name] for name in ("start_time", "heights") if name in left.head}
             return done, [*notes, f"resuming: {len(done)} finished load steps found in {self.partial}"], kept
         if left is not None:
             kind = "the same" if left.head.get("identity") == identity else "another"
