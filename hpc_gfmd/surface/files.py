@@ -64,9 +64,10 @@ class HeightMap:
             self.shape, self.dtype = data.shape, data.dtype
             packing = Packing(data.attrs)
             band = data.chunks[0] * data.shape[1] * data.dtype.itemsize if data.chunks and data.ndim == 2 else 0
-        # chunks that the next rows need as well are kept: unpacking a large one for a few rows each time takes for ever
+        # chunks that the next rows need as well are kept while the data set is open: unpacking a large one each time takes for ever
         file = h5py.File(self.path, "r", locking=False, rdcc_nbytes=max(2 * band, 2**20), rdcc_nslots=10007)
-        return lambda start, stop: packing.unpacked(h5_inside.item(file, spec.dataset)[start:stop])
+        data = h5_inside.item(file, spec.dataset)
+        return lambda start, stop: packing.unpacked(data[start:stop])
 
     def _netcdf(self, spec):
         with open(self.path, "rb") as file:
