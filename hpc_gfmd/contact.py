@@ -10,6 +10,7 @@ from .errors import SceneError
 from .units import field_dtype
 
 FIELDS = ("pressure", "gap", "displacement")
+STORABLE = (*FIELDS, "heights")  # the last one once for all loads
 LAZY_ROWS = 64  # of a field that are computed at a time
 FEW_POINTS = 100  # fewer contact points than this say little about a rough contact
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
@@ -161,23 +162,34 @@ class Contact:
         """
         if name not in FIELDS:
             raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")
-        start, stop = self.surface.rows
         dtype = field_dtype(name, self.g.dtype, self.p, self.surface)
-        return LazyField(lambda i0, i1: self._field_rows(name, i0, i1, dtype.type), (stop - start, self.surface.n[1]), dtype)
+        real = dtype.type
 
-    def _field_rows(self, name, i0, i1, real):
-        left_out = self.surface.reduced_axis
-        if left_out == 0:
-            take = slice(0, 1)
-        else:  # with the other axis left out every rank has all rows
-            first = self.surface.rows[0] if left_out == 1 else 0
-            take = slice(first + i0, first + i1)
-        g, q = self.g[take], self.q[take]
-        if name == "pressure":
-            values = np.where((g <= 0) & (q > 0), q, 0) * real(self.pressure_unit)
-        else:
-            values = (g if name == "gap" else g - self.surface.h[take]) * real(self.surface.height_unit)
-        return values if left_out is None else np.broadcast_to(values, (i1 - i0, self.surface.n[1]))
+        def values(take):
+            g, q = self.g[take], self.q[take]
+            if name == "pressure":
+                return np.where((g <= 0) & (q > 0), q, 0) * real(self.pressure_unit)
+            return (g if name == "gap" else g - self.surface.h[take]) * real(self.surface.height_unit)
+
+        return _on_the_whole_grid(self.surface, values, dtype)
+
+
+def heights_of(surface):
+    """Heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest at 0: as Contact.field."""
+    dtype = field_dtype("heights", surface.h.dtype, 0.0, surface)
+    return _on_the_whole_grid(surface, lambda take: surface.h[take] * -dtype.type(surface.height_unit), dtype)
+
+
+def _on_the_whole_grid(surface, values, dtype):
+    """The local slab, with an axis that was left out, of what values(rows of the arrays) gives."""
+    left_out = surface.reduced_axis
+
+    def rows(i0, i1):
+        first = surface.rows[0] if left_out == 1 else 0  # with the second axis left out every rank has all rows
+        found = values(slice(0, 1) if left_out == 0 else slice(first + i0, first + i1))
+        return found if left_out is None else np.broadcast_to(found, (i1 - i0, surface.n[1]))
+
+    return LazyField(rows, (surface.rows[1] - surface.rows[0], surface.n[1]), dtype)
 
 
 class LazyField:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .contact import FIELDS
+from .contact import FIELDS, STORABLE, heights_of
 from .driver.lowmemory import LowMemorySweep
 from .driver.memory import require_memory
 from .driver.sweep import Sweep, first_precision
@@ -43,20 +43,21 @@ class RunResult:
     exit_code: int
 
 
-def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=None):
+def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=False, comm=None):
     """Solve a scene (path of a TOML file, or scene.Scene) and write its result file. Collective.
 
     overrides: "table.key=value" texts; out: path of the result instead of the scene's; resume: keep the finished steps and the
-    checkpoint of an interrupted run. Raises SceneError on all ranks for a wrong scene, GfmdError for what failed while running.
+    checkpoint of an interrupted run; force: overwrite the result of another scene. Raises SceneError on all ranks for a wrong scene,
+    GfmdError for what failed while running.
     """
     begun = time.monotonic()
     comm = comm or world()
     with guarded(comm, "reading the scene"):
         read = _read_scene(comm, scene, overrides, out)
     scene = comm.bcast(read)
-    check_names(scene, solver_names(), observable_names(), FIELDS, all_distributions())
+    check_names(scene, solver_names(), observable_names(), STORABLE, all_distributions())
     if scene.solver.low_memory and "displacement" in scene.output.fields:
-        raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap')
+        raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap, heights')
     n = None
     with guarded(comm, "reading the surface"):
         if comm.rank == 0:
@@ -70,9 +71,9 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
 
     with Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt, \
-            RunFile(comm, scene.output.path, n, rows, head, {}, resume=resume,
+            RunFile(comm, scene.output.path, n, rows, head, {}, resume=resume, force=force,
                     compressed=scene.output.compression, dtype=scene.output.dtype) as file:
-        for line in filter(None, [file.note, *scene.warnings()]):
+        for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
         if resume and comm.rank == 0:
             wisdom.take_from(file.partial)
@@ -87,6 +88,8 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         _require_storable(scene.output, sweep.surface, pressures)
         file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))
         file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
+        if "heights" in scene.output.fields:
+            file.write_heights(heights_of(sweep.surface))
         say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
         run = _Run(comm, scene, file, sweep, say, interrupt)
         return run.all_steps(pressures)
@@ -102,7 +105,9 @@ def restart(path, overrides=(), quiet=False, comm=None):
         if comm.rank == 0:
             tidy(path)
             if not partial_folder(path).is_dir():
-                there = "is complete already" if Path(path).exists() else "has no interrupted run beside it"
+                there = "is complete already" if Path(path).is_file() else "has no interrupted run beside it"
+                if Path(path).suffix == ".partial":
+                    there = f"is the folder of a run: hpc-gfmd restart {Path(path).with_suffix('')}"
                 raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
         scene = with_overrides(Scene.from_toml(read_partial(path).scene_toml, str(path)), overrides, "machine")
     return run_scene(scene, out=path, resume=True, quiet=quiet, comm=comm)
@@ -194,7 +199,7 @@ class _Run:
         """
         other = False
         try:
-            found = read_checkpoint(self.comm, self.file.checkpoint, self.sweep.solver_class.name)
+            found = read_checkpoint(self.comm, self.file.checkpoint, self.sweep.solver_class.name, self.scene.identity())
             if found is not None and found.step > unfinished:
                 raise SceneError(f"{found.path}: later than load {unfinished + 1}, which has to be solved again")
             other = found is not None and found.numbers.get("heights") != self.sweep.surface.checksum
@@ -251,7 +256,8 @@ class _Run:
             begun, sweep = time.monotonic(), self.sweep
             if self.comm.rank == 0:
                 wisdom.keep_with(self.file.partial)
-            write_checkpoint(self.comm, self.file.checkpoint, sweep.surface.grid, index, sweep.solver_class.name, state(), seconds)
+            write_checkpoint(self.comm, self.file.checkpoint, sweep.surface.grid, index, sweep.solver_class.name, state(), seconds,
+                             self.scene.identity())
             self.interrupt.saved(begun)
 
     def _write(self, index, p, step, seconds):
@@ -266,5 +272,5 @@ class _Run:
                       "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure,
                       "precision": contact.g.dtype.name, "residual": contact.certificate.residual, "note": contact.note}
         attributes |= contact.certificate.attributes() | numbers
-        fields = {name: contact.field(name) for name in self.scene.output.fields}
+        fields = {name: contact.field(name) for name in self.scene.output.fields if name in FIELDS}
         self.file.write_step(index, {k: v for k, v in attributes.items() if v is not None}, fields)

@@ -18,7 +18,7 @@ def add_parser(subparsers):
 
 def main(args) -> int:
     """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
-    from ..contact import FIELDS
+    from ..contact import STORABLE
     from ..driver.memory import available_gib, memory_of
     from ..driver.timing import expected_seconds
     from ..errors import SceneError
@@ -29,7 +29,7 @@ def main(args) -> int:
     if args.ranks < 1:
         raise SceneError(f"--ranks: found {args.ranks}, allowed: a whole number from 1")
     scene = load_scene(args.scene, args.set)
-    check_names(scene, solver_names(), observable_names(), FIELDS, all_distributions())
+    check_names(scene, solver_names(), observable_names(), STORABLE, all_distributions())
     n = surface_size(scene.surface)
     cores = len(os.sched_getaffinity(0))
     threads = max(1, cores // args.ranks) if scene.machine.threads == "auto" else scene.machine.threads

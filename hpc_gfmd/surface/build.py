@@ -49,8 +49,8 @@ class Surface:
 
 
 def surface_size(spec):
-    """(n_x, n_y) of a surface; opens the file where only that knows, after a test that it can be opened. Raises SceneError."""
-    return tuple(spec.n) if spec.n is not None else tuple(HeightMap(spec, probe=True).shape)
+    """(n_x, n_y) of a surface; opens the file where only that knows. Raises SceneError."""
+    return tuple(spec.n) if spec.n is not None else tuple(HeightMap(spec).shape)
 
 
 def build_surface(spec, comm, dtype, threads=1, thrifty=False):

@@ -133,18 +133,18 @@ def test_propose(random, n, w):
     z = kap * (p + w * P_x @ z_coarse @ P_y.T)
     closed = (g <= 0) & (p > 0)
     wanted = np.where(closed, 0, np.maximum(g - a * z - b * d, 0) - g)
-    old = d.copy()
     x, work = np.empty(n), np.zeros((2, n[1] + 1))
     found = contact.propose(g, p, d, x, 0, n[0], padded, t.k0, t.f_x, t.mode, t.j0, t.f, kap, w, a, b, work)
     assert np.allclose(d, wanted, atol=1e-13)
     assert np.array_equal(d, x)
-    assert found == pytest.approx((np.vdot(p, wanted), np.sum(~closed & (g - a * z - b * old < 0))), abs=1e-12)
+    assert found == pytest.approx(np.vdot(p, wanted), abs=1e-12)
 
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
 @pytest.mark.parametrize("s", [1.0, 0.5, 0.0])
-def test_update(random, n, s):
-    """New state, sums, and the restriction of p and x on F and of the indicator of A, in one or in several passes."""
+@pytest.mark.parametrize("kept", [0.0, 0.3])
+def test_update(random, n, s, kept):
+    """New state, sums, and the restriction of p and x on F, of a part of p on A and of the indicator of A; one or several passes."""
     for longest in (n[0], 2):
         grid = Grid(n)
         levels_of = Multilevel(grid, HalfSpace().weights(grid), np.float64, longest)
@@ -156,13 +156,14 @@ def test_update(random, n, s):
         work = np.zeros((7, n[1] + 1))
         sums = []
         for k, (i0, i1) in enumerate(levels_of.passes):
-            sums.append(levels_of.update_rows(k, g, p, d, x[i0:i1].copy(), s, work))
+            sums.append(levels_of.update_rows(k, g, p, d, x[i0:i1].copy(), s, work, kept))
         closed = (new_g <= 0) & (new_p > 0)
         free = ~closed
         assert np.allclose(g, new_g)
         assert np.allclose(p, new_p)
         wanted = [np.sum(new_p[free] ** 2), np.sum(new_p**2), np.sum((new_p * d)[free]), np.sum((x * d)[free]),
-                  np.sum((new_p * x)[free]), closed.sum(), new_g.sum(), np.sum((new_g <= 0) & free)]
+                  np.sum((new_p * x)[free]), closed.sum(), new_g.sum(),
+                  np.sum(closed & (new_p + s * x <= 0)), np.sum((new_g > 0) & (new_g + s * d <= 0))]
         assert np.sum(sums, axis=0) == pytest.approx(np.array(wanted), rel=1e-11, abs=1e-11)
         m = levels_of.levels[1].n
         found = np.zeros((3, *m))
@@ -170,7 +171,7 @@ def test_update(random, n, s):
             found[:, (row - 1) % m[0]] += levels_of.fields[0][:, row]
         factor = m[0] * m[1] / (n[0] * n[1])
         P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
-        for field, fine in zip(found, (new_p * free, 1.0 * closed, x * free), strict=True):
+        for field, fine in zip(found, (new_p * (free + kept * closed), 1.0 * closed, x * free), strict=True):
             assert np.allclose(field, factor * P_x.T @ fine @ P_y, atol=1e-12)
 
 
@@ -358,14 +359,28 @@ def test_judge(random):
     g = random.standard_normal((6, 5))
     g[g < 0.3] = np.minimum(g[g < 0.3], 0)
     x, p = random.standard_normal((6, 5)), np.empty((6, 5))
-    sums = certify.judge(g, p, x, 0.2, 0.1, 0.5, 0.7, 0, 6)
+    sums = certify.judge(g, p, x, 0.2, 0, 6)
     q = 0.2 + x
     closed = (g <= 0) & (q > 0)
-    margin = np.where(closed, q, np.where(g <= 0, -q, g / 0.7))
-    wanted = (np.sum(q[~closed] ** 2), np.sum(q[closed] ** 2), np.sum(q[closed]), np.sum(np.abs(q) * g), closed.sum(), g.sum(),
-              np.sum((margin > 0.1) & (margin < 0.5)), max(-g.min(), 0), max((-q[g <= 0]).max(initial=0), 0))
+    wanted = (np.sum(q[~closed] ** 2), np.sum(q[~closed] ** 4), np.sum(q[closed] ** 2), np.sum(q[closed]),
+              np.sum(np.abs(q) * g), closed.sum(), g.sum(), max(-g.min(), 0), max((-q[g <= 0]).max(initial=0), 0))
     assert np.array_equal(p, q)
     assert sums == pytest.approx(wanted, rel=1e-13)
+    assert certify.open_moments(g, p) == pytest.approx(wanted[:2], rel=1e-13)
+
+
+def test_undecided(random):
+    g, p = np.maximum(random.standard_normal((40, 50)), 0), random.standard_normal((40, 50))
+    takes = np.where(g > 0, g / 0.7, np.abs(p)) ** 2
+    counts = np.zeros((2, certify.BINS))
+    certify.undecided(g, p, 0.7, 0.05, 0.1, 0.5, counts)
+    edges = 0.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)
+    for side, found in zip((g <= 0, g > 0), counts, strict=True):
+        t = takes[side & (takes >= 0.05**2) & (takes <= 0.5)]
+        binned = t[t > 0.1**2]
+        assert found[-1] == np.sum(t <= 0.1**2) > 0
+        wanted = [np.sum((binned > low) & (binned <= high)) for high, low in zip(edges, edges[1:])]
+        assert np.array_equal(found[:-1], wanted[:-1])
 
 
 def test_dual_rows(random):
