@@ -25,12 +25,14 @@ class Body:
     """A body given by the radial function `stiffness`. Instances are hashable: frozen dataclasses.
 
     name: the file's; full_p_star: below this p* full contact is out of the question, because the pressure that flattens a surface
-    varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed).
+    varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed). absolute: whether a uniform pressure has a
+    finite effect, so that the approach is known.
     """
 
     name = ""
     table_share = 0.25  # numbers that are kept for every point of a grid and each precision
     full_p_star = 0.499
+    absolute = True
 
     @classmethod
     def of(cls, thickness, nu, base, free):
@@ -49,10 +51,15 @@ class Body:
 
     def multipliers(self, grid, fft):
         """What multiplies the columns of the spectrum by K and S: an object with stiffness(block, m) and compliance(block, m), which
-        fold in 1/N and return this block's share of <u, K u> or <p, S p>. The table is made once for each plan of transforms."""
+        fold in 1/N and return this block's share of <u, K u> or <p, S p>; and uniform, the K(0) that load control leaves out (0, or
+        nan, where the body gives way without end)."""
+        return self.tabled(grid, fft)
+
+    def tabled(self, grid, fft):
+        """The multipliers from the table, which is made once for each plan of transforms. Collective."""
         made = _multipliers.setdefault(fft, {})
         if self not in made:
-            made[self] = Tabled(grid, fft, self.table(grid, fft))
+            made[self] = Tabled(grid, fft, self.table(grid, fft), self.absolute)
         return made[self]
 
     def table(self, grid, fft):
@@ -96,11 +103,12 @@ class Body:
 
 
 class Tabled:
-    """The multipliers of a body whose K stands in a table."""
+    """The multipliers of a body whose K stands in a table. absolute: whether its K(0) means anything."""
 
-    def __init__(self, grid, fft, table):
+    def __init__(self, grid, fft, table, absolute=True):
         self.ranks, self.scale, self.dtype = grid.comm.size, fft.scale, fft.dtype
         self.weight = grid.column_tables(fft)[1]
+        self.uniform = float(grid.comm.bcast(table[0, 0, 0] if table.size else 0.0)) if absolute else np.nan
         if grid.comm.rank == 0:
             table[0, 0, 0] = 0  # the rigid translation
         self.table = table

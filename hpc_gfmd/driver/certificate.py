@@ -26,8 +26,10 @@ class Certificate:
     mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact - p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for;
     residual: rms of p out of contact over p0; pressure: the same over the rms of p in contact; gap_bound: bound of the relative error
     of the mean gap, from the duality gap.
-    energy: 1/2 <u, K u>/N; contact: points; near: points that may be
-    on the wrong side; gap_mean: problem's unit; pairs: FFT pairs this took."""
+    energy: elastic energy per area, and approach: how far the bodies have come together since they touched, without any deformation,
+    both in the problem's unit; a half-space that is periodic gives way to a uniform pressure without end: it has no approach (nan),
+    nor, periodic along one axis only, an energy (its own part is left out where it is periodic along both);
+    contact: points; near: points that may be on the wrong side; gap_mean: problem's unit; pairs: FFT pairs this took."""
 
     penetration: float
     tension: float
@@ -38,6 +40,7 @@ class Certificate:
     pressure: float
     gap_bound: float | None
     energy: float
+    approach: float
     contact: int
     near: int
     gap_mean: float
@@ -51,7 +54,7 @@ class Certificate:
     @property
     def finite(self):
         """Whether all numbers are finite."""
-        return bool(np.isfinite([self.residual, self.gap_mean, self.energy]).all())
+        return bool(np.isfinite([self.residual, self.gap_mean]).all())
 
 
 def certify(problem, g, p, dtype=np.float64, dual=True, near=0.0):
@@ -70,9 +73,10 @@ def certify(problem, g, p, dtype=np.float64, dual=True, near=0.0):
 
     elastic.pressure_rows(problem.displacement_rows(g), passes)
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
-    parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, p0, low, float(near), kap, i0, i1), passes)
+    parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, problem.p_cell, low, float(near), kap, grid.inside, i0, i1), passes)
     parts = np.reshape(parts, (-1, 9)) if parts else np.zeros((1, 9))
-    *sums, uKu = grid.comm.sum([*parts[:, :7].sum(axis=0), uKu])
+    *sums, uKu, mean = grid.comm.sum([*parts[:, :7].sum(axis=0), uKu, elastic.mean])
+    uniform = elastic.multipliers.uniform
     penetration, tension = grid.comm.max(parts[:, 7:].max(axis=0))
     open_pp, closed_pp, closed_p, pg, contact, gap, close = sums
     gap_mean = gap / N
@@ -81,12 +85,13 @@ def certify(problem, g, p, dtype=np.float64, dual=True, near=0.0):
     duality_gap = 0.0 if dual else None
     if dual and closed_p > 0 and gap > 0:
         scale = N * p0 / closed_p
-        pg_dual = elastic.pressure_rows(lambda i0, i1, x: dual_rows(g, p, x, scale, i0, i1), passes)
+        pg_dual = elastic.pressure_rows(lambda i0, i1, x: dual_rows(g, p, x, scale, grid.inside, i0, i1), passes)
         eSe = elastic.compliance_columns()
         pg_dual, eSe = grid.comm.sum([sum(pg_dual), eSe])
         duality_gap = max(pg_dual + 0.5 * eSe, 0.0) / N / work
     elif dual and gap > 0:
         duality_gap = np.inf
+    rest = 0.5 * p0 * problem.p_cell / uniform if uniform else 0.0
     with np.errstate(invalid="ignore", over="ignore"):
         return Certificate(
             penetration=float(penetration), tension=float(tension / p0),
@@ -94,5 +99,7 @@ def certify(problem, g, p, dtype=np.float64, dual=True, near=0.0):
             load_balance=float(abs(closed_p / N - p0) / p0),
             duality_gap=duality_gap if duality_gap is None else float(duality_gap), residual=float(np.sqrt(open_pp / N) / p0),
             pressure=float(np.sqrt(open_pp / closed_pp)) if closed_pp > 0 else np.inf,
-            gap_bound=None if duality_gap is None else float(GAP_FACTOR * np.sqrt(duality_gap)), energy=float(0.5 * uKu / N),
+            gap_bound=None if duality_gap is None else float(GAP_FACTOR * np.sqrt(duality_gap)),
+            energy=float(0.5 * uKu / N + rest),
+            approach=float(problem.p_cell / uniform - mean) if uniform else np.nan,
             contact=int(contact) if np.isfinite(contact) else 0, near=int(close), gap_mean=float(gap_mean), pairs=elastic.pairs)

@@ -66,7 +66,7 @@ class Sweep:
 
         watch(iterations, progress) is called after every iteration, a true value stops. midway: go on where `restore` went back to.
         """
-        if self.surface.g_rms == 0:
+        if self._is_flat:
             return self._flat(p)
         if not midway:
             self._spent = 0.0
@@ -107,16 +107,16 @@ class Sweep:
 
     def _may_start_here(self, p):
         """Whether the load p, or one that follows it if p closes the gap at once, may start from the present state."""
-        p_star = p / (self.E_star * self.surface.g_rms)
+        p_star = p / (self.E_star * self.surface.slope)
         return self.solver is not None and (self._near(p_star) or p_star >= self.body.full_p_star)
 
     def _few_points(self, p):
         """Whether so few points will touch that single precision, which may err in a few of them, cannot give the area."""
-        expected = self.surface.grid.N * min(1.0, 2 * p / (self.E_star * self.surface.g_rms))  # a_r is about 2 p*
+        expected = self.surface.grid.N * min(1.0, 2 * p / (self.E_star * self.surface.slope))  # a_r is about 2 p*
         return self.target.accuracy is not None and FEW_POINTS / expected > self.target.accuracy
 
     def _solve(self, p, watch, midway):
-        p_star = p / (self.E_star * self.surface.g_rms)
+        p_star = p / (self.E_star * self.surface.slope)
         if not midway:
             problem = self._problem(p_star)
             full, pairs = self._full_contact(problem)
@@ -203,7 +203,7 @@ class Sweep:
         self.dtype = dtype = np.dtype(dtype)
         self.solver = None
         self.surface = self.make_surface(dtype)
-        if self.surface.g_rms > 0:
+        if not self._is_flat:
             grid = self.surface.grid
             grid.fft(dtype)
             grid.fft(np.float64)  # of the certificate
@@ -211,9 +211,14 @@ class Sweep:
             nests = self.solver_class.nests if wanted == "auto" else wanted
             self.nested = Nested(grid, dtype) if nests else None
 
+    @property
+    def _is_flat(self):
+        """Whether all points touch at any load: at its end a flat surface is a punch."""
+        return self.surface.g_rms == 0 and not self.surface.grid.padded
+
     def _flat(self, p):
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
-        certificate = Certificate(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, self.surface.grid.N, 0, 0.0, 0.0)
-        return self._step(p, g, np.ones_like(g), Outcome("converged", (0.0, 0.0, 0.0), certificate, 0.0), 0, 0.0)
+        certificate = Certificate(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, np.nan, self.surface.grid.N, 0, 0.0, 0.0)
+        return self._step(p, g, np.full_like(g, p / self.E_star), Outcome("converged", (0.0, 0.0, 0.0), certificate, 0.0), 0, 0.0)
 

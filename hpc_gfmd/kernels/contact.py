@@ -1,7 +1,13 @@
 """Kernels of the projected, preconditioned GFMD solver: one pass before and one after the Fourier transform.
 
 State, local slabs: gap g >= 0, pressure p, last step d. Contact A = {g <= 0 and p > 0}, free F = the rest.
+
+Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a slab). Beyond it
+there is no wall: g is the displacement u itself, bounded from below by -infinity, and does not count. So every row has two parts, of
+which the second is empty on a periodic grid.
 """
+
+import numpy as np
 
 from .jit import inline, kernel
 from .multilevel import combine_rows, interpolate_row, restrict_row
@@ -11,7 +17,7 @@ RR, PP, PD, DX, PX, CONTACT, GAP, LIFTING = range(8)
 
 
 @kernel
-def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, rows):
+def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, inside, rows):
     """Write the next step to d and x (scratch, rows from 0): d = max(g - a z - b d, 0) - g on F, 0 on A.
 
     Returns <p, d> and the number of points that are clipped, i.e. that the whole step brings into contact.
@@ -31,30 +37,42 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, ro
         if w > 0:
             combine_rows(z_coarse, k0[i], f_x[i], row)
             interpolate_row(row, fine, mode, j0, f)
-            for j in range(n):
-                v = gi[j] - ak * (pi[j] + w * fine[j]) - b * di[j]
-                free = zero if (gi[j] <= zero and pi[j] > zero) else one
-                e = free * (max(v, zero) - gi[j])
-                count += free if v < zero else zero
-                s += pi[j] * e
-                di[j] = e
-                xi[j] = e
-        else:
-            for j in range(n):
-                v = gi[j] - ak * pi[j] - b * di[j]
-                free = zero if (gi[j] <= zero and pi[j] > zero) else one
-                e = free * (max(v, zero) - gi[j])
-                count += free if v < zero else zero
-                s += pi[j] * e
-                di[j] = e
-                xi[j] = e
+        for part in range(2):
+            start, end, wall = part_of_row(part, i, inside, g)
+            if w > 0:
+                for j in range(start, end):
+                    v = gi[j] - ak * (pi[j] + w * fine[j]) - b * di[j]
+                    free = zero if (gi[j] <= wall and pi[j] > zero) else one
+                    e = free * (max(v, wall) - gi[j])
+                    count += free if v < wall else zero
+                    s += pi[j] * e
+                    di[j] = e
+                    xi[j] = e
+            else:
+                for j in range(start, end):
+                    v = gi[j] - ak * pi[j] - b * di[j]
+                    free = zero if (gi[j] <= wall and pi[j] > zero) else one
+                    e = free * (max(v, wall) - gi[j])
+                    count += free if v < wall else zero
+                    s += pi[j] * e
+                    di[j] = e
+                    xi[j] = e
         total += s
         clipped += count
     return total, clipped
 
 
+@inline
+def part_of_row(part, i, inside, g):
+    """Points [start, end) of row i, and the gap at which the wall is: part 0 of the surface, part 1 beyond it."""
+    m = inside[1] if i < inside[0] else 0
+    if part == 0:
+        return 0, m, g.dtype.type(0)
+    return m, g.shape[1], g.dtype.type(-np.inf)
+
+
 @kernel
-def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0, f, rows):
+def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0, f, inside, rows):
     """g += s d, p += s x, and everything that the next step needs of the new state.
 
     Restricts p on F, the indicator of A, and x on F to the coarser grid: coarse (3, rows + 2, m) with halo gets the rows that
@@ -74,7 +92,7 @@ def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0
         end = i + 1
         while end < i1 and k0[end] == K:
             end += 1
-        rr, pp, pd, dx, px, nc, gs, nl = _advance(g, p, d, x, s, i0, i, end, zero, one)
+        rr, pp, pd, dx, px, nc, gs, nl = _advance(g, p, d, x, s, i0, i, end, inside, zero, one)
         RRs += rr
         PPs += pp
         PDs += pd
@@ -83,7 +101,7 @@ def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0
         Gs += gs
         Cs += nc
         Ls += nl - nc
-        _gather(g, p, x, i0, i, end, f_x, rows, zero, one)
+        _gather(g, p, x, i0, i, end, f_x, inside, rows, zero, one)
         _put_down(rows, 0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
         i = end
     _put_down(rows, 3, n, hi, lo, hi, first, last, coarse, factor, mode, j0, f)
@@ -91,34 +109,37 @@ def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0
 
 
 @inline
-def _advance(g, p, d, x, s, i0, start, end, zero, one):
+def _advance(g, p, d, x, s, i0, start, end, inside, zero, one):
     """Rows start..end of `update`: new g and p, and their sums."""
     rr = pp = pd = dx = px = gs = nc = nl = zero
     for i in range(start, end):
-        for j in range(g.shape[1]):
-            y = x[i - i0, j]
-            gg = g[i, j] + s * d[i, j]
-            q = p[i, j] + s * y
-            g[i, j] = gg
-            p[i, j] = q
-            closed = one if gg <= zero else zero
-            t = closed if q > zero else zero
-            free = one - t
-            pf = free * q
-            xf = free * y
-            nc += t
-            nl += closed
-            rr += pf * pf
-            pp += q * q
-            pd += pf * d[i, j]
-            dx += xf * d[i, j]
-            px += pf * xf
-            gs += gg
+        for part in range(2):
+            j0, j1, wall = part_of_row(part, i, inside, g)
+            counts = one if part == 0 else zero
+            for j in range(j0, j1):
+                y = x[i - i0, j]
+                gg = g[i, j] + s * d[i, j]
+                q = p[i, j] + s * y
+                g[i, j] = gg
+                p[i, j] = q
+                closed = one if gg <= wall else zero
+                t = closed if q > zero else zero
+                free = one - t
+                pf = free * q
+                xf = free * y
+                nc += t
+                nl += closed
+                rr += pf * pf
+                pp += q * q
+                pd += pf * d[i, j]
+                dx += xf * d[i, j]
+                px += pf * xf
+                gs += counts * gg
     return rr, pp, pd, dx, px, nc, gs, nl
 
 
 @inline
-def _gather(g, p, x, i0, start, end, f_x, rows, zero, one):
+def _gather(g, p, x, i0, start, end, f_x, inside, rows, zero, one):
     """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F, the indicator of A, x on F.
 
     A loop of its own, and rows of one array: with more pointers than this the compiler gives up on vectors.
@@ -127,17 +148,20 @@ def _gather(g, p, x, i0, start, end, f_x, rows, zero, one):
     if end == start + 2:
         k = start + 1
         v, w = f_x[start], f_x[k]
-        for j in range(n):
-            t0 = one if (g[start, j] <= zero and p[start, j] > zero) else zero
-            t1 = one if (g[k, j] <= zero and p[k, j] > zero) else zero
-            a0, a1 = (one - t0) * p[start, j], (one - t1) * p[k, j]
-            b0, b1 = (one - t0) * x[start - i0, j], (one - t1) * x[k - i0, j]
-            rows[0, j] = rows[3, j] + (one - v) * a0 + (one - w) * a1
-            rows[1, j] = rows[4, j] + (one - v) * t0 + (one - w) * t1
-            rows[2, j] = rows[5, j] + (one - v) * b0 + (one - w) * b1
-            rows[3, j] = v * a0 + w * a1
-            rows[4, j] = v * t0 + w * t1
-            rows[5, j] = v * b0 + w * b1
+        for part in range(2):
+            j0, j1, wall0 = part_of_row(part, start, inside, g)
+            wall1 = part_of_row(1, k, inside, g)[2] if k == inside[0] else wall0  # k is the first row beyond the surface
+            for j in range(j0, j1):
+                t0 = one if (g[start, j] <= wall0 and p[start, j] > zero) else zero
+                t1 = one if (g[k, j] <= wall1 and p[k, j] > zero) else zero
+                a0, a1 = (one - t0) * p[start, j], (one - t1) * p[k, j]
+                b0, b1 = (one - t0) * x[start - i0, j], (one - t1) * x[k - i0, j]
+                rows[0, j] = rows[3, j] + (one - v) * a0 + (one - w) * a1
+                rows[1, j] = rows[4, j] + (one - v) * t0 + (one - w) * t1
+                rows[2, j] = rows[5, j] + (one - v) * b0 + (one - w) * b1
+                rows[3, j] = v * a0 + w * a1
+                rows[4, j] = v * t0 + w * t1
+                rows[5, j] = v * b0 + w * b1
         return
     for c in range(3):
         for j in range(n):
@@ -145,16 +169,18 @@ def _gather(g, p, x, i0, start, end, f_x, rows, zero, one):
             rows[c + 3, j] = zero
     for i in range(start, end):
         w = f_x[i]
-        for j in range(n):
-            t = one if (g[i, j] <= zero and p[i, j] > zero) else zero
-            a = (one - t) * p[i, j]
-            b = (one - t) * x[i - i0, j]
-            rows[0, j] += (one - w) * a
-            rows[1, j] += (one - w) * t
-            rows[2, j] += (one - w) * b
-            rows[3, j] += w * a
-            rows[4, j] += w * t
-            rows[5, j] += w * b
+        for part in range(2):
+            j0, j1, wall = part_of_row(part, i, inside, g)
+            for j in range(j0, j1):
+                t = one if (g[i, j] <= wall and p[i, j] > zero) else zero
+                a = (one - t) * p[i, j]
+                b = (one - t) * x[i - i0, j]
+                rows[0, j] += (one - w) * a
+                rows[1, j] += (one - w) * t
+                rows[2, j] += (one - w) * b
+                rows[3, j] += w * a
+                rows[4, j] += w * t
+                rows[5, j] += w * b
 
 
 @inline

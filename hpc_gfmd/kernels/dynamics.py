@@ -4,11 +4,12 @@ State, local slabs: gap g >= 0, pressure p, displacement d of the last time step
 F = the rest. Inside a row sums are in the precision of the fields, over rows in double precision.
 """
 
+from .contact import part_of_row
 from .jit import kernel
 
 
 @kernel
-def move(g, p, d, x, i0, i1, a, b):
+def move(g, p, d, x, i0, i1, a, b, inside):
     """One time step d <- b d - a p, g <- g + d, on rows i0..i1; x (scratch, rows from 0): the change of g.
 
     The constraint g >= 0 stops what hits the wall (zero restitution): there g = 0 and d = 0, but x is how far it still went.
@@ -16,17 +17,19 @@ def move(g, p, d, x, i0, i1, a, b):
     zero = g.dtype.type(0)
     for i in range(i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
-        for j in range(g.shape[1]):
-            v = b * di[j] - a * pi[j]
-            new = gi[j] + v
-            hit = new <= zero
-            xi[j] = -gi[j] if hit else v
-            gi[j] = zero if hit else new
-            di[j] = zero if hit else v
+        for part in range(2):
+            j0, j1, wall = part_of_row(part, i, inside, g)
+            for j in range(j0, j1):
+                v = b * di[j] - a * pi[j]
+                new = gi[j] + v
+                hit = new <= wall
+                xi[j] = -gi[j] if hit else v
+                gi[j] = zero if hit else new
+                di[j] = zero if hit else v
 
 
 @kernel
-def settle(g, p, d, x, i0, i1):
+def settle(g, p, d, x, i0, i1, inside):
     """p <- p + x on rows i0..i1, x (scratch, rows from 0): K times the change of g.
 
     Returns sums: p^2 on F, p^2, p d, d^2, d x, points in contact, gap.
@@ -37,17 +40,20 @@ def settle(g, p, d, x, i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
         rr = pp = pd = dd = dx = gap = zero
         contact = 0
-        for j in range(g.shape[1]):
-            q = pi[j] + xi[j]
-            pi[j] = q
-            touching = gi[j] <= zero and q > zero
-            pp += q * q
-            rr += zero if touching else q * q
-            pd += q * di[j]
-            dd += di[j] * di[j]
-            dx += di[j] * xi[j]
-            gap += gi[j]
-            contact += 1 if touching else 0
+        for part in range(2):
+            j0, j1, wall = part_of_row(part, i, inside, g)
+            counts = g.dtype.type(1 - part)
+            for j in range(j0, j1):
+                q = pi[j] + xi[j]
+                pi[j] = q
+                touching = gi[j] <= wall and q > zero
+                pp += q * q
+                rr += zero if touching else q * q
+                pd += q * di[j]
+                dd += di[j] * di[j]
+                dx += di[j] * xi[j]
+                gap += counts * gi[j]
+                contact += 1 if touching else 0
         RR += rr
         PP += pp
         PD += pd

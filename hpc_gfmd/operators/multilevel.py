@@ -69,7 +69,8 @@ class Multilevel:
         i0, i1 = self.passes[k]
         t = self.transfers[0]
         edges = self.edges[0 if self.in_order else k]
-        sums = update(g, p, d, x, s, i0, i1, self.fields[0], edges[0], edges[1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f, rows)
+        sums = update(g, p, d, x, s, i0, i1, self.fields[0], edges[0], edges[1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f,
+                      self.grid.inside, rows)
         if self.in_order:
             self._join(k)
         return sums

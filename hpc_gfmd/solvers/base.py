@@ -52,14 +52,19 @@ class Solver:
         """The problem at the present load."""
         return replace(self.problem, p0=self.p0)
 
+    @property
+    def p_cell(self):
+        """The mean pressure over the whole grid at the present load."""
+        return self.problem_now.p_cell
+
     def start(self, g):
         """Begin at the gap g >= 0 (local slab, taken over)."""
         raise NotImplementedError
 
     def continue_at(self, p0):
         """Begin from the present state at another mean pressure, without an FFT: p changes by a constant."""
-        self.p += self.problem.dtype.type(p0 - self.p0)
-        self.p0 = float(p0)
+        before, self.p0 = self.p_cell, float(p0)
+        self.p += self.problem.dtype.type(self.p_cell - before)
         self.refresh()
 
     def refresh(self):

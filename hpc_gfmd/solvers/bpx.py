@@ -9,6 +9,8 @@ One iteration is three passes over memory: `propose` + row transforms, column tr
 The displacement itself never appears: with the gap g = u + h and p = p0 + K u, steps change both by the same d and K d.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
@@ -54,14 +56,14 @@ class Bpx(Solver):
         self.gradient = 1.0 / (GRADIENT * self.kap * body.bounds(grid)[1])
         self._rows = {id(x): zeros_aligned((7, grid.n[1] + LINE // dtype.itemsize), dtype) for x in self.fft.row_scratch}
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
-        self.rounding = problem.rounding
+        self.problem = replace(problem, h_rms=problem.root_mean_square())  # once
 
     # -- starting ------------------------------------------------------------------------------------------------------------
 
     def start(self, g):
         if g is not self.g:
             self.g[...] = g
-        self.p[...] = self.p0
+        self.p[...] = self.p_cell
         self.d[...] = 0
         self.elastic.pressure_rows(self.problem.displacement_rows(self.g), self.passes)
         self.elastic.pressure_columns(self.problem.adder(self.fft))
@@ -90,7 +92,8 @@ class Bpx(Solver):
 
         The descent goes on as it is: the pressure does not change.
         """
-        lowest = self.grid.comm.min([self.g.min(initial=np.inf)])[0]
+        rows, points = self.grid.inside
+        lowest = self.grid.comm.min([self.g[:rows, :points].min(initial=np.inf)])[0]
         if 0 < lowest < np.inf:
             self.g -= self.problem.dtype.type(lowest)
             self.gap_mean -= lowest
@@ -143,9 +146,10 @@ class Bpx(Solver):
         t, real = self.levels.transfers[0], self.problem.dtype.type
         z = self.levels.z
         args = (real(self.kap), real(w), real(a), real(b * self.s))
+        inside = self.grid.inside
 
         def fill(i0, i1, x):
-            return propose(self.g, self.p, self.d, x, i0, i1, z, t.k0, t.f_x, t.mode, t.j0, t.f, *args, self._rows[id(x)])
+            return propose(self.g, self.p, self.d, x, i0, i1, z, t.k0, t.f_x, t.mode, t.j0, t.f, *args, inside, self._rows[id(x)])
 
         return self.grid.comm.sum(np.sum(np.reshape(self.elastic.pressure_rows(fill, self.passes), (-1, 2)), axis=0)).tolist()
 
@@ -185,6 +189,11 @@ class Bpx(Solver):
         residual = np.sqrt(self.rr / self.N) / self.p0
         estimates = self._estimates() if finite else (np.inf, np.inf, np.inf)
         return Progress(float(residual), self.contact, self.gap_mean, estimates, finite)
+
+    @property
+    def rounding(self):
+        """The rms error of the pressure that rounding makes."""
+        return self.problem_now.rounding
 
     @property
     def pressure_rms(self):

@@ -11,17 +11,18 @@ from ..parallel.guard import guarded
 from .analytic import sphere_rows, wave_rows
 from .files import HeightMap
 from .selfaffine import self_affine_gap
-from .statistics import rms
+from .statistics import rms, rms_between_neighbours
 
 SLAB_ROWS = 64  # rows read or made at a time
 
 
 @dataclass(frozen=True)
 class Surface:
-    """h: initial gap, local slab of `grid`, >= 0 with minimum 0, in units of g_rms a; h_rms, g_rms: realised, in the scene's units.
+    """h: initial gap, local part of the nominal area of `grid`, >= 0 with minimum 0, in units of g_rms a; h_rms, g_rms: realised, in
+    the scene's units. Where the surface ends the grid goes on beyond it, to twice the length.
 
     A surface that varies along one axis only lives on a grid with one point along the other; `n` is the size asked for, and every
-    rank then holds all of `grid`. A flat surface has g_rms = 0 and h in the scene's unit. rows: (start, stop) of the size asked for
+    rank then holds all of `grid`. A flat surface has g_rms = 0, and its units are those of 1. rows: (start, stop) of the size asked for
     that this rank owns. add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum.
     """
 
@@ -34,14 +35,33 @@ class Surface:
     add_spectrum: object = None
 
     @property
+    def slope(self):
+        """The unit of slopes: g_rms, 1 on a flat surface."""
+        return self.g_rms if self.g_rms > 0 else 1.0
+
+    @property
     def height_unit(self):
         """What one unit of h, u or g is in the scene's unit of length."""
-        return self.g_rms * self.grid.a if self.g_rms > 0 else 1.0
+        return self.slope * self.grid.a
 
     @property
     def reduced_axis(self):
         """The axis that was left out (0 or 1), or None."""
-        return next((axis for axis in (0, 1) if self.grid.n[axis] != self.n[axis]), None)
+        return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
+
+
+def grid_of(n, sizes, comm, threads=1, free=(False, False)):
+    """The grid on which a surface of n points is solved: twice as long along the axes where it ends."""
+    twice = [2 if ends else 1 for ends in free]
+    return Grid([k * t for k, t in zip(n, twice)], [size * t for size, t in zip(sizes, twice)], comm, threads, nominal=n)
+
+
+def _nominal(grid):
+    """The grid of the nominal area alone, its rows with the same ranks."""
+    if not grid.padded:
+        return grid
+    sizes = [size * m / k for size, m, k in zip(grid.sizes, grid.nominal, grid.n)]
+    return Grid(grid.nominal, sizes, grid.comm, grid.threads, np.minimum(grid.starts, grid.nominal[0]))
 
 
 def surface_size(spec):
@@ -56,10 +76,11 @@ def build_surface(spec, comm, dtype, threads=1, thrifty=False):
     """
     dtype = np.dtype(dtype)
     if spec.kind == "self-affine":
-        grid = Grid(spec.n, spec.physical_sizes, comm, threads)
-        h, h_over_g, add_spectrum = self_affine_gap(spec, grid, dtype, dtype if thrifty else np.float64)
+        grid = grid_of(spec.n, spec.physical_sizes, comm, threads, spec.free)
+        h, h_over_g, add_spectrum = self_affine_gap(spec, _nominal(grid), dtype, dtype if thrifty else np.float64)
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
-        return Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.rows, add_spectrum)
+        known = None if grid.padded else add_spectrum
+        return Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.nominal_rows, known)
     with guarded(comm, "reading the surface"):
         if spec.kind == "wave":
             n, rows = spec.n, wave_rows(spec, spec.n)
@@ -68,12 +89,17 @@ def build_surface(spec, comm, dtype, threads=1, thrifty=False):
         else:
             file = HeightMap(spec)
             n, rows = tuple(file.shape), file.rows
-    return surface_from_rows(n, spec.physical_sizes, rows, comm, dtype, threads)
+    return surface_from_rows(n, spec.physical_sizes, rows, comm, dtype, threads, spec.free)
 
 
-def surface_from_rows(n, sizes, rows, comm, dtype, threads=1):
-    """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y). Raises SceneError on all ranks."""
-    grid = Grid(n, sizes, comm, threads)
+def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False)):
+    """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y); free: whether it ends along x, along y.
+
+    The gradient of a surface that ends is that between neighbouring points, otherwise that of the Fourier series. Raises SceneError on
+    all ranks.
+    """
+    cell = grid_of(n, sizes, comm, threads, free)
+    grid = _nominal(cell)
     start, stop = grid.rows
     z = grid.empty(np.float64)
     with guarded(comm, "reading the surface"):
@@ -83,9 +109,11 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1):
             raise SceneError("surface: found heights that are not finite, allowed: finite heights")
     top = float(comm.max([z.max(initial=-np.inf)])[0])
     np.subtract(top, z, out=z)  # now the gap, exact where it is small
-    grid, z = _leave_out_constant_axis(grid, z)
+    if not cell.padded:
+        grid, z = _leave_out_constant_axis(grid, z)
+        cell = grid
     if float(grid.comm.max([z.max(initial=0)])[0]) == 0.0:
-        return Surface(grid, z.astype(dtype), n, 0.0, 0.0, (start, stop))
+        return Surface(cell, z.astype(dtype), n, 0.0, 0.0, (start, stop))
     centre = float(grid.comm.sum([z.sum()])[0]) / grid.N
     scale = float(grid.comm.max([np.abs(z - centre).max(initial=0)])[0])
 
@@ -93,12 +121,12 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1):
         np.subtract(z[i0:i1], centre, out=x[: i1 - i0])
         x[: i1 - i0] /= scale  # heights of 1e-200 or 1e200 have squares too
 
-    h_rms, g_rms = (scale * r for r in rms(grid, fill))
+    h_rms, g_rms = (scale * r for r in (rms_between_neighbours(grid, fill, free) if cell.padded else rms(grid, fill)))
     if dtype != np.float64:
         grid.forget_fft(np.float64)
     h = z if dtype == np.float64 else np.empty(z.shape, dtype)
     np.divide(z, g_rms, out=h, casting="same_kind")
-    return Surface(grid, h, n, h_rms, g_rms / grid.a, (start, stop))
+    return Surface(cell, h, n, h_rms, g_rms / grid.a, (start, stop))
 
 
 def _leave_out_constant_axis(grid, z):

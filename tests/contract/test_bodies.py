@@ -66,7 +66,7 @@ def test_bounds(body, n, sizes):
         return
     values = np.linalg.eigvalsh(matrix(body, grid))
     smallest, largest = body.bounds(grid)
-    assert smallest * 0.89 <= values[1]
+    assert smallest * 0.8 <= values[1]  # K of a body that ends is that of a half-space to within 20 %
     assert values[-1] <= largest * 1.02
     assert body.scale(grid) * SQRT2 <= largest * (1 + 1e-12)
     assert body.scale(grid) > 0
