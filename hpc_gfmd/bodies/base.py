@@ -97,6 +97,19 @@ class Body:
         weights[-1] = q[-1] / q[0]
         return weights
 
+    def softness(self, grid):
+        """What every level adds to S, over S of the shortest wave: of a field of zero mean, <r, S r> is bounded by its squares on the
+        levels times this (operators/multilevel.py). Not 1/weights where K is flat: S of a level is the largest of all waves as short.
+        """
+        q = np.array([level.q for level in levels(grid)])
+        shorter = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES) * q[0], q)
+        K = self.stiffness(SQRT2 * shorter, grid.a)
+        S = np.array([1 / K[shorter >= x].min() for x in q])
+        share = 1 - q[1:] / q[:-1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            added = np.where(share > 0, (S[1:] - S[:-1]) / share, S[1:])
+        return np.append(S[0], added) / S[0]
+
     def near(self, grid):
         """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0 where there are none)."""
         return _near(self, tuple(min(k, NEAR_POINTS) for k in grid.n), grid.spacings, grid.a)

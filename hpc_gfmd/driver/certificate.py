@@ -1,50 +1,56 @@
 """The independent judgement of a solution: from the returned displacement alone, by a fresh application of the operator.
 
-p = p0 + K u is computed anew in double precision; what it violates of u >= -h, p >= 0, p g = 0, mean(p) = p0 is the certificate. The
-duality gap bounds the energy error from above without any knowledge of the solution:
+p = p0 + K u is computed anew in double precision; what it violates of u >= -h, p >= 0, p g = 0, mean(p) = p0 is the certificate. How
+far that is from the solution follows from the duality gap, which bounds the error of the energy without any knowledge of the solution:
 
     E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 1/K,
 
-for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled.
+for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled. The norm S of p^ - p is bounded without a
+transform by sums of squares on the levels of the multilevel operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap
+and of the pressure (solvers/errors.py), and from that of the pressure how many points may be on the wrong side.
 """
 
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from ..kernels.certify import dual_rows, judge
+from ..kernels.certify import BINS, PER_OCTAVE, dual_rows, judge, undecided
 from ..operators.elastic import Elastic
+from ..operators.multilevel import EQUIVALENCE
+from ..solvers.errors import field_errors
 
-GAP_FACTOR = 2.03  # error of the mean gap over sqrt(G/(p0 gap_mean)): the largest ratio ever seen
+TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
+REACH = 2.0  # times the rms error of the pressure: the largest error of a point; 1.5 is the most that was ever needed
+ALIKE = 0.2  # share of the points within reach that are taken to be on the wrong side ...
+EDGE = 3  # ... and at least so many of them
+SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
+STORED = 0.5  # rounding error of a number that is stored, in units of the precision
 
-TIE = 4.0  # times the rms of rounding errors: a difference of pressures that means nothing
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Certificate:
     """Relative violations. penetration: largest -g (problem's unit); tension: largest -p on closed points over p0; complementarity:
     mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact - p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for;
-    residual: rms of p out of contact over p0; pressure: the same over the rms of p in contact; gap_bound: bound of the relative error
-    of the mean gap, from the duality gap.
+    residual: rms of p out of contact over p0.
+    errors: relative, of (area, mean gap, pressure field), None if not asked for: the mean gap's is a bound, up to rounding.
     energy: elastic energy per area, and approach: how far the bodies have come together since they touched, without any deformation,
     both in the problem's unit; a half-space that is periodic gives way to a uniform pressure without end: it has no approach (nan),
-    nor, periodic along one axis only, an energy (its own part is left out where it is periodic along both);
-    contact: points; near: points that may be on the wrong side; gap_mean: problem's unit; pairs: FFT pairs this took."""
+    nor, periodic along one axis only, an energy (its own part is left out where it is periodic along both); uKu: <u, K u>;
+    contact: points; gap_mean: problem's unit; pairs: FFT pairs this took."""
 
-    penetration: float
-    tension: float
-    complementarity: float
-    load_balance: float
-    duality_gap: float | None
-    residual: float
-    pressure: float
-    gap_bound: float | None
-    energy: float
-    approach: float
-    contact: int
-    near: int
-    gap_mean: float
-    pairs: float
+    penetration: float = 0.0
+    tension: float = 0.0
+    complementarity: float = 0.0
+    load_balance: float = 0.0
+    duality_gap: float | None = None
+    residual: float = 0.0
+    errors: tuple[float, float, float] | None = None
+    energy: float = 0.0
+    approach: float = np.nan
+    uKu: float = 0.0
+    contact: int = 0
+    gap_mean: float = 0.0
+    pairs: float = 0.0
 
     def attributes(self):
         """The violations, by name."""
@@ -54,52 +60,103 @@ class Certificate:
     @property
     def finite(self):
         """Whether all numbers are finite."""
-        return bool(np.isfinite([self.residual, self.gap_mean]).all())
+        return bool(np.isfinite([self.residual, self.gap_mean, self.uKu]).all())
 
 
-def certify(problem, g, p, dtype=np.float64, dual=True, near=0.0):
+def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
     """Judge the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local slab). One pair, half more if dual.
 
-    near: size of the pressure below which a closed point, or of the gap times the stiffness of the shortest
-    waves below which an open one, may be on the wrong side.
+    levels: the Multilevel of the grid, whose fields are overwritten: without it there are no errors. Collective.
     """
     grid = problem.grid
     elastic = Elastic(grid, problem.body, dtype)
     p0, N = float(problem.p0), grid.N
     passes = elastic.fft.passes()
-    # What is as close as rounding errors are is a tie, and on either side right; but single precision may round differently.
-    low = TIE * problem.rounding if near > 0 and problem.dtype == np.float64 else 0.0
-    kap = 1.0 / problem.body.scale(grid)
 
     elastic.pressure_rows(problem.displacement_rows(g), passes)
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
-    parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, problem.p_cell, low, float(near), kap, grid.inside, i0, i1), passes)
+    parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, problem.p_cell, grid.inside, i0, i1), passes)
     parts = np.reshape(parts, (-1, 9)) if parts else np.zeros((1, 9))
-    *sums, uKu, mean = grid.comm.sum([*parts[:, :7].sum(axis=0), uKu, elastic.mean])
-    uniform = elastic.multipliers.uniform
+    *sums, mean = grid.comm.sum([*parts[:, :7].sum(axis=0), uKu, elastic.mean])
+    open_pp, _, _, closed_p, pg, contact, gap, uKu = sums
     penetration, tension = grid.comm.max(parts[:, 7:].max(axis=0))
-    open_pp, closed_pp, closed_p, pg, contact, gap, close = sums
-    gap_mean = gap / N
-    work = p0 * gap_mean
+    work = p0 * gap
 
-    duality_gap = 0.0 if dual else None
-    if dual and closed_p > 0 and gap > 0:
-        scale = N * p0 / closed_p
-        pg_dual = elastic.pressure_rows(lambda i0, i1, x: dual_rows(g, p, x, scale, grid.inside, i0, i1), passes)
-        eSe = elastic.compliance_columns()
-        pg_dual, eSe = grid.comm.sum([sum(pg_dual), eSe])
-        duality_gap = max(pg_dual + 0.5 * eSe, 0.0) / N / work
-    elif dual and gap > 0:
+    duality_gap = None
+    if dual:
         duality_gap = np.inf
+        if closed_p > 0:
+            scale = N * p0 / closed_p
+            pg_dual = elastic.pressure_rows(lambda i0, i1, x: dual_rows(g, p, x, scale, grid.inside, i0, i1), passes)
+            pg_dual, eSe = grid.comm.sum([sum(pg_dual), elastic.compliance_columns()])
+            G = max(pg_dual + 0.5 * eSe, 0.0)
+            duality_gap = float(G / work) if gap > 0 else (np.inf if G > 0 else 0.0)
+    uniform = elastic.multipliers.uniform
     rest = 0.5 * p0 * problem.p_cell / uniform if uniform else 0.0
+    errors = None
+    if levels is not None:
+        with np.errstate(invalid="ignore", over="ignore"):
+            errors = _errors(problem, levels, g, p, *sums)
     with np.errstate(invalid="ignore", over="ignore"):
         return Certificate(
-            penetration=float(penetration), tension=float(tension / p0),
-            complementarity=float(pg / N / work) if gap > 0 else 0.0,
-            load_balance=float(abs(closed_p / N - p0) / p0),
-            duality_gap=duality_gap if duality_gap is None else float(duality_gap), residual=float(np.sqrt(open_pp / N) / p0),
-            pressure=float(np.sqrt(open_pp / closed_pp)) if closed_pp > 0 else np.inf,
-            gap_bound=None if duality_gap is None else float(GAP_FACTOR * np.sqrt(duality_gap)),
-            energy=float(0.5 * uKu / N + rest),
+            penetration=float(penetration), tension=float(tension / p0), complementarity=float(pg / work) if gap > 0 else 0.0,
+            load_balance=float(abs(closed_p / N - p0) / p0), duality_gap=duality_gap, residual=float(np.sqrt(open_pp / N) / p0),
+            errors=errors, energy=float(0.5 * uKu / N + rest), uKu=float(uKu),
             approach=float(problem.p_cell / uniform - mean) if uniform else np.nan,
-            contact=int(contact) if np.isfinite(contact) else 0, near=int(close), gap_mean=float(gap_mean), pairs=elastic.pairs)
+            contact=int(contact) if np.isfinite(contact) else 0, gap_mean=float(gap / N), pairs=elastic.pairs)
+
+
+def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, contact, gap, uKu):
+    """Relative errors of area, mean gap and pressure field; the sums are those of `judge`."""
+    grid, N, p0 = problem.grid, problem.grid.N, float(problem.p0)
+    if not (contact > 0 and np.isfinite([open_pp, closed_pp, gap, uKu]).all()):
+        return np.inf, np.inf, np.inf
+    kap = 1.0 / problem.body.scale(grid)
+    excess = 1 - N * p0 / closed_p  # p - p^ is p out of contact, and so much of it in contact
+    levels.restrict(g, p, excess)
+    rr, tt = grid.comm.sum(levels.sweep()[2:])
+    energy = EQUIVALENCE * kap * levels.squared_norm(open_pp + excess**2 * closed_pp + rr, 0.0)
+    response = np.sqrt(kap * levels.squared_norm(contact + tt, contact / grid.cell_points)) * N / contact
+    mean_gap, pressure = field_errors(energy, uKu, closed_pp, N, p0, gap / N, kap, response)
+
+    spread = open_pp**2 / open_p4 if open_p4 > 0 else 1.0  # number of points that have most of what is left
+    wrong = _points(problem, g, p, kap, pressure**2 * closed_pp, spread)
+    if gap > 0:
+        mean_gap += problem.rounding * (N - contact) / gap + STORED * float(np.finfo(problem.dtype).eps)
+    pressure = np.hypot(pressure, rounding_error(problem, contact, np.sqrt(closed_pp / contact)))
+    return float(wrong / contact), float(mean_gap), float(pressure)
+
+
+def rounding_error(problem, contact, p_rms):
+    """Relative error of the pressure field from storing heights and pressures in the working precision; p_rms: of those in contact."""
+    if problem.dtype == np.float64:
+        return problem.rounding / p_rms
+    return float(np.hypot(problem.rounding / p_rms, STORED * np.finfo(problem.dtype).eps))
+
+
+def _points(problem, g, p, kap, squares, spread):
+    """How many points may be on the wrong side; squares: sum of squares of the error of the pressure, spread: over how many points.
+
+    No more than it takes to use `squares` up, the easiest first. An error of one point is at most REACH times the rms; of the points
+    within that reach few are on the wrong side where they differ, but all of them may be where they are alike. Closed and open points
+    are counted apart, because they change the area in opposite ways.
+    """
+    double, rounding = problem.dtype == np.float64, problem.rounding
+    sure = 0.0 if double else SURE * rounding
+    reach = squares * min(REACH**2 / spread, 1.0)
+    largest = max(reach, sure**2)
+    if largest <= 0:
+        return 0.0
+    counts = np.zeros((2, BINS))
+    rows, m = problem.grid.inside
+    undecided(g[:rows, :m], p[:rows, :m], kap, TIE * rounding if double else 0.0, sure, largest, counts)
+    counts = problem.grid.comm.sum(counts.ravel()).reshape(counts.shape)
+    takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
+    takes[-1] = 0.0
+    wrong = 0.0
+    for points in counts:
+        within = points.sum()
+        likely = points[BINS // 10:].sum()
+        easiest = np.cumsum((points * takes)[::-1]) <= squares
+        wrong = max(wrong, min(max(likely, min(within, EDGE), ALIKE * within), points[::-1][easiest].sum()))
+    return wrong

@@ -101,7 +101,7 @@ class Nested:
             return True, 0.0
         coarse = _decimated(problem, *self.steps[0])
         g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
-        certificate = certify(coarse, g, p, coarse.dtype.type, dual=False)
+        certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
         share = coarse.grid.N / problem.grid.N
         likely = certificate.contact >= (1 - TENSION) * coarse.grid.N
         return problem.grid.comm.bcast(likely), certificate.pairs * share

@@ -1,6 +1,6 @@
 """One load after another on one surface: which precision, which start, and what comes out."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from ..contact import Contact
 from ..errors import SceneError
 from ..problem import Problem
 from ..registry import solver_class
-from .certificate import Certificate, certify
+from .certificate import Certificate, certify, rounding_error
 from .drive import Course, Outcome, Target, drive
 from .nested import Nested, cold_gap
 
@@ -153,8 +153,9 @@ class Sweep:
             # Rounding errors of the first pressure would stay to the end: only its changes are added to it.
             if g is not self.solver.g:
                 self.solver.g[...] = g
-            self._spent += certify(problem, self.solver.g, self.solver.p, dual=False).pairs
-            self.solver.refresh()
+            fresh = certify(problem, self.solver.g, self.solver.p)
+            self._spent += fresh.pairs
+            self.solver.refresh(fresh.uKu)
         else:
             self.solver.start(g)
 
@@ -191,12 +192,12 @@ class Sweep:
         if not likely:
             return None, pairs
         g, q = np.zeros_like(problem.h), np.empty_like(problem.h)
-        certificate = certify(problem, g, q, dual=self.target.duality)
+        certificate = certify(problem, g, q, dtype=self.target.judged_in, dual=self.target.duality)
         pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
             return None, pairs
-        errors = (0.0, 0.0, 0.0 if problem.dtype == np.float64 else problem.rounding / problem.p0)
-        return (g, q, Outcome("converged", errors, certificate, 0.0)), pairs
+        exact = replace(certificate, errors=(0.0, 0.0, rounding_error(problem, certificate.contact, problem.p0)))
+        return (g, q, Outcome("converged", exact, 0.0)), pairs
 
     def _to(self, dtype):
         """Make the surface in this precision and plan all transforms that its contacts need."""
@@ -219,6 +220,6 @@ class Sweep:
     def _flat(self, p):
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
-        certificate = Certificate(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, np.nan, self.surface.grid.N, 0, 0.0, 0.0)
-        return self._step(p, g, np.full_like(g, p / self.E_star), Outcome("converged", (0.0, 0.0, 0.0), certificate, 0.0), 0, 0.0)
+        certificate = Certificate(contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0)
+        return self._step(p, g, np.full_like(g, p / self.E_star), Outcome("converged", certificate, 0.0), 0, 0.0)
 

@@ -39,4 +39,4 @@ def _tiny_contact_in(precision, settings):
     for observable in all_observables().values():
         observable(contact)
     grid, dtype = sweep.surface.grid, sweep.dtype
-    Multilevel(grid, HALF_SPACE.weights(grid), dtype, grid.n[0], whole_points=0).sweep()  # levels that only larger grids spread
+    Multilevel(grid, HALF_SPACE, dtype, grid.n[0], whole_points=0).sweep()  # levels that only larger grids spread

@@ -4,11 +4,10 @@ import numpy as np
 
 from .jit import kernel
 
-# columns of the sums that `judge` returns
-OPEN_PP, CLOSED_PP, CLOSED_P, PG, CONTACT, GAP, NEAR = range(7)
+BINS, PER_OCTAVE = 160, 4  # of squares: the first tenth is from the largest to a sixteenth of it
 
 # Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a slab); beyond
-# it g is the displacement u itself, and nothing is closed. `contact_edges` gets that part alone.
+# it g is the displacement u itself, and nothing is closed. `contact_edges` and `undecided` get that part alone.
 
 
 @kernel
@@ -23,13 +22,13 @@ def displacement_rows(g, h, x, i0, i1):
 
 
 @kernel
-def judge(g, p, x, p0, low, high, kap, inside, i0, i1):
+def judge(g, p, x, p0, inside, i0, i1):
     """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0.
 
-    Returns sums: p^2 off contact, p^2 in contact, p in contact, |p| g, points in contact, gap, points within (low, high) of the
-    other side: in p where g <= 0, in g/kap elsewhere; and the largest -g and -p where g <= 0.
+    Returns sums: p^2 and p^4 off contact, p^2 in contact, p in contact, |p| g, points in contact, gap; and the largest -g and -p where
+    g <= 0.
     """
-    open_pp = closed_pp = closed_p = pg = gap = contact = near = 0.0
+    open_pp = open_p4 = closed_pp = closed_p = pg = gap = contact = 0.0
     worst = np.zeros((2, g.shape[1]))  # row after row: one maximum over all points would not use vectors
     for i in range(i0, i1):
         m = inside[1] if i < inside[0] else 0
@@ -37,6 +36,7 @@ def judge(g, p, x, p0, low, high, kap, inside, i0, i1):
             q = p0 + x[i - i0, j]
             p[i, j] = q
             open_pp += q * q
+            open_p4 += (q * q) * (q * q)
         for j in range(m):  # products and selections instead of branches: those keep the compiler from using vectors
             q = p0 + x[i - i0, j]
             d = 1.0 * g[i, j]
@@ -46,18 +46,35 @@ def judge(g, p, x, p0, low, high, kap, inside, i0, i1):
             qt = t * q
             qo = q - qt
             open_pp += qo * qo
+            open_p4 += (qo * qo) * (qo * qo)
             closed_pp += qt * qt
             closed_p += qt
             contact += t
-            margin = q if t > 0 else (-q if closed > 0 else d / kap)
-            a = 1.0 if margin > low else 0.0
-            near += a if margin < high else 0.0
             pg += abs(q) * d
             gap += d
             pull = closed * -q
             worst[0, j] = -d if -d > worst[0, j] else worst[0, j]
             worst[1, j] = pull if pull > worst[1, j] else worst[1, j]
-    return open_pp, closed_pp, closed_p, pg, contact, gap, near, worst[0].max(), worst[1].max()
+    return open_pp, open_p4, closed_pp, closed_p, pg, contact, gap, worst[0].max(), worst[1].max()
+
+
+@kernel
+def undecided(g, p, kap, tie, sure, largest, counts):
+    """Count the points that errors of the pressure might move to the other side, by the square of what that takes.
+
+    It takes |p| where g <= 0, g/kap elsewhere. counts (2, BINS), closed and open ones: bin k holds squares from
+    largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones. Less than tie: on either side right, not counted; less than sure:
+    takes nothing.
+    """
+    for i in range(g.shape[0]):
+        for j in range(g.shape[1]):
+            opened = g[i, j] > 0
+            t = g[i, j] / kap if opened else abs(p[i, j])
+            if t * t <= largest and t >= tie:
+                k = BINS - 1
+                if t > sure:
+                    k = min(int(-PER_OCTAVE * np.log2(t * t / largest)), k)
+                counts[1 if opened else 0, k] += 1
 
 
 @kernel

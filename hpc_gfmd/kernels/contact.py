@@ -12,9 +12,6 @@ import numpy as np
 from .jit import inline, kernel
 from .multilevel import combine_rows, interpolate_row, restrict_row
 
-# columns of the sums that `update` returns
-RR, PP, PD, DX, PX, CONTACT, GAP, LIFTING = range(8)
-
 
 @kernel
 def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, inside, rows):
@@ -72,17 +69,17 @@ def part_of_row(part, i, inside, g):
 
 
 @kernel
-def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0, f, inside, rows):
+def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0, f, inside, rows):
     """g += s d, p += s x, and everything that the next step needs of the new state.
 
-    Restricts p on F, the indicator of A, and x on F to the coarser grid: coarse (3, rows + 2, m) with halo gets the rows that
-    belong to this pass alone, first and last (3, m) the two that it shares. rows: (7, n_y) scratch.
-    Returns sums: p^2 on F, p^2, p d, on F: d x and p x, points in contact, gap, points with g <= 0 and p <= 0.
+    Restricts p on F and closed p on A, the indicator of A, and x on F to the coarser grid: coarse (3, rows + 2, m) with halo gets the
+    rows that belong to this pass alone, first and last (3, m) the two that it shares. rows: (7, n_y) scratch.
+    Returns sums: p^2 on F, p^2, p d, on F: d x and p x, points in contact, gap.
     """
     n = g.shape[1]
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
-    RRs = PPs = PDs = DXs = PXs = Cs = Gs = Ls = 0.0
+    RRs = PPs = PDs = DXs = PXs = Cs = Gs = 0.0
     lo = k0[i0]
     hi = k0[i1 - 1] + 1
     rows[3:6] = zero  # rows 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
@@ -92,7 +89,7 @@ def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0
         end = i + 1
         while end < i1 and k0[end] == K:
             end += 1
-        rr, pp, pd, dx, px, nc, gs, nl = _advance(g, p, d, x, s, i0, i, end, inside, zero, one)
+        rr, pp, pd, dx, px, nc, gs = _advance(g, p, d, x, s, i0, i, end, inside, zero, one)
         RRs += rr
         PPs += pp
         PDs += pd
@@ -100,18 +97,17 @@ def update(g, p, d, x, s, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0
         PXs += px
         Gs += gs
         Cs += nc
-        Ls += nl - nc
-        _gather(g, p, x, i0, i, end, f_x, inside, rows, zero, one)
+        _gather(g, p, x, closed, i0, i, end, f_x, inside, rows, zero, one)
         _put_down(rows, 0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
         i = end
     _put_down(rows, 3, n, hi, lo, hi, first, last, coarse, factor, mode, j0, f)
-    return RRs, PPs, PDs, DXs, PXs, Cs, Gs, Ls
+    return RRs, PPs, PDs, DXs, PXs, Cs, Gs
 
 
 @inline
 def _advance(g, p, d, x, s, i0, start, end, inside, zero, one):
     """Rows start..end of `update`: new g and p, and their sums."""
-    rr = pp = pd = dx = px = gs = nc = nl = zero
+    rr = pp = pd = dx = px = gs = nc = zero
     for i in range(start, end):
         for part in range(2):
             j0, j1, wall = part_of_row(part, i, inside, g)
@@ -122,25 +118,24 @@ def _advance(g, p, d, x, s, i0, start, end, inside, zero, one):
                 q = p[i, j] + s * y
                 g[i, j] = gg
                 p[i, j] = q
-                closed = one if gg <= wall else zero
-                t = closed if q > zero else zero
+                touching = one if gg <= wall else zero
+                t = touching if q > zero else zero
                 free = one - t
                 pf = free * q
                 xf = free * y
                 nc += t
-                nl += closed
                 rr += pf * pf
                 pp += q * q
                 pd += pf * d[i, j]
                 dx += xf * d[i, j]
                 px += pf * xf
                 gs += counts * gg
-    return rr, pp, pd, dx, px, nc, gs, nl
+    return rr, pp, pd, dx, px, nc, gs
 
 
 @inline
-def _gather(g, p, x, i0, start, end, f_x, inside, rows, zero, one):
-    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F, the indicator of A, x on F.
+def _gather(g, p, x, closed, i0, start, end, f_x, inside, rows, zero, one):
+    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F and closed p on A, the indicator of A, x on F.
 
     A loop of its own, and rows of one array: with more pointers than this the compiler gives up on vectors.
     """
@@ -149,12 +144,12 @@ def _gather(g, p, x, i0, start, end, f_x, inside, rows, zero, one):
         k = start + 1
         v, w = f_x[start], f_x[k]
         for part in range(2):
-            j0, j1, wall0 = part_of_row(part, start, inside, g)
+            start_j, end_j, wall0 = part_of_row(part, start, inside, g)
             wall1 = part_of_row(1, k, inside, g)[2] if k == inside[0] else wall0  # k is the first row beyond the surface
-            for j in range(j0, j1):
+            for j in range(start_j, end_j):
                 t0 = one if (g[start, j] <= wall0 and p[start, j] > zero) else zero
                 t1 = one if (g[k, j] <= wall1 and p[k, j] > zero) else zero
-                a0, a1 = (one - t0) * p[start, j], (one - t1) * p[k, j]
+                a0, a1 = (closed * t0 + (one - t0)) * p[start, j], (closed * t1 + (one - t1)) * p[k, j]
                 b0, b1 = (one - t0) * x[start - i0, j], (one - t1) * x[k - i0, j]
                 rows[0, j] = rows[3, j] + (one - v) * a0 + (one - w) * a1
                 rows[1, j] = rows[4, j] + (one - v) * t0 + (one - w) * t1
@@ -170,10 +165,10 @@ def _gather(g, p, x, i0, start, end, f_x, inside, rows, zero, one):
     for i in range(start, end):
         w = f_x[i]
         for part in range(2):
-            j0, j1, wall = part_of_row(part, i, inside, g)
-            for j in range(j0, j1):
+            start_j, end_j, wall = part_of_row(part, i, inside, g)
+            for j in range(start_j, end_j):
                 t = one if (g[i, j] <= wall and p[i, j] > zero) else zero
-                a = (one - t) * p[i, j]
+                a = (closed * t + (one - t)) * p[i, j]
                 b = (one - t) * x[i - i0, j]
                 rows[0, j] += (one - w) * a
                 rows[1, j] += (one - w) * t

@@ -13,6 +13,7 @@ which then sweeps the rest alone.
 
 import numpy as np
 
+from ..aligned import LINE, zeros_aligned
 from ..kernels.contact import update
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_whole
 from ..parallel import halo
@@ -22,19 +23,21 @@ DAMPING = 4.0  # c
 COUPLING = 1.05  # w
 WHOLE_POINTS = 128 * 128  # levels of at most this many points are swept by every rank
 THIN_ROWS = 2  # and so are levels of which some rank has fewer rows than this
+# <r, S r> of a field of zero mean is at most so many times `Multilevel.squared_norm`: eigenvalues up to 2.21 on all kinds of grids; of
+# what solvers leave it is 0.5 to 1.6 times, mostly 1.2
+EQUIVALENCE = 2.25
 
 
 class Multilevel:
-    """The sweep for one grid in one precision. weights: of its levels, see bodies/base.py; longest: rows per pass of the solver;
-    whole_points: see WHOLE_POINTS."""
+    """The sweep for one grid and body in one precision. longest: rows per pass of the solver; whole_points: see WHOLE_POINTS."""
 
-    def __init__(self, grid, weights, dtype, longest, whole_points=WHOLE_POINTS):
+    def __init__(self, grid, body, dtype, longest, whole_points=WHOLE_POINTS):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
         self.c, self.w = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
-        hierarchy = levels(grid)
+        hierarchy, weights, softness = levels(grid), body.weights(grid), body.softness(grid)
         if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
-            hierarchy, weights = hierarchy * 2, [*weights] * 2
-        self.levels, self.weights = hierarchy, np.asarray(weights, self.dtype)
+            hierarchy, weights, softness = hierarchy * 2, [*weights] * 2, [*softness] * 2
+        self.levels, self.weights, self.softness = hierarchy, np.asarray(weights, self.dtype), np.asarray(softness)
 
         self.transfers, self.spread = [], []
         starts = grid.starts
@@ -49,7 +52,7 @@ class Multilevel:
             self.spread.append(coarse)
         # Level 1 is in the rank's own rows in any case: that is what the solver's passes write to and read from.
         self.fields = [np.zeros((3 if k == 0 else 2, t.rows + 2, t.m[1]), self.dtype) for k, t in enumerate(self.transfers)]
-        self.whole = _Whole(hierarchy[len(self.spread) + 1:], self.weights[len(self.spread) + 1:])
+        self.whole = _Whole(hierarchy[len(self.spread) + 1:], self.weights[len(self.spread) + 1:], self.softness[len(self.spread) + 1:])
 
         first = self.transfers[0]
         self.passes = first.passes(longest)
@@ -64,12 +67,13 @@ class Multilevel:
         """Bytes held on this rank."""
         return sum(a.nbytes for a in self.fields) + self.edges.nbytes + self.whole.nbytes
 
-    def update_rows(self, k, g, p, d, x, s, rows):
+    def update_rows(self, k, g, p, d, x, s, rows, closed=0.0):
         """Pass k of the solver's update of its state, see kernels/contact.py; returns its sums."""
         i0, i1 = self.passes[k]
         t = self.transfers[0]
         edges = self.edges[0 if self.in_order else k]
-        sums = update(g, p, d, x, s, i0, i1, self.fields[0], edges[0], edges[1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f,
+        closed = self.dtype.type(closed)
+        sums = update(g, p, d, x, s, closed, i0, i1, self.fields[0], edges[0], edges[1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f,
                       self.grid.inside, rows)
         if self.in_order:
             self._join(k)
@@ -92,7 +96,8 @@ class Multilevel:
         """From what the update passes restricted to level 1, make z on level 1 (own rows and halo).
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
-        finest level.
+        finest level; and of the sums over these levels of softness <r, r> and softness <t, t>, r and t being p on F and the indicator
+        of A restricted to the level, times N/N_l.
         """
         if not self.passes:
             self.fields[0][...] = 0
@@ -108,24 +113,39 @@ class Multilevel:
             halo.accumulate(self.comm, self.fields[k])
             t = self.transfers[k + 1]
             restrict_level(self.fields[k][:2], self.fields[k + 1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
-        sums = self._sweep_whole()
+        rz, xz, rr, tt = self._sweep_whole()
         for k in reversed(range(len(self.spread))):
-            sums = self._smooth(k)
+            rz, xz, *squares = self._smooth(k)
+            share = self.softness[k + 1] * self.grid.cell_points / (self.levels[k + 1].n[0] * self.levels[k + 1].n[1])
+            rr, tt = rr + squares[0] * share, tt + squares[1] * share
             halo.fill(self.comm, self.fields[k][0])
-        ratio = self.levels[0].n[0] * self.levels[0].n[1] / (first.m[0] * first.m[1])
-        return sums[0] * ratio, sums[1] * ratio
+        ratio = self.grid.cell_points / (first.m[0] * first.m[1])
+        return rz * ratio, xz * ratio, float(rr), float(tt)
+
+    def squared_norm(self, squares, mean):
+        """sum over levels of softness <r, r> for r less its mean; squares: that of r itself, of all levels and ranks."""
+        return max(squares - self.grid.cell_points * mean**2 * float(np.sum(self.softness)), 0.0)
+
+    def restrict(self, g, p, closed):
+        """From a state that no step has led to, what the update passes restrict; returns their sums. closed: see kernels/contact.py."""
+        longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
+        still = np.zeros((longest, self.grid.n[1]), self.dtype)
+        rows = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
+        sums = [self.update_rows(k, g, p, g, still, self.dtype.type(0), rows, closed) for k in range(len(self.passes))]
+        return np.sum(np.reshape(sums, (-1, 7)), axis=0)
 
     def _sweep_whole(self):
         """Sum the last level that is spread onto every rank, sweep the rest, take back this rank's rows."""
         t = self.transfers[-1]
         a = self.fields[-1]
         whole = halo.sum_to_all(self.comm, a, t.start, t.m[0])
-        z = self.whole.sweep(whole[0], whole[1])
+        z, rr, tt, self.mean = self.whole.sweep(whole[0], whole[1])
         halo.take_rows(z, t.start, a[0])
-        if len(self.spread) or self.comm.rank:
-            return 0.0, 0.0
-        # Level 1 itself is whole: rank 0 alone contributes the sums.
-        return _dot(whole[0], z), _dot(whole[2], z)
+        if self.comm.rank:  # rank 0 alone contributes what all have
+            return 0.0, 0.0, 0.0, 0.0
+        ratio = self.grid.cell_points / (t.m[0] * t.m[1])
+        products = (0.0, 0.0) if self.spread else (_dot(whole[0], z), _dot(whole[2], z))  # where level 1 itself is whole
+        return *products, rr * ratio, tt * ratio
 
     def _smooth(self, k):
         a, t, z = self.fields[k], self.transfers[k + 1], self.fields[k + 1][0]
@@ -140,12 +160,12 @@ def _dot(a, b):
 class _Whole:
     """The coarse levels that every rank sweeps alone, in one call."""
 
-    def __init__(self, levels, weights):
+    def __init__(self, levels, weights, softness):
         dtype = weights.dtype
         self.shapes = np.array([level.n for level in levels], np.int64).reshape(-1, 2)
         sizes = self.shapes[:, 0] * self.shapes[:, 1]
         self.offsets = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
-        self.weights = weights
+        self.weights, self.softness = weights, softness
         self.r, self.t = np.zeros(sizes.sum(), dtype), np.zeros(sizes.sum(), dtype)
         self.c, self.w = dtype.type(DAMPING), dtype.type(COUPLING)
 
@@ -157,5 +177,5 @@ class _Whole:
         n = r.size
         self.r[:n] = r.ravel()
         self.t[:n] = t.ravel()
-        sweep_whole(self.r, self.t, self.shapes, self.offsets, self.weights, self.c, self.w)
-        return self.r[:n].reshape(r.shape)
+        rr, tt, mean = sweep_whole(self.r, self.t, self.shapes, self.offsets, self.weights, self.softness, self.c, self.w)
+        return self.r[:n].reshape(r.shape), rr, tt, mean

@@ -67,7 +67,7 @@ class _Response:
     def __init__(self, grid, body, contact, dtype):
         self.grid, self.comm = grid, grid.comm
         self.elastic = Elastic(grid, body, dtype)
-        self.levels = Multilevel(grid, body.weights(grid), dtype, self.elastic.fft.R)
+        self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
         rows, n_y = grid.shape
         self.residual_and_contact = np.zeros((2, rows + 2, n_y), dtype)  # with the halo rows that the transfer expects
         self.residual, self.contact = self.residual_and_contact[:, 1:-1]
@@ -84,7 +84,7 @@ class _Response:
         restrict_level(self.residual_and_contact, levels.fields[0][:2], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
         levels.sweep_levels()
         transfer = (t.k0, t.f_x, t.mode, t.j0, t.f)
-        rz, _ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.c, levels.w, *transfer)
+        rz, *_ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.c, levels.w, *transfer)
         return float(self.comm.sum([rz])[0])
 
     def step(self):

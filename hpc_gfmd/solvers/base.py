@@ -6,6 +6,7 @@ nothing of stopping, files or clocks: that is `drive.py`.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 
 @dataclass(frozen=True)
@@ -13,8 +14,8 @@ class Progress:
     """How far a solver is, the same numbers on every rank.
 
     residual: sqrt(mean p^2 where the gap is open)/p0; contact: points with g <= 0 and p > 0; gap_mean: in the problem's units.
-    estimates: relative errors of (area, mean gap, pressure), or None where the solver has no error estimate of its own and the
-    certificate has to be asked.
+    estimates: what the certificate is expected to give as relative errors of (area, mean gap, pressure), or None where the solver
+    does not know and it has to be asked now and then.
     """
 
     residual: float
@@ -47,6 +48,13 @@ class Solver:
         """FFT pairs done on this grid so far."""
         return self.elastic.pairs
 
+    @cached_property
+    def levels(self):
+        """The multilevel operator on this grid, made when the certificate first asks for it."""
+        from ..operators.multilevel import Multilevel
+
+        return Multilevel(self.grid, self.problem.body, self.problem.dtype, self.elastic.fft.R)
+
     @property
     def problem_now(self):
         """The problem at the present load."""
@@ -67,9 +75,12 @@ class Solver:
         self.p += self.problem.dtype.type(self.p_cell - before)
         self.refresh()
 
-    def refresh(self):
-        """self.p has just been computed anew from self.g: go on from there."""
+    def refresh(self, uKu=None):
+        """self.p has just been computed anew from self.g, or shifted: go on from there. uKu: <u, K u>, None if that has not changed."""
         raise NotImplementedError
+
+    def resume(self):
+        """self.p has just been computed anew from self.g, and self.levels used by somebody else: go on as if nothing had happened."""
 
     def step(self):
         """One iteration."""

@@ -9,16 +9,15 @@ One iteration is three passes over memory: `propose` + row transforms, column tr
 The displacement itself never appears: with the gap g = u + h and p = p0 + K u, steps change both by the same d and K d.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
 from ..kernels.contact import propose
 from ..operators.elastic import Elastic
-from ..operators.multilevel import COUPLING, Multilevel
+from ..operators.multilevel import COUPLING, EQUIVALENCE, Multilevel
 from ..options import read_options
 from .base import Progress, Solver
+from .errors import field_errors
 
 RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
 GRADIENT = 1.0041  # times the largest K, over kap: a projected gradient step is a little shorter than what K allows
@@ -26,12 +25,9 @@ DESCENT = 0.2  # share of the predicted descent that clipping must leave
 CLIPPED = 0.02  # share of it up to which a step counts as not clipped
 SHORT = 0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
 
-# The error estimates (see Bpx._estimates); the factors cover the largest ratios ever seen of error to estimate
-SAFETY = 1.25
-FEW = 40  # contact points below which the mean displacement is an error that the preconditioner underrates
-CREEP, EARLY = 0.25, 4.0  # of the mean gap
-EDGE = 3  # points whose side is a matter of chance while errors are of the order of one point
-SURE = 0.01  # expected number of points on the wrong side below which there is none
+# What the certificate will say, as far as a step can know: asked too early it costs a pair, too late an iteration
+EXPECTED = 0.92  # of the bound from its parts
+AREA = 0.9, 2.0  # share of the contact on the wrong side over the error of the pressure, at vanishing a_r, and per a_r
 
 
 class Bpx(Solver):
@@ -40,7 +36,8 @@ class Bpx(Solver):
     name = "bpx"
     takes_gap = True
     state_names = ("g", "p", "d")
-    scalar_names = ("s", "rayleigh", "nearly", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "iterations")
+    scalar_names = ("s", "rayleigh", "nearly", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "uKu", "r_norm", "t_norm",
+                    "iterations")
 
     def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
@@ -48,7 +45,7 @@ class Bpx(Solver):
         grid, body, dtype = self.grid, problem.body, problem.dtype
         self.elastic = Elastic(grid, body, dtype)
         self.fft = self.elastic.fft
-        self.levels = Multilevel(grid, body.weights(grid), dtype, self.fft.R)
+        self.levels = Multilevel(grid, body, dtype, self.fft.R)
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(dtype)
@@ -56,7 +53,6 @@ class Bpx(Solver):
         self.gradient = 1.0 / (GRADIENT * self.kap * body.bounds(grid)[1])
         self._rows = {id(x): zeros_aligned((7, grid.n[1] + LINE // dtype.itemsize), dtype) for x in self.fft.row_scratch}
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
-        self.problem = replace(problem, h_rms=problem.root_mean_square())  # once
 
     # -- starting ------------------------------------------------------------------------------------------------------------
 
@@ -66,12 +62,17 @@ class Bpx(Solver):
         self.p[...] = self.p_cell
         self.d[...] = 0
         self.elastic.pressure_rows(self.problem.displacement_rows(self.g), self.passes)
-        self.elastic.pressure_columns(self.problem.adder(self.fft))
+        self.uKu = float(self.grid.comm.sum([self.elastic.pressure_columns(self.problem.adder(self.fft))])[0])
         self._begin(self._update(1.0))
 
-    def refresh(self):
+    def refresh(self, uKu=None):
+        self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
-        self._begin(self._update_still())
+        self._begin(self.levels.restrict(self.g, self.p, 0.0))
+
+    def resume(self):
+        self.levels.restrict(self.g, self.p, 0.0)
+        self.levels.sweep()  # z on the coarse levels follows from g and p
 
     def _begin(self, sums):
         """A new descent begins: no momentum, no memory of the Rayleigh quotient."""
@@ -81,9 +82,7 @@ class Bpx(Solver):
 
     def load_state(self, arrays, numbers):
         super().load_state(arrays, numbers)
-        self._update_still()
-        self.levels.sweep()  # z on the coarse levels follows from g and p
-        self._set_numbers(numbers)
+        self.resume()
 
     # -- one iteration -------------------------------------------------------------------------------------------------------
 
@@ -109,7 +108,8 @@ class Bpx(Solver):
             a, b = 0.0, 0.0
             pd, clipped = self._propose(self.gradient, 0.0, 0.0)
         free = not plain and abs(pd + descent) < CLIPPED * descent
-        dKd = float(self.grid.comm.sum([self.elastic.pressure_columns()])[0])
+        dKd = self.elastic.pressure_columns()
+        dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
         optimum = -pd / dKd if dKd > 0 else 1.0
         self.s = optimum if 0 < optimum < (1.0 if free else SHORT) else 1.0
         self.nearly = clipped if self.s < 1 else 0.0
@@ -121,6 +121,7 @@ class Bpx(Solver):
             zKz = dKd - 2 * a * b * self.zq - b * b * self.dq
             self.rayleigh = zKz / (a * a * self.rz)
         self._measure(sums)
+        self.uKu += 2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd  # K u = p - p_cell
         self.iterations += 1
 
     def _coefficients(self):
@@ -156,30 +157,22 @@ class Bpx(Solver):
     def _update(self, s):
         """Last pass: x = K d by rows, new g and p; returns this rank's sums (see kernels/contact.py)."""
         sums = self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes)
-        return np.sum(np.reshape(sums, (-1, 8)), axis=0)
-
-    def _update_still(self):
-        """The sums of `_update` for the state as it is."""
-        zero = np.zeros((self.fft.R, self.grid.n[1]), self.problem.dtype)
-        sums = [self._update_rows(a, b, zero, 0.0) for a, b in self.passes]
-        return np.sum(np.reshape(sums, (-1, 8)), axis=0)
+        return np.sum(np.reshape(sums, (-1, 7)), axis=0)
 
     def _update_rows(self, i0, i1, x, s):
-        rows = self._rows.get(id(x))
-        if rows is None:
-            rows = next(iter(self._rows.values()))
-        return self.levels.update_rows(self._number[i0], self.g, self.p, self.d, x, self.problem.dtype.type(s), rows)
+        return self.levels.update_rows(self._number[i0], self.g, self.p, self.d, x, self.problem.dtype.type(s), self._rows[id(x)])
 
     def _measure(self, sums):
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""
-        rz1, xz1 = self.levels.sweep()
-        rr, pp, pd, dx, px, contact, gap, _, rz1, xz1 = self.grid.comm.sum([*sums, rz1, xz1])
+        rr, pp, pd, dx, px, contact, gap, rz1, xz1, r1, t1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
         s, kap = self.s, self.kap
         self.rz = kap * (rr + COUPLING * rz1)  # <p, z> on F
         self.rd = s * pd  # <p, d>
         self.zq = s * kap * (px + COUPLING * xz1)  # <z, K d>
         self.dq = s * s * dx  # <d, K d>
         self.rr, self.pp = rr, pp
+        self.r_norm = self.levels.squared_norm(rr + r1, self.levels.mean)
+        self.t_norm = self.levels.squared_norm(contact + t1, contact / self.grid.cell_points)
         self.contact, self.gap_mean = contact, gap / self.N
 
     # -- how far -------------------------------------------------------------------------------------------------------------
@@ -190,41 +183,19 @@ class Bpx(Solver):
         estimates = self._estimates() if finite else (np.inf, np.inf, np.inf)
         return Progress(float(residual), self.contact, self.gap_mean, estimates, finite)
 
-    @property
-    def rounding(self):
-        """The rms error of the pressure that rounding makes."""
-        return self.problem_now.rounding
-
-    @property
-    def pressure_rms(self):
-        """What a relative error of the pressure field times this is at one point: errors are spread over the free points."""
-        return float(np.sqrt(max(self.pp - self.rr, 0.0) / max(self.N - self.contact, 1)))
-
     def _estimates(self):
-        """Relative errors of area, mean gap and pressure field, from the residual in the norm of the preconditioner.
+        """What the certificate is expected to say: its bound from p on F alone, whose mean and scale are not yet put right.
 
-        M is close to the inverse of K on the free points, so <p, M p> is the squared energy norm of the error and, over kap, nearly the
-        squared L2 norm of the error of p. With e = sqrt(<p, M p>/(kap <p, p>_A)):
-
-        pressure: e, times 1 + FEW/n_c where only a few points n_c are in contact, when all error is in the mean displacement;
-        area: the share e of the contact is on the wrong side of its edge, and EDGE points, unless e n_c < SURE, and those that the last
-        step would have closed had it not been made shorter;
-        mean gap: sqrt(<p, M p>/(p0 <g>)), times (open area)^-1/4, because close to full contact it is not p0 that opens the gaps but
-        less, times (1 + CREEP (open area))(1 + EARLY e): the first steps leave much of the slowest modes.
-
-        Each is scaled by SAFETY. Rounding of the heights adds its share to e.
+        With r = p on F and the contact's load too small by the factor scale: p^ - p = -r + (scale - 1) (p - r), and |p|_S = |u|_K.
         """
-        n_c, gap, closed = self.contact, self.gap_mean, self.pp - self.rr
-        if n_c == 0 or closed <= 0:
+        closed = self.pp - self.rr
+        load = self.p_cell - self.levels.mean
+        if self.contact == 0 or closed <= 0 or load <= 0:
             return np.inf, np.inf, np.inf
-        e = np.sqrt(max(self.rz, 0.0) / (self.kap * closed))
-        edge = EDGE / n_c if e * n_c > SURE else 0.0
-        e = np.hypot(e, self.rounding * np.sqrt(n_c / closed))
-        few = SAFETY * (1 + FEW / n_c)
-        area = few * e + edge + self.nearly / n_c
-        opened = 1 - n_c / self.N
-        mean_gap = 0.0 if self.rr == 0 else np.inf
-        if gap > 0:
-            slow = opened**-0.25 * (1 + CREEP * opened) * (1 + EARLY * e)
-            mean_gap = few * (np.sqrt(max(self.rz, 0.0) / (self.N * self.p0 * gap)) * slow + self.rounding * opened / gap)
-        return float(area), float(mean_gap), float(few * e)
+        off = abs(self.p_cell / load - 1)
+        norm = np.sqrt(EQUIVALENCE * self.kap * self.r_norm)
+        energy = (EXPECTED * (norm * (1 + off) + off * np.sqrt(max(self.uKu, 0.0)))) ** 2
+        response = np.sqrt(self.kap * self.t_norm) * self.N / self.contact
+        gap, pressure = field_errors(energy, self.uKu, closed, self.N, self.p0, self.gap_mean, self.kap, response)
+        area = (AREA[0] + AREA[1] * self.contact / self.N) * pressure
+        return area + self.nearly / self.contact, gap, pressure

@@ -72,7 +72,7 @@ class Ccg(Solver):
         self._close([scaled(i0, i1) for i0, i1 in self.elastic.fft.passes()])
         self.refresh()
 
-    def refresh(self):
+    def refresh(self, uKu=None):
         """Only the direction is carried on from one iteration to the next: it is forgotten."""
         self.fresh, self.previous = True, 1.0
 

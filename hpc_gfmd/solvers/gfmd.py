@@ -55,7 +55,7 @@ class Gfmd(Solver):
         self._measure(self.elastic.use_rows(self._settle))
         self._begin()
 
-    def refresh(self):
+    def refresh(self, uKu=None):
         self.d[...] = 0
         fft = self.elastic.fft
         zero = np.zeros((fft.R, self.grid.n[1]), self.problem.dtype)

@@ -147,7 +147,7 @@ def test_update(random, n, s):
     """New state, sums, and the restriction of p and x on F and of the indicator of A, in one or in several passes."""
     for longest in (n[0], 2):
         grid = Grid(n)
-        levels_of = Multilevel(grid, HalfSpace().weights(grid), np.float64, longest)
+        levels_of = Multilevel(grid, HalfSpace(), np.float64, longest)
         if levels_of.levels[0].n == levels_of.levels[1].n:
             return
         g, p, d = state(random, n)
@@ -236,7 +236,7 @@ def by_matrices(grid, r, theta, level=0):
 
 def swept(grid, p, closed):
     """M' p on level 1 by the solver's own sweep, and the sum <p, M' p>."""
-    sweep = Multilevel(grid, HalfSpace().weights(grid), np.float64, max(grid.n[0], 1))
+    sweep = Multilevel(grid, HalfSpace(), np.float64, max(grid.n[0], 1))
     g = np.where(closed, 0.0, 1.0)
     q = np.where(closed, 1.0, p)
     zero, work = np.zeros(grid.n), np.zeros((7, grid.n[1] + 1))
@@ -359,7 +359,7 @@ def test_judge(random):
     g = random.standard_normal((6, 5))
     g[g < 0.3] = np.minimum(g[g < 0.3], 0)
     x, p = random.standard_normal((6, 5)), np.empty((6, 5))
-    sums = certify.judge(g, p, x, 0.2, 0.1, 0.5, 0.7, g.shape, 0, 6)
+    sums = certify.judge(g, p, x, 0.2, g.shape, 0, 6)
     q = 0.2 + x
     closed = (g <= 0) & (q > 0)
     margin = np.where(closed, q, np.where(g <= 0, -q, g / 0.7))
