@@ -70,7 +70,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
             say.say(f"note: {line}")
         if resume and comm.rank == 0:
             wisdom.take_from(file.partial)
-        compile_once(comm, scene.solver)
+        compile_once(comm, scene.solver, scene.surface.boundary, scene.material)
         lam_s = getattr(scene.surface, "lam_s", None)
         low = scene.solver.low_memory
         kind = LowMemorySweep if low else Sweep
@@ -115,8 +115,10 @@ def _read_scene(comm, scene, overrides, out):
 def _surface_attributes(spec, surface, n):
     names = ("eps_t", "eps_f", "eps_c", "seed")
     nan = float("nan")
+    boundary = ", ".join("free" if ends else "periodic" for ends in spec.free)
     return {"n": list(n), "physical_sizes": list(spec.physical_sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
-            "kind": spec.kind} | {name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
+            "kind": spec.kind, "boundary": boundary} | {
+                name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
             {"hurst": spec.hurst} if hasattr(spec, "hurst") else {})
 
 

@@ -15,6 +15,7 @@ from ..operators.coarsening import levels
 NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
 SAMPLES = 400  # of K between the longest and the shortest wave, where it may not be monotone
 FLAT = 6  # how soon a level has nothing to add where K hardly falls
+LEFT = 0.3  # wave number over the largest: the typical one of what solvers leave
 NOTHING = 1e30  # a stiffness against which a level does nothing
 SQRT2 = np.sqrt(2.0)
 
@@ -80,6 +81,13 @@ class Body:
         longest = min((2 * np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1), default=shortest)
         K = self.stiffness(np.geomspace(longest, shortest, SAMPLES), grid.a)
         return float(K.min()), float(K.max())
+
+    def typical(self, grid):
+        """What K is on the average over what solvers leave, so that it tells the error of the pressure from that of the energy: times a
+        constant, `scale` where K is proportional to q."""
+        shortest = SQRT2 * grid.q_nyquist
+        K = self.stiffness(np.append(np.linspace(0, LEFT * shortest, SAMPLES)[1:], LEFT * shortest), grid.a)
+        return float(K.max()) / (SQRT2 * LEFT)
 
     def weights(self, grid):
         """The stiffness of every level of the grid's hierarchy in the multilevel preconditioner, relative to the finest.

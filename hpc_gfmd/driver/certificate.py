@@ -117,7 +117,8 @@ def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, con
     rr, tt = grid.comm.sum(levels.sweep()[2:])
     energy = EQUIVALENCE * kap * levels.squared_norm(open_pp + excess**2 * closed_pp + rr, 0.0)
     response = np.sqrt(kap * levels.squared_norm(contact + tt, contact / grid.cell_points)) * N / contact
-    mean_gap, pressure = field_errors(energy, uKu, closed_pp, N, p0, gap / N, kap, response)
+    mean_gap, pressure = field_errors(energy, uKu, closed_pp, N, p0, gap / N, 1.0 / problem.body.typical(grid), response,
+                                      problem.self_energy)
 
     spread = open_pp**2 / open_p4 if open_p4 > 0 else 1.0  # number of points that have most of what is left
     wrong = _points(problem, g, p, kap, pressure**2 * closed_pp, spread)

@@ -10,9 +10,10 @@ import numpy as np
 from ..errors import SceneError
 from ..parallel.fft import row_starts
 from ..registry import body_of
+from ..surface import cell_of
 from .sweep import first_precision
 
-FIELDS = 4  # h, g, p, d; in low memory h is not kept
+FIELDS = 3  # g, p, d; and h, which in low memory is kept only where the surface ends
 LEVELS = 3 / 4 + 2 / 16 + 2 / 64 + 1 / 24  # coarse levels of the preconditioner, in fields
 NESTED = 2 / 3 + (3 + LEVELS) / 4  # transforms and gaps of all coarser grids, a solver on the next one
 PIECE_GIB = 1 / 16  # of a field that is written at a time
@@ -38,17 +39,23 @@ class Memory:
 def memory_of(scene, n, ranks):
     """The Memory of a scene on a number of ranks."""
     itemsize = first_precision(scene.solver).itemsize
-    points = int(np.diff(row_starts(n[0], ranks)).max()) * n[1] / GIB
-    spectrum = points * (1 + 2 / n[1])
+    free = scene.surface.free
+    cell = cell_of(n, free)
+    rows = int(np.diff(row_starts(cell[0], ranks)).max())
+    points = rows * cell[1] / GIB
+    heights = min(rows, n[0]) * n[1] / GIB
+    spectrum = points * (1 + 2 / cell[1])
     low = scene.solver.low_memory
-    fields = points * itemsize * (FIELDS - low + LEVELS)
+    fields = points * itemsize * (FIELDS + LEVELS) + heights * itemsize * (any(free) or not low)
     loads = len(scene.load.p_star or scene.load.pressure)
     extra = min(points * itemsize, PIECE_GIB) if scene.output.fields else 0.0
     if not low and scene.solver.nested is not False:
         extra = max(extra, points * itemsize * NESTED) if loads > 1 else extra + points * itemsize / 3
     fields += extra
-    spectrum *= 1 + body_of(scene.material).table_share
+    spectrum *= 1 + body_of(scene.material, free).table_share
     certificate = 0.0 if low or itemsize == 8 else spectrum * 8
+    if certificate and any(free):  # while its table is made
+        certificate += min(rows, cell[0] // 2 + 1) * cell[1] * 8 / GIB
     return Memory(fields, spectrum * itemsize, certificate, PROCESS_GIB)
 
 

@@ -50,6 +50,7 @@ class Bpx(Solver):
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(dtype)
         self.kap = 1.0 / body.scale(grid)
+        self.typical = 1.0 / body.typical(grid)
         self.gradient = 1.0 / (GRADIENT * self.kap * body.bounds(grid)[1])
         self._rows = {id(x): zeros_aligned((7, grid.n[1] + LINE // dtype.itemsize), dtype) for x in self.fft.row_scratch}
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
@@ -196,6 +197,7 @@ class Bpx(Solver):
         norm = np.sqrt(EQUIVALENCE * self.kap * self.r_norm)
         energy = (EXPECTED * (norm * (1 + off) + off * np.sqrt(max(self.uKu, 0.0)))) ** 2
         response = np.sqrt(self.kap * self.t_norm) * self.N / self.contact
-        gap, pressure = field_errors(energy, self.uKu, closed, self.N, self.p0, self.gap_mean, self.kap, response)
+        gap, pressure = field_errors(energy, self.uKu, closed, self.N, self.p0, self.gap_mean, self.typical, response,
+                                     self.problem.self_energy)
         area = (AREA[0] + AREA[1] * self.contact / self.N) * pressure
         return area + self.nearly / self.contact, gap, pressure

@@ -50,10 +50,14 @@ class Surface:
         return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
 
 
+def cell_of(n, free):
+    """The points along each axis that a surface of n points is solved on: twice as many along the axes where it ends."""
+    return tuple(2 * k if ends else k for k, ends in zip(n, free))
+
+
 def grid_of(n, sizes, comm, threads=1, free=(False, False)):
-    """The grid on which a surface of n points is solved: twice as long along the axes where it ends."""
-    twice = [2 if ends else 1 for ends in free]
-    return Grid([k * t for k, t in zip(n, twice)], [size * t for size, t in zip(sizes, twice)], comm, threads, nominal=n)
+    """The grid on which a surface of n points is solved."""
+    return Grid(cell_of(n, free), cell_of(sizes, free), comm, threads, nominal=n)
 
 
 def _nominal(grid):
