@@ -15,8 +15,8 @@ def run(scene, **how):
     return run_scene(scene, **how)
 
 
-def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=1e-3, **solver):
+def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=None, **how):
     """Solve one contact of a NumPy array of heights on one process; see api.solve."""
     from .api import solve as solve_array
 
-    return solve_array(heights, pressure, E_star, physical_sizes, accuracy, **solver)
+    return solve_array(heights, pressure, E_star, physical_sizes, accuracy, **how)

@@ -7,18 +7,22 @@ import numpy as np
 
 from .contact import FIELDS
 from .driver.sweep import Sweep
-from .errors import NotConverged, SceneError
-from .parallel.comm import SerialComm
-from .registry import all_observables
-from .scene import Load, Solver
+from .errors import NotConverged, SceneError, one_line
+from .kernels.cache import sound
+from .observables.area import a_r_discretisation
+from .parallel.comm import SerialComm, threads_of
+from .registry import all_observables, solver_names
+from .scene import ArrayScene, check_names
 from .surface.build import surface_from_rows
 
 
 @dataclass(frozen=True)
 class Solution:
     """a_r, kappa, gap_mean; pressure and gap: fields (n_x, n_y) in the units of E_star and of the heights; status; iterations;
-    fft_pairs: everything counted; errors: estimated relative errors of (a_r, gap_mean, pressure field); p_star; note: what limits the
-    meaning of the numbers, such as too few points that touch, or None; observables: those that were asked for, by name."""
+    fft_pairs: everything counted; errors: the solver's estimated relative errors of (a_r, gap_mean, pressure field) on this grid;
+    a_r_discretisation: estimated relative error of a_r by the size of a grid point (see observables.area); p_star; precision: in which
+    it was solved; note: what limits the meaning of the numbers, such as too few points that touch, or None; observables: those that
+    were asked for, by name."""
 
     a_r: float
     kappa: float
@@ -31,69 +35,73 @@ class Solution:
     fft_pairs: float
     errors: tuple[float, float, float]
     p_star: float
+    a_r_discretisation: float
+    precision: str
     note: str | None = None
     observables: dict[str, float | None] = field(default_factory=dict)
 
 
-def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=1e-3, observables=(), **solver):
+def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=None, observables=(), threads=1, **solver):
     """Press an elastic half-space of modulus E_star against rigid heights with a mean pressure.
 
     heights: (n_x, n_y), peaks up, in the unit of physical_sizes; pressure: in the unit of E_star; accuracy: wanted relative accuracy
-    of a_r, gap_mean and pressure field; observables: names as in the scene's [output], such as "stiffness"; solver: further keys of
-    the scene's [solver] (name, precision, residual, ...), and threads.
+    of a_r, gap_mean and pressure field (1e-3 where no residual is given instead); observables: names as in the scene's [output], such
+    as "stiffness"; threads: a whole number or "auto"; solver: further keys of the scene's [solver] (name, precision, residual, ...).
+    All are checked as those of a scene are.
     Returns a Solution; warns (errors.NotConverged) if its status is not "converged". Raises SceneError for input that makes no sense.
     """
-    threads = solver.pop("threads", 1)
-    if not isinstance(threads, int) or threads < 1:
-        raise SceneError(f"threads: found {threads!r}, allowed: a whole number from 1")
-    if np.ma.is_masked(heights):
-        raise SceneError("heights: found masked points, allowed: a complete height map")
-    heights = np.asarray(heights)
-    if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
-        raise SceneError(f"heights: found shape {heights.shape} of {heights.dtype}, allowed: a real array with two axes, not empty")
-    settings = _validated(Solver, "solver", solver if "residual" in solver else {"accuracy": accuracy} | solver)
+    given = {"residual": None, "accuracy": accuracy} | solver
+    scene = ArrayScene.from_dict(
+        {"surface": {"physical_sizes": _plain(physical_sizes)}, "material": {"E_star": _plain(E_star)},
+         "load": {"pressure": [_plain(pressure)]}, "machine": {"threads": _plain(threads)},
+         "output": {"observables": _plain(observables)},
+         "solver": {key: _plain(value) for key, value in given.items() if value is not None or key not in ("accuracy", "residual")}},
+        "hpc_gfmd.solve")
     known = all_observables()
-    if isinstance(observables, str) or not set(observables) <= set(known):
-        raise SceneError(f"observables: found {observables!r}, allowed: a list of {', '.join(known)}")
-    load = _validated(Load, "pressure", {"pressure": [pressure]})
-    try:
-        E_star, sizes = float(E_star), tuple(float(s) for s in physical_sizes)
-    except (TypeError, ValueError):
-        raise SceneError(f"found E_star = {E_star!r}, physical_sizes = {physical_sizes!r}, allowed: positive numbers") from None
-    if not (E_star > 0 and np.isfinite(E_star) and len(sizes) == 2 and min(sizes) > 0 and np.isfinite(sizes).all()):
-        raise SceneError(f"found E_star = {E_star:g}, physical_sizes = {sizes}, allowed: positive numbers")
+    check_names(scene, solver_names(), known, ())
+    heights, asked, comm = _checked(heights), scene.output.observables or (), SerialComm()
+    sizes, threads = scene.surface.physical_sizes, threads_of(comm, scene.machine.threads)
 
     def make_surface(dtype):
         def rows(start, stop):
             return np.asarray(heights[start:stop], dtype=np.float64)
 
-        return surface_from_rows(heights.shape, sizes, rows, SerialComm(), dtype, threads)
+        return surface_from_rows(heights.shape, sizes, rows, comm, dtype, threads)
 
-    sweep = Sweep(make_surface, settings, E_star, duality="duality_gap" in observables)
-    step = sweep.solve(load.pressure[0])
+    def pressed():
+        sweep = Sweep(make_surface, scene.solver, scene.material.E_star, duality="duality_gap" in asked)
+        return sweep.solve(sweep.pressures(scene.load)[0])
+
+    step = sound(pressed)
     contact = step.contact
     if contact.outcome.status != "converged":
         errors = ", ".join(f"{error:.1e}" for error in contact.outcome.errors)
         warnings.warn(f"not converged ({contact.outcome.status}): estimated errors of area, mean gap, pressure: {errors}",
                       NotConverged, stacklevel=3)  # where the caller of hpc_gfmd.solve is
-    asked = {name: known[name](contact) for name in observables}
+    observed = {name: known[name](contact) for name in asked}
     a_r = contact.contact_points / contact.N
     return Solution(a_r, a_r / contact.p_star if contact.g_rms > 0 else float("nan"), contact.gap_mean,
                     *(np.asarray(contact.field(name)) for name in FIELDS), contact.outcome.status,
-                    step.iterations, step.fft_pairs, contact.outcome.errors, contact.p_star, contact.note, asked)
+                    step.iterations, step.fft_pairs, contact.outcome.errors, contact.p_star, float(a_r_discretisation(contact)),
+                    contact.g.dtype.name, contact.note, observed)
 
 
-def _validated(table, key, values):
-    from pydantic import ValidationError
-
-    from .registry import solver_names
-
+def _checked(heights):
+    """The array as it is. Raises SceneError for what is no complete height map."""
+    if np.ma.is_masked(heights):
+        raise SceneError("heights: found masked points, allowed: a complete height map")
     try:
-        checked = table(**values)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"][:1])
-        raise SceneError(f"{where or key}: found {first.get('input')!r}: {first['msg']}") from None
-    if table is Solver and checked.name not in ("auto", *solver_names()):
-        raise SceneError(f"name: found {checked.name!r}, allowed: auto, {', '.join(solver_names())}")
-    return checked
+        heights = np.asarray(heights)
+    except (TypeError, ValueError) as error:
+        raise SceneError(f"heights: found {one_line(str(error))}, allowed: a real array with two axes, not empty") from None
+    if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
+        found = f"shape {heights.shape} of {one_line(str(heights.dtype), 80)}"
+        raise SceneError(f"heights: found {found}, allowed: a real array with two axes, not empty")
+    return heights
+
+
+def _plain(value):
+    """NumPy's numbers and arrays, alone or in a list, as those of Python, which a scene is made of."""
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

@@ -9,6 +9,7 @@ from functools import partial
 
 from . import __version__
 from .errors import GfmdError, SceneError, one_line
+from .streams import unfailing_output
 
 ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
 COMMANDS = ("run", "plan", "show", "plot", "persson", "tfc", "study", "bench", "info")
@@ -34,35 +35,43 @@ def build_parser(commands=COMMANDS):
 
 
 def main(argv=None):
-    """Run one command; returns its exit code."""
+    """Run one command; returns its exit code. What cannot be printed stops no command, but is an error where it was the result."""
+    with unfailing_output() as out:
+        code, prints = _run(sys.argv[1:] if argv is None else argv)
+        out.flush()
+        if code or not prints or out.lost is None:
+            return code
+        if not isinstance(out.lost, BrokenPipeError):  # whoever read has stopped to listen
+            _complain(f"standard output: {out.lost.strerror or out.lost}")
+        return 1
+
+
+def _run(argv):
+    """(exit code, whether the result is what was printed)."""
     from .parallel.comm import leave_together
 
-    argv = sys.argv[1:] if argv is None else argv
     # The restart command lives with run; what is not asked for is not imported.
     asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
     try:
         args = build_parser([asked] if asked in COMMANDS else COMMANDS).parse_args(argv)
-        return args.main(args) or 0
+        return args.main(args) or 0, not getattr(args, "saves", False)
     except (GfmdError, ModuleNotFoundError) as error:
         if isinstance(error, ModuleNotFoundError):
             package = (error.name or str(error)).partition(".")[0]
             error = GfmdError(f"{asked} needs {package}, which is not installed here: pip install {package}")
         leave_together(error.exit_code, say=partial(_complain, error))
-        return error.exit_code
+        return error.exit_code, False
     except KeyboardInterrupt:  # the other ranks may not have been interrupted
         leave_together(130, ALONE)
-        return 130
-    except BrokenPipeError:
-        sys.stderr.close()
-        return 0
+        return 130, False
     except MemoryError as error:
         leave_together(1, ALONE, partial(_complain, f"out of memory{_where()} ({one_line(str(error) or 'no details')}): use more "
                                                     "machines, fewer points or single precision"))
-        return 1
+        return 1, False
     except Exception as error:  # a mistake in the program: what it was, for those who mend it, and one line
         line = f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}"
         leave_together(1, ALONE, partial(_complain, line, traceback.format_exc()))
-        return 1
+        return 1, False
 
 
 def _complain(error, before=""):

@@ -7,6 +7,7 @@ import numpy as np
 
 from .bodies.halfspace import HALF_SPACE
 from .errors import SceneError
+from .units import field_dtype
 
 FIELDS = ("pressure", "gap", "displacement")
 LAZY_ROWS = 64  # of a field that are computed at a time
@@ -128,7 +129,9 @@ class Contact:
         return int(grid.comm.sum([contact_edges(g, q, below[0], below[1], not ends_y)])[0])
 
     def field(self, name):
-        """One of FIELDS as a local slab of the whole grid, in the precision of the solution, computed as it is read.
+        """One of FIELDS as a local slab of the whole grid, computed as it is read.
+
+        In the precision of the solution, or in double precision where single cannot hold it in the scene's units.
 
         It refers to the solver's own arrays: the next load of a sweep overwrites them.
 
@@ -138,9 +141,10 @@ class Contact:
         if name not in FIELDS:
             raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")
         start, stop = self.surface.rows
-        return LazyField(lambda i0, i1: self._field_rows(name, i0, i1), (stop - start, self.surface.n[1]), self.g.dtype)
+        dtype = field_dtype(name, self.g.dtype, self.p, self.surface)
+        return LazyField(lambda i0, i1: self._field_rows(name, i0, i1, dtype.type), (stop - start, self.surface.n[1]), dtype)
 
-    def _field_rows(self, name, i0, i1):
+    def _field_rows(self, name, i0, i1, real):
         left_out = self.surface.reduced_axis
         if left_out == 0:
             take = slice(0, 1)
@@ -150,9 +154,9 @@ class Contact:
         points = self.surface.grid.nominal[1]
         g, q = self.g[take, :points], self.q[take, :points]
         if name == "pressure":
-            values = np.where((g <= 0) & (q > 0), q, 0) * q.dtype.type(self.pressure_unit)
+            values = np.where((g <= 0) & (q > 0), q, 0) * real(self.pressure_unit)
         else:
-            values = (g if name == "gap" else g - self.surface.h[take]) * g.dtype.type(self.surface.height_unit)
+            values = (g if name == "gap" else g - self.surface.h[take]) * real(self.surface.height_unit)
         return values if left_out is None else np.broadcast_to(values, (i1 - i0, self.surface.n[1]))
 
 

@@ -5,6 +5,8 @@ import os
 import sys
 import time
 
+from .streams import unfailing
+
 LINE_SECONDS = 10.0  # between two log lines of one load step
 
 
@@ -13,14 +15,15 @@ class Reporter:
 
     def __init__(self, comm, target, quiet=False):
         self.silent = comm.rank != 0 or quiet
-        wanted = os.environ.get("HPC_GFMD_PROGRESS") or ("bar" if sys.stderr.isatty() else "log")
+        self.out, self.err = unfailing(sys.stdout), unfailing(sys.stderr)
+        wanted = os.environ.get("HPC_GFMD_PROGRESS") or ("bar" if self.err.isatty() else "log")
         self.bar_wanted = wanted == "bar" and not self.silent
         self.target = target
         self.bar = None
 
     def say(self, text):
         if not self.silent:
-            print(text, flush=True)
+            print(text, file=self.out, flush=True)
 
     def step(self, index, count, p_star):
         self.name = f"load {index + 1}/{count}, p* = {p_star:.4g}"
@@ -29,7 +32,7 @@ class Reporter:
         if self.bar_wanted:
             from tqdm import tqdm
 
-            self.bar = tqdm(total=1.0, desc=self.name, leave=False, file=sys.stderr,
+            self.bar = tqdm(total=1.0, desc=self.name, leave=False, file=self.err,
                             bar_format="{desc} |{bar}| {postfix} {elapsed}")
 
     def watch(self, iterations, progress):

@@ -4,12 +4,15 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from .contact import FIELDS
 from .driver.lowmemory import LowMemorySweep
 from .driver.memory import require_memory
 from .driver.sweep import Sweep, first_precision
 from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
+from .observables.area import a_r_discretisation
 from .output.checkpoint import read_checkpoint, write_checkpoint
 from .output.read import partial_folder, read_partial
 from .output.record import RunFile, tidy
@@ -22,8 +25,10 @@ from .progress import Reporter
 from .registry import all_observables, body_of, default_observables, solver_names
 from .scene import Scene, check_names, load_scene, with_overrides
 from .surface import build_surface, grid_of, surface_size
+from .units import field_dtype
 from .versions import versions
 
+OTHER_HEIGHTS = "{}: of other heights than surface.path has now (content, shape or size), allowed: the same; run anew for the new ones"
 STATUS_ORDER = ("converged", "max_iterations", "stagnated", "nonfinite", "interrupted")
 
 
@@ -77,8 +82,10 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads, low), scene.solver, scene.material.E_star, lam_s,
                      duality="duality_gap" in (scene.output.observables or ()), body=body_of(scene.material, scene.surface.free))
         pressures = sweep.pressures(scene.load)
+        _require_same_heights(file, sweep.surface)
+        _require_storable(scene.output, sweep.surface, pressures)
         file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))
-        file.update_head(setup_seconds=time.monotonic() - begun)
+        file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
         say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
         run = _Run(comm, scene, file, sweep, observables, say, interrupt)
         return run.all_steps(pressures)
@@ -112,6 +119,22 @@ def _read_scene(comm, scene, overrides, out):
     return scene
 
 
+def _require_same_heights(file, surface):
+    """Raise SceneError where the run that is resumed was that of another height map; synthetic surfaces are known by their scene."""
+    known = file.earlier.get("heights")
+    if (known is not None or file.finished) and (known or None) != surface.checksum:
+        raise SceneError(OTHER_HEIGHTS.format(file.partial))
+
+
+def _require_storable(output, surface, pressures):
+    """Raise SceneError where a field that is asked for in single precision does not fit into it."""
+    for name in output.fields if output.dtype == "single" else ():
+        for p in pressures:
+            if field_dtype(name, np.float32, p, surface) != np.float32:
+                raise SceneError(f'output.dtype: found "single", which cannot hold the {name} at a mean pressure of {p:g} '
+                                 f'(one unit of height: {surface.height_unit:g}), allowed: "double"')
+
+
 def _surface_attributes(spec, surface, n):
     names = ("eps_t", "eps_f", "eps_c", "seed")
     nan = float("nan")
@@ -126,8 +149,13 @@ def _headline(scene, surface, n, comm, seconds):
     wanted = f"accuracy {scene.solver.accuracy:g}" if scene.solver.accuracy else f"residual {scene.solver.residual:g}"
     one_d = "" if surface.reduced_axis is None else ", varies along one axis only"
     return (f"{scene.title or scene.surface.kind}: {n[0]} x {n[1]} points{one_d}, {comm.size} rank{'s' * (comm.size > 1)}, "
-            f"{first_precision(scene.solver)} precision, {wanted}; h_rms = {surface.h_rms:.4g}, g_rms = {surface.g_rms:.4g}; "
+            f"{_precision(scene.solver)}, {wanted}; h_rms = {surface.h_rms:.4g}, g_rms = {surface.g_rms:.4g}; "
             f"ready after {seconds:.1f} s")
+
+
+def _precision(settings):
+    first = first_precision(settings).name
+    return f"{first} until a load needs float64" if settings.precision == "auto" and first == "float32" else first
 
 
 class _Run:
@@ -143,7 +171,7 @@ class _Run:
     def all_steps(self, pressures):
         """Solve what is not finished; returns a RunResult."""
         unfinished = [index for index in range(len(pressures)) if index not in self.file.finished]
-        first, midway = self._go_back(unfinished[0]) if unfinished else (0, None)
+        first, midway = self._go_back(unfinished[0], pressures) if unfinished else (0, None)
         for index in range(first, max(unfinished, default=-1) + 1):
             status = self._one_step(index, pressures, midway if index == first else None)
             if status == "interrupted":
@@ -156,20 +184,24 @@ class _Run:
         self.say.say(table(steps))
         return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
 
-    def _go_back(self, unfinished):
+    def _go_back(self, unfinished, pressures):
         """To the last checkpoint, so that all goes on as if nothing had happened: loads finished since then are repeated, not
         written again. unfinished: the first load to be solved. Returns the load to begin with and, in the middle of it, its Checkpoint.
         """
+        other = False
         try:
             found = read_checkpoint(self.comm, self.file.checkpoint, self.sweep.solver_class.name)
             if found is not None and found.step > unfinished:
                 raise SceneError(f"{found.path}: later than load {unfinished + 1}, which has to be solved again")
-            if found is not None:
-                self.sweep.restore(found.arrays, found.numbers)
+            other = found is not None and found.numbers.get("heights") != self.sweep.surface.checksum
+            if found is not None and not other:
+                self.sweep.restore(found.arrays, found.numbers, pressures[found.step])
         except GfmdError as error:
             self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
             self.sweep.solver = None
             return unfinished, None
+        if other:
+            raise SceneError(OTHER_HEIGHTS.format(found.path))
         first = found.step if found else 0  # died before its first checkpoint
         if first < unfinished:
             self.say.say(f"note: repeating from load {first + 1}, where the last checkpoint is; finished loads stay as they are")
@@ -224,9 +256,9 @@ class _Run:
         numbers = {name: f(contact) for name, f in self.observables.items()}
         area, gap, pressure = contact.outcome.errors
         attributes = {"p": p, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
-                      "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area, "gap_error": gap,
-                      "pressure_error": pressure, "precision": contact.g.dtype.name, "residual": contact.certificate.residual,
-                      "note": contact.note}
+                      "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area,
+                      "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure,
+                      "precision": contact.g.dtype.name, "residual": contact.certificate.residual, "note": contact.note}
         attributes |= contact.certificate.attributes() | numbers
         fields = {name: contact.field(name) for name in self.scene.output.fields}
         self.file.write_step(index, {k: v for k, v in attributes.items() if v is not None}, fields)

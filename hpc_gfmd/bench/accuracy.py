@@ -9,11 +9,12 @@ reported is the error reached by then, and tighter accuracies are not tried.
 import numpy as np
 
 from ..errors import GfmdError
+from ..registry import solver_names
 from .cases import Case
 from .ours import Ours
 from .picture import draw
 from .reference import reference
-from .report import Report
+from .report import Report, one_of
 
 WITH_ESTIMATES = ("bpx",)
 LONG = 0.5  # seconds: who takes longer than this is timed at once, others once more when all caches are warm
@@ -25,7 +26,9 @@ COLUMNS = {"n": ("n", "5d"), "hurst": ("H", "4.2g"), "p_star": ("p*", "8.4g"), "
 
 
 def bench_accuracy(args):
-    """All cases. args: n, hurst, p_star, precision, solvers, start, accuracy (lists), max_iterations, repeats, budget, out."""
+    """All cases. args: n, hurst, p_star, precision, solvers, start, accuracy (lists), max_iterations, repeats, budget, out.
+    Raises SceneError for a solver that does not exist."""
+    one_of("--solvers", args.solvers, solver_names())
     report = Report("accuracy", COLUMNS, args.out)
     for n in args.n:
         for hurst in args.hurst:
@@ -42,7 +45,6 @@ def bench_accuracy(args):
     if args.out:
         draw(report.rows, report.folder / "accuracy.png", "cpu_seconds_min" if args.cpu else "seconds_min")
         draw(report.rows, report.folder / "accuracy-pairs.png", "fft_pairs")
-    return report.rows
 
 
 def _one_case(case, precision, known, args, report):

@@ -10,6 +10,7 @@ from ..scene import Scene
 from ..surface import build_surface
 
 L_OVER_LAM_L, LAM_S_OVER_A = 2, 2
+DTYPES = {"single": np.float32, "double": np.float64}
 
 
 @dataclass(frozen=True)
@@ -39,4 +40,5 @@ class Case:
 
     @property
     def label(self):
+        """What tells it from others, as part of a row."""
         return {"n": self.n, "hurst": self.hurst, "p_star": self.p_star, "seed": self.seed}

@@ -1,18 +1,22 @@
-"""Passes of the default solver while it solves: bytes moved, share of a copy's bandwidth, iteration over bare FFT pair."""
+"""Passes of the default solver while it solves: bytes moved, share of a copy's bandwidth, iteration over bare FFT pair.
+
+Counted are the fields that a pass has to read or write at least once; what stays in cache between the parts of a pass (row and column
+transforms work on pieces of 256 KiB) and what the memory system adds on its own (reading lines that are about to be overwritten) is
+not counted, neither here nor for the copy that they are compared with.
+"""
 
 import numpy as np
 
-from ..parallel.bare_fft import bare_pairs
 from ..parallel.comm import world
 from ..problem import Problem
 from ..registry import solver_class
-from .cases import Case
+from .cases import DTYPES, Case
+from .fft import bare_pairs
 from .report import Report
 from .timing import Clock, Sample, ratio
-from .traffic import COPY, field_passes
-from .transforms import DTYPES
 
 HURST = 0.8
+COPY = 2.0  # fields that a copy moves: read one, write one
 ITERATIONS = 16  # after which the contact is begun anew: what is iterated is not a solution
 COLUMNS = {"n": ("n", "5d"), "precision": ("precision", "9"), "what": ("pass", "16"), "ms_min": ("ms (min)", "9.3f"),
            "ms_median": ("ms (median)", "11.3f"), "bytes_per_point": ("bytes/point", "11.1f"), "gb_per_s": ("GB/s", "7.2f"),
@@ -58,21 +62,37 @@ class TimedSolver:
         self.spent["iteration"] = self.clock.now() - begun
 
 
-def bench_kernels(sizes, precisions, p_star, repeats, cpu, out):
-    """One table row per pass, and for the iteration, the copy and the bare FFT pairs."""
+def field_passes(shapes):
+    """{pass: fields read or written}, in fields of the fine grid. shapes: (n_x, n_y) of all levels, finest first."""
+    points = [n_x * n_y for n_x, n_y in shapes]
+    share = [p / points[0] for p in points]
+    first, coarser = (share[1] if len(share) > 1 else 1.0), sum(share[2:])
+    spectrum = 1 + 2 / shapes[0][1]  # n_y/2 + 1 complex columns
+    return {
+        "propose + rows": 3 + 1 + first + spectrum,  # read g, p, d and z of level 1; write d; write the row spectra
+        "columns": 2 * spectrum,  # read and write
+        "update + rows": spectrum + 3 + 2 + 3 * first,  # read row spectra, g, p, d; write g, p; write p, theta and x on level 1
+        # level 1: restrict p and theta, then read p, theta, x, write z; coarser ones: write and read p and theta both ways, z
+        "sweep": 6 * first + 8 * coarser,
+    }
+
+
+def bench_kernels(args):
+    """One table row per pass, and for the iteration, the copy and the bare FFT pairs. args: n, precision (lists), p_star, repeats, cpu,
+    out."""
     comm = world()
-    clock = Clock(comm, cpu)
-    report = Report("kernels", COLUMNS, out, comm)
-    report.say(f"# H = {HURST}, p* = {p_star:g}; {clock.name} time; of copy: bandwidth over that of a copy in the same run; "
+    clock = Clock(comm, args.cpu)
+    report = Report("kernels", COLUMNS, args.out, comm)
+    report.say(f"# H = {HURST}, p* = {args.p_star:g}; {clock.name} time; of copy: bandwidth over that of a copy in the same run; "
                "iteration/this: median over runs in turn")
-    for n in sizes:
-        for precision in precisions:
-            _one(n, DTYPES[precision], precision, p_star, repeats, comm, clock, report)
+    for n in args.n:
+        for precision in args.precision:
+            _one(n, precision, args.p_star, args.repeats, comm, clock, report)
     report.finish()
-    return report.rows
 
 
-def _one(n, dtype, precision, p_star, repeats, comm, clock, report):
+def _one(n, precision, p_star, repeats, comm, clock, report):
+    dtype = DTYPES[precision]
     timed = TimedSolver(Case(n, HURST, p_star), dtype, comm, clock)
     grid = timed.solver.grid
     source, target = np.ones(grid.shape, dtype), np.ones(grid.shape, dtype)  # not zeros: those have no memory of their own yet

@@ -9,6 +9,7 @@ import os
 import subprocess
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from .cases import Case
 from .loosest import PATIENCE, loosest
 from .ours import Ours
 from .reference import reference
-from .report import Report
+from .report import Report, one_of
 
 NAMES = ("aspher", "aspher-float", "aspher-mixed", "tamaas", "contactmechanics-pk", "contactmechanics-ccg")
 COLUMNS = {"n": ("n", "5d"), "p_star": ("p*", "8.4g"), "code": ("code", "<20"), "tolerance": ("tolerance", "9.2g"),
@@ -39,10 +40,12 @@ def peers_python():
 
 
 class _Peer:
-    """A process that solves with another code."""
+    """A process that solves with another code; first: its first tolerance over the error wanted."""
 
-    def __init__(self, name, python, folder):
-        self.name, self.pressure_path = name, Path(folder) / f"{name}.npy"
+    first = 1
+
+    def __init__(self, name, python, folder, heights, pressure):
+        self.name, self.heights, self.load, self.pressure_path = name, heights, pressure, Path(folder) / f"{name}.npy"
         environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "OMPI_", "PMI", "VIRTUAL_ENV"))}
         environment["OMP_NUM_THREADS"] = "1"
         self.process = subprocess.Popen([python, Path(__file__).with_name("peer_worker.py"), name], stdin=subprocess.PIPE,
@@ -60,8 +63,9 @@ class _Peer:
             raise GfmdError(f"{self.name}: {answer['error']}")
         return answer
 
-    def prepare(self, heights, pressure):
-        self._ask(heights=str(heights), pressure=pressure)
+    def prepare(self):
+        """Let it plan."""
+        self._ask(heights=str(self.heights), pressure=self.load)
 
     def solve(self, tolerance):
         """Numbers of the solve, and the pressure field."""
@@ -69,6 +73,7 @@ class _Peer:
         return answer, np.load(self.pressure_path)
 
     def close(self):
+        """End the process."""
         self.process.stdin.close()
         try:
             self.process.wait(10)
@@ -80,77 +85,96 @@ class _We:
     """This package's default solver in one precision, with the same methods. Only the pressure field is asked for, as of the others:
     its tolerance is the residual, because `accuracy` goes on until the area and the mean gap are as good."""
 
-    def __init__(self, precision):
-        self.name, self.precision = f"hpc-gfmd {precision}", precision
+    first = 100
 
-    def prepare(self, case):
-        self.ours = Ours(case, self.precision)
+    def __init__(self, case, precision):
+        self.name, self.case, self.precision = f"hpc-gfmd {precision}", case, precision
+
+    def prepare(self):
+        """Plan and compile."""
+        self.ours = Ours(self.case, self.precision)
         self.ours.solve(None, residual=1.0)
 
     def solve(self, tolerance):
+        """Numbers of the solve, and the pressure field."""
         solved = self.ours.solve(None, residual=tolerance)
         return {"seconds": solved.seconds, "cpu_seconds": solved.cpu_seconds, "iterations": solved.iterations,
                 "status": solved.status, "fft_pairs": solved.fft_pairs}, solved.pressure
 
     def close(self):
+        """Give the memory back."""
         self.ours = None
 
 
-def bench_peers(sizes, loads, hurst, precisions, names, target, repeats, budget, out):
-    """All codes on all surfaces; budget: seconds after which a code is not run again on a case."""
-    python = peers_python() if names else None
-    report = Report("peers", COLUMNS, out)
-    report.say(f"# equal true error: relative L2 of the pressure field <= {target:g}; H = {hurst}, L/lam_l = 2, lam_s/a = 2, seed 1; "
-               "x: median over runs in turn of the time over that of our faster precision")
+def bench_peers(args):
+    """All codes on all surfaces. args: n, p_star, precision, codes (lists; codes None: all), hurst, error, repeats, budget (seconds
+    after which a code is not run again on a case), out. Raises SceneError for a code that is not known or not there."""
+    codes = NAMES if args.codes is None else args.codes
+    one_of("--codes", codes, NAMES)
+    python = peers_python() if codes else None
+    report = Report("peers", COLUMNS, args.out)
+    report.say(f"# equal true error: relative L2 of the pressure field <= {args.error:g}; H = {args.hurst}, L/lam_l = 2, lam_s/a = 2, "
+               "seed 1; x: median over runs in turn of the time over that of our faster precision")
     with tempfile.TemporaryDirectory() as folder:
-        for n in sizes:
-            heights = Path(folder) / "heights.npy"
-            for p_star in loads:
-                case = Case(n, hurst, p_star)
+        for n in args.n:
+            for p_star in args.p_star:
+                case = Case(n, args.hurst, p_star)
                 known = reference(case)
+                heights = Path(folder) / "heights.npy"
                 np.save(heights, -case.gap())
-                _one_case(case, known, heights, precisions, names, python, folder, target, repeats, budget, report)
+                makers = [partial(_We, case, precision) for precision in args.precision]
+                makers += [partial(_Peer, name, python, folder, heights, p_star) for name in codes]
+                _one_case(case, known, makers, args, report)
     report.finish()
-    return report.rows
 
 
-def _one_case(case, known, heights, precisions, names, python, folder, target, repeats, budget, report):
-    codes = [_We(precision) for precision in precisions] + [_Peer(name, python, folder) for name in names]
-    tolerances, last, tried, slow = {}, {}, {}, set()
+def _one_case(case, known, makers, args, report):
+    codes, tolerances, taken = [], {}, {}
     try:
-        for code in list(codes):
-            def error_at(tolerance, code=code):
-                answer, pressure = code.solve(tolerance)
-                last[code] = tried[code, tolerance] = answer | {"error": known.pressure_error(pressure - known.pressure)}
-                return last[code]["error"]
-
-            ours = isinstance(code, _We)
-            begun = time.perf_counter()
-            try:
-                code.prepare(case) if ours else code.prepare(heights, case.p_star)
-                tolerance, error = loosest(error_at, target, 100 * target if ours else target, budget)
-            except GfmdError as failure:
-                report.say(f"# {failure}")
-                tolerance, error = None, None
-            if tolerance is None:
-                gave_up = time.perf_counter() - begun > PATIENCE * budget
-                report.add(**case.label, code=code.name, error=error, status="out of time" if gave_up else "not reached",
-                           **_pick(last.get(code, {}), "iterations"))
-                codes.remove(code)
-                code.close()
-            tolerances[code] = tolerance
-        # What is too slow to be run again is judged by its run in the search, which was not in turn with the others.
-        slow = {code for code in codes if tried[code, tolerances[code]]["seconds"] > budget / 2}
-        taken = {code: [tried[code, tolerances[code]]] if code in slow else [] for code in codes}
-        for k in range(repeats):
+        for make in makers:
+            codes.append(make())
+            tolerances[codes[-1]], taken[codes[-1]] = _search(codes[-1], case, known, args, report)
+            if tolerances[codes[-1]] is None:
+                codes.pop().close()
+        slow = {code for code in codes if taken[code]}
+        for k in range(args.repeats):
             for code in codes[:: 1 if k % 2 == 0 else -1]:
-                if code not in slow and (not taken[code] or sum(t["seconds"] for t in taken[code]) < budget):
-                    answer, pressure = code.solve(tolerances[code])
-                    taken[code].append(answer | {"error": known.pressure_error(pressure - known.pressure)})
+                if code not in slow and sum(run["seconds"] for run in taken[code]) < args.budget:
+                    taken[code].append(_solved(code, tolerances[code], known))
     finally:
         for code in codes:
             code.close()
     _report(case, codes, tolerances, taken, slow, report)
+
+
+def _solved(code, tolerance, known):
+    """Numbers of one solve, with its true error."""
+    answer, pressure = code.solve(tolerance)
+    return answer | {"error": known.pressure_error(pressure - known.pressure)}
+
+
+def _search(code, case, known, args, report):
+    """(tolerance, runs): the loosest tolerance that is good enough, None where there is none. What is too slow to be run again is
+    judged by its run in the search, which was not in turn with the others."""
+    tried, begun = {}, time.perf_counter()
+
+    def error_at(tolerance):
+        tried[tolerance] = _solved(code, tolerance, known)
+        return tried[tolerance]["error"]
+
+    try:
+        code.prepare()
+        tolerance, error = loosest(error_at, args.error, code.first * args.error, args.budget)
+    except GfmdError as failure:
+        report.say(f"# {failure}")
+        tolerance, error = None, None
+    if tolerance is None:
+        gave_up = time.perf_counter() - begun > PATIENCE * args.budget
+        last = _pick(list(tried.values())[-1] if tried else {}, "iterations")
+        report.add(**case.label, code=code.name, error=error, status="out of time" if gave_up else "not reached", **last)
+        return None, []
+    run = tried[tolerance]
+    return tolerance, [run] if run["seconds"] > args.budget / 2 else []
 
 
 def _report(case, codes, tolerances, taken, slow, report):

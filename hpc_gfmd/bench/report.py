@@ -4,6 +4,7 @@ import json
 import sys
 from pathlib import Path
 
+from ..errors import SceneError
 from .provenance import provenance
 
 
@@ -46,6 +47,13 @@ class Report:
         if self.folder and self.speaker:
             (self.folder / f"{self.name}.txt").write_text("\n".join(self.lines) + "\n")
             print(f"written: {self.folder / self.name}.jsonl, .txt", file=sys.stderr)
+
+
+def one_of(key, found, allowed):
+    """Raise SceneError for a name that is not among the allowed ones."""
+    for name in found:
+        if name not in allowed:
+            raise SceneError(f"{key}: found {name!r}, allowed: {', '.join(allowed)}")
 
 
 def _width(heading, form):

@@ -23,32 +23,32 @@ NODES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)
 ACCURACY = 1e-2
 
 
-def bench_scaling(sizes, ranks, threads, precisions, p_star, repeats, out=None):
-    """Measure n in sizes on all ranks (strong), on the threads of one rank, and n grown with sqrt(ranks) (weak); then predict
-    larger machines from it."""
-    report = Report("scaling", COLUMNS, out)
+def bench_scaling(args):
+    """Measure every n on all ranks (strong), on the threads of one rank, and the smallest n grown with sqrt(ranks) (weak); then predict
+    larger machines from it. args: n, ranks, threads, precision (lists), p_star, repeats, out."""
+    report = Report("scaling", COLUMNS, args.out)
     alone = {}
-    for precision in precisions:
-        for n in sizes:
-            for k in ranks:
-                row = measure(n, k, precision, p_star, repeats)
+    for precision in args.precision:
+        for n in args.n:
+            for k in args.ranks:
+                row = measure(n, k, precision, args.p_star, args.repeats)
                 alone.setdefault((n, precision), (row["seconds"] * k, k))
                 best = alone[n, precision][0]
                 _add(report, "strong", row, best / (row["seconds"] * k))
-            for t in (t for t in threads if t > 1 and 1 in ranks):
-                row = measure(n, 1, precision, p_star, repeats, t)
+            for t in (t for t in args.threads if t > 1 and 1 in args.ranks):
+                row = measure(n, 1, precision, args.p_star, args.repeats, t)
                 _add(report, "threads", row, alone[n, precision][0] / (row["seconds"] * t))
-        n = min(sizes)
+        n = min(args.n)
         first = None
-        for k in ranks:
+        for k in args.ranks:
             grown = _grown(n, k)
-            row = measure(grown, k, precision, p_star, repeats)
+            row = measure(grown, k, precision, args.p_star, args.repeats)
             per_point = row["seconds"] * k / (grown * grown)
             first = first or per_point
             _add(report, "weak", row, first / per_point)
-    model = _predict(report, out)
-    if out:
-        scaling_picture(report.rows, model.rows, out)
+    model = _predict(report, args.out)
+    if args.out:
+        scaling_picture(report.rows, model.rows, args.out)
         model.finish()
     report.finish()
 
@@ -70,7 +70,8 @@ def measure(n, ranks, precision, p_star, repeats, threads=1):
     command = worker if ranks == 1 else ["mpirun", "-n", str(ranks), *worker]
     done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
     if done.returncode != 0:
-        raise GfmdError(f"scaling on {ranks} ranks failed: {done.stderr.strip().splitlines()[-1] if done.stderr.strip() else '?'}")
+        said = [line for line in done.stderr.splitlines() if any(map(str.isalpha, line))]  # not the frame around an mpirun's words
+        raise GfmdError(f"scaling on {ranks} ranks failed: {said[-1].strip() if said else '?'}")
     return json.loads(done.stdout.strip().splitlines()[-1])
 
 

@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +17,15 @@ COLUMNS = {"n": ("n", "7d"), "way": ("way", "16s"), "gb": ("GB", "7.3g"), "secon
            "times_raw": ("x raw", "7.2f")}
 
 
-def bench_storage(sizes, folder, repeats, out=None):
-    """Single precision fields of n x n points in a temporary folder inside `folder`; on all ranks. Everything is synced to the disk."""
+def bench_storage(args):
+    """Single precision fields of n x n points in a temporary folder inside args.folder; on all ranks. Everything is synced to the disk.
+    args: n (list), folder, repeats, out."""
     comm = world()
-    report = Report("storage", COLUMNS, out, comm)
+    report = Report("storage", COLUMNS, args.out, comm)
     clock = Clock(comm if comm.size > 1 else None)
-    with tempfile.TemporaryDirectory(dir=folder) if comm.rank == 0 else _Nothing() as name:
+    with tempfile.TemporaryDirectory(dir=args.folder) if comm.rank == 0 else nullcontext() as name:
         place = Path(comm.bcast(name))
-        for n in sizes:
+        for n in args.n:
             starts = row_starts(n, comm.size)
             start, stop = int(starts[comm.rank]), int(starts[comm.rank + 1])
             data = np.random.default_rng(comm.rank).standard_normal((stop - start, n), dtype=np.float32)
@@ -36,9 +38,9 @@ def bench_storage(sizes, folder, repeats, out=None):
             def write(data=data, field=field, start=start, n=n, **how):
                 write_file(comm, field, {"/": {}}, {"field": Slab(data, start, (n, n))}, **how)
 
-            samples = clock.alternate({"raw": write_raw, "result file": write}, repeats)
+            samples = clock.alternate({"raw": write_raw, "result file": write}, args.repeats)
             samples["read back"] = clock.alternate({"read": lambda field=field, rows=(start, stop): read_rows(field, "field", rows)},
-                                                   repeats)["read"]
+                                                   args.repeats)["read"]
             for way, sample in samples.items():
                 gb = n * n * 4 / 1e9
                 times = ratio(sample, samples["raw"]) if way == "result file" else None
@@ -47,13 +49,3 @@ def bench_storage(sizes, folder, repeats, out=None):
                 os.unlink(raw)
         comm.barrier()
     report.finish()
-
-
-class _Nothing:
-    """What ranks other than 0 hold instead of the temporary folder."""
-
-    def __enter__(self):
-        return None
-
-    def __exit__(self, *_):
-        return False

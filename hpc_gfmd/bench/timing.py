@@ -13,11 +13,13 @@ class Sample:
     seconds: tuple[float, ...]
 
     @property
-    def min(self):
+    def min(self) -> float:
+        """The smallest."""
         return float(min(self.seconds))
 
     @property
-    def median(self):
+    def median(self) -> float:
+        """The median."""
         return float(np.median(self.seconds))
 
 
@@ -28,11 +30,11 @@ class Clock:
         self.comm, self.now = comm, time.process_time if cpu else time.perf_counter
         self.name = "cpu" if cpu else "wall"
 
-    def slowest(self, seconds):
+    def slowest(self, seconds: float) -> float:
         """The largest of the ranks' numbers."""
         return float(self.comm.max([seconds])[0]) if self.comm is not None else float(seconds)
 
-    def measure(self, run):
+    def measure(self, run) -> float:
         """Seconds of run() on the slowest rank."""
         if self.comm is not None:
             self.comm.barrier()
@@ -53,6 +55,6 @@ class Clock:
         return {name: Sample(tuple(s)) for name, s in seconds.items()}
 
 
-def ratio(a, b):
+def ratio(a: Sample, b: Sample) -> float:
     """Median over the repeats of a/b: of two samples that were taken in turn."""
     return float(np.median(np.divide(a.seconds, b.seconds)))

@@ -32,18 +32,20 @@ def main(args) -> int:
     check_names(scene, solver_names(), all_observables(), FIELDS)
     n = surface_size(scene.surface)
     cell = cell_of(n, scene.surface.free)
-    memory = memory_of(scene, n, args.ranks)
+    cores = len(os.sched_getaffinity(0))
+    threads = max(1, cores // args.ranks) if scene.machine.threads == "auto" else scene.machine.threads
+    memory = memory_of(scene, n, args.ranks, threads)
     there = scene.machine.memory_gib or available_gib()
     columns = cell[1] // 2 + 1
     plan = {
         "n": list(n), "points": n[0] * n[1], "cell": list(cell),
-        "loads": len(scene.load.p_star or scene.load.pressure), "ranks": args.ranks,
+        "loads": len(scene.load.p_star or scene.load.pressure), "ranks": args.ranks, "threads": threads,
         "idle_ranks": max(0, args.ranks - cell[0]), "idle_ranks_of_columns": max(0, args.ranks - columns),
         "gib_per_rank": memory.total, "gib": memory.total * args.ranks, "gib_available": there,
         "fields_gib": memory.fields, "transforms_gib": memory.transforms, "certificate_gib": memory.certificate,
         "process_gib": memory.process,
         "file_gib": _file_gib(scene, n), "notes": scene.warnings(),
-        "seconds": expected_seconds(scene, cell, args.ranks, len(os.sched_getaffinity(0))),
+        "seconds": expected_seconds(scene, cell, args.ranks, cores),
     }
     if args.json:
         print(json.dumps(plan, indent=1))

@@ -14,7 +14,7 @@ def add_parser(subparsers):
     )
     parser.add_argument("file", metavar="OUT.h5", help="result file")
     parser.add_argument("-o", "--output", metavar="DIR", help="folder for them (default: beside the file)")
-    parser.set_defaults(main=main)
+    parser.set_defaults(main=main, saves=True)
     return parser
 
 

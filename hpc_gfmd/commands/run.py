@@ -9,14 +9,14 @@ def add_parser(subparsers):
     parser.add_argument("-o", "--output", metavar="OUT.h5", help="result file instead of the scene's")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the scene: table.key=value")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
-    parser.set_defaults(main=main, parallel=True)
+    parser.set_defaults(main=main, saves=True)
 
     again = subparsers.add_parser("restart", help="continue an interrupted run",
                                   description="Continue the interrupted run of a result file, on any number of ranks.")
     again.add_argument("file", metavar="OUT.h5", help="result file that the run was to write")
     again.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change machine.key, such as wall_seconds")
     again.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
-    again.set_defaults(main=main_restart, parallel=True)
+    again.set_defaults(main=main_restart, saves=True)
     return parser
 
 

@@ -12,7 +12,8 @@ def add_parser(subparsers):
         "show",
         help="the result table of a file",
         description="Print the results of a finished, running or interrupted run. Lengths are in the unit of "
-        "the surface, pressures in the unit of E*; +- is the estimated error.",
+        "the surface, pressures in the unit of E*; +- is the estimated error of the solver on its grid, a_r_discretisation that "
+        "of a_r by the size of a grid point.",
     )
     parser.add_argument("file", metavar="OUT.h5", help="result file")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")

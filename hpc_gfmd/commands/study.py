@@ -20,7 +20,7 @@ def add_parser(subparsers):
     parser.add_argument("--reference", metavar="FILE.json", help="write the data file of hpc_gfmd.reference from the stored sweeps")
     parser.add_argument("--coefficients", metavar="FILE.json", help="write our coefficients of eq. tfc, for `hpc-gfmd tfc --table`")
     parser.add_argument("--threads", default="1", metavar="T", help='threads of each rank: a number or "auto" (default 1)')
-    parser.set_defaults(main=main, parallel=True)
+    parser.set_defaults(main=main, saves=True)
     return parser
 
 
@@ -33,7 +33,7 @@ def main(args) -> int:
 
     comm = world()
     if args.list:
-        _say(comm, "\n".join(f"{name:8} {catalogue.study(name).TITLE}" for name in catalogue.names()))
+        _say(comm, "\n".join(f"{name:8} {catalogue.study(name).title}" for name in catalogue.names()))
         return 0
     level_of(args.level)
     part, threads = _part(args), _threads(args.threads)
@@ -75,7 +75,7 @@ def _publish(args, studies, folder, comm):
         store = Store(folder)
         for study in studies:
             rows = publish(study, store, args.level)
-            print(f"\n{study.NAME}: {study.TITLE}\n{as_text(rows) if rows else 'nothing stored yet'}", flush=True)
+            print(f"\n{study.name}: {study.title}\n{as_text(rows) if rows else 'nothing stored yet'}", flush=True)
         if args.report or "all" in args.name:
             from ..study.report import report
 

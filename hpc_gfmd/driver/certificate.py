@@ -7,22 +7,22 @@ far that is from the solution follows from the duality gap, which bounds the err
 
 for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled. The norm S of p^ - p is bounded without a
 transform by sums of squares on the levels of the multilevel operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap
-and of the pressure (solvers/errors.py), and from that of the pressure how many points may be on the wrong side.
+and of the pressure (bounds.py), and from that of the pressure how many points may be on the wrong side.
 """
 
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from ..bounds import field_errors
 from ..kernels.certify import BINS, PER_OCTAVE, dual_rows, judge, undecided
 from ..operators.elastic import Elastic
 from ..operators.multilevel import EQUIVALENCE
-from ..solvers.errors import field_errors
 
 TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
-REACH = 2.0  # times the rms error of the pressure: the largest error of a point; 1.5 is the most that was ever needed
-ALIKE = 0.2  # share of the points within reach that are taken to be on the wrong side ...
-EDGE = 3  # ... and at least so many of them
+# The largest error of the pressure of a point is so many times the rms: for any point (at most EDGE of them may be so wrong), for many.
+FAR, NEAR = 6.0, 2.0
+SHARE, EDGE = 0.2, 3  # share of the points within NEAR that are taken to be on the wrong side
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 STORED = 0.5  # rounding error of a number that is stored, in units of the precision
 
@@ -125,7 +125,8 @@ def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, con
     if gap > 0:
         mean_gap += problem.rounding * (N - contact) / gap + STORED * float(np.finfo(problem.dtype).eps)
     pressure = np.hypot(pressure, rounding_error(problem, contact, np.sqrt(closed_pp / contact)))
-    return float(wrong / contact), float(mean_gap), float(pressure)
+    area = wrong / (contact - wrong) if wrong < contact else np.inf
+    return float(area), float(mean_gap), float(pressure)
 
 
 def rounding_error(problem, contact, p_rms):
@@ -138,14 +139,13 @@ def rounding_error(problem, contact, p_rms):
 def _points(problem, g, p, kap, squares, spread):
     """How many points may be on the wrong side; squares: sum of squares of the error of the pressure, spread: over how many points.
 
-    No more than it takes to use `squares` up, the easiest first. An error of one point is at most REACH times the rms; of the points
-    within that reach few are on the wrong side where they differ, but all of them may be where they are alike. Closed and open points
-    are counted apart, because they change the area in opposite ways.
+    No more than it takes to use `squares` up, the easiest first. Of the points that are near few are on the wrong side if they differ;
+    of those that are alike, as in ordered walls, all may be. Closed and open points are counted apart: they change the area in
+    opposite ways.
     """
     double, rounding = problem.dtype == np.float64, problem.rounding
     sure = 0.0 if double else SURE * rounding
-    reach = squares * min(REACH**2 / spread, 1.0)
-    largest = max(reach, sure**2)
+    largest = max(squares * min(FAR**2 / spread, 1.0), sure**2)
     if largest <= 0:
         return 0.0
     counts = np.zeros((2, BINS))
@@ -155,9 +155,10 @@ def _points(problem, g, p, kap, squares, spread):
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
     wrong = 0.0
+    near = takes < squares * NEAR**2 / spread
     for points in counts:
-        within = points.sum()
-        likely = points[BINS // 10:].sum()
         easiest = np.cumsum((points * takes)[::-1]) <= squares
-        wrong = max(wrong, min(max(likely, min(within, EDGE), ALIKE * within), points[::-1][easiest].sum()))
+        alike = (points * near).max()
+        likely = SHARE * points[near].sum() + max(alike, min(points.sum(), EDGE))
+        wrong = max(wrong, min(likely, points[::-1][easiest].sum()))
     return wrong

@@ -32,7 +32,7 @@ class Course:
 
     checks: float = 0.0  # FFT pairs that judging took
     refusals: int = 0
-    refused: float = np.inf  # the smallest error measure that the certificate refused
+    refused: float = np.inf  # the smallest error of the pressure that the certificate refused
     demand: float = 1.0  # the solver's own error measure at which it is asked
     next_check: float = CHECK_FROM
     best: float = np.inf  # error measure, and the iteration that reached it
@@ -77,11 +77,12 @@ def drive(solver, target, watch=None, course=None):
             if left < 1:
                 return Outcome("converged", certificate, course.checks)
             if measure < course.demand:
-                course.refusals = course.refusals + 1 if left > IMPROVEMENT * course.refused else 0
+                error = certificate.errors[2] if target.residual is None else certificate.residual
+                course.refusals = course.refusals + 1 if not error < IMPROVEMENT * course.refused else 0
                 if course.refusals > REFUSALS:
                     return Outcome("stagnated", certificate, course.checks)
                 course.demand = AGAIN * measure / left if np.isfinite(left) else AGAIN * measure
-                course.refused = min(left, course.refused)
+                course.refused = min(error, course.refused)
             if abs(progress.residual - certificate.residual) > DRIFT * certificate.residual and progress.estimates is not None:
                 solver.refresh(certificate.uKu)
             else:

@@ -8,22 +8,25 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SceneError
-from ..parallel.fft import row_starts
+from ..parallel.fft import row_starts, scratch_bytes
 from ..registry import body_of
 from ..surface import cell_of
-from .sweep import first_precision
+from .sweep import few_points, first_precision
 
 FIELDS = 3  # g, p, d; and h, which in low memory is kept only where the surface ends
 LEVELS = 3 / 4 + 2 / 16 + 2 / 64 + 1 / 24  # coarse levels of the preconditioner, in fields
-NESTED = 2 / 3 + (3 + LEVELS) / 4  # transforms and gaps of all coarser grids, a solver on the next one
+COARSER = 1 / 3  # points of all coarser grids of a nested start over those of the grid: one field of each
+NESTED = COARSER + (4 + LEVELS) / 4  # heights of all coarser grids, a solver and a copy on the next one
+TANGENT = 4 + LEVELS
 PIECE_GIB = 1 / 16  # of a field that is written at a time
-PROCESS_GIB = 0.25  # interpreter, libraries, compiled kernels, MPI buffers
+PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
 GIB = 2**30
 
 
 @dataclass(frozen=True)
 class Memory:
-    """GiB on the rank with most rows: fields and levels, transforms of the solver, of the certificate, the process; and the sum."""
+    """GiB on the rank with most rows: fields and levels, transforms of the solver (with all threads' scratch), of the certificate, the
+    process; and the sum."""
 
     fields: float
     transforms: float
@@ -36,27 +39,42 @@ class Memory:
         return self.fields + self.transforms + self.certificate + self.process
 
 
-def memory_of(scene, n, ranks):
-    """The Memory of a scene on a number of ranks."""
-    itemsize = first_precision(scene.solver).itemsize
+def memory_of(scene, n, ranks, threads=1):
+    """The Memory of a scene on a number of ranks with so many threads each."""
+    itemsize = largest_precision(scene, n).itemsize
     free = scene.surface.free
     cell = cell_of(n, free)
     rows = int(np.diff(row_starts(cell[0], ranks)).max())
-    points = rows * cell[1] / GIB
-    heights = min(rows, n[0]) * n[1] / GIB
-    spectrum = points * (1 + 2 / cell[1])
-    low = scene.solver.low_memory
-    fields = points * itemsize * (FIELDS + LEVELS) + heights * itemsize * (any(free) or not low)
+    field = rows * cell[1] * itemsize / GIB
+    heights = min(rows, n[0]) * n[1] * itemsize / GIB
+    spectrum = rows * (cell[1] + 2) / GIB
+    low, nested = scene.solver.low_memory, scene.solver.nested is not False
     loads = len(scene.load.p_star or scene.load.pressure)
-    extra = min(points * itemsize, PIECE_GIB) if scene.output.fields else 0.0
-    if not low and scene.solver.nested is not False:
-        extra = max(extra, points * itemsize * NESTED) if loads > 1 else extra + points * itemsize / 3
-    fields += extra
+
+    kept = FIELDS + LEVELS + (COARSER if nested and not low else 0.0)
+    passing = [2 * min(field, PIECE_GIB) if scene.output.fields else 0.0,  # as it is, and as it is written
+               field * NESTED if nested and not low and loads > 1 else 0.0,
+               field * TANGENT if "stiffness" in (scene.output.observables or ()) else 0.0]
+    grids = [(rows >> k, (cell[0] >> k, cell[1] >> k)) for k in range(min(cell).bit_length() if nested else 1)]
+
+    def scratch(precision, grids):
+        return threads * sum(scratch_bytes(*grid, 2 * precision, ranks) for grid in grids) / GIB
+
     spectrum *= 1 + body_of(scene.material, free).table_share
-    certificate = 0.0 if low or itemsize == 8 else spectrum * 8
+    transforms = spectrum * itemsize + sum(scratch(size, grids) for size in {itemsize, first_precision(scene.solver).itemsize})
+    certificate = 0.0 if low or itemsize == 8 else spectrum * 8 + scratch(8, grids[:1])
     if certificate and any(free):  # while its table is made
         certificate += min(rows, cell[0] // 2 + 1) * cell[1] * 8 / GIB
-    return Memory(fields, spectrum * itemsize, certificate, PROCESS_GIB)
+    return Memory(field * kept + heights * (any(free) or not low) + max(passing), transforms, certificate, PROCESS_GIB)
+
+
+def largest_precision(scene, n):
+    """The largest precision that a scene's loads are solved in, as far as it is known beforehand: without p* the first one."""
+    first, settings = first_precision(scene.solver), scene.solver
+    g_rms = getattr(scene.surface, "g_rms", None)
+    p_stars = scene.load.p_star or ([p / (scene.material.E_star * g_rms) for p in scene.load.pressure] if g_rms else [])
+    few = settings.precision == "auto" and any(few_points(n[0] * n[1], p_star, settings.accuracy) for p_star in p_stars)
+    return np.dtype(np.float64) if few else first
 
 
 def available_gib():
@@ -104,7 +122,7 @@ def limit_gib():
 
 def require_memory(comm, scene, n, threads):
     """Raise SceneError on all ranks if the ranks of some machine need more memory than it has. Collective."""
-    need = memory_of(scene, n, comm.size).total
+    need = memory_of(scene, n, comm.size, threads).total
     here = comm.allgather((os.uname().nodename, available_gib()))
     own = float(comm.min([limit_gib()])[0])
     if need > own:

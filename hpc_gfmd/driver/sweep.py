@@ -9,6 +9,7 @@ from ..contact import Contact
 from ..errors import SceneError
 from ..problem import Problem
 from ..registry import solver_class
+from ..units import require_range, single_solves
 from .certificate import Certificate, certify, rounding_error
 from .drive import Course, Outcome, Target, drive
 from .nested import Nested, cold_gap
@@ -16,6 +17,7 @@ from .nested import Nested, cold_gap
 SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
 WARM_UP, WARM_DOWN = 1.45, 1.26  # a load up to so much larger or smaller starts from the one before, others from coarser grids
 # (not round numbers, nor the next one: p* has rounding errors)
+SAME_LOAD = 1e-9  # relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
 FEW_POINTS = 6  # points on the wrong side that single precision may have
 
 
@@ -41,6 +43,13 @@ def first_precision(settings):
     return np.dtype(np.float32 if loose else np.float64)
 
 
+def few_points(N, p_star, accuracy):
+    """Whether so few of N points will touch that single precision, which may err in a few of them, cannot give the area to an accuracy
+    (None where a residual is asked for)."""
+    expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
+    return accuracy is not None and FEW_POINTS / expected > accuracy
+
+
 class Sweep:
     """Solves loads on one surface in the order given.
 
@@ -53,13 +62,23 @@ class Sweep:
         self.E_star, self.lam_s, self.body = float(E_star), lam_s, body
         self.solver_class = solver_class(settings.name)
         self.target = Target(settings.accuracy, settings.residual, settings.max_iterations, duality=duality)
+        self.surface = None
         self._to(first_precision(settings))
 
     def pressures(self, load):
-        """The absolute mean pressures of scene.Load on this surface. Raises SceneError for p_star on a flat surface."""
+        """The absolute mean pressures of scene.Load on this surface.
+
+        Raises SceneError for p_star on a flat surface, and for what the precision cannot hold.
+        """
         if load.p_star and self.surface.g_rms == 0:
             raise SceneError("load.p_star: found a flat surface (g_rms = 0), allowed: load.pressure")
-        return load.p0(self.E_star, self.surface.g_rms)
+        pressures, g_rms = load.p0(self.E_star, self.surface.g_rms), self.surface.g_rms
+        require_range(self.E_star, self.surface, pressures)
+        if self.settings.precision == "single" and g_rms > 0:
+            for p in pressures:
+                if not single_solves(p / (self.E_star * g_rms), self.surface.grid.N):
+                    raise SceneError(f'solver.precision: found "single", too little for a pressure of {p:g}, allowed: "auto", "double"')
+        return pressures
 
     def solve(self, p, watch=None, midway=False):
         """The contact at mean pressure p (unit of E_star).
@@ -71,7 +90,8 @@ class Sweep:
         if not midway:
             self._spent = 0.0
         promote = self.settings.precision == "auto" and self.dtype == np.float32
-        if promote and not midway and self._few_points(p):
+        p_star, N = p / (self.E_star * self.surface.slope), self.surface.grid.N
+        if promote and not midway and (few_points(N, p_star, self.settings.accuracy) or not single_solves(p_star, N)):
             self._to(np.float64)
             promote = False
         step = self._solve(p, watch, midway)
@@ -86,7 +106,7 @@ class Sweep:
     def state(self, upcoming=None):
         """What `restore` needs to go on in the present load or, given the mean pressure of the load that is upcoming, at its
         beginning: local slabs by name, and numbers."""
-        arrays, numbers = {}, {"dtype": self.dtype.name}
+        arrays, numbers = {}, {"dtype": self.dtype.name, "heights": self.surface.checksum}
         if upcoming is None or self._may_start_here(upcoming):
             arrays, own = self.solver.state()
             numbers |= {"p0": self.solver.p0, "own": own}
@@ -94,13 +114,21 @@ class Sweep:
             numbers |= {"course": asdict(self.course), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs}
         return arrays, numbers
 
-    def restore(self, arrays, numbers):
-        """Go back to a `state`, perhaps of another number of ranks. Collective. arrays: function of the grid, gives local slabs."""
+    def restore(self, arrays, numbers, p):
+        """Go back to a `state`, perhaps of another number of ranks; p: the mean pressure that is asked for at that load.
+
+        Collective. arrays: function of the grid, gives local slabs. Raises SceneError for the state of another load.
+        """
         if numbers["dtype"] != self.dtype:
             self._to(numbers["dtype"])
         if "p0" in numbers:
             self._spent = numbers.get("spent", 0.0)
-            self._begin(self._problem(numbers["p0"]), arrays, numbers)
+            p0 = numbers["p0"]
+            if "course" in numbers:  # in the middle of this load; a state at its beginning is that of a load before
+                p0 = p / (self.E_star * self.surface.slope)
+                if not abs(p0 / numbers["p0"] - 1) < SAME_LOAD:
+                    raise SceneError(f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is asked for")
+            self._begin(self._problem(p0), arrays, numbers)
 
     def _problem(self, p_star):
         return Problem(self.surface.grid, self.surface.h, p_star, body=self.body)
@@ -109,11 +137,6 @@ class Sweep:
         """Whether the load p, or one that follows it if p closes the gap at once, may start from the present state."""
         p_star = p / (self.E_star * self.surface.slope)
         return self.solver is not None and (self._near(p_star) or p_star >= self.body.full_p_star)
-
-    def _few_points(self, p):
-        """Whether so few points will touch that single precision, which may err in a few of them, cannot give the area."""
-        expected = self.surface.grid.N * min(1.0, 2 * p / (self.E_star * self.surface.slope))  # a_r is about 2 p*
-        return self.target.accuracy is not None and FEW_POINTS / expected > self.target.accuracy
 
     def _solve(self, p, watch, midway):
         p_star = p / (self.E_star * self.surface.slope)
@@ -203,7 +226,10 @@ class Sweep:
         """Make the surface in this precision and plan all transforms that its contacts need."""
         self.dtype = dtype = np.dtype(dtype)
         self.solver = None
+        known = self.surface.checksum if self.surface is not None else None
         self.surface = self.make_surface(dtype)
+        if known not in (None, self.surface.checksum):
+            raise SceneError("surface.path: the heights have changed since this run read them")
         if not self._is_flat:
             grid = self.surface.grid
             grid.fft(dtype)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
+from ..kernels.cache import sound
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
@@ -20,9 +21,9 @@ def compile_once(comm, settings, boundary="periodic", material=None):
     Collective."""
     with guarded(comm, "compiling"):
         if comm.rank == 0:
-            _tiny_contact(settings, boundary, material)
+            sound(lambda: _tiny_contact(settings, boundary, material))
     if comm.rank != 0:
-        _tiny_contact(settings, boundary, material)
+        sound(lambda: _tiny_contact(settings, boundary, material))
 
 
 def _tiny_contact(settings, *body):

@@ -1,74 +1,89 @@
-"""The cache of compiled kernels: what is stale, damaged or somebody else's is compiled again; one that cannot be written is none.
+"""Where numba keeps compiled kernels: in a folder for each state of their sources, versions and kind of processor.
 
-numba looks at the source file of a kernel only, but other files' functions are compiled into it, and it trusts what it finds.
+numba looks at the source file of a kernel only, but other files' functions are compiled into it. What it cannot read or write it
+raises; `sound` then empties the folder and begins again.
 """
 
 import hashlib
+import shutil
+import tempfile
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
+from traceback import walk_tb
 
 import llvmlite
 import numba
 import numpy
-from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
+from llvmlite import binding
+
+from ..caches import cache_folder
+
+NEWEST = 4  # states whose folders are kept
+ROOM = 64 * 2**20  # bytes that must be free
+ATTEMPTS = 100  # on a disk without room every kernel may fail once: when it is to be written
 
 
 @cache
 def stamp() -> str:
     """Changes with any kernel and with all that makes machine code of them."""
-    digest = hashlib.sha256(" ".join((numba.__version__, llvmlite.__version__, numpy.__version__)).encode())
+    made_by = (numba.__version__, llvmlite.__version__, numpy.__version__, binding.get_host_cpu_name())
+    digest = hashlib.sha256(" ".join(made_by).encode())
     for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.read_bytes())
-    return digest.hexdigest()
+    return digest.hexdigest()[:16]
 
 
-class _File(IndexDataCacheFile):
-    """Every entry knows what it is, and has a checksum: machine code with a wrong bit would run."""
-
-    def save(self, key, data):
-        content = self._dump((self._source_stamp, key, data))
-        super().save(key, (hashlib.sha256(content).digest(), content))
-
-    def load(self, key):
-        found = super().load(key)
-        if found is None:
-            return None
-        checksum, content = found
-        if hashlib.sha256(content).digest() != checksum:
-            return None
-        stamp, known, data = numba.core.serialize.loads(content)
-        return data if (stamp, known) == (self._source_stamp, key) else None
-
-
-class KernelCache(FunctionCache):
-    """numba's cache of one function without its exceptions."""
-
-    def __init__(self, function):
-        super().__init__(function)
-        self._cache_file = _File(self._cache_path, self._impl.filename_base, stamp())
-
-    def load_overload(self, sig, target_context):
-        """The compiled function, or None if it has to be compiled."""
-        try:
-            return super().load_overload(sig, target_context)
-        except Exception:  # pickle may raise any on damaged input
-            return None
-
-    def save_overload(self, sig, data):
-        """Keep it if that is possible."""
-        try:
-            super().save_overload(sig, data)
-        except Exception:  # a damaged index, or no room, or no permission
-            try:
-                self.flush()
-                super().save_overload(sig, data)
-            except Exception:
-                pass
-
-
-def cache_of(function):
-    """The cache of a function; one that keeps nothing where no folder for it can be written."""
+@contextmanager
+def cached():
+    """Block in which numba is told the folder; gives whether there is one that can be written. NUMBA_CACHE_DIR moves it."""
+    users, path = numba.config.CACHE_DIR, folder()
+    numba.config.CACHE_DIR = str(path or users)
     try:
-        return KernelCache(function)
-    except (RuntimeError, OSError):
-        return NullCache()
+        yield path is not None
+    finally:
+        numba.config.CACHE_DIR = users  # other packages' kernels are not ours
+
+
+def folder():
+    """The folder of the present state, or None where it cannot be written."""
+    return _folder(Path(numba.config.CACHE_DIR or cache_folder() / "kernels"), stamp())
+
+
+@cache
+def _folder(root, state):
+    """As `folder`, in a root. Making it removes the oldest ones."""
+    path = root / f"hpc-gfmd-{state}"
+    try:
+        if not path.is_dir():
+            path.mkdir(parents=True, exist_ok=True)
+            states = sorted(root.glob("hpc-gfmd-*"), key=lambda other: other.stat().st_mtime)
+            for old in states[:-NEWEST]:
+                shutil.rmtree(old, ignore_errors=True)
+        tempfile.TemporaryFile(dir=path).close()
+        return path if shutil.disk_usage(path).free > ROOM else None
+    except OSError:
+        return None
+
+
+def sound(call):
+    """call(), again and with emptied folders where numba fails to read or to write them; returns what it returned."""
+    for _ in range(ATTEMPTS):
+        try:
+            return call()
+        except Exception as error:
+            if not _of_numbas_cache(error.__traceback__):
+                raise
+            _empty()
+    return call()
+
+
+def _of_numbas_cache(traceback):
+    return any(frame.f_globals.get("__name__") == "numba.core.caching" for frame, _ in walk_tb(traceback))
+
+
+def _empty():
+    """Remove all that was kept of this state; the folders stay."""
+    for file in folder().rglob("*.nb*") if folder() else ():
+        with suppress(OSError):
+            file.unlink()

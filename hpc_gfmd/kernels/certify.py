@@ -4,7 +4,7 @@ import numpy as np
 
 from .jit import kernel
 
-BINS, PER_OCTAVE = 160, 4  # of squares: the first tenth is from the largest to a sixteenth of it
+BINS, PER_OCTAVE = 160, 4  # of squares: down to 2^-40 of the largest
 
 # Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a slab); beyond
 # it g is the displacement u itself, and nothing is closed. `contact_edges` and `undecided` get that part alone.

@@ -31,7 +31,7 @@ EQUIVALENCE = 2.25
 class Multilevel:
     """The sweep for one grid and body in one precision. longest: rows per pass of the solver; whole_points: see WHOLE_POINTS."""
 
-    def __init__(self, grid, body, dtype, longest, whole_points=WHOLE_POINTS):
+    def __init__(self, grid, body, dtype, longest, whole_points=None):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
         self.c, self.w = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
         hierarchy, weights, softness = levels(grid), body.weights(grid), body.softness(grid)
@@ -46,7 +46,7 @@ class Multilevel:
             self.transfers.append(transfer)
             starts = transfer.coarse_starts
             thin = np.diff(starts).min() < THIN_ROWS
-            small = coarse.n[0] * coarse.n[1] <= whole_points
+            small = coarse.n[0] * coarse.n[1] <= (WHOLE_POINTS if whole_points is None else whole_points)
             if (thin and self.comm.size > 1) or small or coarse is hierarchy[-1]:
                 break
             self.spread.append(coarse)

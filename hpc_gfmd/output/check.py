@@ -4,7 +4,8 @@ from math import isfinite
 
 TEXTS = ("status", "note", "precision", "kind")
 NUMBERS = ("p", "p_star", "a_r", "kappa", "kappa_corrected", "gap_mean", "gap_over_h_rms", "iterations", "fft_pairs", "wall_seconds",
-           "a_r_error", "gap_error", "pressure_error", "hurst", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c", "seed")
+           "a_r_error", "a_r_discretisation", "gap_error", "pressure_error", "hurst", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c",
+           "seed")
 PAIRS = ("n", "physical_sizes")
 _DEPTH = 3  # of lists in lists
 

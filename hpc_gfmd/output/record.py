@@ -31,7 +31,8 @@ class RunFile:
     they are removed; compressed: shuffle and gzip; dtype: of the stored fields, such as "single" (default: as
     they come); transport: see hpc_gfmd.parallel.h5.
 
-    finished: indices of the steps that are already there; note: one line about what was found, or "".
+    finished: indices of the steps that are already there; note: one line about what was found, or ""; earlier: root attributes of the
+    run that is resumed which hold for this one, too.
     Raises SceneError if the folder is missing or not writable, another run holds the file, or resume finds
     another scene.
     """
@@ -53,8 +54,8 @@ class RunFile:
             with guarded(comm, f"opening {self.path}"):
                 if comm.rank == 0:
                     found = self._claim(head.get("identity"), resume)
-            self.finished, self.note, earlier = comm.bcast(found)
-            self._head = {"start_time": _now(), "ranks": comm.size} | earlier | head
+            self.finished, self.note, self.earlier = comm.bcast(found)
+            self._head = {"start_time": _now(), "ranks": comm.size} | self.earlier | head
             self._surface = dict(surface)
             self._write_head("running")
         except GfmdError:
@@ -152,7 +153,7 @@ class RunFile:
                 junk.unlink(missing_ok=True)
             states = zip(left.indices, [step.get("status") for step in left.steps], strict=True)
             done = [index for index, status in states if status != "interrupted"]
-            kept = {name: left.head[name] for name in ("start_time",) if name in left.head}
+            kept = {name: left.head[name] for name in ("start_time", "heights") if name in left.head}
             return done, f"resuming: {len(done)} finished load steps found in {self.partial}", kept
         note = ""
         if left is not None:

@@ -4,12 +4,14 @@ from math import floor, isfinite, log10
 
 DIGITS = 4  # of a number without an error estimate
 MAX_DIGITS = 6
+LEGEND = "+-: estimated error of the solver on this grid; grid: estimated error of a_r by the size of a grid point, % of a_r"
 
 # attribute, heading, unit, estimated relative error of it; left out where no step has the attribute
 COLUMNS = (
     ("p_star", "p*", "", None),
     ("p", "p", "[unit of E*]", None),
-    ("a_r", "a_r", "", "a_r_error"),
+    ("a_r", "a_r", "[+- solver]", "a_r_error"),
+    ("a_r_discretisation", "grid", "[%]", None),
     ("kappa", "kappa", "", None),
     ("kappa_corrected", "edge-corr.", "", None),
     ("gap_mean", "mean gap", "[length]", "gap_error"),
@@ -20,6 +22,7 @@ COLUMNS = (
     ("iterations", "iter.", "", None),
     ("fft_pairs", "FFT pairs", "", None),
     ("wall_seconds", "time", "[s]", None),
+    ("precision", "precision", "", None),
     ("status", "status", "", None),
 )
 
@@ -27,7 +30,8 @@ COLUMNS = (
 def table(steps: list[dict], indices: list[int] | None = None) -> str:
     """Text for the steps, given as dicts of the attributes of the result file.
 
-    Errors stand behind +- in the unit of their column. A step that did not converge has a ! before its number
+    Errors stand behind +- in the unit of their column: those of the solver. What the size of a grid point adds to that of a_r has a
+    column of its own. A step that did not converge has a ! before its number
     and a line of its own below the table, as has a step with a `note`.
     """
     indices = list(range(len(steps))) if indices is None else indices
@@ -38,7 +42,8 @@ def table(steps: list[dict], indices: list[int] | None = None) -> str:
         rows.append([f"{mark}{index}", *(_cell(step, key, error) for key, _, _, error in columns)])
     widths = [max(len(row[k]) for row in rows) for k in range(len(columns) + 1)]
     lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
-    return "\n".join([*(line.rstrip() for line in lines), *_remarks(indices, steps)])
+    legend = [LEGEND] if any("a_r_discretisation" in step for step in steps) else []
+    return "\n".join([*(line.rstrip() for line in lines), *legend, *_remarks(indices, steps)])
 
 
 def converged(step: dict) -> bool:
@@ -86,7 +91,7 @@ def _cell(step, key, error_key) -> str:
         return "-"
     if isinstance(value, str):
         return value
-    if key == "pressure_error":
+    if key in ("pressure_error", "a_r_discretisation"):
         return f"{100 * value:.2g}"
     if key == "wall_seconds":
         return f"{value:.3g}" if value < 1000 else f"{value:.0f}"

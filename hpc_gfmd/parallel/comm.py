@@ -6,10 +6,12 @@ import time
 
 import numpy as np
 
-from ..errors import GfmdError
+from ..errors import GfmdError, SceneError
+from ..streams import unfailing
 
 # Set by mpirun (Open MPI, MPICH, Intel MPI) and by srun --mpi=pmix/pmi2 for every process that they start.
 LAUNCHER_SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS")
+THREADS_PER_CORE = 8  # more are a mistake
 LAUNCHER_RANK = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK")
 
 
@@ -144,9 +146,16 @@ def world():
 
 
 def threads_of(comm, wanted):
-    """Threads for each rank: a number as it is; "auto": the cores that this rank may use, shared with the ranks beside it."""
+    """Threads for each rank: a number as it is; "auto": the cores that this rank may use, shared with the ranks beside it.
+
+    Raises SceneError on all ranks for more than some machine can bear: every thread takes memory of its own. Collective.
+    """
     if wanted != "auto":
-        return int(wanted)
+        wanted = int(wanted)
+        most = int(comm.min([THREADS_PER_CORE * (os.cpu_count() or 1)])[0])
+        if wanted > most:
+            raise SceneError(f"machine.threads: found {wanted}, allowed on this machine: up to {most} ({THREADS_PER_CORE} per core)")
+        return wanted
     cores = sorted(os.sched_getaffinity(0))
     here = comm.allgather((os.uname().nodename, cores))
     beside = sum(other == here[comm.rank] for other in here)  # ranks that are bound elsewhere do not share our cores
@@ -182,7 +191,7 @@ def _abort_on_error(mpi, hook):
 
     def excepthook(kind, value, traceback):
         hook(kind, value, traceback)
-        sys.stderr.flush()
+        unfailing(sys.stderr).flush()
         mpi.Abort(1)
 
     return excepthook

@@ -35,6 +35,14 @@ def row_starts(n_x, size):
     return np.array([r * (n_x // size) + min(r, n_x % size) for r in range(size + 1)])
 
 
+def scratch_bytes(n_loc, n, itemsize, size):
+    """About how many bytes each thread has for itself in a SlabFFT with n_loc rows; itemsize: of a complex number."""
+    n_c = n[1] // 2 + 1
+    rows = min(max(ROW_BYTES, 8 * n_c * itemsize), n_loc * n_c * itemsize)
+    columns = min(max(COLUMN_BYTES, MIN_WIDTH * n[0] * itemsize), n[0] * n_c * itemsize)
+    return 2 * rows + columns * (2 if size > 1 else 1)
+
+
 class SlabFFT:
     """Transforms of one grid in one precision.
 

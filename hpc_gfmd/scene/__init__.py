@@ -5,9 +5,9 @@ dictionary; each raises `SceneError` with one line that names the key, what was 
 """
 
 from .load import check_names, load_scene, with_overrides
-from .model import Scene
+from .model import ArrayScene, Scene
 from .settings import Load, Machine, Material, Output, Solver
 from .surface import File, SelfAffine, Sphere, Wave
 
-__all__ = ["File", "Load", "Machine", "Material", "Output", "Scene", "SelfAffine", "Solver", "Sphere", "Wave",
+__all__ = ["ArrayScene", "File", "Load", "Machine", "Material", "Output", "Scene", "SelfAffine", "Solver", "Sphere", "Wave",
            "check_names", "load_scene", "with_overrides"]

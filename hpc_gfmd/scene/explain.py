@@ -6,6 +6,8 @@ from collections.abc import Iterable
 
 from pydantic import BaseModel, ValidationError
 
+from ..errors import one_line
+
 _short = reprlib.Repr()
 _short.maxstring = _short.maxother = _short.maxlong = 60
 _short.maxlist = 4
@@ -24,7 +26,7 @@ def shown(value: object) -> str:
     if isinstance(value, dict):
         return "a table"
     try:
-        return _short.repr(value)
+        return one_line(_short.repr(value))
     except ValueError:      # an integer of more digits than Python prints
         return "a huge integer"
 

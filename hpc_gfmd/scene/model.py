@@ -12,7 +12,7 @@ from pydantic import Field, ValidationError, model_validator
 from ..errors import SceneError, one_line
 from .explain import explain
 from .settings import Load, Machine, Material, Output, Solver
-from .surface import KINDS, AnySurface, SelfAffine, Wave
+from .surface import KINDS, AnySurface, SelfAffine, Surface, Wave
 from .table import Table, Text
 
 RESOLVED = 8        # points in a wave length; with fewer the contact is one of single points
@@ -97,6 +97,18 @@ class Scene(Table):
             if scale and 2 * load / scale * n_x * n_y < TOUCHING:     # a_r is about 2 p*
                 found.append(f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch")
         return found
+
+
+class ArrayScene(Scene):
+    """The same of heights that are an array in memory: of the surface only its sizes are asked for."""
+
+    surface: Surface = Field(Surface(), description="a table [surface]")
+
+    @model_validator(mode="after")
+    def _known_by_points(self):
+        if self.solver.low_memory:
+            raise ValueError('solver.low_memory: found true, allowed: with surface.kind = "self-affine", in a scene')
+        return self
 
 
 def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:

@@ -117,6 +117,8 @@ class Solver(Table):
     @model_validator(mode="after")
     def _one(self):
         not_both(self, "accuracy", "residual")
+        if self.accuracy is None and self.residual is None:
+            raise ValueError("found neither accuracy nor residual, allowed: one of accuracy, residual")
         return self
 
 

@@ -12,12 +12,12 @@ The displacement itself never appears: with the gap g = u + h and p = p0 + K u, 
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
+from ..bounds import field_errors
 from ..kernels.contact import propose
 from ..operators.elastic import Elastic
 from ..operators.multilevel import COUPLING, EQUIVALENCE, Multilevel
 from ..options import read_options
 from .base import Progress, Solver
-from .errors import field_errors
 
 RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
 GRADIENT = 1.0041  # times the largest K, over kap: a projected gradient step is a little shorter than what K allows

@@ -4,19 +4,14 @@ from collections import defaultdict
 
 import numpy as np
 
-from .levels import P_HIGH, P_LOW
+from .rows import Rows
 from .scatter import Scatter
 
 RATIOS = ("L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a")
 COLUMNS = ("hurst", "p_star", *RATIOS, "eps_t", "eps_f", "eps_c", "n")
 
 
-def near(a, b):
-    """Whether two pressures or ratios are the same but for rounding."""
-    return abs(a - b) <= 1e-6 * abs(b)
-
-
-def average(runs, observables):
+def average(runs: Rows, observables: tuple[str, ...]) -> Rows:
     """One row per surface statistics and pressure, ordered: COLUMNS, n_seeds and, for each observable, its mean and NAME_se.
 
     The standard error is the scatter of realisations, pooled over neighbouring eps_f (scatter.Scatter), over sqrt(n_seeds); None
@@ -35,6 +30,12 @@ def average(runs, observables):
         for surface in sorted(surfaces):
             rows += _grids_of(surfaces[surface], observables, scatter)
     return rows
+
+
+def relative_scatter(row: dict, observable: str) -> float | None:
+    """Scatter of single realisations over the mean, from the standard error; None where it is not known."""
+    se = row.get(f"{observable}_se")
+    return se * row["n_seeds"] ** 0.5 / abs(row[observable]) if se is not None else None
 
 
 def _grids_of(runs, observables, scatter):
@@ -64,8 +65,3 @@ def _mean(name, seeds, base, scatter):
     else:
         mean, square = np.mean([run[name] for run in seeds.values()]), relative**2 / len(seeds)
     return float(mean), float(abs(mean) * np.sqrt(square)) if np.isfinite(square) else None
-
-
-def low_high(rows):
-    """The rows at the two pressures of the paper, {"low": [...], "high": [...]}."""
-    return {name: [row for row in rows if near(row["p_star"], p)] for name, p in (("low", P_LOW), ("high", P_HIGH))}

@@ -1,30 +1,29 @@
-"""The studies there are: every file of items/ is a figure or a table of the paper; adding one means dropping in one file.
-
-A study is a module with NAME, TITLE, PAPER (what the paper shows there), cases(level) -> list of Case,
-tabulate(runs, level) -> rows, draw(rows, path) and compare(rows) -> what the paper says beside what we find.
-"""
+"""The studies there are: every file of items/ lists some in STUDIES; adding one means adding an entry, or dropping in a file."""
 
 import importlib
 import pkgutil
 import re
+from functools import cache
 
 from ..errors import SceneError
 from ..scene.explain import nearest
 from . import items
+from .study import Study
 
 
-def names():
+def names() -> list[str]:
     """Names of all studies, figures first, by their numbers."""
-    return sorted((m.name for m in pkgutil.iter_modules(items.__path__)), key=lambda n: (re.sub(r"\d+", "", n), _number(n)))
+    return sorted(_studies(), key=lambda name: (re.sub(r"\d+", "", name), int(re.search(r"\d+", name)[0])))
 
 
-def study(name):
-    """The module of a study. Raises SceneError that names the nearest one."""
-    if name not in names():
+def study(name: str) -> Study:
+    """The study of a name. Raises SceneError that names the nearest one."""
+    if name not in _studies():
         raise SceneError(f"NAME: found {name!r}, nearest: {nearest(name, names())!r}, allowed: all, {', '.join(names())}")
-    return importlib.import_module(f"{items.__name__}.{name}")
+    return _studies()[name]
 
 
-def _number(name):
-    digits = re.search(r"\d+", name)
-    return int(digits[0]) if digits else 0
+@cache
+def _studies():
+    modules = (importlib.import_module(f"{items.__name__}.{module.name}") for module in pkgutil.iter_modules(items.__path__))
+    return {study.name: study for module in modules for study in module.STUDIES}

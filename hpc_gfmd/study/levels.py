@@ -13,6 +13,7 @@ from .case import Case
 HURST = (0.0, 0.3, 0.5, 0.8)
 HURST_GAP = (0.3, 0.5, 0.8)  # of p against gap, and of the tables of coefficients
 P_LOW, P_HIGH = 0.01 / sqrt(2), 0.5 / sqrt(2)  # printed as 0.007 and 0.353
+PRESSURES = {"low": P_LOW, "high": P_HIGH}
 LOADS = (0.001, 0.002, 0.004, P_LOW, 0.015, 0.03, 0.06, 0.12, 0.2, P_HIGH, 0.6, 1.0, 1.5, 2.0)
 
 
@@ -79,39 +80,39 @@ LEVELS = {
 }
 
 
-def level_of(name):
+def level_of(name: str) -> Level:
     """The Level of a name. Raises SceneError."""
     if name not in LEVELS:
         raise SceneError(f"--level: found {name!r}, allowed: {', '.join(LEVELS)}")
     return LEVELS[name]
 
 
-def eps_c_series(level, hurst=HURST):
+def eps_c_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """lam_s/a varies, at the reference lam_l/lam_s and, over more octaves, at a smaller one; the same surfaces all along."""
     return _cases(level_of(level).eps_c, hurst, (P_LOW, P_HIGH))
 
 
-def eps_f_series(level, hurst=HURST):
+def eps_f_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """lam_l/lam_s varies, the rest as in the reference system."""
     return _cases(level_of(level).eps_f, hurst, (P_LOW, P_HIGH))
 
 
-def eps_t_series(level, hurst=HURST):
+def eps_t_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """L/lam_l varies, at two values of lam_l/lam_s."""
     return _cases(level_of(level).eps_t, hurst, (P_LOW, P_HIGH))
 
 
-def tfc_series(level, hurst=HURST):
+def tfc_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """All three series, for fits of eq. tfc and limits."""
     return [case for series in (eps_c_series, eps_f_series, eps_t_series) for case in series(level, hurst)]
 
 
-def pressure_series(level, hurst=HURST):
+def pressure_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """Sweeps over p_star for the contact area."""
     return _cases(level_of(level).area, hurst, level_of(level).loads)
 
 
-def gap_pressure_series(level, hurst=HURST_GAP):
+def gap_pressure_series(level: str, hurst: tuple[float, ...] = HURST_GAP) -> list[Case]:
     """Sweeps over p_star for the mean gap, at several lam_l/lam_s."""
     return _cases(level_of(level).gap, hurst, level_of(level).loads)
 

@@ -1,32 +1,22 @@
 """What the paper prints: the numbers of its text and captions, and its coefficient tables."""
 
 import json
-from functools import lru_cache
+from functools import cache
 from importlib.resources import files
 
 from ..theory import tfc
-from .averages import near
-from .levels import P_HIGH, P_LOW
+from .rows import near
 
-PRINTED = {P_LOW: 0.007, P_HIGH: 0.353}  # the pressures as the paper rounds them
+PRINTED = {"low": 0.007, "high": 0.353}  # the two pressures as the paper rounds them
 
 
-@lru_cache(maxsize=1)
-def numbers():
-    """paper_numbers.json as a dict."""
+@cache
+def numbers() -> dict:
+    """The contents of paper_numbers.json."""
     return json.loads(files(__package__).joinpath("paper_numbers.json").read_text(encoding="utf-8"))
 
 
-def coefficients(observable, p_star, hurst):
-    """The row of a printed coefficient table, {"C_c": ..., "alpha_t": ...}; None where the paper has none."""
-    printed = next(value for p, value in PRINTED.items() if near(p, p_star))
-    for table in tfc.paper_table()["tables"]:
-        if table["observable"] == observable and table["p_star"] == printed:
-            return next((row for row in table["rows"] if near(row["hurst"], hurst)), None)
-    return None
-
-
-def of_hurst(name, hurst, *keys):
+def of_hurst(name: str, hurst: float, *keys) -> float | None:
     """A number that the paper gives for a Hurst exponent, e.g. of_hurst("area_high", 0.8); None where it gives none."""
     table = numbers()[name]
     for key in keys:
@@ -34,20 +24,33 @@ def of_hurst(name, hurst, *keys):
     return table.get(f"{hurst:g}")
 
 
-def saying(paper, ours, why=""):
+def coefficients(observable: str, pressure: str, hurst: float) -> dict | None:
+    """The row of a printed coefficient table, {"C_c": ..., "alpha_t": ...}; None where the paper has none.
+
+    pressure: "low" or "high".
+    """
+    for table in tfc.paper_table()["tables"]:
+        if (table["observable"], table["p_star"]) == (observable, PRINTED[pressure]):
+            return next((row for row in table["rows"] if near(row["hurst"], hurst)), None)
+    return None
+
+
+def correction(coefficients: dict, eps_t: float, eps_f: float, eps_c: float) -> float:
+    """The sum of the three terms of eq. tfc with printed coefficients."""
+    eps = {"c": eps_c, "f": eps_f, "t": eps_t}
+    return sum(coefficients[f"C_{i}"] * eps[i] ** coefficients[f"alpha_{i}"] for i in eps)
+
+
+def saying(paper: str, ours: str, why: str = "") -> dict:
     """A line of the table "paper says / we find / why"."""
     return {"paper": paper, "ours": ours, "why": why}
 
 
-def quoted(value, sigma=None, digits=3):
-    """A number with its uncertainty as text, "2.060(12)"-like but plainer: "2.060 +- 0.012"; "-" for None."""
+def quoted(value, sigma=None, digits=3) -> str:
+    """A number with its uncertainty in two digits, "2.060 ± 0.012"; "-" for None."""
     if value is None:
         return "-"
     if sigma is None or not sigma > 0:
         return f"{value:.{digits}g}"
-    places = max(0, -_exponent(sigma) + 1)
+    places = max(0, 1 - int(f"{sigma:e}".rpartition("e")[2]))
     return f"{value:.{places}f} ± {sigma:.{places}f}" if places < 8 else f"{value:.{digits}g} ± {sigma:.2g}"
-
-
-def _exponent(x):
-    return int(f"{x:e}".rpartition("e")[2])

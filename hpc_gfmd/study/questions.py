@@ -3,120 +3,92 @@ Persson's theory explains."""
 
 from ..errors import SceneError
 from . import fits, paper
-from .averages import low_high, near
-from .compare import PRESSURE, by_hurst, fine_half, share_explained
-from .levels import P_HIGH, P_LOW
+from .items.gap import share_explained
+from .levels import PRESSURES
 from .limits import compare_routes
 from .markdown import table
 from .paper import quoted
+from .rows import Rows, families, fine_half
 
 SHARPEST = 0.125  # eps_c from which on alpha_c is fitted as its asymptotic value
+FAMILY = {"hurst": "H", "p_star": "p*"}
+
+LIMITS = """### kappa in the TFC limit
+
+Fit of kappa = kappa_TFC + C_t eps_t + (C_f + D eps_c) eps_f^alpha_f + C_1 eps_c + C_2 eps_c² + C_3 eps_c³ to all runs of \
+an H and p*, with the covariance of runs that share a surface. alpha_f is common to the two ways of counting the area \
+(alone: what each finds, as counted; edge-corrected). The error holds realisations, solver, alpha_f, and the change when \
+the coarsest third of the eps_f is left out. Both routes see the same contacts, so their difference is known better than \
+either; it is given in units of its own error. Last: the limits with the paper's alpha_f and the errors that it would \
+seem to have.
+
+{table}
+
+2 - 2H is the exponent of the share that waves longer than lam_l, which are missing at finite eps_f, have in the mean \
+square slope of a surface with more decades: the approach to the fractal limit is the slower the larger H. Where alpha_f is small, the \
+limit is an extrapolation over many decades."""
+
+ALPHA_C = """### The exponent alpha_c
+
+Local exponents log2 of the ratio of successive differences of the same surfaces (in brackets: the middle one of the \
+three grids; jackknife over seeds), and fits of limit + C eps_c^alpha_c along the longest series, to all grids and to those with \
+eps_c <= {sharpest:g}. The paper: {printed:g}. The excess of counted points is the length of the contact boundary times a, so the \
+exponent as counted should tend to 1 for eps_c -> 0. The edge correction takes most of it off, and what is left may have either sign: \
+"-" where the steps change sign or no power law fits.
+
+{table}"""
+
+THEORY = """### "Theory is 2 to 3 times too small at high pressure"
+
+Simulation over Persson theory (gap/h_rms, gamma = 0.42), as printed and with the missing factor 2; explained: the \
+share of the logarithm of the printed ratio that the factor removes. At p* = 0.007 the factor enlarges the theory, too.
+
+{table}"""
 
 
-def section(runs, tables, level):
+def section(runs: Rows, tables: dict[str, Rows], level: str) -> str:
     """The section of the report; runs: those of levels.tfc_series, tables: {study: rows}."""
-    parts = ["## Open questions", _limits(runs), _alpha_c(runs, level), _theory(tables)]
+    alpha_c = ALPHA_C.format(sharpest=SHARPEST, printed=paper.numbers()["alpha_c"], table=_alpha_c(runs, level))
+    theory = _theory(tables["fig6"])
+    parts = ["## Open questions", LIMITS.format(table=_limits(runs)), alpha_c, theory and THEORY.format(table=theory)]
     return "\n\n".join(part for part in parts if part)
 
 
 def _limits(runs):
     rows = []
-    for p_star in (P_LOW, P_HIGH):
-        for hurst in sorted({run["hurst"] for run in runs}):
-            part = [run for run in runs if run["hurst"] == hurst and near(run["p_star"], p_star)]
-            try:
-                raw, edge, difference, sigma = compare_routes(part)
-            except SceneError as error:
-                rows.append({"hurst": f"{hurst:g}", "p_star": f"{p_star:.3f}", "raw": f"not yet ({error})"})
-                continue
-            rows.append(
-                {
-                    "hurst": f"{hurst:g}",
-                    "p_star": f"{p_star:.3f}",
-                    "raw": quoted(raw.kappa, raw.error),
-                    "edge": quoted(edge.kappa, edge.error),
-                    "difference": f"{difference:+.4f}",
-                    "sigmas": f"{difference / sigma:+.1f}",
-                    "alpha": quoted(raw.values["alpha_f"], raw.alpha_error),
-                    "own": f"{quoted(*raw.alpha_own)}; {quoted(*edge.alpha_own)}",
-                    "expected": f"{2 - 2 * hurst:g}",
-                    "theirs": f"{quoted(*raw.kappa_paper)}; {quoted(*edge.kappa_paper)}",
-                    "chi2": f"{raw.chi2 / raw.dof:.2f}; {edge.chi2 / edge.dof:.2f}",
-                    "paper": paper.of_hurst("kappa_tfc", hurst) if near(p_star, P_LOW) and paper.of_hurst("kappa_tfc", hurst) else "",
-                }
-            )
-    return "\n\n".join(
-        [
-            "### kappa in the TFC limit",
-            "Fit of kappa = kappa_TFC + C_t eps_t + (C_f + D eps_c) eps_f^alpha_f + C_1 eps_c + C_2 eps_c² + C_3 eps_c³ to all runs of "
-            "an H and p*, with the covariance of runs that share a surface. alpha_f is common to the two ways of counting the area "
-            "(alone: what each finds, as counted; edge-corrected). The error holds realisations, solver, alpha_f, and the change when "
-            "the coarsest third of the eps_f is left out. Both routes see the same contacts, so their difference is known better than "
-            "either; it is given in units of its own error. Last: the limits with the paper's alpha_f and the errors that it would "
-            "seem to have.",
-            table(
-                rows,
-                {
-                    "hurst": "H",
-                    "p_star": "p*",
-                    "raw": "as counted",
-                    "edge": "edge-corrected",
-                    "difference": "difference",
-                    "sigmas": "in its sigma",
-                    "paper": "paper",
-                    "alpha": "alpha_f",
-                    "own": "alone",
-                    "expected": "2 - 2H",
-                    "theirs": f"with alpha_f = {paper.numbers()['alpha_f']:g}",
-                    "chi2": "chi²/dof",
-                },
-            ),
-            "2 - 2H is the exponent of the share that waves longer than lam_l, which are missing at finite eps_f, have in the mean "
-            "square slope of a surface with more "
-            "decades: the approach to the fractal limit is the slower the larger H. Where alpha_f is small, the limit is an "
-            "extrapolation over many decades.",
-        ]
-    )
+    for pressure, hurst, part in families(runs):
+        row = _family(pressure, hurst)
+        try:
+            raw, edge, difference, sigma = compare_routes(part)
+        except SceneError as error:
+            rows.append(row | {"raw": f"not yet ({error})"})
+            continue
+        rows.append(row | {
+            "raw": quoted(raw.kappa, raw.error), "edge": quoted(edge.kappa, edge.error),
+            "difference": f"{difference:+.4f}", "sigmas": f"{difference / sigma:+.1f}",
+            "paper": (pressure == "low" and paper.of_hurst("kappa_tfc", hurst)) or "",
+            "alpha": quoted(raw.values["alpha_f"], raw.alpha_error), "own": f"{quoted(*raw.alpha_own)}; {quoted(*edge.alpha_own)}",
+            "expected": f"{2 - 2 * hurst:g}", "theirs": f"{quoted(*raw.kappa_paper)}; {quoted(*edge.kappa_paper)}",
+            "chi2": f"{raw.chi2 / raw.dof:.2f}; {edge.chi2 / edge.dof:.2f}"})
+    return table(rows, FAMILY | {
+        "raw": "as counted", "edge": "edge-corrected", "difference": "difference", "sigmas": "in its sigma", "paper": "paper",
+        "alpha": "alpha_f", "own": "alone", "expected": "2 - 2H", "theirs": f"with alpha_f = {paper.numbers()['alpha_f']:g}",
+        "chi2": "chi²/dof"})
 
 
 def _alpha_c(runs, level):
     rows = []
-    for p_star in (P_LOW, P_HIGH):
-        for hurst in sorted({run["hurst"] for run in runs}):
-            part = [run for run in runs if run["hurst"] == hurst and near(run["p_star"], p_star)]
-            row = {"hurst": f"{hurst:g}", "p_star": f"{p_star:.3f}"}
-            for observable in ("kappa", "kappa_edge"):
-                local = fits.local_exponents(part, observable, level)
-                row[observable] = ", ".join(
-                    f"{quoted(x['alpha'], x['alpha_se'])} (1/{1 / x['eps_c']:g})" for x in local if x["alpha"] is not None
-                )
-                for name, coarsest in (("all", 0.5), ("fine", SHARPEST)):
-                    row[f"{observable}_{name}"] = _exponent(part, observable, level, coarsest)
-            rows.append(row)
-    return "\n\n".join(
-        [
-            "### The exponent alpha_c",
-            "Local exponents log2 of the ratio of successive differences of the same surfaces (in brackets: the middle one of the "
-            "three grids; jackknife over seeds), "
-            f"and fits of limit + C eps_c^alpha_c along the longest series, to all grids and to those with eps_c <= {SHARPEST:g}. "
-            f"The paper: {paper.numbers()['alpha_c']:g}. "
-            "The excess of counted points is the length of the contact boundary times a, so the exponent as counted should tend to 1 "
-            "for eps_c -> 0. The edge correction takes most of it off, and what is left may have either sign: "
-            '"-" where the steps change sign or no power law fits.',
-            table(
-                rows,
-                {
-                    "hurst": "H",
-                    "p_star": "p*",
-                    "kappa": "local, as counted",
-                    "kappa_all": "fit, all",
-                    "kappa_fine": "fit, fine grids",
-                    "kappa_edge": "local, edge-corrected",
-                    "kappa_edge_fine": "fit, fine grids, edge-corrected",
-                },
-            ),
-        ]
-    )
+    for pressure, hurst, part in families(runs):
+        row = _family(pressure, hurst)
+        for observable in ("kappa", "kappa_edge"):
+            row[observable] = ", ".join(f"{quoted(x['alpha'], x['alpha_se'])} (1/{1 / x['eps_c']:g})"
+                                        for x in fits.local_exponents(part, observable, level) if x["alpha"] is not None)
+            for name, coarsest in (("all", 0.5), ("fine", SHARPEST)):
+                row[f"{observable}_{name}"] = _exponent(part, observable, level, coarsest)
+        rows.append(row)
+    return table(rows, FAMILY | {
+        "kappa": "local, as counted", "kappa_all": "fit, all", "kappa_fine": "fit, fine grids",
+        "kappa_edge": "local, edge-corrected", "kappa_edge_fine": "fit, fine grids, edge-corrected"})
 
 
 def _exponent(runs, observable, level, coarsest):
@@ -124,49 +96,24 @@ def _exponent(runs, observable, level, coarsest):
         fit = fits.exponent_c(runs, observable, level, coarsest)
     except SceneError:
         return "-"
-    alpha, sigma = fit.alpha["c"], fit.sigma["alpha_c"]
-    return quoted(alpha, sigma) if fits.POWER_LAW[0] < alpha < fits.POWER_LAW[1] and sigma < alpha else "-"
+    found = fit.alpha["c"], fit.sigma["alpha_c"]
+    return quoted(*found) if fits.is_power_law(*found) else "-"
 
 
-def _theory(tables):
+def _theory(fig6):
     rows = []
-    for pressure in PRESSURE:
-        for hurst, part in by_hurst(low_high(tables["fig6"])[pressure] if tables["fig6"] else []).items():
-            for row in sorted(part, key=lambda r: -r["eps_f"]):
-                if row not in fine_half(part):
-                    continue
-                rows.append(
-                    {
-                        "hurst": f"{hurst:g}",
-                        "p_star": f"{row['p_star']:.3f}",
-                        "eps_f": f"1/{1 / row['eps_f']:g}",
-                        "gap": quoted(row["gap_over_h_rms"], row["gap_over_h_rms_se"]),
-                        "printed": f"{row['over_persson_printed']:.3f}",
-                        "corrected": f"{row['over_persson']:.3f}",
-                        "explained": f"{share_explained([row]):.0%}" if pressure == "high" else "",
-                        "paper": paper.of_hurst("theory_factor_h_rms", hurst) if pressure == "high" else "1 within 10 %",
-                    }
-                )
-    if not rows:
-        return ""
-    return "\n\n".join(
-        [
-            '### "Theory is 2 to 3 times too small at high pressure"',
-            "Simulation over Persson theory (gap/h_rms, gamma = 0.42), as printed and with the missing factor 2; explained: the "
-            "share of the logarithm of the printed "
-            "ratio that the factor removes. At p* = 0.007 the factor enlarges the theory, too.",
-            table(
-                rows,
-                {
-                    "hurst": "H",
-                    "p_star": "p*",
-                    "eps_f": "eps_f",
-                    "gap": "gap/h_rms",
-                    "printed": "over printed",
-                    "corrected": "over corrected",
-                    "explained": "explained",
-                    "paper": "paper",
-                },
-            ),
-        ]
-    )
+    for pressure, hurst, part in families(fig6):
+        high = pressure == "high"
+        for row in sorted(fine_half(part), key=lambda row: -row["eps_f"]):
+            rows.append(_family(pressure, hurst) | {
+                "eps_f": f"1/{1 / row['eps_f']:g}", "gap": quoted(row["gap_over_h_rms"], row["gap_over_h_rms_se"]),
+                "printed": f"{row['over_persson_printed']:.3f}", "corrected": f"{row['over_persson']:.3f}",
+                "explained": f"{share_explained([row]):.0%}" if high else "",
+                "paper": paper.of_hurst("theory_factor_h_rms", hurst) if high else "1 within 10 %"})
+    return rows and table(rows, FAMILY | {
+        "eps_f": "eps_f", "gap": "gap/h_rms", "printed": "over printed", "corrected": "over corrected", "explained": "explained",
+        "paper": "paper"})
+
+
+def _family(pressure, hurst):
+    return {"hurst": f"{hurst:g}", "p_star": f"{PRESSURES[pressure]:.3f}"}

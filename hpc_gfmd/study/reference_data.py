@@ -3,6 +3,7 @@
 import json
 import time
 from collections import defaultdict
+from pathlib import Path
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from ..errors import SceneError
 from ..reference.data import FORMAT, QUANTITIES
 from .levels import gap_pressure_series, pressure_series
 from .publish import write_whole
+from .store import Store
 
 GROUP = ("hurst", "eps_t", "eps_f", "eps_c", "n")
 SOLVED = {name: "a_r_error" if name.startswith("a_r") else "gap_error" for name in QUANTITIES}
@@ -21,7 +23,7 @@ NOTE = (
 )
 
 
-def write_reference(path, store, level):
+def write_reference(path: str | Path, store: Store, level: str) -> int:
     """Write the reference curves of all converged sweeps of a level; returns the number of curves. Raises SceneError if none is
     stored."""
     runs = store.runs_of(pressure_series(level) + gap_pressure_series(level))

@@ -5,15 +5,18 @@ paper_numbers.json and its coefficient tables.
 """
 
 import json
+from pathlib import Path
 
 from .. import __version__
-from . import catalogue, coefficients, errata_gap, errata_kappa, errata_method, questions
+from . import catalogue, coefficients, questions
+from .errata import area, formulas, gap
 from .levels import level_of, tfc_series
 from .markdown import literal, table
 from .publish import publish, write_whole
 from .store import Store
 
 FILE, OUR_TABLE = "README.md", "our_tfc.json"
+ERRATA = (*formulas.ERRATA, *area.ERRATA, *gap.ERRATA)
 HEAD = """# The paper, reproduced, checked and extended
 
 N. Prodanov, W. B. Dapp, M. H. Müser, *On the contact area and mean gap of rough, elastic contacts*, Tribology Letters 53 (2014) 433:
@@ -29,7 +32,7 @@ in `runs*.jsonl` when this page is written; nothing is typed in.
 - Theory: Persson with gamma = 0.42, corrected (solid) and as printed (dashed), never scaled."""
 
 
-def report(folder, level):
+def report(folder: str | Path, level: str) -> Path:
     """Write README.md and our_tfc.json beside the tables and pictures of a folder of runs, which are made where missing or old.
 
     Returns the path of the report. Raises OSError, SceneError for a level that does not exist.
@@ -39,19 +42,14 @@ def report(folder, level):
     store.folder.mkdir(parents=True, exist_ok=True)
     runs = store.load()
     studies = [catalogue.study(name) for name in catalogue.names()]
-    tables = {study.NAME: _rows(study, store, level) for study in studies}
-    lines = {study.NAME: study.compare(tables[study.NAME]) if tables[study.NAME] else [] for study in studies}
+    tables = {study.name: _rows(study, store, level) for study in studies}
+    lines = {study.name: study.compare(tables[study.name]) if tables[study.name] else [] for study in studies}
     series = store.runs_of(tfc_series(level))
     ours = coefficients.our_table(series, level)
     if ours["tables"]:
         coefficients.write_our_table(ours, store.folder / OUR_TABLE)
-    parts = [
-        _head(runs, level),
-        questions.section(series, tables, level),
-        _figures(studies, tables, lines, store),
-        _says(lines),
-        _errata(tables),
-    ]
+    parts = [_head(runs, level), questions.section(series, tables, level), _figures(studies, tables, lines, store), _says(lines),
+             _errata(tables)]
     path = store.folder / FILE
     write_whole(path, "\n\n".join(part for part in parts if part) + "\n")
     return path
@@ -59,7 +57,7 @@ def report(folder, level):
 
 def _rows(study, store, level):
     """The rows that were published for exactly these runs, or published now."""
-    path = store.folder / f"{study.NAME}.json"
+    path = store.folder / f"{study.name}.json"
     picture = path.with_suffix(".png")
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
@@ -73,15 +71,9 @@ def _rows(study, store, level):
 def _head(runs, level):
     sizes = [run["n"] for run in runs] or [0]
     return HEAD.format(
-        version=__version__,
-        level=level,
-        loads=len(runs),
-        low=min(sizes),
-        high=max(sizes),
-        minutes=sum(run["wall_seconds"] for run in runs) / 60,
-        accuracy=max((run["accuracy"] for run in runs), default=0),
-        poor=sum(run["status"] != "converged" for run in runs),
-    )
+        version=__version__, level=level, loads=len(runs), low=min(sizes), high=max(sizes),
+        minutes=sum(run["wall_seconds"] for run in runs) / 60, accuracy=max((run["accuracy"] for run in runs), default=0),
+        poor=sum(run["status"] != "converged" for run in runs))
 
 
 def _figures(studies, tables, lines, store):
@@ -89,15 +81,15 @@ def _figures(studies, tables, lines, store):
     if (store.folder / OUR_TABLE).is_file():
         parts.append(f"Our coefficients with their covariances, for `hpc-gfmd tfc --table`: [{OUR_TABLE}]({OUR_TABLE}).")
     for study in studies:
-        rows = tables[study.NAME]
-        parts.append(f"### {study.NAME}: {study.TITLE}\n\nPaper: {study.PAPER}.")
+        rows = tables[study.name]
+        parts.append(f"### {study.name}: {study.title}\n\nPaper: {study.paper}.")
         if not rows:
             parts.append("Nothing solved yet.")
             continue
-        if (store.folder / f"{study.NAME}.png").is_file():
-            parts.append(f"![{study.TITLE}]({study.NAME}.png)")
-        parts.append(f"Numbers: [{study.NAME}.csv]({study.NAME}.csv), [{study.NAME}.json]({study.NAME}.json).")
-        if said := lines[study.NAME]:
+        if (store.folder / f"{study.name}.png").is_file():
+            parts.append(f"![{study.title}]({study.name}.png)")
+        parts.append(f"Numbers: [{study.name}.csv]({study.name}.csv), [{study.name}.json]({study.name}.json).")
+        if said := lines[study.name]:
             parts.append("\n".join(f"- paper: {literal(line['paper'])}; we find: **{literal(line['ours'])}**" for line in said))
     return "\n\n".join(parts)
 
@@ -109,17 +101,6 @@ def _says(lines):
 
 
 def _errata(tables):
-    rows = [row for make in errata_method.ERRATA if (row := make())]
-    rows += [row for make in errata_kappa.ERRATA + errata_gap.ERRATA if (row := _shown(make, tables))]
+    rows = [row for erratum in ERRATA if (row := erratum.row(tables))]
     columns = {"number": "", "printed": "printed", "right": "right", "shown": "shown by"}
     return "## Errata of the paper\n\n" + table([{"number": i + 1} | row for i, row in enumerate(rows)], columns)
-
-
-def _shown(make, tables):
-    """An erratum, or None while some study has no rows and this one cannot do without."""
-    try:
-        return make(tables)
-    except (ValueError, TypeError, IndexError):
-        if all(tables.values()):
-            raise
-        return None

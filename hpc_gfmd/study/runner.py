@@ -16,7 +16,8 @@ from ..parallel.guard import guarded
 from ..parallel.interrupt import Interrupt
 from ..scene import Solver
 from ..surface import build_surface
-from .store import key_of, missing
+from .case import Case
+from .store import Store, key_of, missing
 
 PER_LOAD = 0.02  # seconds that a load takes at least
 FIELDS = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "n", "seed")
@@ -37,7 +38,7 @@ class NotStored(GfmdError):
     """A solved load could not be written: it makes no sense to go on."""
 
 
-def merged(cases):
+def merged(cases: list[Case]) -> list[Case]:
     """Cases that share a surface as one sweep over all their loads, cheapest first."""
     loads = {}
     for case in cases:
@@ -45,7 +46,7 @@ def merged(cases):
     return sorted((replace(case, p_star=tuple(sorted(p))) for case, p in loads.values()), key=lambda c: (c.cost, c.surface))
 
 
-def share(cases, part, parts):
+def share(cases: list[Case], part: int, parts: int) -> list[Case]:
     """The part-th (from 1) of `parts` shares of about equal cost. It depends on nothing but the cases: shares of jobs that start at
     different times are disjoint and together complete."""
     load, mine = [0] * parts, []
@@ -57,7 +58,7 @@ def share(cases, part, parts):
     return mine
 
 
-def seconds_of(case, ranks=1):
+def seconds_of(case: Case, ranks: int = 1) -> float:
     """Expected seconds of a case on this machine; 0 for one that cannot be solved."""
     try:
         return expected_seconds(case.scene(), (case.n, case.n), ranks, ranks) + PER_LOAD * len(case.p_star)
@@ -65,7 +66,7 @@ def seconds_of(case, ranks=1):
         return 0.0
 
 
-def run_missing(cases, store, comm, threads=1, say=print, dry=False):
+def run_missing(cases: list[Case], store: Store, comm, threads: int | str = 1, say=print, dry: bool = False) -> Outcome:
     """Solve the loads of these cases that are not stored; returns an Outcome. Collective.
 
     say(text) prints on rank 0. A case that cannot be solved is reported and left out. A signal ends the run; what is finished

@@ -68,7 +68,7 @@ class Scatter:
         return shared + np.diag(alone**2 + solver**2)
 
 
-def error_of(observable):
+def error_of(observable: str) -> str:
     """The name of the solver's error estimate that belongs to an observable."""
     return ERROR_OF.get(observable.removesuffix("_edge"), "gap_error")
 

@@ -5,7 +5,7 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
-from .case import SURFACE
+from .case import SURFACE, Case
 
 KEY = (*SURFACE, "p_star", "accuracy")
 DIGITS = 9  # of a number in the key
@@ -53,12 +53,12 @@ class Store:
             os.close(file)
 
 
-def key_of(run):
+def key_of(run: dict) -> tuple[float, ...]:
     """What tells a run from others: the surface, the load and the accuracy."""
     return tuple(float(f"{run[name]:.{DIGITS}g}") for name in KEY)
 
 
-def missing(case, stored):
+def missing(case: Case, stored: set) -> Case | None:
     """The case with those loads only whose keys are not among `stored`; None if none is left."""
     left = tuple(p for p, key in zip(case.p_star, _keys(case), strict=True) if key not in stored)
     return replace(case, p_star=left) if left else None

@@ -8,8 +8,10 @@ from ..errors import SceneError
 from ..grid import Grid
 from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
+from ..units import LARGEST_HEIGHT
 from .analytic import sphere_rows, wave_rows
 from .files import HeightMap
+from .heights import Checksum, checked
 from .selfaffine import self_affine_gap
 from .statistics import rms, rms_between_neighbours
 
@@ -23,7 +25,8 @@ class Surface:
 
     A surface that varies along one axis only lives on a grid with one point along the other; `n` is the size asked for, and every
     rank then holds all of `grid`. A flat surface has g_rms = 0, and its units are those of 1. rows: (start, stop) of the size asked for
-    that this rank owns. add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum.
+    that this rank owns. add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum. checksum: of the
+    heights as they were read, None where the scene says all about them.
     """
 
     grid: Grid
@@ -33,6 +36,7 @@ class Surface:
     g_rms: float
     rows: tuple[int, int]
     add_spectrum: object = None
+    checksum: str | None = None
 
     @property
     def slope(self):
@@ -85,6 +89,7 @@ def build_surface(spec, comm, dtype, threads=1, thrifty=False):
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
         known = None if grid.padded else add_spectrum
         return Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.nominal_rows, known)
+    checksum = Checksum() if spec.kind == "file" else None
     with guarded(comm, "reading the surface"):
         if spec.kind == "wave":
             n, rows = spec.n, wave_rows(spec, spec.n)
@@ -93,14 +98,14 @@ def build_surface(spec, comm, dtype, threads=1, thrifty=False):
         else:
             file = HeightMap(spec)
             n, rows = tuple(file.shape), file.rows
-    return surface_from_rows(n, spec.physical_sizes, rows, comm, dtype, threads, spec.free)
+    return surface_from_rows(n, spec.physical_sizes, rows, comm, dtype, threads, spec.free, checksum)
 
 
-def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False)):
+def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False), checksum=None):
     """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y); free: whether it ends along x, along y.
 
-    The gradient of a surface that ends is that between neighbouring points, otherwise that of the Fourier series. Raises SceneError on
-    all ranks.
+    The gradient of a surface that ends is that between neighbouring points, otherwise that of the Fourier series. checksum: an empty
+    heights.Checksum where one is wanted. Raises SceneError on all ranks.
     """
     cell = grid_of(n, sizes, comm, threads, free)
     grid = _nominal(cell)
@@ -108,16 +113,20 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False
     z = grid.empty(np.float64)
     with guarded(comm, "reading the surface"):
         for i in range(0, stop - start, SLAB_ROWS):
-            z[i:i + SLAB_ROWS] = rows(start + i, min(start + i + SLAB_ROWS, stop))
-        if not np.isfinite(z).all():
-            raise SceneError("surface: found heights that are not finite, allowed: finite heights")
+            z[i:i + SLAB_ROWS] = checked(rows(start + i, min(start + i + SLAB_ROWS, stop)), start + i, "surface")
+            if checksum is not None:
+                checksum.add(z[i:i + SLAB_ROWS])
+    known = checksum.of_all(comm, n, sizes) if checksum is not None else None
     top = float(comm.max([z.max(initial=-np.inf)])[0])
     np.subtract(top, z, out=z)  # now the gap, exact where it is small
     if not cell.padded:
         grid, z = _leave_out_constant_axis(grid, z)
         cell = grid
-    if float(grid.comm.max([z.max(initial=0)])[0]) == 0.0:
-        return Surface(cell, z.astype(dtype), n, 0.0, 0.0, (start, stop))
+    span = float(grid.comm.max([z.max(initial=0)])[0])
+    if span == 0.0:
+        return Surface(cell, z.astype(dtype), n, 0.0, 0.0, (start, stop), checksum=known)
+    if span < 1 / LARGEST_HEIGHT:
+        raise SceneError(f"surface: found heights that differ by {span:g} at most, allowed: 0 or at least {1 / LARGEST_HEIGHT:g}")
     centre = float(grid.comm.sum([z.sum()])[0]) / grid.N
     scale = float(grid.comm.max([np.abs(z - centre).max(initial=0)])[0])
 
@@ -130,7 +139,7 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False
         grid.forget_fft(np.float64)
     h = z if dtype == np.float64 else np.empty(z.shape, dtype)
     np.divide(z, g_rms, out=h, casting="same_kind")
-    return Surface(cell, h, n, h_rms, g_rms / grid.a, (start, stop))
+    return Surface(cell, h, n, h_rms, g_rms / grid.a, (start, stop), checksum=known)
 
 
 def _leave_out_constant_axis(grid, z):

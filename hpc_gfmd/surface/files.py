@@ -8,6 +8,7 @@ import numpy as np
 from .. import errors
 from ..errors import SceneError
 from ..parallel import h5_inside, h5_probe
+from .heights import checked
 from .packed import Packing
 
 NPY = b"\x93NUMPY"
@@ -48,16 +49,13 @@ class HeightMap:
             raise SceneError(f"surface.path: found values of type {found} in {self.path}, allowed: real numbers")
 
     def rows(self, start, stop):
-        """Rows start <= i < stop as float64. Raises SceneError if a height is not finite."""
+        """Rows start <= i < stop as float64. Raises SceneError if a height is no number to compute with."""
         try:
             with np.errstate(over="ignore"):  # of long double; infinity is seen below
                 z = np.asarray(self.read(start, stop), dtype=np.float64)
         except Exception as error:
             raise SceneError(f"surface.path: reading {self.path} failed: {errors.one_line(str(error))}") from None
-        if not np.isfinite(z).all():
-            i, j = np.argwhere(~np.isfinite(z))[0]
-            raise SceneError(f"surface.path: found {z[i, j]} at ({start + i}, {j}) in {self.path}, allowed: finite heights")
-        return z
+        return checked(z, start, "surface.path", f" in {self.path}")
 
     def _npy(self, spec):
         with open(self.path, "rb") as file:

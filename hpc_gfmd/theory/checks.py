@@ -1,12 +1,13 @@
 """Range checks shared by the theory functions: one line naming the quantity, found and allowed."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from hpc_gfmd.errors import SceneError
+from ..errors import SceneError
 
 
-def within(name, value, low, high, open_low=False):
-    """`value` as a float array, all of it finite and in [low, high] (or (low, high]); else SceneError."""
+def within(name: str, value: ArrayLike, low: float, high: float, open_low: bool = False) -> np.ndarray:
+    """`value` as a float array, all of it finite and in [low, high] (or (low, high]). Raises SceneError."""
     try:
         x = np.asarray(value, dtype=float)
     except (TypeError, ValueError):

@@ -1,59 +1,57 @@
 """Persson's contact mechanics theory: contact area, pressure distribution, mean gap, stiffness, energy.
 
-Dimensionless pressure p_star = p0/(E* g_rms); eps_f = lam_s/lam_l. Self-affine spectra between the two
-cutoffs, or any isotropic spectrum C(q). The mean gap follows from the elastic energy (Yang & Persson; eqs.
-gap and elasticEnergy of Prodanov, Dapp & Muser 2014):
+Dimensionless pressure p_star = p0/(E* g_rms); eps_f = lam_s/lam_l. Self-affine spectra between the two cutoffs, or any isotropic
+spectrum C(q). The mean gap follows from the elastic energy (Yang & Persson; eqs. gap and elasticEnergy of Prodanov, Dapp & Muser 2014):
 
     gap = (2 pi)^(-1/2) int_0^g_rms dg/q(g) F(x),   x = sqrt(2) p0/(E* g),
     F(x) = gamma E1(x^2) + 6 (1-gamma) int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t,
 
-with g(q) the rms gradient of the roughness up to q. For a self-affine spectrum this is eq. gapFinal of the
-paper, but for the 6, which is printed there as 3; printed=True gives the published number.
+with g(q) the rms gradient of the roughness up to q. For a self-affine spectrum this is eq. gapFinal of the paper, but for the 6, which
+is printed there as 3; printed=True gives the published number.
 
-gamma (0 to 1.5, beyond which the energy would not rise with load) is the empirical factor for the energy
-stored in partial contact. The default 0.42 is the value used in the literature (Persson 2007; Yang & Persson
-2008), gamma = 1 is the original theory. Relative accuracy of the integrals is 1e-10. All functions take
-arrays of pressures and raise SceneError for numbers out of range.
+gamma (0 to 1.5, beyond which the energy would not rise with load) is the empirical factor for the energy stored in partial contact. The
+default 0.42 is the value used in the literature (Persson 2007; Yang & Persson 2008), gamma = 1 is the original theory. Relative
+accuracy of the integrals is 1e-10. All functions take arrays of pressures, return numbers or arrays of their shape, and raise
+SceneError for numbers out of range: p_star >= 0, hurst in [0, 1], eps_f in [1e-100, 1].
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import erf, erfc
 
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.theory import kernels
-from hpc_gfmd.theory.checks import within
-from hpc_gfmd.theory.slope_profile import SlopeProfile
+from ..errors import SceneError
+from . import kernels
+from .checks import within
+from .slope_profile import SlopeProfile
 
 GAMMA = 0.42
 KAPPA_LOW_LOAD = np.sqrt(8 / np.pi)  # lim a_r/p_star for p_star -> 0
 
 
-def contact_area(p_star):
+def contact_area(p_star: ArrayLike) -> np.ndarray:
     """Relative contact area a_r = erf(sqrt(2) p_star), eq. contAreaExact; independent of H and eps_f."""
     return erf(np.sqrt(2) * _pressure(p_star))
 
 
-def noncontact_area(p_star):
+def noncontact_area(p_star: ArrayLike) -> np.ndarray:
     """1 - a_r, without cancellation at large p_star."""
     return erfc(np.sqrt(2) * _pressure(p_star))
 
 
-def kappa(p_star):
+def kappa(p_star: ArrayLike) -> np.ndarray:
     """a_r/p_star, sqrt(8/pi) at p_star = 0."""
     p_star = _pressure(p_star)
     tiny = p_star < 1e-12
     return np.where(tiny, KAPPA_LOW_LOAD, contact_area(p_star) / np.where(tiny, 1.0, p_star))[()]
 
 
-def pressure_distribution(p, p0, g_rms=1.0, E_star=1.0):
-    """Probability density of the local pressure p > 0 under the mean pressure p0, eq. pressDist.
+def pressure_distribution(p: ArrayLike, p0: ArrayLike, g_rms: float = 1.0, E_star: float = 1.0) -> np.ndarray:
+    """Probability density of the local pressure p > 0 under the mean pressure p0, eq. pressDist; p and p0 broadcast.
 
-    Integrates to a_r (the rest, 1 - a_r, sits at p = 0), with mean p0. Zero for p <= 0. p and p0 broadcast.
+    Integrates to a_r (the rest, 1 - a_r, sits at p = 0), with mean p0. Zero for p <= 0. Unit: 1/E_star.
     """
     p, p0 = np.asarray(p, dtype=float), _pressure(p0, "p0")
-    width = (
-        float(within("E_star", E_star, 0, np.inf, True)) * float(within("g_rms", g_rms, 0, np.inf, True)) / 2
-    )
+    width = _positive("E_star", E_star) * _positive("g_rms", g_rms) / 2
     p, p0 = p / width, p0 / width
     # the difference of the two Gaussians, written so that neither overflows nor cancels
     offset = np.minimum(np.abs(p - p0), 40)
@@ -62,36 +60,36 @@ def pressure_distribution(p, p0, g_rms=1.0, E_star=1.0):
     return np.where(p > 0, density / (np.sqrt(2 * np.pi) * width), 0.0)[()]
 
 
-def g_rms_lam_s_over_h_rms(hurst, eps_f):
-    """g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs, for every H in [0, 1]."""
-    profile = SlopeProfile.self_affine(hurst, eps_f)
-    return 2 * np.pi * float(eps_f) / profile.h_rms
+def g_rms_lam_s_over_h_rms(hurst: float, eps_f: float) -> float:
+    """g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs."""
+    return 2 * np.pi * float(eps_f) / SlopeProfile.self_affine(hurst, eps_f).h_rms
 
 
-def mean_gap(p_star, hurst, eps_f, gamma=GAMMA, printed=False, unit="h_rms"):
-    """Mean gap in units of h_rms or, with unit="g_rms_lam_s", of g_rms lam_s (eq. gapFinal); infinite at
-    p_star = 0.
+def mean_gap(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False,
+             unit: str = "h_rms") -> np.ndarray:
+    """Mean gap in units of h_rms or, with unit="g_rms_lam_s", of g_rms lam_s (eq. gapFinal).
 
-    hurst in [0, 1], eps_f in [1e-100, 1]; array of the shape of p_star. Above p_star of about 19 the gap
-    underflows to 0.
+    Infinite at p_star = 0; above p_star of about 19 it underflows to 0.
     """
     profile = SlopeProfile.self_affine(hurst, eps_f)
     return _gap(profile, _pressure(p_star), gamma, printed) / _length(profile, eps_f, unit)
 
 
-def stiffness(p_star, hurst, eps_f, gamma=GAMMA, printed=False, unit="h_rms"):
-    """-dp_star/d(gap/unit): contact stiffness in units of E* g_rms/h_rms, or of E*/lam_s with
-    unit="g_rms_lam_s".
+def stiffness(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False,
+              unit: str = "h_rms") -> np.ndarray:
+    """-dp_star/d(gap/unit): contact stiffness in units of E* g_rms/h_rms, or of E*/lam_s with unit="g_rms_lam_s".
 
-    Tends to p_star * (unit length)/(decay length of the gap) for p_star -> 0 and overflows to inf in full
-    contact.
+    Tends to p_star * (unit length)/(decay length of the gap) for p_star -> 0 and overflows to inf in full contact.
     """
     profile = SlopeProfile.self_affine(hurst, eps_f)
-    with np.errstate(divide="ignore", over="ignore"):
-        return _length(profile, eps_f, unit) / _compliance(profile, _pressure(p_star), gamma, printed)
+    gamma, p_star = _gamma(gamma), _pressure(p_star)
+    slope = profile.integrate(p_star, lambda x: kernels.compliance_kernel(x, gamma, printed), power=1)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        compliance = np.where(p_star > 0, slope / np.sqrt(2 * np.pi) / p_star, np.inf)[()]  # in units of g_rms/q_min
+        return _length(profile, eps_f, unit) / compliance
 
 
-def elastic_energy(p_star, hurst, eps_f, gamma=GAMMA):
+def elastic_energy(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA) -> np.ndarray:
     """Elastic energy per nominal area in units of E* g_rms h_rms, eq. elasticEnergy."""
     profile = SlopeProfile.self_affine(hurst, eps_f)
     gamma = _gamma(gamma)
@@ -99,55 +97,47 @@ def elastic_energy(p_star, hurst, eps_f, gamma=GAMMA):
     return np.where(np.asarray(p_star) > 0, share / (2 * profile.h_rms), 0.0)[()]
 
 
-def mean_gap_spectrum(q, C, p0, E_star=1.0, gamma=GAMMA, printed=False, area=1.0):
+def mean_gap_spectrum(q, C, p0: ArrayLike, E_star: float = 1.0, gamma: float = GAMMA, printed: bool = False,
+                      area: float = 1.0) -> np.ndarray:
     """Mean gap, in the unit of 1/q, of a surface with an arbitrary isotropic spectrum under the pressure p0.
 
-    q: increasing wave vectors, shape (m,); C: spectrum there (power laws in between) or a function of q.
-    Normalisation h_rms^2 = area/(2 pi)^2 int C d^2q: area = 1 for the two-dimensional power spectral density
-    of surface metrology, area = A0 for C = |h_q|^2 of one period of nominal area A0 (the paper), area = (2
-    pi)^2 for Persson's C. p0 in the unit of E_star. Raises SceneError for what is not a spectrum.
+    Parameters
+    ----------
+    q : array, shape (m,)
+        Increasing wave vectors.
+    C : array, shape (m,), or function of q
+        The spectrum, power laws in between.
+    p0, E_star : float or array, float
+        Mean pressure and effective modulus in one unit.
+    area : float
+        Of the normalisation h_rms^2 = area/(2 pi)^2 int C d^2q: 1 for the two-dimensional power spectral density of surface metrology,
+        A0 for C = |h_q|^2 of one period of nominal area A0 (the paper), (2 pi)^2 for Persson's C.
+
+    Raises
+    ------
+    SceneError
+        For what is not a spectrum.
     """
     profile = SlopeProfile.from_spectrum(q, C, area)
-    return _gap(profile, _p_star(profile, p0, E_star), gamma, printed) * profile.g_rms / profile.q_min
+    p_star = _pressure(p0, "p0") / (_positive("E_star", E_star) * profile.g_rms)
+    return _gap(profile, p_star, gamma, printed) * profile.g_rms / profile.q_min
 
 
-def stiffness_spectrum(q, C, p0, E_star=1.0, gamma=GAMMA, printed=False, area=1.0):
-    """-dp/d(gap) for any isotropic spectrum, in units of E_star times that of q; see mean_gap_spectrum."""
-    profile = SlopeProfile.from_spectrum(q, C, area)
-    with np.errstate(divide="ignore", over="ignore"):
-        return E_star * profile.q_min / _compliance(profile, _p_star(profile, p0, E_star), gamma, printed)
-
-
-def curve(p_star, hurst, eps_f, gamma=GAMMA, printed=False):
-    """A dict of arrays of the shape of p_star, under the names that the command line prints."""
-    a, b = (mean_gap(p_star, hurst, eps_f, gamma, printed, unit) for unit in ("h_rms", "g_rms_lam_s"))
-    c, d = (stiffness(p_star, hurst, eps_f, gamma, printed, unit) for unit in ("h_rms", "g_rms_lam_s"))
-    return {
-        "p_star": np.asarray(p_star, dtype=float),
-        "a_r": contact_area(p_star),
-        "kappa": kappa(p_star),
-        "gap_over_h_rms": a,
-        "gap_over_g_rms_lam_s": b,
-        "stiffness": c,
-        "stiffness_lam_s": d,
-    }
+def curve(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False) -> dict[str, np.ndarray]:
+    """Arrays of the shape of p_star under the names that the command line prints."""
+    found = {"p_star": np.asarray(p_star, dtype=float), "a_r": contact_area(p_star), "kappa": kappa(p_star)}
+    for name, function in (("gap_over_h_rms", mean_gap), ("stiffness", stiffness)):
+        found[name] = function(p_star, hurst, eps_f, gamma, printed)
+    for name, function in (("gap_over_g_rms_lam_s", mean_gap), ("stiffness_lam_s", stiffness)):
+        found[name] = function(p_star, hurst, eps_f, gamma, printed, "g_rms_lam_s")
+    return found
 
 
 def _gap(profile, p_star, gamma, printed):
     """Gap in units of g_rms/q_min."""
     gamma = _gamma(gamma)
-    gap = profile.integrate(p_star, lambda x: kernels.gap_kernel(x, gamma, printed), power=1) / np.sqrt(
-        2 * np.pi
-    )
+    gap = profile.integrate(p_star, lambda x: kernels.gap_kernel(x, gamma, printed), power=1) / np.sqrt(2 * np.pi)
     return np.where(p_star > 0, gap, np.inf)[()]
-
-
-def _compliance(profile, p_star, gamma, printed):
-    """-d(gap)/d(p_star) in units of g_rms/q_min."""
-    gamma = _gamma(gamma)
-    slope = profile.integrate(p_star, lambda x: kernels.compliance_kernel(x, gamma, printed), power=1)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        return np.where(p_star > 0, slope / np.sqrt(2 * np.pi) / p_star, np.inf)[()]
 
 
 def _length(profile, eps_f, unit):
@@ -162,8 +152,8 @@ def _pressure(p_star, name="p_star"):
     return within(name, p_star, 0, np.inf)
 
 
-def _p_star(profile, p0, E_star):
-    return _pressure(p0, "p0") / (float(within("E_star", E_star, 0, np.inf, True)) * profile.g_rms)
+def _positive(name, value):
+    return float(within(name, value, 0, np.inf, open_low=True))
 
 
 def _gamma(gamma):

@@ -1,8 +1,7 @@
 """How the rms slope of a rough surface builds up with the wave vector, and integrals over it.
 
-Persson's theory needs a spectrum only through g(q), the rms gradient of all roughness with wave vectors up to
-q. Any isotropic spectrum is taken as a chain of power laws, in each of which g(q) and its inverse are
-elementary.
+Persson's theory needs a spectrum only through g(q), the rms gradient of all roughness with wave vectors up to q. Any isotropic
+spectrum is taken as a chain of power laws, in each of which g(q) and its inverse are elementary.
 """
 
 from dataclasses import dataclass
@@ -10,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import exprel
 
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.theory.checks import within
-from hpc_gfmd.theory.kernels import X_ZERO
+from ..errors import SceneError
+from .checks import within
+from .kernels import X_ZERO
 
 _STEP = 0.25  # panel width in ln g: the sharpest features of the integrands have a width of about 0.05
 _TAIL = 42.0  # the integrand falls at least like g towards small g: exp(-42) is below double precision
@@ -24,8 +23,14 @@ _BLOCK = 64  # pressures at a time, bounds the memory
 class SlopeProfile:
     """g(q)/g_rms of a spectrum made of power laws between q_0 < q_1 < ... < q_m, and its rms values.
 
-    y: ln(q_i/q_0), shape (m+1,). g2: (g(q_i)/g_rms)^2, from 0 to 1. beta, inverse_rate, shape (m,): in the
-    piece i d(g2)/dy = exp(beta_i (y-y_i))/inverse_rate_i. q_min, g_rms, h_rms in the units of the surface.
+    Attributes
+    ----------
+    y, g2 : array, shape (m+1,)
+        ln(q_i/q_0) and (g(q_i)/g_rms)^2, from 0 to 1.
+    beta, inverse_rate : array, shape (m,)
+        In the piece i d(g2)/dy = exp(beta_i (y-y_i))/inverse_rate_i.
+    q_min, g_rms, h_rms : float
+        In the units of the surface.
     """
 
     y: np.ndarray
@@ -37,41 +42,28 @@ class SlopeProfile:
     h_rms: float
 
     @classmethod
-    def self_affine(cls, hurst, eps_f):
-        (
-            """C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
+    def self_affine(cls, hurst: float, eps_f: float):
+        """C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
 
         hurst in [0, 1], eps_f = q_l/q_s in [1e-100, 1]; SceneError otherwise.
         """
-            ""
-        )
         hurst = float(within("hurst", hurst, 0, 1))
         decades = -np.log(float(within("eps_f", eps_f, 1e-100, 1)))  # ln(q_s/q_l)
         # h_rms^2 = int exp(-2H y) dy, g_rms^2 = int exp((2-2H) y) dy, finite for H = 0, H = 1, eps_f = 1 too
         g2 = exprel((2 - 2 * hurst) * decades)
-        return cls(
-            np.array([0, decades]),
-            np.array([0.0, 1.0]),
-            np.array([2 - 2 * hurst]),
-            np.array([decades * g2]),
-            q_min=1.0,
-            g_rms=1.0,
-            h_rms=float(np.sqrt(exprel(-2 * hurst * decades) / g2)),
-        )
+        return cls(y=np.array([0, decades]), g2=np.array([0.0, 1.0]), beta=np.array([2 - 2 * hurst]),
+                   inverse_rate=np.array([decades * g2]), q_min=1.0, g_rms=1.0, h_rms=float(np.sqrt(exprel(-2 * hurst * decades) / g2)))
 
     @classmethod
-    def from_spectrum(cls, q, C, area=1.0, samples=1000):
+    def from_spectrum(cls, q, C, area: float = 1.0, samples: int = 1000):
         """Any isotropic C(q), normalised by h_rms^2 = area/(2 pi)^2 int C d^2q.
 
-        q: increasing wave vectors, at least two. C: their spectrum (power laws in between), or a function,
-        which is then cut into about `samples` pieces (error of order 1/samples^4). Raises SceneError for what
-        is not a spectrum.
+        q: increasing wave vectors, at least two. C: their spectrum (power laws in between), or a function, which is then cut into
+        about `samples` pieces (error of order 1/samples^4). Raises SceneError for what is not a spectrum.
         """
         q = within("q", q, 0, np.inf, open_low=True)
         if q.ndim != 1 or q.size < 2 or np.any(np.diff(q) <= 0):
-            raise SceneError(
-                "q: found no strictly increasing list, allowed: at least two increasing wave vectors"
-            )
+            raise SceneError("q: found no strictly increasing list, allowed: at least two increasing wave vectors")
         function = C if callable(C) else None
         if function:
             q = np.unique(np.concatenate([q, np.geomspace(q[0], q[-1], samples + 1)[1:-1]]))
@@ -93,17 +85,10 @@ class SlopeProfile:
         beta = steepness + 4
         g2 = np.concatenate([[0], np.cumsum(square[4])])
         rate = square[4] / (width * exprel(beta * width))
-        return cls(
-            y,
-            g2 / g2[-1],
-            beta,
-            g2[-1] / rate,
-            q_min=float(q[0]),
-            g_rms=float(np.sqrt(g2[-1])),
-            h_rms=float(np.sqrt(square[2].sum())),
-        )
+        return cls(y, g2 / g2[-1], beta, g2[-1] / rate, q_min=float(q[0]), g_rms=float(np.sqrt(g2[-1])),
+                   h_rms=float(np.sqrt(square[2].sum())))
 
-    def integrate(self, p_star, kernel, power):
+    def integrate(self, p_star, kernel, power: int) -> np.ndarray:
         """int (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g; the shape of p_star.
 
         A kernel that vanishes beyond x = 28 and power = 1, or a bounded one and power = 2.
@@ -137,21 +122,11 @@ class SlopeProfile:
         """Gauss-Legendre points ln g, the ln(q/q_0) there, and weights, on panels from `low` to 0."""
         with np.errstate(divide="ignore"):
             corners = 0.5 * np.log(self.g2)
-        edges = np.concatenate(
-            [
-                np.arange(-_STEP, low, -_STEP),
-                -_STEP * 0.5 ** np.arange(_FINEST),
-                [low, 0],
-                corners[(corners > low) & (corners < 0)],
-            ]
-        )
-        edges = np.unique(edges)
+        inside = corners[(corners > low) & (corners < 0)]
+        edges = np.unique(np.concatenate([np.arange(-_STEP, low, -_STEP), -_STEP * 0.5 ** np.arange(_FINEST), [low, 0], inside]))
         left, right = edges[:-1], edges[1:]
         wide = right - left > 0.05
-        parts = [
-            self._panel_nodes(left[pick], right[pick], points, corners)
-            for pick, points in ((wide, 16), (~wide, 10))
-        ]
+        parts = [self._panel_nodes(left[pick], right[pick], points, corners) for pick, points in ((wide, 16), (~wide, 10))]
         return [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
 
     def _panel_nodes(self, left, right, points, corners):

@@ -1,11 +1,9 @@
-"""Corrections to the thermodynamic, fractal and continuum (TFC) limits, eq. tfc of Prodanov, Dapp & Muser
-2014:
+"""Corrections to the thermodynamic, fractal and continuum (TFC) limits, eq. tfc of Prodanov, Dapp & Muser 2014:
 
     O_sim = O_TFC + C_t eps_t^alpha_t + C_f eps_f^alpha_f + C_c eps_c^alpha_c.
 
-The coefficients depend on the observable, H and p_star and come from a table: the paper's, kept as printed in
-data/paper_tfc.json, or a file of the same form (rows may have a "sigma" of the coefficients). Fits:
-theory.tfc_fit.
+The coefficients depend on the observable, H and p_star and come from a table: the paper's, kept as printed in data/paper_tfc.json, or
+a file of the same form (rows may have a "sigma" of the coefficients). Fits: theory.tfc_fit.
 """
 
 import json
@@ -15,24 +13,22 @@ from pathlib import Path
 
 import numpy as np
 
-from hpc_gfmd.errors import SceneError, one_line
-from hpc_gfmd.theory.checks import within
-from hpc_gfmd.theory.tfc_fit import TERMS, TfcFit, fit_tfc, read_runs
+from ..errors import SceneError, one_line
+from .checks import within
+from .tfc_fit import TERMS, TfcFit, fit_tfc, read_runs
 
-__all__ = [
-    "TfcFit", "correction", "extrapolate", "fit_tfc", "our_table", "paper_table", "read_runs", "read_table", "table_of",
-]
+__all__ = ["TfcFit", "correction", "extrapolate", "fit_tfc", "our_table", "paper_table", "read_runs", "read_table", "table_of"]
 
 PRESSURE_TOLERANCE = 0.05  # how far p_star may be from a tabulated one, relative
-_DATA = files("hpc_gfmd.theory").joinpath("data")
+_DATA = files(__package__).joinpath("data")
 # printed p_star are rounded; the runs were made at 0.01/sqrt(2) and 0.5/sqrt(2)
 _UNROUNDED = {0.007: 0.01 / np.sqrt(2), 0.353: 0.5 / np.sqrt(2)}
 
 
 @dataclass(frozen=True)
 class Correction:
-    """t, f, c: the three terms of eq. tfc; sigma: the uncertainty of their sum from the table, None if it has
-    none; p_star: the tabulated pressure that was used; notes: what to keep in mind, one line each."""
+    """t, f, c: the three terms of eq. tfc; sigma: the uncertainty of their sum from the table, None if it has none; p_star: the
+    tabulated pressure that was used; notes: what to keep in mind, one line each."""
 
     t: float
     f: float
@@ -42,22 +38,23 @@ class Correction:
     notes: tuple[str, ...]
 
     @property
-    def total(self):
+    def total(self) -> float:
+        """The sum of the terms."""
         return self.t + self.f + self.c
 
 
-def paper_table():
+def paper_table() -> dict:
     """The paper's four tables, as the dict of the data file."""
     return read_table(_DATA / "paper_tfc.json")
 
 
-def our_table():
+def our_table() -> dict | None:
     """The same tables fitted to our own runs, with uncertainties; None if this installation has none."""
     path = _DATA / "our_tfc.json"
     return read_table(path) if path.is_file() else None
 
 
-def table_of(name):
+def table_of(name: str) -> dict:
     """The table of a name: "paper", "ours", or the path of a JSON file. Raises SceneError."""
     if name == "paper":
         return paper_table()
@@ -69,7 +66,7 @@ def table_of(name):
     return table
 
 
-def read_table(path):
+def read_table(path) -> dict:
     """A table of the same form from a JSON file; SceneError if it is not one."""
     try:
         path = Path(path) if isinstance(path, str) else path
@@ -77,9 +74,7 @@ def read_table(path):
         for part in table["tables"]:
             _check_part(part)
     except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, ArithmeticError, RecursionError) as error:
-        raise SceneError(
-            f"table: found {str(path)!r} ({one_line(str(error))}), allowed: a JSON file like paper_tfc.json"
-        ) from None
+        raise SceneError(f"table: found {str(path)!r} ({one_line(str(error))}), allowed: a JSON file like paper_tfc.json") from None
     return table
 
 
@@ -95,11 +90,12 @@ def _check_part(part):
             raise ValueError("its coefficients are no finite numbers")
 
 
-def correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table=None):
-    """The terms to subtract from a simulated value, as a Correction.
+def correction(observable: str, hurst: float, p_star: float, eps_t: float, eps_f: float, eps_c: float,
+               table: dict | None = None) -> Correction:
+    """The terms to subtract from a simulated value.
 
-    Only at a tabulated pressure (within 5 %) and between the tabulated H (0.3 to 0.8 in the paper; linear in
-    H for every term); SceneError elsewhere. table: as of paper_table (default) or read_table.
+    table: as of paper_table (default) or read_table. Only at a tabulated pressure (within 5 %) and between the tabulated H (0.3 to 0.8
+    in the paper; linear in H for every term). Raises SceneError elsewhere.
     """
     table = table or paper_table()
     part = _part(table, observable, float(within("p_star", p_star, 0, np.inf, True)))
@@ -109,23 +105,20 @@ def correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table=None):
     tabulated = [row["hurst"] for row in rows]
     hurst = float(within("hurst", hurst, 0, 1))
     if not tabulated[0] <= hurst <= tabulated[-1]:
-        raise SceneError(
-            f"hurst: found {hurst:g}, allowed: [{tabulated[0]:g}, {tabulated[-1]:g}], the range of the table "
-            "(nothing justifies an extrapolation in H)"
-        )
+        raise SceneError(f"hurst: found {hurst:g}, allowed: [{tabulated[0]:g}, {tabulated[-1]:g}], the range of the table "
+                         "(nothing justifies an extrapolation in H)")
     terms = {i: float(np.interp(hurst, tabulated, [_term(row, i, eps[i]) for row in rows])) for i in TERMS}
     sigma = None
     if all("sigma" in row for row in rows):
         sigma = float(np.interp(hurst, tabulated, [_row_sigma(row, eps) for row in rows]))
-    return Correction(
-        **terms, sigma=sigma, p_star=part["p_star"], notes=(*_notes(part, hurst, tabulated), *_own_note(table))
-    )
+    return Correction(**terms, sigma=sigma, p_star=part["p_star"], notes=(*_notes(part, hurst, tabulated), *_own_note(table)))
 
 
-def extrapolate(value, observable, hurst, p_star, eps_t, eps_f, eps_c, sigma=None, table=None):
-    """A simulated value taken to the TFC limit, as (extrapolated, its sigma or None, the Correction).
+def extrapolate(value: float, observable: str, hurst: float, p_star: float, eps_t: float, eps_f: float, eps_c: float,
+                sigma: float | None = None, table: dict | None = None) -> tuple[float, float | None, Correction]:
+    """A simulated value taken to the TFC limit: (extrapolated, its sigma or None, the Correction).
 
-    sigma: uncertainty of the value; the result adds the table's in squares. None if neither is known.
+    sigma: uncertainty of the value; the result adds the table's in squares, None if neither is known. Raises SceneError as correction.
     """
     value = float(within("value", value, -np.inf, np.inf))
     terms = correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table)
@@ -143,15 +136,11 @@ def _part(table, observable, p_star):
     parts = [part for part in table["tables"] if part["observable"] == observable]
     for part in parts:
         printed = part["p_star"]
-        if any(
-            abs(p_star / p - 1) <= PRESSURE_TOLERANCE for p in (printed, _UNROUNDED.get(printed, printed))
-        ):
+        if any(abs(p_star / p - 1) <= PRESSURE_TOLERANCE for p in (printed, _UNROUNDED.get(printed, printed))):
             return part
     allowed = " or ".join(f"{part['p_star']:g}" for part in parts)
-    raise SceneError(
-        f"p_star: found {p_star:g}, allowed: {allowed} within {PRESSURE_TOLERANCE:.0%}; "
-        "the coefficients are not known in between"
-    )
+    raise SceneError(f"p_star: found {p_star:g}, allowed: {allowed} within {PRESSURE_TOLERANCE:.0%}; "
+                     "the coefficients are not known in between")
 
 
 def _term(row, i, eps):
@@ -165,9 +154,7 @@ def _row_sigma(row, eps):
     for name in names:
         kind, _, i = name.partition("_")
         power = eps[i] ** row[f"alpha_{i}"] if i in eps and eps[i] > 0 else 0.0
-        gradient.append(
-            {"C": power, "alpha": row.get(f"C_{i}", 0) * power * np.log(eps.get(i) or 1)}.get(kind, 0.0)
-        )
+        gradient.append({"C": power, "alpha": row.get(f"C_{i}", 0) * power * np.log(eps.get(i) or 1)}.get(kind, 0.0))
     covariance = row.get("covariance", np.diag([row["sigma"].get(name, 0.0) ** 2 for name in names]))
     return np.sqrt(max(gradient @ np.asarray(covariance) @ gradient, 0.0))
 
@@ -176,10 +163,8 @@ def _notes(part, hurst, tabulated):
     if hurst not in tabulated:
         yield f"coefficients interpolated in H between the tabulated {', '.join(f'{h:g}' for h in tabulated)}"
     if "label" in part and part["observable"] == "gap_over_h_rms":
-        yield (
-            "the paper's fractal term is nearly the whole gap, because gap/h_rms vanishes in the fractal "
-            "limit, and it can exceed the computed gap: take the extrapolated gap as a trend only"
-        )
+        yield ("the paper's fractal term is nearly the whole gap, because gap/h_rms vanishes in the fractal limit, and it can exceed "
+               "the computed gap: take the extrapolated gap as a trend only")
     if "label" in part:
         yield "the paper gives no uncertainties of its coefficients"
 

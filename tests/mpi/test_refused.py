@@ -28,6 +28,13 @@ BAD = {  # name: overrides of the good scene, and what the message names
     "missing file": (['surface={kind = "file", path = "none.npy"}'], "none.npy"),
     "text as heights": (['surface={kind = "file", path = "text.npy"}'], "text.npy"),
     "nan in the last row": (['surface={kind = "file", path = "nan.npy"}'], "nan"),
+    "the largest number in the last row": (['surface={kind = "file", path = "missing.npy"}'], "(8, 7)"),
+    "numbers that differ by more than there is": (['surface={kind = "file", path = "both.npy"}'], "surface.path"),
+    "more threads than any machine bears": (["machine.threads=65536"], "machine.threads"),
+    "a pressure that the file cannot hold": (['output={dtype = "single", fields = ["pressure"]}', "material.E_star=1e-50",
+                                              "load={p_star = 0.1}"], "output.dtype"),
+    "units beyond double precision": (["material.E_star=1e-100", "surface.amplitude=1e-90", "surface.physical_sizes=[1e90, 1e90]"],
+                                      "E_star*g_rms"),
     "complex heights": (['surface={kind = "file", path = "complex.npy"}'], "complex"),
     "three axes": (['surface={kind = "file", path = "cube.npy"}'], "cube.npy"),
     "no data set": (['surface={kind = "file", path = "z.h5", dataset = "q"}'], "height"),
@@ -48,7 +55,11 @@ def folder(comm, shared_path):
         np.save(shared_path / "flat.npy", z)
         np.save(shared_path / "complex.npy", z + 1j)
         np.save(shared_path / "cube.npy", np.zeros((2, 2, 2)))
-        z[-1, -1] = np.nan
+        z[-1, -1] = 1.7e308
+        np.save(shared_path / "missing.npy", z)
+        z[0, 0] = -1.7e308
+        np.save(shared_path / "both.npy", z)
+        z[-1, -1], z[0, 0] = np.nan, 0.0
         np.save(shared_path / "nan.npy", z)
         with h5py.File(shared_path / "z.h5", "w") as file:
             file["height"] = z

@@ -17,17 +17,18 @@ ALLOWED_IN = {  # module: folders or files that may import it
     "mpi4py_fft": ("parallel/", "bench/"),
     "matplotlib": ("plotting/", "bench/"),
 }
+TOP = ("simulation", "api", "commands", "cli")  # what composes all the rest
 FORBIDDEN = {  # folder: parts of the package that it must not know
-    "theory/": ("scene", "grid", "parallel", "kernels", "solvers", "driver", "output", "surface", "observables", "plotting", "run"),
-    "scene/": ("grid", "parallel", "kernels", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
-    "kernels/": ("scene", "grid", "parallel", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
-    "parallel/": ("scene", "grid", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
-    "bodies/": ("scene", "solvers", "driver", "output", "surface", "observables", "plotting", "run", "theory"),
-    "surface/": ("solvers", "driver", "output", "observables", "plotting", "run", "theory"),
-    "solvers/": ("scene", "surface", "driver", "output", "observables", "plotting", "run", "theory"),
-    "observables/": ("scene", "solvers", "driver", "output", "plotting", "run", "theory"),
-    "output/": ("solvers", "kernels", "driver", "surface", "observables", "plotting", "run"),
-    "plotting/": ("solvers", "kernels", "driver", "surface", "observables", "run", "grid"),
+    "theory/": ("scene", "grid", "parallel", "kernels", "solvers", "driver", "output", "surface", "observables", "plotting", *TOP),
+    "scene/": ("grid", "parallel", "kernels", "solvers", "driver", "output", "surface", "observables", "plotting", *TOP, "theory"),
+    "kernels/": ("scene", "grid", "parallel", "solvers", "driver", "output", "surface", "observables", "plotting", *TOP, "theory"),
+    "parallel/": ("scene", "grid", "solvers", "driver", "output", "surface", "observables", "plotting", *TOP, "theory"),
+    "bodies/": ("scene", "solvers", "driver", "output", "surface", "observables", "plotting", *TOP, "theory"),
+    "surface/": ("solvers", "driver", "output", "observables", "plotting", *TOP, "theory"),
+    "solvers/": ("scene", "surface", "driver", "output", "observables", "plotting", *TOP, "theory"),
+    "observables/": ("scene", "solvers", "driver", "output", "plotting", *TOP, "theory"),
+    "output/": ("solvers", "kernels", "driver", "surface", "observables", "plotting", *TOP),
+    "plotting/": ("solvers", "kernels", "driver", "surface", "observables", *TOP, "grid"),
 }
 HEAVY = ("numpy", "scipy", "h5py", "numba", "matplotlib")  # not for the scene
 
@@ -47,6 +48,16 @@ def imports(path):
 
 def name(path):
     return path.relative_to(ROOT).as_posix()
+
+
+def test_the_rules_are_about_what_there_is():
+    modules = {path.stem if path.is_file() else path.name for path in ROOT.iterdir()}
+    for place in (*FORBIDDEN, *(place for places in ALLOWED_IN.values() for place in places)):
+        assert (ROOT / place).exists(), place
+    for part in {part for parts in FORBIDDEN.values() for part in parts}:
+        assert part in modules, part
+    everything = set().union(*map(set, map(imports, FILES)))
+    assert all(any(found.partition(".")[0] == module for found in everything) for module in ALLOWED_IN)
 
 
 @pytest.mark.parametrize("path", FILES, ids=name)

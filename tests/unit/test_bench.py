@@ -3,19 +3,23 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from hpc_gfmd.bench import peers
+from hpc_gfmd.bench import peers, scaling
 from hpc_gfmd.bench.cases import Case
+from hpc_gfmd.bench.kernels import field_passes
 from hpc_gfmd.bench.loosest import loosest
+from hpc_gfmd.bench.model import Machine, Network, predict
 from hpc_gfmd.bench.ours import Ours
 from hpc_gfmd.bench.reference import reference
 from hpc_gfmd.bench.timing import Clock, Sample, ratio
-from hpc_gfmd.bench.traffic import field_passes
 from hpc_gfmd.cli import main
+from hpc_gfmd.errors import GfmdError
 
 
 @pytest.fixture(autouse=True)
@@ -84,6 +88,38 @@ def test_peers_without_peers_compares_our_precisions(tmp_path):
     assert min(r["times_slower"] for r in found) == 1.0
 
 
+FAKE = """
+import numpy as np
+from types import SimpleNamespace
+
+def solve_nested(tol, **_):
+    known = np.load({path!r})
+    noise = np.random.default_rng(1).standard_normal(known.shape)
+    pressure = known + 3 * tol * noise * np.linalg.norm(known) / np.linalg.norm(noise)
+    return SimpleNamespace(pressure=pressure, iterations=7, status="converged")
+"""
+
+
+def test_another_code_is_given_the_loosest_tolerance_that_will_do(tmp_path, monkeypatch):
+    """A stand-in for ASPHER whose true error is three times its tolerance; one that is not installed is said and left out."""
+    np.save(tmp_path / "known.npy", reference(Case(64, 0.8, 0.05)).pressure)
+    (tmp_path / "aspher.py").write_text(FAKE.format(path=str(tmp_path / "known.npy")))
+    python = tmp_path / "bin" / "python"
+    python.parent.mkdir()
+    python.write_text(f'#!/bin/sh\nPYTHONPATH={tmp_path} exec {sys.executable} "$@"\n')
+    python.chmod(0o755)
+    monkeypatch.setenv("HPC_GFMD_PEERS", str(tmp_path))
+    assert main(["bench", "peers", "--n", "64", "--p-star", "0.05", "--precision", "double", "--codes", "aspher", "tamaas",
+                 "--repeats", "2", "-o", str(tmp_path)]) == 0
+    found = {row["code"]: row for row in rows(tmp_path / "peers.jsonl")}
+    ours, aspher, tamaas = (found[code] for code in ("hpc-gfmd double", "aspher", "tamaas"))
+    assert aspher["error"] == pytest.approx(3 * aspher["tolerance"], rel=1e-6)
+    assert 0.4e-5 < aspher["error"] <= 1e-5
+    assert (aspher["iterations"], aspher["repeats"], aspher["in_turn"], ours["times_slower"]) == (7, 2, "yes", 1.0)
+    assert (tamaas["status"], "seconds_min" in tamaas) == ("not reached", False)
+    assert "No module named 'tamaas'" in (tmp_path / "peers.txt").read_text()
+
+
 @pytest.mark.parametrize(("arguments", "says"), [
     (["accuracy", "--solvers", "nonsense"], "--solvers: found 'nonsense', allowed: bpx"),
     (["peers", "--codes", "nonsense"], "--codes: found 'nonsense', allowed: aspher"),
@@ -99,7 +135,7 @@ def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, t
     assert error.count("\n") == 1
 
 
-@pytest.mark.parametrize(("what", "count"), [("fft", 4), ("kernels", 9)])
+@pytest.mark.parametrize(("what", "count"), [("fft", 3), ("kernels", 8)])
 def test_kernels_and_transforms(what, count, tmp_path):
     """In a process of their own: PFFT starts MPI."""
     pytest.importorskip("mpi4py_fft")
@@ -108,6 +144,38 @@ def test_kernels_and_transforms(what, count, tmp_path):
     found = rows(tmp_path / f"{what}.jsonl")
     assert len(found) == count
     assert all(r["ms_min"] > 0 for r in found)
+
+
+def test_storage(tmp_path):
+    assert main(["bench", "storage", "--n", "64", "--repeats", "1", "--folder", str(tmp_path), "-o", str(tmp_path / "out")]) == 0
+    found = rows(tmp_path / "out" / "storage.jsonl")
+    assert [r["way"] for r in found] == ["raw", "result file", "read back"]
+    assert found[1]["times_raw"] == pytest.approx(found[1]["seconds"] / found[0]["seconds"])
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_scaling_of_one_rank(tmp_path):
+    """Strong, and weak, which is the same; the model says of one core what was measured."""
+    assert main(["bench", "scaling", "--n", "64", "--ranks", "1", "--threads", "1", "--precision", "double", "--repeats", "1",
+                 "-o", str(tmp_path)]) == 0
+    found = rows(tmp_path / "scaling.jsonl")
+    assert [r["kind"] for r in found] == ["strong", "weak"]
+    for row in found:
+        assert row["efficiency"] == 1
+        assert sum(share for key, share in row.items() if key.startswith("share_")) == pytest.approx(1)
+    machine = Machine.from_row(found[0])
+    alone = predict(64, 1, replace(machine, cores=1), Network(latency=0))
+    assert alone["seconds"] == pytest.approx(found[0]["seconds"])
+    assert {row["n"] for row in rows(tmp_path / "scaling-model.jsonl")} == {2**15, 2**17}
+    assert (tmp_path / "scaling.png").stat().st_size > 10_000
+
+
+def test_a_failing_launcher_is_quoted_without_its_frame(monkeypatch):
+    """mpirun puts what it has to say between lines of dashes."""
+    said = SimpleNamespace(returncode=1, stdout="", stderr="-----\nno such host\n-----\n")
+    monkeypatch.setattr(scaling.subprocess, "run", lambda *_, **__: said)
+    with pytest.raises(GfmdError, match=r"on 2 ranks failed: no such host$"):
+        scaling.measure(64, 2, "double", 0.05, 1)
 
 
 def test_worker_stands_alone():

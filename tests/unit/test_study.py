@@ -202,7 +202,7 @@ def test_catalogue():
     assert catalogue.names() == [f"fig{k}" for k in range(1, 14)] + [f"table{k}" for k in range(1, 6)]
     for name in catalogue.names():
         study = catalogue.study(name)
-        assert (study.NAME, bool(study.TITLE), bool(study.PAPER)) == (name, True, True)
+        assert (study.name, bool(study.title), bool(study.paper)) == (name, True, True)
         assert study.cases("quick")
     with pytest.raises(SceneError, match="nearest: 'fig1'"):
         catalogue.study("figg1")

@@ -8,7 +8,8 @@ import pytest
 from study_runs import runs_of
 
 from hpc_gfmd.cli import main
-from hpc_gfmd.study import catalogue, errata_gap, errata_gfmd, errata_kappa, errata_method, report
+from hpc_gfmd.study import catalogue, report
+from hpc_gfmd.study.errata import dynamics, formulas
 from hpc_gfmd.study.levels import P_HIGH, P_LOW
 from hpc_gfmd.study.publish import as_csv
 from hpc_gfmd.study.store import Store
@@ -33,11 +34,11 @@ def text(quick):
 
 def test_everything_that_the_report_names_is_there(quick, text):
     links = re.findall(r"\]\(([^)]+)\)", text)
-    assert {f"{study.NAME}.{ending}" for study in STUDIES for ending in ("png", "csv", "json")} | {report.OUR_TABLE} == set(links)
+    assert {f"{study.name}.{ending}" for study in STUDIES for ending in ("png", "csv", "json")} | {report.OUR_TABLE} == set(links)
     for link in set(links):
         assert (quick / link).stat().st_size > 100
     for study in STUDIES:
-        assert (quick / f"{study.NAME}.png").read_bytes().startswith(PNG)
+        assert (quick / f"{study.name}.png").read_bytes().startswith(PNG)
 
 
 def test_report_is_complete(quick, text):
@@ -56,7 +57,7 @@ def test_report_is_complete(quick, text):
     limits = text.partition("### kappa in the TFC limit")[2].partition("###")[0]
     assert len(re.findall(r"^\| 0", limits, re.MULTILINE)) == 8
     errata = text.partition("## Errata of the paper")[2]
-    assert len(re.findall(r"^\| \d+ \|", errata, re.MULTILINE)) == sum(len(m.ERRATA) for m in (errata_method, errata_kappa, errata_gap))
+    assert len(re.findall(r"^\| \d+ \|", errata, re.MULTILINE)) == len(report.ERRATA) == 25
 
 
 def test_numbers_come_from_the_rows(quick, text):
@@ -90,7 +91,7 @@ def test_our_coefficients(quick):
 
 def test_physics_at_the_quick_level(quick):
     """Scaled down as it is, it shows what the paper shows: kappa falls with eps_c, the correction shrinks the area, theory is near."""
-    rows = {study.NAME: json.loads((quick / f"{study.NAME}.json").read_text())["rows"] for study in STUDIES}
+    rows = {study.name: json.loads((quick / f"{study.name}.json").read_text())["rows"] for study in STUDIES}
     for row in rows["fig1"]:
         assert persson.kappa(row["p_star"]) < row["kappa_edge"] < row["kappa"]
     assert all(0.7 < row["over_persson"] < 1.5 for row in rows["fig6"])
@@ -100,7 +101,7 @@ def test_physics_at_the_quick_level(quick):
             assert abs(row["difference"]) < 4 * row["difference_se"]
 
 
-@pytest.mark.parametrize("study", STUDIES, ids=lambda study: study.NAME)
+@pytest.mark.parametrize("study", STUDIES, ids=lambda study: study.name)
 def test_studies_from_made_up_runs(study, tmp_path):
     """From other numbers than the solver's, and from next to none: rows with errors, a picture, a comparison of three columns."""
     runs = runs_of(study.cases("quick"))
@@ -125,38 +126,37 @@ def test_nothing_solved_yet(tmp_path):
 
 
 def test_dynamics_as_printed_and_as_it_should_be():
-    right, damping, load = errata_gfmd.gfmd(), errata_gfmd.gfmd(damping=+1), errata_gfmd.gfmd(load=+1)
+    right, damping, load = dynamics.gfmd(), dynamics.gfmd(damping=+1), dynamics.gfmd(load=+1)
     assert right["speed"][-1] < 1e-3 * right["speed"][0]
     assert damping["speed"][-1] > 1e3 * damping["speed"][0]
     assert load["gap"][-1] > load["gap"][0]
     assert load["a_r"] == 0
-    assert errata_gfmd.gfmd(lifted=True)["gap"][-1] == pytest.approx(right["gap"][-1], rel=1e-3)
+    assert dynamics.gfmd(lifted=True)["gap"][-1] == pytest.approx(right["gap"][-1], rel=1e-3)
 
 
 def test_dynamics_finds_the_contact():
     """The small contact of the errata, against the solver."""
     import hpc_gfmd
 
-    z = errata_gfmd.small_surface()
+    z = dynamics.small_surface()
     n = len(z)
     q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(n, 1 / n)], indexing="ij"))
     g_rms = np.sqrt(np.sum(q**2 * np.abs(np.fft.fft2(z) / z.size) ** 2))
     solved = hpc_gfmd.solve(z, 0.2 * g_rms, E_star=2.0, physical_sizes=(2 * np.pi, 2 * np.pi), accuracy=1e-6)
-    found = errata_gfmd.gfmd(steps=3000)
+    found = dynamics.gfmd(steps=3000)
     assert found["gap"][-1] == pytest.approx(solved.gap_mean, rel=1e-3)
     assert found["a_r"] == pytest.approx(solved.a_r, abs=2.5 / z.size)
 
 
 def test_missing_factor_by_quadrature():
     for p_star in (P_LOW, P_HIGH):
-        direct = errata_method._gap_from_energy(p_star, 0.8, 1 / 256, 0.42)
+        direct = formulas.gap_from_energy(p_star, 0.8, 1 / 256, 0.42)
         assert direct == pytest.approx(float(persson.mean_gap(p_star, 0.8, 1 / 256)), rel=1e-8)
         assert direct > 1.1 * float(persson.mean_gap(p_star, 0.8, 1 / 256, printed=True))
 
 
 def test_formulas_in_the_errata():
-    shown = {make.__name__: make()["shown"] for make in errata_method.ERRATA}
-    assert "1.000000000000" in shown["parseval"]
-    assert "0.500000 of the printed height, 1.000000 of the printed slope" in shown["height_scale"]
-    assert "right 1.5, printed 0" in shown["scaling"]
-    assert "8192 points" in shown["inverted_ratio"]
+    assert "1.000000000000" in formulas.parseval()
+    assert "0.500000 of the printed height, 1.000000 of the printed slope" in formulas.height_scale()
+    assert "right 1.5, printed 0" in formulas.scaling()
+    assert "8192 points" in formulas.inverted_ratio()

@@ -1,12 +1,10 @@
 """Corrections to the TFC limits: the paper's tables, what is refused, fits that recover their data."""
 
-import argparse
 import json
 
 import numpy as np
 import pytest
 
-from hpc_gfmd.commands import tfc as command
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.theory import tfc
 
@@ -136,48 +134,3 @@ def test_own_table(tmp_path):
     assert terms.notes == ()
     with pytest.raises(SceneError, match="table: found"):
         tfc.read_table(tmp_path / "missing.json")
-
-
-def call(capsys, *words):
-    parser = argparse.ArgumentParser()
-    command.add_parser(parser.add_subparsers())
-    args = parser.parse_args(["tfc", *words])
-    assert args.main(args) == 0
-    return capsys.readouterr().out
-
-
-WORDS = ["--hurst", "0.8", "--p-star", "0.007", "--eps-t", "0.5", "--eps-f", "1/1024", "--eps-c", "0.5"]
-
-
-def test_command(capsys):
-    out = json.loads(call(capsys, "--observable", "kappa", *WORDS, "--value", "2.2", "--json"))
-    assert out["extrapolated"] == pytest.approx(2.0160, abs=5e-5)
-    assert out["sigma"] is None
-    assert "extrapolated: 2.0160 +- 0.0200" in call(capsys, *WORDS, "--value", "2.2", "--sigma", "0.02")
-
-
-def test_command_fits(capsys, tmp_path):
-    path = tmp_path / "runs.csv"
-    np.savetxt(
-        path, np.stack(runs(0.001, 2), axis=1), delimiter=",", comments="", header="eps_t,eps_f,eps_c,value"
-    )
-    out = json.loads(call(capsys, "--fit", str(path), "--free", "fc", "--json"))
-    assert out["limit"] == pytest.approx(1.95, abs=4 * out["sigma"]["limit"])
-    assert out["alpha_f"] == pytest.approx(0.7, abs=4 * out["sigma"]["alpha_f"])
-    assert "alpha_t = 1 (fixed)" in call(capsys, "--fit", str(path))
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--value", "nan"], "value: found nan"),
-        ([], "--value"),
-        (["--value", "2", "--hurst", "0.1"], "hurst"),
-        (["--fit", "/nowhere.csv"], "runs: found"),
-        (["--fit", "/nowhere.csv", "--free", "x"], "free: found"),
-        (["--value", "2", "--sigma", "-1"], "sigma"),
-    ],
-)
-def test_command_refuses(capsys, words, message):
-    with pytest.raises(SceneError, match=message):
-        call(capsys, *WORDS, *words)

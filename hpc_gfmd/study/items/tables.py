@@ -1,0 +1,64 @@
+"""Tables 1 to 4: coefficients of eq. tfc; table 5: kappa in the limit, beside other authors'."""
+
+from functools import partial
+
+from ...errors import SceneError
+from .. import coefficients, draw, paper
+from ..levels import HURST_GAP, tfc_series
+from ..limits import compare_routes
+from ..paper import of_hurst, quoted, saying
+from ..rows import Rows, by_hurst, low_high
+from ..study import Study
+
+
+def limits(runs: Rows, level: str) -> Rows:
+    """The paper's table, and our limits as counted (area "raw") and edge-corrected ("edge").
+
+    kappa_tfc_se: realisations, solver and model together; difference, difference_se: raw minus edge-corrected; alpha_f: the fitted
+    exponent.
+    """
+    numbers = paper.numbers()
+    rows = [{"area": "literature", "hurst_number": None} | entry for entry in numbers["literature"]]
+    rows += [{"area": "paper", "hurst_number": float(hurst), "kappa_tfc": kappa} for hurst, kappa in numbers["kappa_tfc"].items()]
+    for hurst, part in by_hurst(low_high(runs)["low"]).items():
+        try:
+            raw, edge, difference, sigma = compare_routes(part)
+        except SceneError:  # too few runs yet
+            continue
+        for area, limit in (("raw", raw), ("edge", edge)):
+            rows.append({"area": area, "authors": "this code", "hurst_number": hurst} | limit.row()
+                        | {"difference": difference, "difference_se": sigma})
+    return rows
+
+
+def our_limits(rows: Rows) -> Rows:
+    """Our limits beside the paper's."""
+    lines = []
+    for raw, edge in zip(*([row for row in rows if row["area"] == area] for area in ("raw", "edge")), strict=True):
+        hurst = raw["hurst_number"]
+        printed = of_hurst("kappa_tfc", hurst)
+        lines.append(saying(
+            f"H = {hurst:g}: " + (f"kappa = {printed:g} in the TFC limit" if printed else "no number printed"),
+            f"{quoted(raw['kappa_tfc'], raw['kappa_tfc_se'])} as counted, {quoted(edge['kappa_tfc'], edge['kappa_tfc_se'])} "
+            f"edge-corrected; the routes differ by {raw['difference'] / raw['difference_se']:+.1f} sigma",
+            f"alpha_f = {quoted(edge['alpha_f'], edge['alpha_f_se'])} instead of {paper.numbers()['alpha_f']:g}"))
+    return lines
+
+
+def _coefficients(name, observable, pressure, remark=""):
+    what = {"observable": observable, "pressure": pressure}
+    label = {"gap_over_h_rms": "gap/h_rms"}.get(observable, observable)
+    return Study(name, f"coefficients of eq. tfc for {label} at p* = {paper.PRINTED[pressure]}",
+                 f"C_i, alpha_i for H = 0.3, 0.5, 0.8{remark}", partial(tfc_series, hurst=HURST_GAP),
+                 partial(coefficients.table_rows, **what), draw.coefficients, partial(coefficients.compare, **what))
+
+
+STUDIES = (
+    _coefficients("table1", "kappa", "low"),
+    _coefficients("table2", "kappa", "high"),
+    _coefficients("table3", "gap_over_h_rms", "low"),
+    _coefficients("table4", "gap_over_h_rms", "high", "; the printed caption has the wrong p*"),
+    Study("table5", "kappa of different authors, and ours in the TFC limit",
+          "kappa at p/E* of about 0.01, 1976 to 2013; the paper's own 2.16 (H = 0) to 1.93 (H = 0.8)",
+          tfc_series, limits, draw.limits, our_limits),
+)

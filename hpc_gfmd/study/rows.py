@@ -1,0 +1,51 @@
+"""Choosing among rows: by pressure, by H, along a ratio."""
+
+from collections.abc import Iterator
+
+from .levels import PRESSURES
+
+Rows = list[dict]
+
+
+def near(a: float, b: float) -> bool:
+    """Whether two pressures or ratios are the same but for rounding."""
+    return abs(a - b) <= 1e-6 * abs(b)
+
+
+def low_high(rows: Rows) -> dict[str, Rows]:
+    """The rows (or runs) at the two pressures of the paper, {"low": [...], "high": [...]}."""
+    return {name: [row for row in rows if near(row["p_star"], p)] for name, p in PRESSURES.items()}
+
+
+def by_hurst(rows: Rows) -> dict[float, Rows]:
+    """{H: rows}, in the order of H."""
+    return {hurst: [row for row in rows if row["hurst"] == hurst] for hurst in sorted({row["hurst"] for row in rows})}
+
+
+def families(rows: Rows) -> Iterator[tuple[str, float, Rows]]:
+    """(name of the pressure, H, rows) for both pressures of the paper, the low one first, and every H that has rows there."""
+    for pressure, part in low_high(rows).items():
+        for hurst, family in by_hurst(part).items():
+            yield pressure, hurst, family
+
+
+def finest(rows: Rows, ratio: str) -> dict | None:
+    """The row with the smallest value of eps_c, eps_f or eps_t; None of no rows."""
+    return min(rows, key=lambda row: row[ratio], default=None)
+
+
+def coarsest(rows: Rows, ratio: str) -> dict | None:
+    """The row with the largest value of a ratio; None of no rows."""
+    return max(rows, key=lambda row: row[ratio], default=None)
+
+
+def longest(rows: Rows, ratio: str, column: str) -> Rows:
+    """Of the series of rows that share a value of `column`, the one with most values of `ratio`; [] of no rows."""
+    series = {row[column]: [r for r in rows if r[column] == row[column]] for row in rows}
+    return max(series.values(), key=lambda part: len({row[ratio] for row in part}), default=[])
+
+
+def fine_half(rows: Rows) -> Rows:
+    """Rows of the finer half of the eps_f, where the paper's power laws are meant to hold."""
+    octaves = sorted({row["eps_f"] for row in rows})
+    return [row for row in rows if row["eps_f"] <= octaves[len(octaves) // 2]] if octaves else []

@@ -1,0 +1,37 @@
+"""What a figure or table of the paper is to this program."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from .case import Case
+from .rows import Rows
+
+
+@dataclass(frozen=True)
+class Study:
+    """One figure or table of the paper, from the contacts it needs to the comparison with what is printed.
+
+    Attributes
+    ----------
+    name, title : str
+        "fig1" and what it shows.
+    paper : str
+        What the paper says there.
+    cases : function of the level
+        The contacts that it is made of.
+    tabulate : function of the runs and the level
+        Rows of the table.
+    draw : function of the rows and a path
+        Writes the picture.
+    compare : function of the rows
+        Lines "paper says / we find / why" (paper.saying).
+    """
+
+    name: str
+    title: str
+    paper: str
+    cases: Callable[[str], list[Case]]
+    tabulate: Callable[[list[dict], str], Rows]
+    draw: Callable[[Rows, Path], None]
+    compare: Callable[[Rows], list[dict]]

@@ -1,0 +1,43 @@
+"""Heights as they are read: whether they are numbers to compute with, and a checksum that tells one height map from another."""
+
+import hashlib
+
+import numpy as np
+
+from ..errors import SceneError
+from ..units import LARGEST_HEIGHT
+
+
+def checked(z, start, where, of=""):
+    """The heights z (float64, rows from `start`) where all are finite, and so are squares of them.
+
+    Raises SceneError for others, which begins with `where` and names the file, `of`: what instruments write for points that they could
+    not measure is often nan or the largest number.
+    """
+    wrong = ~(np.abs(z) <= LARGEST_HEIGHT)
+    if wrong.any():
+        i, j = np.argwhere(wrong)[0]
+        raise SceneError(f"{where}: found {z[i, j]:g} at ({start + i}, {j}){of}, allowed: finite heights, "
+                         f"{-LARGEST_HEIGHT:g} to {LARGEST_HEIGHT:g}")
+    return z
+
+
+class Checksum:
+    """BLAKE2 of all heights, row by row: the same for any number of ranks and any pieces in which the rows are read.
+
+    Synthetic surfaces have none: the scene says all about them, and a billion points are made faster than they are summed.
+    """
+
+    def __init__(self):
+        self._rows = []
+
+    def add(self, z):
+        """The next rows of this rank, float64."""
+        self._rows += [hashlib.blake2b(np.ascontiguousarray(row, "<f8"), digest_size=16).digest() for row in z]
+
+    def of_all(self, comm, n, sizes):
+        """Of the rows of all ranks in their order, with the shape and the physical sizes. Collective."""
+        whole = hashlib.blake2b(repr((tuple(map(int, n)), tuple(map(float, sizes)))).encode(), digest_size=16)
+        for rows in comm.allgather(b"".join(self._rows)):
+            whole.update(rows)
+        return whole.hexdigest()

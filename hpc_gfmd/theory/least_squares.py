@@ -1,0 +1,61 @@
+"""Least squares with known errors, that refuse to determine what the data do not: scipy.optimize.curve_fit and a check."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import curve_fit
+
+from ..errors import SceneError
+
+WORST = 1e7  # condition number of the normalised design up to which every parameter counts as determined
+TOLERANCE = 1e-12
+
+
+@dataclass(frozen=True)
+class Solution:
+    """x: parameters, shape (k,); covariance: of them, shape (k, k), for errors of the data as given (1 if none are); jacobian: of the
+    model at x, shape (runs, k); chi2: weighted sum of squares."""
+
+    x: np.ndarray
+    covariance: np.ndarray
+    jacobian: np.ndarray
+    chi2: float
+
+
+def least_squares(model, jacobian, starts, value, sigma=None, bounds=(-np.inf, np.inf)) -> Solution:
+    """The best fit of model(x), shape (runs,), to value over several starts.
+
+    Parameters
+    ----------
+    model, jacobian : functions of x
+        Shapes (runs,) and (runs, k).
+    starts : list of arrays, shape (k,)
+    value : array, shape (runs,)
+    sigma : array, optional
+        Standard errors, shape (runs,), or covariance matrix, shape (runs, runs).
+    bounds : pair of numbers or of arrays, shape (k,)
+
+    Raises
+    ------
+    SceneError
+        Where sigma is no covariance, no start converges, or the data do not determine every parameter.
+    """
+    best = None
+    for start in starts:
+        try:
+            x, covariance, info, *_ = curve_fit(
+                lambda _, *x: model(np.array(x)), None, value, start, sigma, absolute_sigma=True, bounds=bounds, method="trf",
+                jac=lambda _, *x: jacobian(np.array(x)), x_scale="jac", full_output=True, ftol=TOLERANCE, xtol=TOLERANCE,
+                gtol=TOLERANCE)
+        except RuntimeError:  # not converged from here
+            continue
+        except ValueError:
+            allowed = f"errors or a covariance matrix of the {len(value)} runs"
+            raise SceneError(f"sigma: found shape {np.shape(sigma)}, allowed: {allowed}") from None
+        chi2 = float(np.sum(info["fvec"] ** 2))
+        if best is None or chi2 < best.chi2:
+            best = Solution(x, covariance, jacobian(x), chi2)
+    scale = np.linalg.norm(best.jacobian, axis=0) if best else np.zeros(1)
+    if not scale.all() or np.linalg.cond(best.jacobian / scale) > WORST:
+        raise SceneError("runs: found ratios that vary together, or no trend, allowed: runs that determine every term")
+    return best

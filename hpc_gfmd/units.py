@@ -1,0 +1,52 @@
+"""What numbers can hold: the program's own units are of order one, the scene's may be anything.
+
+A field is stored in single precision only where that loses nothing: its largest value is finite and what is as small as the rounding
+errors of its typical value is still a normal number. Units that not even double precision can hold are refused.
+"""
+
+import numpy as np
+
+from .errors import SceneError
+
+LARGEST_HEIGHT = 1e100  # as all numbers of a scene; heights that differ by less than its inverse are refused, too
+SMALLEST, LARGEST = 1e-250, 1e250  # of what the program multiplies: units of pressure and height, their product, mean pressures
+P_STAR = 1e-100, 1e100
+
+
+def fits(dtype, smallest, largest):
+    """Whether normal numbers of this precision reach from `smallest` to `largest`, magnitudes."""
+    info = np.finfo(dtype)
+    return float(info.tiny) < smallest and largest < float(info.max)
+
+
+def field_range(name, p, surface):
+    """(smallest, largest) magnitude that matters in a field at mean pressure p, without looking at it; surface: surface.Surface.
+
+    No point carries more than all N p, and heights that have rms slope 1 per point rise by less than N; a displacement is less than
+    N times that. What is smaller than the rounding errors of single precision does not matter.
+    """
+    N = surface.grid.N
+    typical, largest = (p, N * p) if name == "pressure" else (surface.height_unit, N**2 * surface.height_unit)
+    return float(np.finfo(np.float32).eps) * typical, largest
+
+
+def field_dtype(name, dtype, p, surface):
+    """The precision for a field, solved in `dtype`, in the scene's units."""
+    return np.dtype(dtype) if fits(dtype, *field_range(name, p, surface)) else np.dtype(np.float64)
+
+
+def single_solves(p_star, N):
+    """Whether single precision holds the pressures of a contact of N points at p*, in the program's units."""
+    return fits(np.float32, float(np.finfo(np.float32).eps) * p_star, N * p_star)
+
+
+def require_range(E_star, surface, pressures):
+    """Raises SceneError where a number of the contacts is beyond double precision; surface: surface.Surface."""
+    unit = E_star * surface.g_rms if surface.g_rms > 0 else 1.0
+    for what, value in [("E_star*g_rms", unit), ("g_rms*a (height per point)", surface.height_unit),
+                        ("E_star*g_rms^2*a (energy)", unit * surface.height_unit), *(("a mean pressure", p) for p in pressures)]:
+        if not SMALLEST <= value <= LARGEST:
+            raise SceneError(f"surface, material, load: found {what} = {value:g}, allowed: {SMALLEST:g} to {LARGEST:g}, in other units")
+    for p in pressures:
+        if surface.g_rms > 0 and not P_STAR[0] <= p / unit <= P_STAR[1]:
+            raise SceneError(f"load: found p* = {p / unit:g}, allowed: {P_STAR[0]:g} to {P_STAR[1]:g}")

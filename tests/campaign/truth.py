@@ -1,0 +1,270 @@
+"""Exact contacts by an active-set Newton method in float64, NumPy and scipy.fft only: nothing of the package is used here.
+
+Guess the contact C. Its pressure follows from a linear problem on C (few points touch) or on the rest F (most touch), each by
+conjugate gradients preconditioned by the inverse operator; points of the wrong sign change sides. Where that goes round in circles,
+steps of projected conjugate gradients (Polonsky and Keer) lie between, which always converge. Units: those of problem.py: lengths
+in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so that K = |q|/2 and p0 is p*.
+"""
+
+import hashlib
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy import fft
+
+SIGN = 1e-13  # relative: a violation smaller than that is rounding
+TIE = 1e-9  # of the rms pressure or of the gap: closer than this to changing sides is a tie
+ROUGH, INNER = 1e-4, 1e-13  # relative residual of the linear problems, first and in the end
+EPS = 2e-14  # relative rounding errors of a transform, and more
+DOUBTFUL = 1e-10  # a truth that violates its own conditions by more than this is none
+FEW = 30  # points on the wrong side of which one at a time may change
+MURTY = 60  # times that this is tried
+ROUNDS = 250
+
+
+@dataclass(frozen=True)
+class Truth:
+    """pressure (in p0 = p* units); contact: points; gap_mean; ties_in, ties_out: points of C and of F that are as good on the other
+    side; kkt: the largest violation of p = p0 + K u, g = u + h, p >= 0, g >= 0, mean p = p0, relative; rounds: linear problems."""
+
+    pressure: np.ndarray
+    contact: int
+    gap_mean: float
+    ties_in: int
+    ties_out: int
+    kkt: float
+    rounds: int
+
+    def errors(self, contact, gap_mean, pressure):
+        """True relative errors of area, mean gap and pressure field (L2), ties and the last digits of the gap left out."""
+        over = max(contact - self.contact - self.ties_out, self.contact - self.ties_in - contact, 0)
+        off = abs(gap_mean - self.gap_mean)
+        gap = off / self.gap_mean if self.gap_mean else (np.inf if off else 0.0)
+        with np.errstate(over="ignore", invalid="ignore"):
+            p = np.linalg.norm(pressure - self.pressure) / np.linalg.norm(self.pressure)
+        return over / self.contact, float(gap), float(p) if np.isfinite(p) else np.inf
+
+
+class Contact:
+    """One wall: heights z (peaks up) in a cell of physical sizes."""
+
+    def __init__(self, z, sizes):
+        self.n = z.shape
+        spacings = np.array(sizes, float) / self.n
+        a = np.sqrt(spacings[0]) * np.sqrt(spacings[1])
+        q_x = 2 * np.pi * fft.fftfreq(self.n[0]) * (a / spacings[0])
+        q_y = 2 * np.pi * fft.rfftfreq(self.n[1]) * (a / spacings[1])
+        self.K = np.hypot(q_x[:, None], q_y) / 2
+        self.S = np.divide(1, self.K, out=np.zeros_like(self.K), where=self.K > 0)
+        h = np.max(z) - np.asarray(z, float)
+        scale = h.max()
+        h = h / scale
+        weight = np.full(len(q_y), 2.0)
+        weight[0] = 1
+        if self.n[1] % 2 == 0:
+            weight[-1] = 1
+        spectrum = np.abs(fft.rfft2(h) / h.size) ** 2
+        g_rms = np.sqrt(np.sum(weight * spectrum * (2 * self.K) ** 2))
+        self.h = h / g_rms
+        self.height_unit = scale * g_rms  # = g_rms a in the scene's units
+        self.g_rms = self.height_unit / a
+
+    def times(self, multiplier, x):
+        return fft.irfft2(multiplier * fft.rfft2(x), s=self.n)
+
+    def solve(self, p_star, start=None):
+        """The Truth at p*. start: the pressure of a similar load."""
+        K, h, N = self.K, self.h, self.h.size
+        if start is None:
+            p = self._projected(np.full(self.n, p_star), p_star, 12)
+        else:
+            p = self._projected(start * (p_star / start.mean()), p_star, 3)
+        C = p > 0
+        best, waits, patience, inner = np.inf, 0, 4, ROUGH
+        for rounds in range(1, ROUNDS):  # noqa: B007
+            nearly_closed = C.sum() > 0.5 * N
+            p, g = (self._open if nearly_closed else self._closed)(C, p, p_star, inner)
+            p_rms = np.sqrt(np.mean(p * p))
+            tiny_p, tiny_g = SIGN * max(p_rms, p_star), SIGN * h.max()
+            wrong = np.where(C, p < -tiny_p, g < -tiny_g)
+            count = int(wrong.sum())
+            if count == 0 and inner == INNER:
+                break
+            if count <= FEW or waits:
+                inner = INNER
+            if count < best:
+                best, waits = count, 0
+            else:
+                waits += 1
+            if waits >= patience and count <= FEW and waits < MURTY:
+                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = False  # the last one alone (Murty): no circles
+            elif waits >= patience:
+                p = self._projected(np.where(C, np.maximum(p, 0), 0), p_star, 10 * patience)
+                C = p > 0
+                best, waits, patience = np.inf, 0, min(2 * patience, 64)
+                continue
+            C = C ^ wrong
+            if not C.any():
+                C = g <= g.min()
+        p, g = np.where(C, np.maximum(p, 0), 0), np.where(C, 0, np.maximum(g, 0))
+        fresh = p_star + self.times(K, g - h)
+        p_rms, gap_mean = np.sqrt(np.mean(p * p)), g.mean()
+        # The fresh pressure has the rounding errors of the heights' transform.
+        kkt = max(np.sqrt(np.mean((fresh - p) ** 2)) / p_rms, abs(p.mean() / p_star - 1), float(count > 0))
+        ties_in = int(np.sum(C & (p < TIE * p_rms)))
+        ties_out = int(np.sum(~C & (g < TIE * max(gap_mean, 1e-6 * h.max()))))
+        return Truth(p, int(C.sum()), float(gap_mean), ties_in, ties_out, float(kkt), rounds)
+
+    def _closed(self, C, p, p_star, inner):
+        """Pressure on C and gap from the linear problem g = 0 on C with mean p = p_star: S p + u0 + h = 0 there."""
+        N, n_c = self.h.size, int(C.sum())
+
+        def apply(x):
+            y = np.where(C, self.times(self.S, x), 0)
+            return np.where(C, y - y.sum() / n_c, 0)
+
+        def precondition(x):
+            y = np.where(C, self.times(self.K, x) + self.floor * x, 0)
+            return np.where(C, y - y.sum() / n_c, 0)
+
+        p = np.where(C, p, 0)
+        p = np.where(C, p + (N * p_star - p.sum()) / n_c, 0)
+        if n_c > 1:
+            u = self.times(self.S, p)
+            b = np.where(C, -(u + self.h), 0)
+            b = np.where(C, b - b.sum() / n_c, 0)
+            rounding = EPS * np.hypot(np.linalg.norm(self.h[C]), np.linalg.norm(u[C]))
+            p = p + _conjugate_gradients(apply, precondition, b, 4 * n_c, inner, rounding)
+            p = np.where(C, p + (N * p_star - p.sum()) / n_c, 0)
+        g = self.times(self.S, p) + self.h
+        g -= g[C].mean()
+        return p, g
+
+    @property
+    def floor(self):
+        """A little of the identity in the preconditioner: K alone forgets the mean."""
+        return 0.5 * self.K[self.K > 0].min()
+
+    def _open(self, C, p, p_star, inner):
+        """Gap on F and pressure from the linear problem p = 0 on F: K g + p_star - K h = 0 there."""
+        F = ~C
+        b = p_star - self.times(self.K, self.h)
+        g = np.zeros(self.n)
+        if F.any():
+            mean = 1 / self.K[self.K > 0].min()
+
+            def precondition(x):
+                return np.where(F, self.times(self.S, x) + mean * x.mean(), 0)
+
+            def apply(x):
+                return np.where(F, self.times(self.K, x), 0)
+
+            g = _conjugate_gradients(apply, precondition, np.where(F, -b, 0), 4 * int(F.sum()), inner, 0.0)
+        p = b + self.times(self.K, g)
+        return p, g
+
+    def _projected(self, p, p_star, steps):
+        """Steps of Polonsky and Keer's conjugate gradients for the pressure, preconditioned by nothing: robust, slow at the end."""
+        S, h = self.S, self.h
+        p = p * (p_star / p.mean())
+        t, old, fresh = np.zeros_like(p), 1.0, True
+        for _ in range(steps):
+            g = self.times(S, p) + h
+            C = p > 0
+            g -= g[C].mean()
+            new = float(np.sum(g[C] ** 2))
+            if new == 0:
+                break
+            t = np.where(C, g + (0 if fresh else new / old) * t, 0)
+            r = self.times(S, t)
+            r -= r[C].mean()
+            curvature = float(np.sum(r[C] * t[C]))
+            if curvature <= 0:
+                break
+            step = float(np.sum(g[C] * t[C])) / curvature
+            p = np.maximum(np.where(C, p - step * t, p), 0)
+            late = (p == 0) & (g < 0)
+            p[late] -= step * g[late]
+            fresh = bool(late.any())
+            old = new
+            if not p.any():  # too long a step: on the highest point alone
+                p[np.unravel_index(np.argmin(g), p.shape)] = 1.0
+                fresh = True
+            p *= p_star / p.mean()
+        return p
+
+
+def _conjugate_gradients(apply, precondition, b, most, relative, absolute):
+    x, r = np.zeros_like(b), b
+    size = np.sqrt(np.sum(b * b))
+    if size <= absolute:
+        return x
+    z = precondition(r)
+    d, rz = z, float(np.sum(r * z))
+    if not rz > 0:
+        return x
+    for _ in range(min(most, 2000)):
+        Kd = apply(d)
+        dKd = float(np.sum(d * Kd))
+        if not dKd > 0:
+            break
+        x = x + (rz / dKd) * d
+        r = r - (rz / dKd) * Kd
+        if np.sqrt(np.sum(r * r)) < max(relative * size, absolute):
+            break
+        z = precondition(r)
+        new = float(np.sum(r * z))
+        if not new > 0:
+            break
+        d, rz = z + (new / rz) * d, new
+    return x
+
+
+def cache_folder():
+    """HPC_GFMD_TRUTHS, or a folder for temporary files."""
+    return Path(os.environ.get("HPC_GFMD_TRUTHS") or Path(tempfile.gettempdir()) / "hpc-gfmd-truths")
+
+
+def truths(z, sizes, loads):
+    """(Contact, [Truth]) of the loads p*, each from the cache if it is there."""
+    contact = Contact(z, sizes)
+    found, start = [], None
+    for p_star in loads:
+        name = repr((contact.n, tuple(map(float, sizes)), float(p_star))).encode()
+        path = cache_folder() / f"{hashlib.sha256(contact.h.tobytes() + name).hexdigest()[:32]}.npz"
+        truth = _read(path, contact.n)
+        if truth is None:
+            near = start is not None and 0.5 < p_star / start.mean() < 2
+            truth = contact.solve(p_star, start if near else None)
+            if near and not truth.kkt < DOUBTFUL:
+                truth = contact.solve(p_star)
+            if truth.kkt < DOUBTFUL:
+                _write(path, truth)
+        start = truth.pressure
+        found.append(truth)
+    return contact, found
+
+
+def _read(path, n):
+    try:
+        with np.load(path) as data:
+            inside = np.unpackbits(data["inside"], count=n[0] * n[1]).astype(bool).reshape(n)
+            p = np.zeros(n)
+            p[inside] = data["pressure"]
+            contact, gap_mean, ties_in, ties_out, kkt, rounds = data["numbers"]
+    except (OSError, ValueError, KeyError, EOFError):
+        return None
+    truth = Truth(p, int(contact), float(gap_mean), int(ties_in), int(ties_out), float(kkt), int(rounds))
+    return truth if truth.kkt < DOUBTFUL else None
+
+
+def _write(path, truth):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    inside = truth.pressure > 0
+    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as file:
+        np.savez(file, inside=np.packbits(inside), pressure=truth.pressure[inside],
+                 numbers=[truth.contact, truth.gap_mean, truth.ties_in, truth.ties_out, truth.kkt, truth.rounds])
+    os.replace(file.name, path)

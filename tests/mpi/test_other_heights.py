@@ -1,0 +1,103 @@
+"""A run goes on with the heights that it began with, or it is refused."""
+
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from contacts import random_heights
+
+from hpc_gfmd.cli import main
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.fft import row_starts
+from hpc_gfmd.surface.heights import Checksum
+
+pytestmark = pytest.mark.mpi
+SCENE = """
+[surface]
+kind = "file"
+path = "z.npy"
+[load]
+pressure = [0.2, 0.3]
+[solver]
+accuracy = 1e-4
+[machine]
+wall_seconds = 1e-9
+"""
+GO_ON = ["restart", "contact.h5", "--set", "machine.wall_seconds=1000"]
+PARTIAL = "contact.h5.partial"
+
+
+def checksum_of(z, comm, sizes=(1.0, 1.0), pieces=2):
+    starts = row_starts(len(z), comm.size)
+    mine, made = z[starts[comm.rank]:starts[comm.rank + 1]], Checksum()
+    for i in range(0, len(mine), pieces):
+        made.add(mine[i:i + pieces])
+    return made.of_all(comm, z.shape, sizes)
+
+
+def test_one_checksum_for_any_number_of_ranks(comm):
+    z = random_heights((9, 8))
+    whole = checksum_of(z, SerialComm(), pieces=9)
+    assert checksum_of(z, comm) == whole
+    lifted, swapped = z.copy(), z[::-1].copy()
+    lifted[-1, -1] = np.nextafter(lifted[-1, -1], 9)
+    others = [checksum_of(x, comm) for x in (lifted, swapped, z.reshape(8, 9))] + [checksum_of(z, comm, (1.0, 2.0))]
+    assert len({whole, *others}) == 5
+
+
+@pytest.fixture
+def begun(comm, shared_path, monkeypatch, capfd):
+    """A run on heights z, stopped in its first load; begun(z, *args): exit code and stderr of a command with z as the heights."""
+    if comm is None:
+        return None
+    monkeypatch.chdir(shared_path)
+
+    def call(z, *args):
+        comm.barrier()
+        if comm.rank == 0:
+            np.save("z.npy", z)
+            (shared_path / "scene.toml").write_text(SCENE)
+        comm.barrier()
+        capfd.readouterr()
+        code = main(list(args))
+        comm.barrier()
+        return code, capfd.readouterr().err
+
+    return call
+
+
+@pytest.mark.parametrize(("other", "checkpoint"), [(lambda z: 2 * z, True), (lambda z: 2 * z, False), (lambda z: z[:-1], False),
+                                                   (lambda z: z.reshape(8, 18), True)], ids=["content", "head", "rows", "shape"])
+def test_other_heights_are_refused_and_the_right_ones_go_on(comm, begun, other, checkpoint):
+    z = random_heights((12, 12))
+    z[0, 0] += 0.1
+    assert begun(z, "run", "scene.toml", "-q")[0] == 143
+    if comm.rank == 0 and not checkpoint:
+        Path(PARTIAL, "checkpoint.h5").unlink()
+    code, err = begun(other(z), *GO_ON)
+    assert code == 2
+    assert err.count("\n") == (comm.rank == 0)
+    assert comm.rank or "other heights" in err
+    assert begun(z, *GO_ON)[0] == 0
+    with h5py.File("contact.h5") as file:
+        found = [step.attrs["gap_mean"] for step in file["steps"].values()]
+    assert begun(z, "run", "scene.toml", "-q", "-o", "whole.h5", "--set", "machine.wall_seconds=1000")[0] == 0
+    with h5py.File("whole.h5") as file:
+        assert found == [step.attrs["gap_mean"] for step in file["steps"].values()]
+    comm.barrier()
+
+
+def test_the_checkpoint_of_other_heights_is_refused(comm, begun):
+    z = random_heights((12, 12))
+    for heights, name in ((2 * z, "other.partial"), (z, PARTIAL)):
+        assert begun(heights, "run", "scene.toml", "-q")[0] == 143
+        if comm.rank == 0 and name != PARTIAL:
+            shutil.move(PARTIAL, name)
+    if comm.rank == 0:
+        shutil.copy("other.partial/checkpoint.h5", PARTIAL)
+    code, err = begun(z, *GO_ON)
+    assert code == 2
+    assert comm.rank or "checkpoint.h5: of other heights" in err
+    comm.barrier()

@@ -1,0 +1,58 @@
+"""Grids so large, or limits so low, that coarse levels and coarse grids are spread over the ranks: as on one rank."""
+
+import numpy as np
+import pytest
+from contacts import EXACT, field, rough, sweep_of
+
+from hpc_gfmd.driver import nested
+from hpc_gfmd.operators import multilevel
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.registry import all_observables
+
+pytestmark = pytest.mark.mpi
+LARGE = rough((2, 300, 2), seed=5)  # 1200 x 1200
+
+
+def spread_levels(sweep):
+    """Levels of the preconditioner and grids of the nested start, beside the finest, that no rank holds as a whole."""
+    solver_levels = sweep.solver.levels.spread
+    grids = [coarse for _, coarse in sweep.nested.steps if coarse.comm.size > 1]
+    return len(solver_levels), len(grids)
+
+
+def compare(comm, surface, loads, fields, **solver):
+    """Solve loads on all ranks and on one; numbers equal to `fields`, relative to the largest, areas to the point."""
+    sweeps = [sweep_of(surface, comm=world, **solver) for world in (comm, SerialComm())]
+    for p_star in loads:
+        together, alone = (sweep.solve(p_star * sweep.surface.g_rms) for sweep in sweeps)
+        assert together.contact.outcome.status == alone.contact.outcome.status == "converged"
+        assert together.iterations == alone.iterations
+        assert together.fft_pairs == pytest.approx(alone.fft_pairs)
+        assert together.contact.contact_points == alone.contact.contact_points
+        for name in ("gap_mean", "energy", "stiffness", "a_r_corrected"):
+            assert all_observables()[name](together.contact) == pytest.approx(all_observables()[name](alone.contact), rel=fields)
+        mine = slice(*together.contact.surface.rows)
+        for name in ("pressure", "gap"):
+            whole = field(alone, name)
+            assert np.abs(field(together, name) - whole[mine]).max(initial=0) <= fields * whole.max()
+    return sweeps[0]
+
+
+def test_large_grid(comm):
+    """One load, from coarser grids."""
+    sweep = compare(comm, LARGE, [0.1], 2e-3, accuracy=1e-2, precision="single")
+    assert spread_levels(sweep) == (3, 2 if comm.size > 1 else 0)
+
+
+@pytest.mark.parametrize("surface", [
+    rough((2, 16, 2)), rough((1, 31, 2.0), seed=3), rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5])],
+    ids=["64x64", "62x62", "48x24"])
+def test_small_limits(comm, surface, monkeypatch):
+    """The same paths on small grids, where answers can be exact."""
+    monkeypatch.setattr(multilevel, "WHOLE_POINTS", 16)
+    monkeypatch.setattr(nested, "WHOLE_POINTS", 16)
+    monkeypatch.setattr(nested, "COARSEST", 8)
+    sweep = compare(comm, surface, [0.02, 0.3], 1e-9, **EXACT)
+    levels, grids = spread_levels(sweep)
+    assert levels >= 2
+    assert grids >= 1 or comm.size == 1

@@ -1,0 +1,40 @@
+"""What a restored load is solved for: the load that is asked for, on the heights that were read."""
+
+import numpy as np
+import pytest
+from contacts import random_heights, rough, sweep_of
+
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.surface import build_surface
+
+
+def test_the_state_of_another_load_is_refused():
+    sweep = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+    p = 0.1 * sweep.surface.g_rms
+    sweep.solve(p, watch=lambda iterations, _: iterations == 3)
+    arrays, numbers = sweep.state()
+    held = {name: np.array(data) for name, data in arrays.items()}
+    with pytest.raises(SceneError, match=r"a state at p\* = 0\.1, allowed: at 0\.2"):
+        sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(lambda _: held, numbers, 2 * p)
+    again = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+    asked = p * (1 + 1e-13)  # as with another number of ranks
+    again.restore(lambda _: held, numbers, asked)
+    assert again.solver.p0 == asked / again.surface.g_rms != numbers["p0"]
+    found, wanted = again.solve(asked, midway=True), sweep_of(rough((2, 8, 2)), accuracy=1e-6).solve(p)
+    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-10)
+    assert found.iterations == wanted.iterations
+
+
+def test_heights_that_change_while_a_run_goes_on(tmp_path):
+    """They are read again where a load needs more than single precision."""
+    path, z = tmp_path / "z.npy", random_heights((32, 32))
+    np.save(path, z)
+    scene = Scene.from_dict({"surface": {"kind": "file", "path": str(path)}, "load": {"p_star": 1.0}, "solver": {"accuracy": 1e-2}})
+    sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
+    assert sweep.solve(0.4 * sweep.surface.g_rms).contact.g.dtype == np.float32
+    np.save(path, 2 * z)
+    with pytest.raises(SceneError, match="heights have changed"):
+        sweep.solve(1e-4 * sweep.surface.g_rms)

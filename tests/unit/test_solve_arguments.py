@@ -1,0 +1,116 @@
+"""Whatever hpc_gfmd.solve is given, it gives a solution or a SceneError of one line."""
+
+import os
+import warnings
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from contacts import random_heights
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import hpc_gfmd
+from hpc_gfmd.errors import SceneError
+
+Z = random_heights((8, 8))
+HUGE = 10**400
+REFUSED = [
+    ({"E_star": 1e308}, "material.E_star: found 1e"), ({"E_star": HUGE}, "material.E_star: found 1000"),
+    ({"E_star": 1e-320}, "material.E_star: found 1e-320"), ({"E_star": True}, "material.E_star: found true"),
+    ({"E_star": "1"}, "material.E_star: found '1'"), ({"E_star": None}, "material.E_star: found None"),
+    ({"E_star": 1j}, "material.E_star: found 1j"), ({"E_star": np.array([1.0, 2.0])}, "material.E_star: found [1.0, 2.0]"),
+    ({"physical_sizes": (1e-200, 1e-200)}, "surface.physical_sizes"), ({"physical_sizes": (HUGE, 1)}, "surface.physical_sizes"),
+    ({"physical_sizes": "12"}, "surface.physical_sizes: found '12'"), ({"physical_sizes": {1: 2, 3: 4}}, "surface.physical_sizes"),
+    ({"physical_sizes": (1, 2, 3)}, "surface.physical_sizes"), ({"physical_sizes": 1.0}, "surface.physical_sizes"),
+    ({"accuracy": HUGE}, "solver.accuracy"), ({"accuracy": True}, "solver.accuracy"), ({"accuracy": "tight"}, "solver.accuracy"),
+    ({"accuracy": 1e-3, "residual": 1e-6}, "solver: found accuracy and residual"), ({"residual": 2}, "solver.residual"),
+    ({"threads": True}, "machine.threads: found true"), ({"threads": 1.0}, "machine.threads"), ({"threads": HUGE}, "machine.threads"),
+    ({"threads": 65536}, "machine.threads: found 65536, allowed on this machine"), ({"threads": 100_000}, "machine.threads"),
+    ({"low_memory": True}, "solver.low_memory"), ({"precison": "single"}, "nearest: solver.precision"),
+    ({"name": "gfdm"}, 'nearest: "gfmd"'),
+    ({"observables": "a_r"}, "output.observables"), ({"observables": ["a_rr"]}, 'nearest: "a_r"'),
+    ({"pressure": [0.1, 0.2]}, "load.pressure"), ({"pressure": None}, "load.pressure"), ({"pressure": "0.1"}, "load.pressure"),
+    ({"pressure": HUGE}, "load.pressure"), ({"pressure": -1}, "load.pressure"), ({"max_iterations": 0}, "solver.max_iterations"),
+    ({"heights": [[1, 2], [3]]}, "heights: found"), ({"heights": [[HUGE, 1]]}, "heights: found"),
+    ({"heights": "z.npy"}, "heights: found"),
+    ({"heights": None}, "heights: found"), ({"heights": Z + 1j}, "heights: found"), ({"heights": Z[0]}, "heights: found"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "words"), REFUSED, ids=lambda x: str(x)[:40])
+def test_refused_in_one_line(arguments, words):
+    with pytest.raises(SceneError) as caught:
+        hpc_gfmd.solve(**{"heights": Z, "pressure": 0.1} | arguments)
+    message = str(caught.value)
+    assert words in message
+    assert "allowed" in message
+    assert message.isprintable()
+
+
+@pytest.mark.parametrize("arguments", [
+    {"E_star": np.float32(2)}, {"E_star": 2}, {"E_star": np.array(2)}, {"pressure": np.float32(0.1)}, {"pressure": np.float64(0.1)},
+    {"physical_sizes": np.array([1, 2])}, {"physical_sizes": [np.int64(1), 2.0]}, {"E_star": Decimal(2)},
+    {"accuracy": None}, {"accuracy": None, "residual": 1e-6},
+    {"residual": np.float64(1e-6)}, {"residual": None}, {"threads": "auto"}, {"threads": np.int64(2)}, {"heights": Z.tolist()},
+    {"observables": None}, {"observables": ["stiffness"]},
+    {"heights": (100 * Z).astype(np.int8)}, {"heights": Z.astype(np.longdouble)}, {"low_memory": False}, {"max_iterations": 10**18},
+], ids=lambda x: str(x)[:40])
+def test_accepted(arguments):
+    assert hpc_gfmd.solve(**{"heights": Z, "pressure": 0.1} | arguments).status == "converged"
+
+
+def test_the_accuracy_left_out_is_that_of_a_scene():
+    left_out, given_, tight = (hpc_gfmd.solve(Z, 0.1, **how) for how in ({}, {"accuracy": 1e-3}, {"accuracy": 1e-9}))
+    assert left_out.errors == given_.errors != tight.errors
+
+
+def test_as_many_threads_as_the_machine_can_bear():
+    allowed = 8 * os.cpu_count()
+    with pytest.raises(SceneError, match=f"up to {allowed} "):
+        hpc_gfmd.solve(Z, 0.1, threads=allowed + 1)
+
+
+special = st.sampled_from([HUGE, -HUGE, 1e308, 5e-324, np.float32(0.5), np.int8(3), 0.5j, Decimal(1), np.array(2.0), object()])
+number = st.one_of(st.floats(), st.integers(), st.floats(1e-3, 1e3), st.booleans(), st.none(), st.text(max_size=3), special)
+anything = number | st.lists(number, max_size=3) | st.tuples(number, number) | st.dictionaries(st.text(max_size=2), number, max_size=2)
+positive = st.floats(1e-100, 1e100)
+kinds = st.sampled_from(["f4", "f2", "i1", "u8", "?", "c8", "S3", "O"]).map(lambda kind: (10 * Z).astype(kind))
+USUAL = {  # the values of each argument that make sense
+    "heights": st.just(Z) | kinds | st.floats(1e-120, 1e120).map(lambda s: Z * s) |
+               st.lists(st.lists(st.floats(), min_size=3, max_size=3), min_size=1, max_size=3),
+    "pressure": positive, "E_star": positive, "physical_sizes": st.tuples(positive, positive), "accuracy": st.floats(1e-12, 0.5),
+    "residual": st.floats(1e-300, 0.5), "threads": st.integers(0, 3), "precision": st.sampled_from(["single", "double", "auto"]),
+    "low_memory": st.booleans(), "nested": st.booleans(), "options": st.just({}), "bogus": st.none(),
+    "observables": st.just(["kappa", "stiffness"]), "name": st.sampled_from(["bpx", "gfmd", "ccg", "fire"])}
+changes = st.lists(st.sampled_from(list(USUAL)), max_size=3, unique=True).flatmap(
+    lambda keys: st.fixed_dictionaries({key: USUAL[key] | anything for key in keys}))
+
+
+@settings(max_examples=400, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(changes, st.integers(1, 40))
+def test_any_arguments_give_a_solution_or_a_scene_error(changes, iterations):
+    found, refusal = None, ""
+    arguments = {"heights": Z, "pressure": 0.1, "max_iterations": iterations} | changes
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            found = hpc_gfmd.solve(**arguments)
+        except SceneError as error:
+            refusal = str(error)
+    assert (found is None) == bool(refusal)
+    assert refusal.isprintable()
+    if found is not None and found.status == "converged":
+        assert all(np.isfinite(field).all() for field in (found.pressure, found.gap, found.displacement))
+        assert 0 < found.a_r <= 1
+        assert found.pressure.mean(dtype=float) == pytest.approx(float(arguments["pressure"]), rel=0.5)
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.floats(1e-90, 1e90), st.floats(1e-40, 1e40), st.sampled_from(["single", "double"]))
+def test_units_change_nothing(E_star, length, precision):
+    plain = hpc_gfmd.solve(Z, 0.3, accuracy=1e-2, precision=precision)
+    found = hpc_gfmd.solve(Z * length, 0.3 * E_star, E_star, (length, length), accuracy=1e-2, precision=precision)
+    assert (found.status, found.a_r) == (plain.status, plain.a_r)
+    assert found.pressure.astype(float) / E_star == pytest.approx(plain.pressure.astype(float), rel=1e-4, abs=1e-4)
+    assert found.gap.astype(float) / length == pytest.approx(plain.gap.astype(float), rel=1e-4, abs=1e-4)
