@@ -3,11 +3,9 @@
 State, local slabs: gap g >= 0, pressure p, last step d. Contact A = {g <= 0 and p > 0}, free F = the rest.
 
 Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a slab). Beyond it
-there is no wall: g is the displacement u itself, bounded from below by -infinity, and does not count. So every row has two parts, of
-which the second is empty on a periodic grid.
+there is no wall: g is the displacement u itself and does not count. So every row has two parts, of which the second is empty on a
+periodic grid; each has a loop of its own, because one for both would not use vectors.
 """
-
-import numpy as np
 
 from .jit import inline, kernel
 from .multilevel import combine_rows, interpolate_row, restrict_row
@@ -31,41 +29,40 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, in
     for i in range(i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
         s = count = zero
+        inner = inside[1] if i < inside[0] else 0
         if w > 0:
             combine_rows(z_coarse, k0[i], f_x[i], row)
             interpolate_row(row, fine, mode, j0, f)
-        for part in range(2):
-            start, end, wall = part_of_row(part, i, inside, g)
-            if w > 0:
-                for j in range(start, end):
-                    v = gi[j] - ak * (pi[j] + w * fine[j]) - b * di[j]
-                    free = zero if (gi[j] <= wall and pi[j] > zero) else one
-                    e = free * (max(v, wall) - gi[j])
-                    count += free if v < wall else zero
-                    s += pi[j] * e
-                    di[j] = e
-                    xi[j] = e
-            else:
-                for j in range(start, end):
-                    v = gi[j] - ak * pi[j] - b * di[j]
-                    free = zero if (gi[j] <= wall and pi[j] > zero) else one
-                    e = free * (max(v, wall) - gi[j])
-                    count += free if v < wall else zero
-                    s += pi[j] * e
-                    di[j] = e
-                    xi[j] = e
+            for j in range(inner):
+                v = gi[j] - ak * (pi[j] + w * fine[j]) - b * di[j]
+                free = zero if (gi[j] <= zero and pi[j] > zero) else one
+                e = free * (max(v, zero) - gi[j])
+                count += free if v < zero else zero
+                s += pi[j] * e
+                di[j] = e
+                xi[j] = e
+            for j in range(inner, n):
+                e = -ak * (pi[j] + w * fine[j]) - b * di[j]
+                s += pi[j] * e
+                di[j] = e
+                xi[j] = e
+        else:
+            for j in range(inner):
+                v = gi[j] - ak * pi[j] - b * di[j]
+                free = zero if (gi[j] <= zero and pi[j] > zero) else one
+                e = free * (max(v, zero) - gi[j])
+                count += free if v < zero else zero
+                s += pi[j] * e
+                di[j] = e
+                xi[j] = e
+            for j in range(inner, n):
+                e = -ak * pi[j] - b * di[j]
+                s += pi[j] * e
+                di[j] = e
+                xi[j] = e
         total += s
         clipped += count
     return total, clipped
-
-
-@inline
-def part_of_row(part, i, inside, g):
-    """Points [start, end) of row i, and the gap at which the wall is: part 0 of the surface, part 1 beyond it."""
-    m = inside[1] if i < inside[0] else 0
-    if part == 0:
-        return 0, m, g.dtype.type(0)
-    return m, g.shape[1], g.dtype.type(-np.inf)
 
 
 @kernel
@@ -109,27 +106,35 @@ def _advance(g, p, d, x, s, i0, start, end, inside, zero, one):
     """Rows start..end of `update`: new g and p, and their sums."""
     rr = pp = pd = dx = px = gs = nc = zero
     for i in range(start, end):
-        for part in range(2):
-            j0, j1, wall = part_of_row(part, i, inside, g)
-            counts = one if part == 0 else zero
-            for j in range(j0, j1):
-                y = x[i - i0, j]
-                gg = g[i, j] + s * d[i, j]
-                q = p[i, j] + s * y
-                g[i, j] = gg
-                p[i, j] = q
-                touching = one if gg <= wall else zero
-                t = touching if q > zero else zero
-                free = one - t
-                pf = free * q
-                xf = free * y
-                nc += t
-                rr += pf * pf
-                pp += q * q
-                pd += pf * d[i, j]
-                dx += xf * d[i, j]
-                px += pf * xf
-                gs += counts * gg
+        inner = inside[1] if i < inside[0] else 0
+        for j in range(inner):
+            y = x[i - i0, j]
+            gg = g[i, j] + s * d[i, j]
+            q = p[i, j] + s * y
+            g[i, j] = gg
+            p[i, j] = q
+            touching = one if gg <= zero else zero
+            t = touching if q > zero else zero
+            free = one - t
+            pf = free * q
+            xf = free * y
+            nc += t
+            rr += pf * pf
+            pp += q * q
+            pd += pf * d[i, j]
+            dx += xf * d[i, j]
+            px += pf * xf
+            gs += gg
+        for j in range(inner, g.shape[1]):
+            y = x[i - i0, j]
+            q = p[i, j] + s * y
+            g[i, j] += s * d[i, j]
+            p[i, j] = q
+            rr += q * q
+            pp += q * q
+            pd += q * d[i, j]
+            dx += y * d[i, j]
+            px += q * y
     return rr, pp, pd, dx, px, nc, gs
 
 
@@ -140,23 +145,28 @@ def _gather(g, p, x, closed, i0, start, end, f_x, inside, rows, zero, one):
     A loop of its own, and rows of one array: with more pointers than this the compiler gives up on vectors.
     """
     n = g.shape[1]
-    if end == start + 2:
+    if end == start + 2 and start + 1 != inside[0]:  # two rows, both of the surface or both beyond it
         k = start + 1
         v, w = f_x[start], f_x[k]
-        for part in range(2):
-            start_j, end_j, wall0 = part_of_row(part, start, inside, g)
-            wall1 = part_of_row(1, k, inside, g)[2] if k == inside[0] else wall0  # k is the first row beyond the surface
-            for j in range(start_j, end_j):
-                t0 = one if (g[start, j] <= wall0 and p[start, j] > zero) else zero
-                t1 = one if (g[k, j] <= wall1 and p[k, j] > zero) else zero
-                a0, a1 = (closed * t0 + (one - t0)) * p[start, j], (closed * t1 + (one - t1)) * p[k, j]
-                b0, b1 = (one - t0) * x[start - i0, j], (one - t1) * x[k - i0, j]
-                rows[0, j] = rows[3, j] + (one - v) * a0 + (one - w) * a1
-                rows[1, j] = rows[4, j] + (one - v) * t0 + (one - w) * t1
-                rows[2, j] = rows[5, j] + (one - v) * b0 + (one - w) * b1
-                rows[3, j] = v * a0 + w * a1
-                rows[4, j] = v * t0 + w * t1
-                rows[5, j] = v * b0 + w * b1
+        inner = inside[1] if k < inside[0] else 0
+        for j in range(inner):
+            t0 = one if (g[start, j] <= zero and p[start, j] > zero) else zero
+            t1 = one if (g[k, j] <= zero and p[k, j] > zero) else zero
+            a0, a1 = (closed * t0 + (one - t0)) * p[start, j], (closed * t1 + (one - t1)) * p[k, j]
+            b0, b1 = (one - t0) * x[start - i0, j], (one - t1) * x[k - i0, j]
+            rows[0, j] = rows[3, j] + (one - v) * a0 + (one - w) * a1
+            rows[1, j] = rows[4, j] + (one - v) * t0 + (one - w) * t1
+            rows[2, j] = rows[5, j] + (one - v) * b0 + (one - w) * b1
+            rows[3, j] = v * a0 + w * a1
+            rows[4, j] = v * t0 + w * t1
+            rows[5, j] = v * b0 + w * b1
+        for j in range(inner, n):
+            rows[0, j] = rows[3, j] + (one - v) * p[start, j] + (one - w) * p[k, j]
+            rows[2, j] = rows[5, j] + (one - v) * x[start - i0, j] + (one - w) * x[k - i0, j]
+            rows[3, j] = v * p[start, j] + w * p[k, j]
+            rows[5, j] = v * x[start - i0, j] + w * x[k - i0, j]
+            rows[1, j] = rows[4, j]
+            rows[4, j] = zero
         return
     for c in range(3):
         for j in range(n):
@@ -164,18 +174,22 @@ def _gather(g, p, x, closed, i0, start, end, f_x, inside, rows, zero, one):
             rows[c + 3, j] = zero
     for i in range(start, end):
         w = f_x[i]
-        for part in range(2):
-            start_j, end_j, wall = part_of_row(part, i, inside, g)
-            for j in range(start_j, end_j):
-                t = one if (g[i, j] <= wall and p[i, j] > zero) else zero
-                a = (closed * t + (one - t)) * p[i, j]
-                b = (one - t) * x[i - i0, j]
-                rows[0, j] += (one - w) * a
-                rows[1, j] += (one - w) * t
-                rows[2, j] += (one - w) * b
-                rows[3, j] += w * a
-                rows[4, j] += w * t
-                rows[5, j] += w * b
+        inner = inside[1] if i < inside[0] else 0
+        for j in range(inner):
+            t = one if (g[i, j] <= zero and p[i, j] > zero) else zero
+            a = (closed * t + (one - t)) * p[i, j]
+            b = (one - t) * x[i - i0, j]
+            rows[0, j] += (one - w) * a
+            rows[1, j] += (one - w) * t
+            rows[2, j] += (one - w) * b
+            rows[3, j] += w * a
+            rows[4, j] += w * t
+            rows[5, j] += w * b
+        for j in range(inner, n):
+            rows[0, j] += (one - w) * p[i, j]
+            rows[2, j] += (one - w) * x[i - i0, j]
+            rows[3, j] += w * p[i, j]
+            rows[5, j] += w * x[i - i0, j]
 
 
 @inline
