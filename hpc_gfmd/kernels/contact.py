@@ -15,7 +15,7 @@ from .multilevel import combine_rows, interpolate_row, restrict_row
 def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, inside, rows):
     """Write the next step to d and x (scratch, rows from 0): d = max(g - a z - b d, 0) - g on F, 0 on A.
 
-    Returns <p, d> and the number of points that are clipped, i.e. that the whole step brings into contact.
+    Returns <p, d>.
 
     z = kap (p + w P z_coarse) is formed on the fly; w = 0 gives a plain projected gradient step. rows: (2, n_y) scratch.
     """
@@ -25,10 +25,10 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, in
     row, fine = rows[0, :m], rows[1, :n]
     ak = a * kap
     one = g.dtype.type(1)
-    total = clipped = 0.0
+    total = 0.0
     for i in range(i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
-        s = count = zero
+        s = zero
         inner = inside[1] if i < inside[0] else 0
         if w > 0:
             combine_rows(z_coarse, k0[i], f_x[i], row)
@@ -37,7 +37,6 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, in
                 v = gi[j] - ak * (pi[j] + w * fine[j]) - b * di[j]
                 free = zero if (gi[j] <= zero and pi[j] > zero) else one
                 e = free * (max(v, zero) - gi[j])
-                count += free if v < zero else zero
                 s += pi[j] * e
                 di[j] = e
                 xi[j] = e
@@ -51,7 +50,6 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, in
                 v = gi[j] - ak * pi[j] - b * di[j]
                 free = zero if (gi[j] <= zero and pi[j] > zero) else one
                 e = free * (max(v, zero) - gi[j])
-                count += free if v < zero else zero
                 s += pi[j] * e
                 di[j] = e
                 xi[j] = e
@@ -61,8 +59,7 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, in
                 di[j] = e
                 xi[j] = e
         total += s
-        clipped += count
-    return total, clipped
+    return total
 
 
 @kernel

@@ -9,13 +9,13 @@ from hpc_gfmd.errors import SceneError
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.operators.coarsening import levels
 from hpc_gfmd.operators.elastic import Elastic
-from hpc_gfmd.operators.multilevel import EQUIVALENCE
 from hpc_gfmd.registry import body_classes, body_of
 from hpc_gfmd.scene import Material
 
 BODIES = [body for cls in body_classes().values() for body in cls.examples()]
 GRIDS = [((16, 16), (1.0, 1.0)), ((15, 12), (1.0, 0.7)), ((1, 16), (1.0, 1.0)), ((16, 1), (1.0, 1.0)), ((2, 2), (1.0, 3.0)),
          ((48, 40), (1.0, 1.0))]
+LARGEST = 2.25  # eigenvalue of S over the sum of squares on the levels, of any field: of what solvers leave it is less
 every_body = pytest.mark.parametrize("body", BODIES, ids=repr)
 every_grid = pytest.mark.parametrize(("n", "sizes"), GRIDS, ids=str)
 
@@ -172,4 +172,4 @@ def test_norm_of_a_pressure(body, n, sizes):
     free_of_mean = np.linalg.svd(np.ones((1, grid.N)))[2][1:].T
     A, B = (free_of_mean.T @ X @ free_of_mean for X in (S, squares / body.scale(grid)))
     values = eigh(A, B, eigvals_only=True)
-    assert 0.1 < values[-1] <= EQUIVALENCE
+    assert 0.1 < values[-1] <= LARGEST
