@@ -21,9 +21,10 @@ PRESSURE, TINY = 0.55, 5.0  # of the bound with kap in place of 1/K_max; on smal
 UNKNOWN, ALIGNED = 0.3, 1.2  # in the second expression for the mean gap: share of the bound; S over the sum over levels for long waves
 
 TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
-# The error of the pressure of a point is at most FAR times the rms, of EDGE points; of more it is at most NEAR times
-FAR, NEAR, EDGE = 6.0, 1.8, 3
-SHARE, ASPERITY = 0.05, 8  # of the points that are near: share on the wrong side, and how many may change sides at once
+# The error of the pressure of a point is at most FAR times the rms, of EDGE points; of more it is at most NEAR times, and what it takes
+# less than CLOSE times to move is moved. Of the points that are near a SHARE is on the wrong side, and ASPERITY may change sides at once
+FAR, NEAR, CLOSE, EDGE = 6.0, 1.8, 0.45, 3
+SHARE, ASPERITY = 0.05, 8
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 
 
@@ -64,7 +65,7 @@ def points_on_wrong_side(problem, g, p, kap, squares, spread):
         easiest = np.cumsum((points * takes)[::-1]) <= squares
         close = points * near
         together = max((close[1:] + close[:-1]).max(), min(close.sum(), ASPERITY), min(points.sum(), EDGE))
-        likely = SHARE * close.sum() + together
+        likely = max(SHARE * close.sum() + together, close[takes < squares * CLOSE**2 / spread].sum())
         wrong = max(wrong, min(likely, points[::-1][easiest].sum()))
     return wrong
 

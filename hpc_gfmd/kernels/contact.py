@@ -68,12 +68,13 @@ def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, 
 
     Restricts p on F and closed p on A, the indicator of A, and x on F to the coarser grid: coarse (3, rows + 2, m) with halo gets the
     rows that belong to this pass alone, first and last (3, m) the two that it shares. rows: (7, n_y) scratch.
-    Returns sums: p^2 on F, p^2, p d, on F: d x and p x, points in contact, gap.
+    Returns sums: p^2 on F, p^2, p d, on F: d x and p x, points in contact, gap; points that would open, and close, if the same step were
+    made again.
     """
     n = g.shape[1]
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
-    RRs = PPs = PDs = DXs = PXs = Cs = Gs = 0.0
+    RRs = PPs = PDs = DXs = PXs = Cs = Gs = Os = Ss = 0.0
     lo = k0[i0]
     hi = k0[i1 - 1] + 1
     rows[3:6] = zero  # rows 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
@@ -83,7 +84,7 @@ def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, 
         end = i + 1
         while end < i1 and k0[end] == K:
             end += 1
-        rr, pp, pd, dx, px, nc, gs = _advance(g, p, d, x, s, i0, i, end, inside, zero, one)
+        rr, pp, pd, dx, px, nc, gs, no, ns = _advance(g, p, d, x, s, i0, i, end, inside, zero, one)
         RRs += rr
         PPs += pp
         PDs += pd
@@ -91,23 +92,26 @@ def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, 
         PXs += px
         Gs += gs
         Cs += nc
+        Os += no
+        Ss += ns
         _gather(g, p, x, closed, i0, i, end, f_x, inside, rows, zero, one)
         _put_down(rows, 0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
         i = end
     _put_down(rows, 3, n, hi, lo, hi, first, last, coarse, factor, mode, j0, f)
-    return RRs, PPs, PDs, DXs, PXs, Cs, Gs
+    return RRs, PPs, PDs, DXs, PXs, Cs, Gs, Os, Ss
 
 
 @inline
 def _advance(g, p, d, x, s, i0, start, end, inside, zero, one):
     """Rows start..end of `update`: new g and p, and their sums."""
-    rr = pp = pd = dx = px = gs = nc = zero
+    rr = pp = pd = dx = px = gs = nc = no = ns = zero
     for i in range(start, end):
         inner = inside[1] if i < inside[0] else 0
         for j in range(inner):
             y = x[i - i0, j]
             gg = g[i, j] + s * d[i, j]
             q = p[i, j] + s * y
+            g_next, p_next = gg + s * d[i, j], q + s * y
             g[i, j] = gg
             p[i, j] = q
             touching = one if gg <= zero else zero
@@ -116,6 +120,8 @@ def _advance(g, p, d, x, s, i0, start, end, inside, zero, one):
             pf = free * q
             xf = free * y
             nc += t
+            no += t if p_next <= zero else zero
+            ns += (one - touching) if g_next <= zero else zero
             rr += pf * pf
             pp += q * q
             pd += pf * d[i, j]
@@ -132,7 +138,7 @@ def _advance(g, p, d, x, s, i0, start, end, inside, zero, one):
             pd += q * d[i, j]
             dx += y * d[i, j]
             px += q * y
-    return rr, pp, pd, dx, px, nc, gs
+    return rr, pp, pd, dx, px, nc, gs, no, ns
 
 
 @inline

@@ -133,7 +133,7 @@ class Multilevel:
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
         rows = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
         sums = [self.update_rows(k, g, p, g, still, self.dtype.type(0), rows, closed) for k in range(len(self.passes))]
-        return np.sum(np.reshape(sums, (-1, 7)), axis=0)
+        return np.sum(np.reshape(sums, (-1, 9)), axis=0)
 
     def _sweep_whole(self):
         """Sum the last level that is spread onto every rank, sweep the rest, take back this rank's rows."""

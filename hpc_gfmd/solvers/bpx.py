@@ -36,7 +36,7 @@ class Bpx(Solver):
     takes_gap = True
     state_names = ("g", "p", "d")
     scalar_names = ("s", "rayleigh", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "uKu", "r_norm", "t_norm",
-                    "aligned", "iterations")
+                    "aligned", "changing", "iterations")
 
     def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
@@ -156,14 +156,15 @@ class Bpx(Solver):
     def _update(self, s):
         """Last pass: x = K d by rows, new g and p; returns this rank's sums (see kernels/contact.py)."""
         sums = self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes)
-        return np.sum(np.reshape(sums, (-1, 7)), axis=0)
+        return np.sum(np.reshape(sums, (-1, 9)), axis=0)
 
     def _update_rows(self, i0, i1, x, s):
         return self.levels.update_rows(self._number[i0], self.g, self.p, self.d, x, self.problem.dtype.type(s), self._rows[id(x)])
 
     def _measure(self, sums):
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""
-        rr, pp, pd, dx, px, contact, gap, rz1, xz1, r1, t1, rt1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
+        rr, pp, pd, dx, px, contact, gap, opening, closing, rz1, xz1, r1, t1, rt1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
+        self.changing = max(opening, closing)
         s, kap = self.s, self.kap
         self.rz = kap * (rr + COUPLING * rz1)  # <p, z> on F
         self.rd = s * pd  # <p, d>
@@ -206,4 +207,4 @@ class Bpx(Solver):
         squares, fourth = self.grid.comm.sum(open_moments(self.g[:rows, :m], self.p[:rows, :m]))
         spread = squares**2 / fourth if fourth > 0 else 1.0
         wrong = points_on_wrong_side(self.problem, self.g, self.p, self.kap, pressure**2 * (self.pp - self.rr), spread)
-        return relative_area(wrong, self.contact)
+        return relative_area(max(wrong, self.changing), self.contact)
