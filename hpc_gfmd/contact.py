@@ -54,12 +54,17 @@ class Contact:
     @property
     def pressure_unit(self):
         """What one unit of q is in the unit of E_star."""
-        return self.E_star * self.g_rms if self.g_rms > 0 else self.p
+        return self.E_star * self.surface.slope
 
     @property
     def p_star(self):
         """p/(E* g_rms); nan on a flat surface."""
         return self.p / self.pressure_unit if self.g_rms > 0 else float("nan")
+
+    @property
+    def approach(self):
+        """How far the bodies have come together since they touched undeformed; nan where a half-space gives way without end."""
+        return self.certificate.approach * self.surface.height_unit
 
     @property
     def contact_points(self):
@@ -80,7 +85,7 @@ class Contact:
     def note(self):
         """What a reader should know of a solution that is converged and yet says little, one line; None if there is nothing."""
         points = self.contact_points
-        if self.g_rms == 0:
+        if self.g_rms == 0 and not self.surface.grid.padded:
             return "flat surface: every point touches at any load"
         if points == self.N:
             return "full contact: every point touches, the gap is zero"
@@ -97,7 +102,10 @@ class Contact:
         """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
         from .operators.tangent import tangent
 
-        return tangent(self.surface.grid, self.body, (self.g <= 0) & (self.q > 0), self.g.dtype, self.accuracy)
+        rows, points = self.surface.grid.inside
+        touching = (self.g <= 0) & (self.q > 0)
+        touching[rows:], touching[:rows, points:] = False, False
+        return tangent(self.surface.grid, self.body, touching, self.g.dtype, self.accuracy)
 
     @property
     def pairs(self):
@@ -106,15 +114,20 @@ class Contact:
 
     @cached_property
     def boundary_segments(self):
-        """Grid-cell sides between a point in contact and one that is not."""
+        """Grid-cell sides between a point in contact and one that is not; the edge of a surface that ends is none."""
         from .kernels.certify import contact_edges
         from .parallel import halo
 
         grid = self.surface.grid
         if grid.N == 1:
             return 0
-        below = halo.next_row(grid.comm, np.stack([self.g[:1], self.q[:1]]))
-        return int(grid.comm.sum([contact_edges(self.g, self.q, below[0], below[1])])[0])
+        rows, points = grid.inside
+        g, q = self.g[:rows, :points], self.q[:rows, :points]
+        below = halo.next_row(grid.comm, np.stack([g[:1], q[:1]]))
+        ends_x, ends_y = (a != b for a, b in zip(grid.nominal, grid.n))
+        if ends_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
+            below = g[-1], q[-1]
+        return int(grid.comm.sum([contact_edges(g, q, below[0], below[1], not ends_y)])[0])
 
     def field(self, name):
         """One of FIELDS as a local slab of the whole grid, computed as it is read.
@@ -132,7 +145,8 @@ class Contact:
         real = dtype.type
 
         def values(take):
-            g, q = self.g[take], self.q[take]
+            points = self.surface.grid.nominal[1]
+            g, q = self.g[take, :points], self.q[take, :points]
             if name == "pressure":
                 return np.where((g <= 0) & (q > 0), q, 0) * real(self.pressure_unit)
             return (g if name == "gap" else g - self.surface.h[take]) * real(self.surface.height_unit)

@@ -34,6 +34,10 @@ class SerialComm:
         """The list of every rank's object."""
         return [obj]
 
+    def alltoall(self, objects):
+        """The list of what every rank had for this one; objects: one for each rank."""
+        return objects
+
     def barrier(self):
         """Wait for all ranks."""
 
@@ -77,6 +81,10 @@ class MpiComm:
     def allgather(self, obj):
         """The list of every rank's object."""
         return self.mpi.allgather(obj)
+
+    def alltoall(self, objects):
+        """The list of what every rank had for this one; objects: one for each rank."""
+        return self.mpi.alltoall(objects)
 
     def barrier(self):
         """Wait for all ranks."""
