@@ -11,7 +11,7 @@ from .errors import NotConverged, SceneError, one_line
 from .kernels.cache import sound
 from .observables.area import a_r_discretisation
 from .parallel.comm import SerialComm, threads_of
-from .registry import all_distributions, distributions_named, observable_names, observables_named, solver_names
+from .registry import distribution_names, distributions_named, observable_names, observables_named, solver_names
 from .scene import ArrayScene, check_names
 from .surface.build import surface_from_rows
 
@@ -61,7 +61,7 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=Non
          "output": {"observables": _plain(observables), "distributions": _plain(distributions)},
          "solver": {key: _plain(value) for key, value in given.items() if value is not None or key not in ("accuracy", "residual")}},
         "hpc_gfmd.solve")
-    check_names(scene, solver_names(), observable_names(), (), all_distributions())
+    check_names(scene, solver_names(), observable_names(), (), distribution_names(scene.surface.free))
     heights, asked, comm = _checked(heights), scene.output.observables or (), SerialComm()
     sizes, threads = scene.surface.physical_sizes, threads_of(comm, scene.machine.threads)
 

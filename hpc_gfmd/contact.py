@@ -54,12 +54,17 @@ class Contact:
     @property
     def pressure_unit(self):
         """What one unit of q is in the unit of E_star."""
-        return self.E_star * self.g_rms if self.g_rms > 0 else self.p
+        return self.E_star * self.surface.slope
 
     @property
     def p_star(self):
         """p/(E* g_rms); nan on a flat surface."""
         return self.p / self.pressure_unit if self.g_rms > 0 else float("nan")
+
+    @property
+    def approach(self):
+        """How far the bodies have come together since they touched undeformed; nan where a half-space gives way without end."""
+        return self.certificate.approach * self.surface.height_unit
 
     @property
     def contact_points(self):
@@ -80,7 +85,7 @@ class Contact:
     def note(self):
         """What a reader should know of a solution that is converged and yet says little, one line; None if there is nothing."""
         points = self.contact_points
-        if self.g_rms == 0:
+        if self.g_rms == 0 and not self.surface.grid.padded:
             return "flat surface: every point touches at any load"
         if points == self.N:
             return "full contact: every point touches, the gap is zero"
@@ -97,7 +102,10 @@ class Contact:
         """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
         from .operators.tangent import tangent
 
-        return tangent(self.surface.grid, self.body, self.touching(0, len(self.g)), self.g.dtype, self.accuracy)
+        rows, points = self.surface.grid.inside
+        touching = np.zeros(self.g.shape, dtype=bool)
+        touching[:rows, :points] = self.touching(0, rows)
+        return tangent(self.surface.grid, self.body, touching, self.g.dtype, self.accuracy)
 
     @cached_property
     def spectra(self):
@@ -111,9 +119,16 @@ class Contact:
         """FFT pairs that observables of this contact took so far."""
         return sum(vars(self)[name].pairs for name in ("tangent", "spectra") if name in vars(self))
 
+    @property
+    def periodic(self):
+        """Whether opposite edges of the surface touch, along x and along y."""
+        grid = self.surface.grid
+        return tuple(points == of_cell for points, of_cell in zip(grid.nominal, grid.n))
+
     def touching(self, i0, i1):
-        """Which points touch in the rows i0 <= i < i1 of this rank's slab of the grid that was solved."""
-        return (self.g[i0:i1] <= 0) & (self.q[i0:i1] > 0)
+        """Which points touch in the rows i0 <= i < i1 of this rank's part of the surface, as it was solved."""
+        points = self.surface.grid.nominal[1]
+        return (self.g[i0:i1, :points] <= 0) & (self.q[i0:i1, :points] > 0)
 
     def clusters(self, of_contact=True, corners=False):
         """The parallel.clusters.Clusters of the points that touch, or of those that do not, found once. Collective.
@@ -125,7 +140,7 @@ class Contact:
 
             grid = self.surface.grid
             self._clusters[of_contact, corners] = find_clusters(
-                grid.comm, lambda i0, i1: self.touching(i0, i1) == of_contact, grid.rows, grid.n, corners=corners)
+                grid.comm, lambda i0, i1: self.touching(i0, i1) == of_contact, grid.nominal_rows, grid.nominal, self.periodic, corners)
         return self._clusters[of_contact, corners]
 
     @cached_property
@@ -134,15 +149,23 @@ class Contact:
 
     @cached_property
     def edges(self):
-        """Grid-cell sides between a point in contact and one that is not: how many of them run along x, and how many along y."""
+        """Grid-cell sides between a point in contact and one that is not: how many of them run along x, and how many along y.
+
+        The edge of a surface that ends is none.
+        """
         from .kernels.certify import contact_edges
         from .parallel import halo
 
         grid = self.surface.grid
         if grid.N == 1:
             return 0, 0
-        below = halo.next_row(grid.comm, np.stack([self.g[:1], self.q[:1]]))
-        along_x, along_y = grid.comm.sum(contact_edges(self.g, self.q, below[0], below[1]))
+        rows, points = grid.inside
+        g, q = self.g[:rows, :points], self.q[:rows, :points]
+        below = halo.next_row(grid.comm, np.stack([g[:1], q[:1]]))
+        around_x, around_y = self.periodic
+        if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
+            below = g[-1], q[-1]
+        along_x, along_y = grid.comm.sum(contact_edges(g, q, below[0], below[1], around_y))
         return int(along_x), int(along_y)
 
     @property
@@ -166,7 +189,8 @@ class Contact:
         real = dtype.type
 
         def values(take):
-            g, q = self.g[take], self.q[take]
+            points = self.surface.grid.nominal[1]
+            g, q = self.g[take, :points], self.q[take, :points]
             if name == "pressure":
                 return np.where((g <= 0) & (q > 0), q, 0) * real(self.pressure_unit)
             return (g if name == "gap" else g - self.surface.h[take]) * real(self.surface.height_unit)

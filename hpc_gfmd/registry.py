@@ -69,6 +69,12 @@ def all_distributions():
     return _merged("DISTRIBUTIONS")
 
 
+def distribution_names(free=(False, False)):
+    """What a scene may ask for; free: whether the surface ends along x, along y."""
+    fit = [module for module in _observables() if not (any(free) and getattr(module, "PERIODIC", False))]
+    return {name for module in fit for name in getattr(module, "DISTRIBUTIONS", ())}
+
+
 def distributions_named(names, contact):
     """{name: {what: array of numbers}} of the distributions of a contact by these names that have anything to count. Collective."""
     found = {name: f(contact) for name, f in all_distributions().items() if name in names}

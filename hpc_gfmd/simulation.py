@@ -19,13 +19,20 @@ from .output.record import RunFile, tidy
 from .output.table import table
 from .parallel import wisdom
 from .parallel.comm import threads_of, world
-from .parallel.fft import row_starts
 from .parallel.guard import guarded
 from .parallel.interrupt import Interrupt
 from .progress import Reporter
-from .registry import all_distributions, body_of, distributions_named, observable_names, observables_named, solver_names
+from .registry import (
+    all_distributions,
+    body_of,
+    distribution_names,
+    distributions_named,
+    observable_names,
+    observables_named,
+    solver_names,
+)
 from .scene import Scene, check_names, load_scene, with_overrides
-from .surface import build_surface, surface_size
+from .surface import build_surface, grid_of, surface_size
 from .units import field_dtype
 from .versions import versions
 
@@ -55,7 +62,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
     with guarded(comm, "reading the scene"):
         read = _read_scene(comm, scene, overrides, out)
     scene = comm.bcast(read)
-    check_names(scene, solver_names(), observable_names(), STORABLE, all_distributions())
+    check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names(scene.surface.free))
     if scene.solver.low_memory and "displacement" in scene.output.fields:
         raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap, heights')
     n = None
@@ -66,8 +73,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
     threads = threads_of(comm, scene.machine.threads)
     say = Reporter(comm, scene.solver, quiet)
     require_memory(comm, scene, n, threads)
-    starts = row_starts(n[0], comm.size)
-    rows = (int(starts[comm.rank]), int(starts[comm.rank + 1]))
+    rows = grid_of(n, scene.surface.physical_sizes, comm, free=scene.surface.free).nominal_rows
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
 
     with Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt, \
@@ -77,12 +83,12 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
             say.say(f"note: {line}")
         if resume and comm.rank == 0:
             wisdom.take_from(file.partial)
-        compile_once(comm, scene.solver, _asked(scene.output))
+        compile_once(comm, scene.solver, scene.surface.boundary, scene.material, _asked(scene.output))
         lam_s = getattr(scene.surface, "lam_s", None)
         low = scene.solver.low_memory
         kind = LowMemorySweep if low else Sweep
         sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads, low), scene.solver, scene.material.E_star, lam_s,
-                     duality="duality_gap" in (scene.output.observables or ()), body=body_of(scene.material))
+                     duality="duality_gap" in (scene.output.observables or ()), body=body_of(scene.material, scene.surface.free))
         pressures = sweep.pressures(scene.load)
         _require_same_heights(file, sweep.surface)
         _require_storable(scene.output, sweep.surface, pressures)
@@ -149,8 +155,10 @@ def _require_storable(output, surface, pressures):
 def _surface_attributes(spec, surface, n):
     names = ("eps_t", "eps_f", "eps_c", "seed")
     nan = float("nan")
+    boundary = ", ".join("free" if ends else "periodic" for ends in spec.free)
     return {"n": list(n), "physical_sizes": list(spec.physical_sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
-            "kind": spec.kind} | {name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
+            "kind": spec.kind, "boundary": boundary} | {
+                name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
             {"hurst": spec.hurst} if hasattr(spec, "hurst") else {})
 
 
@@ -175,7 +183,7 @@ class _Run:
         self.say, self.interrupt = say, interrupt
         self.observables = observables_named(scene.output.observables)
         self.distributions = scene.output.distributions
-        self.checkpointable = sweep.surface.reduced_axis is None and sweep.surface.g_rms > 0
+        self.checkpointable = sweep.surface.reduced_axis is None and (sweep.surface.g_rms > 0 or sweep.surface.grid.padded)
 
     def all_steps(self, pressures):
         """Solve what is not finished; returns a RunResult."""

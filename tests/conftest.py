@@ -105,7 +105,7 @@ def comm():
     from hpc_gfmd.scene import Solver
 
     for precision in ("single", "double"):
-        compile_once(world(), Solver(precision=precision), all_observables().values())
+        compile_once(world(), Solver(precision=precision), observe=all_observables().values())
     return world()
 
 

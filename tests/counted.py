@@ -9,13 +9,14 @@ from hpc_gfmd.grid import Grid
 from hpc_gfmd.parallel.comm import SerialComm
 
 
-def contact_of(g, q=None, sizes=(1.0, 1.0), comm=None, h=None, units=(1.0, 1.0)):
+def contact_of(g, q=None, sizes=(1.0, 1.0), comm=None, h=None, units=(1.0, 1.0), nominal=None):
     """A Contact with gap g and pressure q (default: 1 where g is 0) in units of (pressure, height)."""
-    grid = Grid(np.shape(g), sizes, comm or SerialComm())
+    grid = Grid(np.shape(g), sizes, comm or SerialComm(), nominal=nominal)
     g = np.asarray(g, dtype=float)
     q = np.where(g > 0, 0.0, 1.0) if q is None else q
     mine = slice(*grid.rows)
-    surface = SimpleNamespace(grid=grid, h=None if h is None else h[mine], g_rms=1.0, h_rms=0.3 * units[1], height_unit=units[1])
+    surface = SimpleNamespace(grid=grid, h=None if h is None else h[mine], g_rms=1.0, slope=1.0, h_rms=0.3 * units[1],
+                              height_unit=units[1])
     judged = SimpleNamespace(certificate=SimpleNamespace(contact=int(np.sum((g <= 0) & (q > 0)))))
     return Contact(surface, units[0], 1.0, np.ascontiguousarray(g[mine]), np.ascontiguousarray(q[mine]), judged, 1e-3)
 

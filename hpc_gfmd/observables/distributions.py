@@ -19,10 +19,10 @@ def pressure(contact):
 
     edges: pressures; density: per pressure. None where nothing touches.
     """
-    comm = contact.surface.grid.comm
+    comm, (_, points) = contact.surface.grid.comm, contact.surface.grid.inside
 
     def rows(i0, i1):
-        return contact.q[i0:i1][contact.touching(i0, i1)].astype(np.float64)
+        return contact.q[i0:i1, :points][contact.touching(i0, i1)].astype(np.float64)
 
     high, low = comm.max(_over_rows(contact, lambda i0, i1: [rows(i0, i1).max(initial=-np.inf), -rows(i0, i1).min(initial=np.inf)],
                                     np.maximum, [-np.inf, -np.inf])) * (1, -1)
@@ -43,13 +43,13 @@ def gap(contact):
 
     edges: gaps; density: per gap. None where all points touch.
     """
-    comm, surface = contact.surface.grid.comm, contact.surface
+    comm, surface, (_, points) = contact.surface.grid.comm, contact.surface, contact.surface.grid.inside
     if surface.h_rms == 0:
         return None
     unit, lowest = surface.height_unit / surface.h_rms, -GAP_BINS * GAP_OCTAVES - 1
 
     def bins(i0, i1):
-        gaps = contact.g[i0:i1][~contact.touching(i0, i1)].astype(np.float64) * unit
+        gaps = contact.g[i0:i1, :points][~contact.touching(i0, i1)].astype(np.float64) * unit
         with np.errstate(divide="ignore"):
             return np.maximum(np.floor(GAP_BINS * np.log2(gaps)), lowest).astype(np.int64)
 
@@ -66,9 +66,9 @@ def gap(contact):
 
 def _over_rows(contact, of_rows, join, start):
     """join(..., of_rows(i0, i1)) over this rank's rows."""
-    found = np.asarray(start, dtype=np.float64)
-    for i0 in range(0, len(contact.g), ROWS):
-        found = join(found, of_rows(i0, i0 + ROWS))
+    found, (rows, _) = np.asarray(start, dtype=np.float64), contact.surface.grid.inside
+    for i0 in range(0, rows, ROWS):
+        found = join(found, of_rows(i0, min(i0 + ROWS, rows)))
     return found
 
 

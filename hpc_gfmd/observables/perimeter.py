@@ -15,7 +15,7 @@ def perimeter(contact):
     """
     (along_x, along_y), grid = contact.edges, contact.surface.grid
     a_x, a_y = grid.spacings
-    return (1.0 if 1 in grid.n else np.pi / 4) * (along_x * a_x + along_y * a_y)
+    return (1.0 if 1 in grid.nominal else np.pi / 4) * (along_x * a_x + along_y * a_y)
 
 
 OBSERVABLES = {"perimeter": perimeter}

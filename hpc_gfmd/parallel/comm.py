@@ -38,6 +38,10 @@ class SerialComm:
         """The list of every rank's object on rank 0, None on the others."""
         return [obj]
 
+    def alltoall(self, objects):
+        """The list of what every rank had for this one; objects: one for each rank."""
+        return objects
+
     def barrier(self):
         """Wait for all ranks."""
 
@@ -85,6 +89,10 @@ class MpiComm:
     def gather(self, obj):
         """The list of every rank's object on rank 0, None on the others."""
         return self.mpi.gather(obj, root=0)
+
+    def alltoall(self, objects):
+        """The list of what every rank had for this one; objects: one for each rank."""
+        return self.mpi.alltoall(objects)
 
     def barrier(self):
         """Wait for all ranks."""

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from .table import MAX_INT, MAX_N, POSITIVE, Modes, Points, Positive, Ratio, Sizes, Table, not_both
+from .table import MAX_INT, MAX_N, POSITIVE, Boundary, Modes, Points, Positive, Ratio, Sizes, Table, not_both
 from .table import Path as PathText
 
 SIZES = "two positive numbers [L_x, L_y]"
@@ -17,6 +17,13 @@ class Surface(Table):
     """What every kind has: the cell, in the unit of the heights."""
 
     physical_sizes: Sizes = Field((1.0, 1.0), description=SIZES)
+    boundary: Boundary = Field("periodic", description='"periodic", "free" or one of them for each axis')
+
+    @property
+    def free(self) -> tuple[bool, bool]:
+        """Whether the surface ends along x, along y."""
+        along = (self.boundary, self.boundary) if isinstance(self.boundary, str) else self.boundary
+        return along[0] == "free", along[1] == "free"
 
 
 class SelfAffine(Surface):

@@ -60,6 +60,18 @@ def test_one_point():
     assert "gap" not in found
 
 
+@pytest.mark.parametrize("boundary", ["free", ["periodic", "free"]], ids=str)
+def test_of_surfaces_that_end(tmp_path, boundary):
+    """Counts as ever; waves only of periodic surfaces, which is said before anything is solved."""
+    scene = {"surface": rough((1, 8, 2), boundary=boundary), "load": {"p_star": 0.1}}
+    counts = Scene.from_dict(scene | {"output": {"observables": ["patches", "perimeter", "percolation"],
+                                                 "distributions": ["pressure", "gap", "patches"]}})
+    step, = run_scene(counts, out=tmp_path / "x.h5", quiet=True).steps
+    assert {"patches", "perimeter", "pressure_density", "gap_edges", "patches_density"} <= step.keys()
+    with pytest.raises(SceneError, match=r"output\.distributions: found 'gap_spectrum'.* allowed: gap, patches, patches_8, pressure"):
+        run_scene(Scene.from_dict(scene | {"output": {"distributions": ["gap_spectrum"]}}), out=tmp_path / "y.h5", quiet=True)
+
+
 def test_unknown_name(tmp_path):
     with pytest.raises(SceneError, match=r"output\.distributions: found 'presure', nearest: .pressure."):
         hpc_gfmd.solve(np.eye(4), 0.1, distributions=["presure"])

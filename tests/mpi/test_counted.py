@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from contacts import rough
 from counted import contact_of, random_fields
+from masks import walk
 
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.registry import all_distributions, all_observables, observables_named
@@ -34,6 +35,29 @@ def test_same_distributions(comm, n, name):
     for what, array in found.items():
         assert array == pytest.approx(wanted[what], rel=0 if what in exact else 1e-11, abs=0 if what in exact else 1e-14), what
         assert all(np.array_equal(array, other) for other in comm.allgather(array))
+
+
+@pytest.mark.parametrize(("n", "nominal"), [((40, 30), (20, 15)), ((64, 15), (31, 15)), ((9, 48), (9, 17)), ((4, 8), (2, 4))], ids=str)
+def test_surfaces_that_end(comm, n, nominal):
+    """What lies beyond the surface does not count, and nothing touches across its edges."""
+    g, q = random_fields(n, share=0.5)
+    part = tuple(slice(0, k) for k in nominal)
+    periodic = tuple(a == b for a, b in zip(n, nominal, strict=True))
+    contact = contact_of(g, q, sizes=n, comm=comm, nominal=nominal)
+    touching = (g <= 0)[part]
+    for corners, end in ((False, ""), (True, "_8")):
+        sizes, contact_percolates = walk(touching, periodic, corners)
+        gap_percolates = walk(~touching, periodic, corners)[1]
+        assert all_observables()[f"patches{end}"](contact) == len(sizes)
+        assert all_observables()[f"patch_largest{end}"](contact) == max(sizes)
+        for kind, wanted in (("contact", contact_percolates), ("gap", gap_percolates)):
+            assert tuple(all_observables()[f"{kind}_percolates_{axis}{end}"](contact) for axis in "xy") == wanted
+    sides = sum(np.sum(np.diff(touching, axis=axis, append=np.take(touching, [0 if periodic[axis] else -1], axis))) for axis in (0, 1))
+    assert all_observables()["perimeter"](contact) == pytest.approx(np.pi / 4 * sides)
+    for name, field in (("pressure", q), ("gap", g)):
+        edges, density = all_distributions()[name](contact).values()
+        values = field[part][field[part] > 0]
+        assert density == pytest.approx(np.histogram(values, edges)[0] / len(values) / np.diff(edges))
 
 
 def test_in_the_file(comm, shared_path):

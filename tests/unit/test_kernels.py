@@ -134,7 +134,7 @@ def test_propose(random, n, w):
     closed = (g <= 0) & (p > 0)
     wanted = np.where(closed, 0, np.maximum(g - a * z - b * d, 0) - g)
     x, work = np.empty(n), np.zeros((2, n[1] + 1))
-    found = contact.propose(g, p, d, x, 0, n[0], padded, t.k0, t.f_x, t.mode, t.j0, t.f, kap, w, a, b, work)
+    found = contact.propose(g, p, d, x, 0, n[0], padded, t.k0, t.f_x, t.mode, t.j0, t.f, kap, w, a, b, n, work)
     assert np.allclose(d, wanted, atol=1e-13)
     assert np.array_equal(d, x)
     assert found == pytest.approx(np.vdot(p, wanted), abs=1e-12)
@@ -147,7 +147,7 @@ def test_update(random, n, s, kept):
     """New state, sums, and the restriction of p and x on F, of a part of p on A and of the indicator of A; one or several passes."""
     for longest in (n[0], 2):
         grid = Grid(n)
-        levels_of = Multilevel(grid, HalfSpace().weights(grid), np.float64, longest)
+        levels_of = Multilevel(grid, HalfSpace(), np.float64, longest)
         if levels_of.levels[0].n == levels_of.levels[1].n:
             return
         g, p, d = state(random, n)
@@ -237,7 +237,7 @@ def by_matrices(grid, r, theta, level=0):
 
 def swept(grid, p, closed):
     """M' p on level 1 by the solver's own sweep, and the sum <p, M' p>."""
-    sweep = Multilevel(grid, HalfSpace().weights(grid), np.float64, max(grid.n[0], 1))
+    sweep = Multilevel(grid, HalfSpace(), np.float64, max(grid.n[0], 1))
     g = np.where(closed, 0.0, 1.0)
     q = np.where(closed, 1.0, p)
     zero, work = np.zeros(grid.n), np.zeros((7, grid.n[1] + 1))
@@ -294,7 +294,8 @@ def prolonged(u, p, h, kap, stencil, parts=1):
 
         g = np.empty((stop - start, n_y))
         coarse = [row for a in (u, p) for row in cut(a, first, last, prolong.HALO)]
-        prolong.prolong_gap(*coarse, *cut(h, start, stop, prolong.SWEEPS), g, start, first, n_x, m_x, step, m_y != n_y, kap, stencil)
+        prolong.prolong_gap(*coarse, *cut(h, start, stop, prolong.SWEEPS), g, start, first, n_x, m_x, step, m_y != n_y, kap, stencil,
+                            h.shape)
         out.append(g)
     return np.concatenate(out)
 
@@ -359,7 +360,7 @@ def test_judge(random):
     g = random.standard_normal((6, 5))
     g[g < 0.3] = np.minimum(g[g < 0.3], 0)
     x, p = random.standard_normal((6, 5)), np.empty((6, 5))
-    sums = certify.judge(g, p, x, 0.2, 0, 6)
+    sums = certify.judge(g, p, x, 0.2, g.shape, 0, 6)
     q = 0.2 + x
     closed = (g <= 0) & (q > 0)
     wanted = (np.sum(q[~closed] ** 2), np.sum(q[~closed] ** 4), np.sum(q[closed] ** 2), np.sum(q[closed]),
@@ -386,7 +387,7 @@ def test_undecided(random):
 def test_dual_rows(random):
     g, p = np.maximum(random.standard_normal((4, 5)), 0), random.standard_normal((4, 5))
     x = np.empty((4, 5))
-    total = certify.dual_rows(g, p, x, 1.5, 0, 4)
+    total = certify.dual_rows(g, p, x, 1.5, g.shape, 0, 4)
     admissible = 1.5 * p * ((g <= 0) & (p > 0))
     assert np.allclose(x, admissible - p)
     assert total == pytest.approx(np.vdot(admissible, g), abs=1e-14)
@@ -396,6 +397,6 @@ def test_contact_edges(random):
     closed = random.random((7, 6)) < 0.5
     g, p = np.where(closed, 0.0, 1.0), np.ones((7, 6))
     wanted = tuple(np.sum(closed != np.roll(closed, 1, axis)) for axis in (1, 0))
-    assert certify.contact_edges(g, p, g[0], p[0]) == wanted
-    parts = certify.contact_edges(g[:3], p[:3], g[3], p[3]), certify.contact_edges(g[3:], p[3:], g[0], p[0])
+    assert certify.contact_edges(g, p, g[0], p[0], True) == wanted
+    parts = certify.contact_edges(g[:3], p[:3], g[3], p[3], True), certify.contact_edges(g[3:], p[3:], g[0], p[0], True)
     assert tuple(map(sum, zip(*parts, strict=True))) == wanted
