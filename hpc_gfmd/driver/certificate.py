@@ -114,8 +114,8 @@ def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, con
     energy = EQUIVALENCE * kap * (open_pp + excess**2 * closed_pp + rr)
     response = np.sqrt(kap * max(levels.without_mean(contact + tt, mean * mean), 0.0)) / share
     aligned = kap * (excess * closed_p + rt) / share
-    mean_gap, pressure = field_errors(energy, uKu, closed_pp, N, p0, gap / N, 1.0 / problem.body.typical(grid), response, aligned,
-                                      problem.self_energy)
+    typical = 1.0 / problem.body.typical(grid)
+    mean_gap, pressure = field_errors(energy, uKu, closed_pp, contact, N, p0, gap / N, typical, response, aligned, problem.self_energy)
 
     spread = open_pp**2 / open_p4 if open_p4 > 0 else 1.0  # number of points that have most of what is left
     wrong = points_on_wrong_side(problem, g, p, kap, pressure**2 * closed_pp, spread)
