@@ -140,8 +140,9 @@ def _require_storable(output, surface, pressures):
 def _surface_attributes(spec, surface, n):
     names = ("eps_t", "eps_f", "eps_c", "seed")
     nan = float("nan")
-    return {"n": list(n), "physical_sizes": list(spec.physical_sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
-            "kind": spec.kind} | {name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
+    return {"n": list(n), "physical_sizes": list(surface.grid.sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
+            "kind": spec.kind, "unit": surface.unit,
+            "prepared": "; ".join(surface.prepared)} | {name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
             {"hurst": spec.hurst} if hasattr(spec, "hurst") else {})
 
 

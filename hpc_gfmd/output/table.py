@@ -79,6 +79,8 @@ def surface_line(surface: dict) -> str:
     for name in ("hurst", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c"):
         if isinstance(surface.get(name), int | float) and isfinite(surface[name]):
             parts.append(f"{name} = {surface[name]:.{DIGITS}g}")
+    if surface.get("prepared"):
+        parts.append(surface["prepared"])
     if surface.get("seed", -1) >= 0:  # other surfaces have none
         parts.append(f"seed = {surface['seed']}")
     return ", ".join(parts)

@@ -34,6 +34,10 @@ class SerialComm:
         """The list of every rank's object."""
         return [obj]
 
+    def alltoall(self, objs):
+        """Object number k goes to rank k; the list of those that come from every rank."""
+        return list(objs)
+
     def barrier(self):
         """Wait for all ranks."""
 
@@ -77,6 +81,10 @@ class MpiComm:
     def allgather(self, obj):
         """The list of every rank's object."""
         return self.mpi.allgather(obj)
+
+    def alltoall(self, objs):
+        """Object number k goes to rank k; the list of those that come from every rank."""
+        return self.mpi.alltoall(objs)
 
     def barrier(self):
         """Wait for all ranks."""

@@ -5,11 +5,13 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from .table import MAX_INT, MAX_N, POSITIVE, Modes, Points, Positive, Ratio, Sizes, Table, not_both
+from .table import MAX_INT, MAX_N, POSITIVE, Corners, LengthUnit, Modes, Points, Positive, Ratio, Sizes, Table, not_both
 from .table import Path as PathText
 
 SIZES = "two positive numbers [L_x, L_y]"
 POINTS = f"two whole numbers [n_x, n_y] from 1 to {MAX_N}"
+Factor = Annotated[int, Field(ge=1, le=1024)]
+FACTOR = "a whole number from 1 to 1024"
 RATIO = "a number from 1"
 
 
@@ -135,17 +137,34 @@ class Sphere(Surface):
 
 
 class File(Surface):
-    """A measured or computed height map, read by the surface reader; the grid is the shape of the map."""
+    """A measured or computed height map; the grid is the shape of the map. What the file says of sizes and units holds unless these
+    keys say otherwise."""
 
     kind: Literal["file"]
-    path: PathText = Field(description="the path of a height map (.npy, .h5, .nc, ...)")
-    dataset: PathText = Field("surface", description="the name of an HDF5 or NetCDF data set")
+    path: PathText = Field(description="the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...)")
+    dataset: PathText = Field("surface", description="the name of a data set (HDF5, NetCDF, .npz) or of a channel")
+    physical_sizes: Sizes | None = Field(None, description=f'{SIZES}, plain in surface.unit or as "12.8 um"')
+    unit: LengthUnit | None = Field(None, description='the unit of the heights, such as "nm"')
+    boundary: Literal["periodic"] | None = Field(None, description='"periodic"')
+    crop: Corners | None = Field(None, description="four numbers [x0, y0, x1, y1], lengths as physical_sizes")
+    detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description='"none", "mean", "tilt" or "curvature"')
+    fill: Literal["none", "harmonic"] = Field("none", description='"none" or "harmonic"')
+    flip: bool = Field(False, description="true or false")
+    mirror: bool = Field(False, description="true or false")
+    window: Literal["none", "hann", "tukey"] = Field("none", description='"none", "hann" or "tukey"')
+    refine: Factor = Field(1, description=FACTOR)
+    downsample: Factor = Field(1, description=FACTOR)
+
+    @model_validator(mode="after")
+    def _one_way_to_be_periodic(self):
+        if self.mirror and self.window != "none":
+            raise ValueError("found mirror and window, allowed: one of them")
+        return self
 
     @property
     def format(self) -> str:
-        """"npy", "hdf5", "netcdf" or "other", by the extension."""
-        kinds = {".npy": "npy", ".h5": "hdf5", ".hdf5": "hdf5", ".nc": "netcdf"}
-        return kinds.get(PurePath(self.path).suffix.lower(), "other")
+        """"npy", "npz", "text", "hdf5", "netcdf" or "other", by the extension."""
+        return FORMATS.get(PurePath(self.path).suffix.lower(), "other")
 
     @property
     def n(self) -> None:
@@ -153,6 +172,8 @@ class File(Surface):
         return None
 
 
+FORMATS = {".npy": "npy", ".npz": "npz", ".h5": "hdf5", ".hdf5": "hdf5", ".nc": "netcdf",
+           ".txt": "text", ".csv": "text", ".asc": "text", ".dat": "text"}
 KINDS = {"self-affine": SelfAffine, "wave": Wave, "sphere": Sphere, "file": File}
 AnySurface = Annotated[SelfAffine | Wave | Sphere | File, Field(discriminator="kind")]
 

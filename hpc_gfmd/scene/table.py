@@ -5,7 +5,9 @@ The description of a field is the text after "allowed:" in its error message.
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, WrapValidator
+
+from ..quantity import Quantity, factor, parse
 
 MAX_INT = 2**63 - 1     # the integers of TOML and of HDF5
 MAX_N = 2**24           # grid points per direction
@@ -17,12 +19,34 @@ class Table(BaseModel):
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
 
+# The bounds keep squares and products of a few such numbers finite in double precision.
+Positive = Annotated[float, Field(ge=1e-100, le=1e100)]
+
+
 def _tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
 def _one_or_many(value: Any) -> Any:
     return _tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+def _quantity(dimension: str, number: Any = Positive) -> Any:
+    """A positive number (or what else is allowed), plain or as a text with a unit, which is written as it was given."""
+
+    def read(value: Any, check: Any) -> float:
+        if not isinstance(value, str | Quantity):
+            return check(value)
+        value = parse(value, dimension) if isinstance(value, str) else value
+        check(float(value))
+        return value
+
+    return Annotated[number, WrapValidator(read), PlainSerializer(lambda value: getattr(value, "text", value))]
+
+
+def _length_unit(text: str) -> str:
+    factor(text)
+    return text
 
 
 def _printable(text: str) -> str:
@@ -37,14 +61,15 @@ def _distinct(values: tuple) -> tuple:
     return values
 
 
-# The bounds keep squares and products of a few such numbers finite in double precision.
-Positive = Annotated[float, Field(ge=1e-100, le=1e100)]
+Length = _quantity("length")
+LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Fraction = Annotated[float, Field(gt=0, lt=1)]
 Ratio = Annotated[float, Field(ge=1, le=1e100)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
 Path = Annotated[Text, Field(min_length=1)]
-Sizes = Annotated[tuple[Positive, Positive], BeforeValidator(_tuple)]
+Corners = Annotated[tuple[(_quantity("length", Annotated[float, Field(ge=0, le=1e100)]),) * 4], BeforeValidator(_tuple)]
+Sizes = Annotated[tuple[Length, Length], BeforeValidator(_tuple)]
 Points = Annotated[tuple[Annotated[int, Field(ge=1, le=MAX_N)], Annotated[int, Field(ge=1, le=MAX_N)]],
                    BeforeValidator(_tuple)]
 Modes = Annotated[tuple[Annotated[int, Field(ge=0, le=MAX_N)], Annotated[int, Field(ge=0, le=MAX_N)]],
