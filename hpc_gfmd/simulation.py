@@ -88,6 +88,8 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         _require_storable(scene.output, sweep.surface, pressures)
         file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))
         file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
+        for line in sweep.surface.notes:
+            say.say(f"note: {line}")
         say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
         run = _Run(comm, scene, file, sweep, observables, say, interrupt)
         return run.all_steps(pressures)

@@ -107,6 +107,8 @@ def _remarks(indices, steps) -> list[str]:
         if not converged(step):
             status = step.get("status", "unknown")
             remarks.append(f"! step {index}: NOT CONVERGED ({status}), less accurate than asked")
-        if step.get("note"):
-            remarks.append(f"  step {index}: {step['note']}")
+    for note in dict.fromkeys(step["note"] for step in steps if step.get("note")):
+        said = [index for index, step in zip(indices, steps, strict=True) if step.get("note") == note]
+        where = f"step {said[0]}" if len(said) == 1 else f"steps {', '.join(map(str, said))}"
+        remarks.append(f"  {where}: {note}")
     return remarks

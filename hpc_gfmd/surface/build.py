@@ -10,6 +10,7 @@ from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
 from ..units import LARGEST_HEIGHT
 from .analytic import sphere_rows, wave_rows
+from .doubts import by_slope
 from .heights import Checksum, checked
 from .prepare import prepare, prepared_size
 from .selfaffine import self_affine_gap
@@ -27,7 +28,8 @@ class Surface:
     rank then holds all of `grid`. A flat surface has g_rms = 0 and h in the scene's unit. rows: (start, stop) of the size asked for
     that this rank owns. add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum. checksum: of the
     heights as they were read, None where the scene says all about them. unit: "m" where sizes and heights are in it, "" where nobody
-    named their unit. prepared: what was done to a height map, a line each.
+    named their unit. prepared: what was done to a height map, a line each. doubts: see
+    doubts.py.
     """
 
     grid: Grid
@@ -40,6 +42,12 @@ class Surface:
     checksum: str | None = None
     unit: str = ""
     prepared: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
+
+    @property
+    def notes(self):
+        """What to know of it before the numbers, a line each."""
+        return (*by_slope(self.g_rms, measured=self.checksum is not None), *self.doubts)
 
     @property
     def height_unit(self):
@@ -73,9 +81,9 @@ def build_surface(spec, comm, dtype, threads=1, thrifty=False):
         return surface_from_rows(spec.n, spec.physical_sizes, rows, comm, dtype, threads)
     with guarded(comm, "reading the surface"):
         found = open_topography(spec)
-    found, done = prepare(found, spec, comm)
+    found, done, notes = prepare(found, spec, comm)
     made = surface_from_rows(found.n, found.sizes, found.rows, comm, dtype, threads, Checksum(), found.unit)
-    return replace(made, prepared=done)
+    return replace(made, prepared=done, doubts=notes)
 
 
 def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, checksum=None, unit=""):

@@ -12,6 +12,7 @@ from scipy.signal.windows import get_window
 
 from ..errors import SceneError
 from . import boundary
+from .doubts import FILLED
 from .fill import filled
 from .resample import resampled
 from .slabs import own_slabs, summed
@@ -30,7 +31,10 @@ def prepared_size(found, spec):
 
 
 def prepare(found, spec, comm):
-    """The Topography as the scene wants it, and what has been done to it, a line each. Raises SceneError on all ranks."""
+    """The Topography as the scene wants it; what has been done to it, and what is to be noted, a line each.
+
+    Raises SceneError on all ranks.
+    """
     done = []
     size = prepared_size(found, spec)
     if spec.crop:
@@ -43,7 +47,9 @@ def prepare(found, spec, comm):
     found, missing = filled(found, spec.fill, comm)
     if missing:
         done.append(f"{missing} points ({100 * missing / (found.n[0] * found.n[1]):.2g} %) filled")
-    found = boundary.decided(found, spec, comm)
+    found, notes = boundary.decided(found, spec, comm)
+    if missing > FILLED * found.n[0] * found.n[1]:
+        notes.append(f"{100 * missing / (found.n[0] * found.n[1]):.0f} % of the heights are filled, not measured")
     if spec.flip:
         found = replace(found, rows=_changed(found, np.negative))
         done.append("upside down")
@@ -56,7 +62,7 @@ def prepare(found, spec, comm):
     if size != found.n:
         found = resampled(found, size, comm)
         done.append(f"resampled to {size[0]} x {size[1]} points")
-    return replace(found, filled=missing), tuple(done)
+    return replace(found, filled=missing), tuple(done), tuple(notes)
 
 
 def _changed(found, change):

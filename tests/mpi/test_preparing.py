@@ -9,7 +9,7 @@ from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.fft import row_starts
 from hpc_gfmd.scene import File
 from hpc_gfmd.surface import build_surface
-from hpc_gfmd.surface.boundary import jumps
+from hpc_gfmd.surface.doubts import Looks
 from hpc_gfmd.surface.prepare import prepare
 from hpc_gfmd.surface.topography import open_topography
 
@@ -29,7 +29,7 @@ def prepared(comm, shared_path):
             np.save(shared_path / "z.npy", z)
         comm.barrier()
         spec = File(kind="file", path=str(shared_path / "z.npy"), physical_sizes=SIZES, **keys)
-        found, done = prepare(open_topography(spec), spec, comm)
+        found, done, _ = prepare(open_topography(spec), spec, comm)
         starts = row_starts(found.n[0], comm.size)
         mine = found.rows(int(starts[comm.rank]), int(starts[comm.rank + 1]))
         return np.concatenate(comm.allgather(mine)), found, done
@@ -121,14 +121,14 @@ def test_whether_it_is_periodic(prepared, comm):
     x, y = np.meshgrid(np.arange(48) / 48, np.arange(40) / 40, indexing="ij")
     z = sum(np.cos(2 * np.pi * (k * x + (3 - k) * y) + k * k) for k in range(1, 4))
     _, topography, _ = prepared(z)
-    assert max(jumps(topography, comm)) < 2
+    assert max(Looks(topography, comm).jumps) < 2
     for tilted in (z + 9 * x, z - 9 * y):
         with pytest.raises(SceneError, match=r"surface.boundary: found nothing, and edges along"):
             prepared(tilted)
         assert np.array_equal(prepared(tilted, boundary="periodic")[0], tilted)
         prepared(tilted, detrend="tilt")
     _, tilted, _ = prepared(z + 9 * x, boundary="periodic")
-    assert jumps(tilted, comm)[0] > 20
+    assert Looks(tilted, comm).jumps[0] > 20
 
 
 def test_all_of_it_on_any_number_of_ranks(prepared, comm, shared_path):
@@ -137,10 +137,32 @@ def test_all_of_it_on_any_number_of_ranks(prepared, comm, shared_path):
     keys = {"detrend": "curvature", "fill": "harmonic", "mirror": True, "crop": (0, 0, 32 / 16.5, 1), "downsample": 2, "flip": True}
     together = prepared(z, **keys)[0]
     spec = File(kind="file", path=str(shared_path / "z.npy"), physical_sizes=SIZES, **keys)
-    alone, _ = prepare(open_topography(spec), spec, SerialComm())
+    alone, *_ = prepare(open_topography(spec), spec, SerialComm())
     assert np.allclose(together, alone.rows(0, alone.n[0]), atol=1e-13)
     surface = build_surface(spec, comm, np.float64)
     assert surface.grid.n == (32, 20)
     assert surface.prepared == ("cropped to 32 x 20 points", "curvature removed", "12 points (1.9 %) filled", "upside down", "mirrored",
                                 "resampled to 32 x 20 points")
     comm.barrier()
+
+
+def test_what_is_noted(comm, shared_path):
+    """Each doubt where there is reason for it, and none otherwise; on any number of ranks."""
+    x, y = np.meshgrid(np.arange(48) / 48, np.arange(40) / 40, indexing="ij")
+    smooth = 1e-2 * sum(np.cos(2 * np.pi * (k * x + (3 - k) * y) + k * k) for k in range(1, 4))
+    rough = 1e-2 * np.cos(np.arange(48 * 40) ** 2 * 0.7).reshape(48, 40)
+    holes = smooth.copy()
+    holes[5:25, 5:25] = np.nan
+    tilted = smooth + 0.1 * x
+    cases = [(smooth, {}, []), (rough, {}, ["not resolved"]), (holes, {"fill": "harmonic"}, ["21 % of the heights are filled"]),
+             (tilted, {"boundary": "periodic"}, ["opposite edges along x differ by", "of the variance of the heights is tilt"]),
+             (tilted, {"mirror": True}, ["is tilt"]), (30 * smooth, {}, ["the theory is that of small slopes"]),
+             (1e7 * smooth, {}, ["probably in different units"]), (1e-6 * smooth, {}, ["probably in different units"])]
+    for z, keys, words in cases:
+        if comm.rank == 0:
+            np.save(shared_path / "z.npy", z)
+        comm.barrier()
+        notes = build_surface(File(kind="file", path=str(shared_path / "z.npy"), physical_sizes=SIZES, **keys), comm, np.float64).notes
+        assert len(notes) == len(words), notes
+        assert all(word in note for word, note in zip(words, notes))
+        comm.barrier()
