@@ -1,27 +1,70 @@
-"""Errors of the solution from the error of its energy.
+"""Errors of the solution from the error of its energy, without knowing the solution.
 
 With e = u - u* the distance from the solution, E(u) - E* = <p*, g> + 1/2 <e, K e> <= G, the duality gap of any admissible pressure.
 So <e, K e> <= 2 G, which bounds the pressure: |p - p*|^2 = |K e|^2 <= K_max <e, K e>. The mean gap is wrong by mean(e). For a pressure
 w of zero mean, <w, e> is at most |w|_S |e|_K; two of them give mean(e):
 
 - w = p* - p0: <p*, e> = <p*, g> is between 0 and G - 1/2 <e, K e>, so |mean(e)| <= |u*|_K sqrt(2 G)/(N p0), a bound;
-- w = -1 out of contact and constant in contact, where e vanishes but at points that change sides: |mean(e)| <= |w|_S sqrt(2 G)/N,
-  which is far smaller where little is out of contact.
+- w = -1 out of contact and constant in contact, where e vanishes but at points that change sides: |mean(e)| = |<w, S (p - p*)>|/N,
+  which is far smaller where little is out of contact. Here p* is p^ but for a part that is at most half of the bound |w|_S sqrt(2 G)/N,
+  because 1/2 <e, K e> is nearly all of G; and <w, S (p - p^)> is known.
 """
 
 import numpy as np
 
-PRESSURE = 0.65  # of the bound with kap in place of 1/K_max
-RESPONSE = 0.8  # of the second bound of the mean gap
+from .kernels.certify import BINS, PER_OCTAVE, undecided
+
+PRESSURE, TINY = 0.55, 5.0  # of the bound with kap in place of 1/K_max; on small grids more, by TINY over the root of their points
+UNKNOWN, ALIGNED = 0.3, 1.2  # in the second expression for the mean gap: share of the bound; S over the sum over levels for long waves
+
+TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
+# The error of the pressure of a point is at most FAR times the rms, of EDGE points; of more it is at most NEAR times, and what it takes
+# less than CLOSE times to move is moved. Of the points that are near a SHARE is on the wrong side; ASPERITY may change sides at once.
+FAR, NEAR, CLOSE, EDGE = 6.0, 1.8, 0.45, 3
+SHARE, ASPERITY = 0.05, 10
+SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 
 
-def field_errors(energy, uKu, closed, N, p0, gap, kap, response):
+def field_errors(energy, uKu, closed, N, p0, gap, kap, response, aligned):
     """Relative errors of the mean gap and of the pressure field (L2).
 
     energy: 2 G; uKu: <u, K u>; closed: sum of p^2 in contact; N: points; gap: its mean; kap: 1/K of the shortest waves;
-    response: |w|_S.
+    response: |w|_S, aligned: <w, S (p - p^)>, both by sums over levels.
     """
     e = np.sqrt(max(energy, 0.0))
-    shift = e * min((np.sqrt(max(uKu, 0.0)) + e) / p0, RESPONSE * response) / N
+    shift = min(e * (np.sqrt(max(uKu, 0.0)) + e) / p0, UNKNOWN * response * e + ALIGNED * abs(aligned)) / N
     mean_gap = shift / (gap - shift) if shift < gap else (0.0 if shift == 0 else np.inf)
-    return float(mean_gap), float(PRESSURE * e / np.sqrt(kap * closed))
+    return float(mean_gap), float(PRESSURE * (1 + TINY / np.sqrt(N)) * e / np.sqrt(kap * closed))
+
+
+def points_on_wrong_side(problem, g, p, kap, squares, spread):
+    """How many points may be on the wrong side; squares: sum of squares of the error of the pressure, spread: over how many points.
+
+    No more than it takes to use `squares` up, the easiest first. Of the points that are near few are on the wrong side if they differ;
+    of those that are alike, as in ordered walls, all may be. Closed and open points are counted apart: they change the area in
+    opposite ways.
+    """
+    double, rounding = problem.dtype == np.float64, problem.rounding
+    sure = 0.0 if double else SURE * rounding
+    largest = max(squares * min(FAR**2 / spread, 1.0), sure**2)
+    if largest <= 0:
+        return 0.0
+    counts = np.zeros((2, BINS))
+    undecided(g, p, kap, TIE * rounding if double else 0.0, sure, largest, counts)
+    counts = problem.grid.comm.sum(counts.ravel()).reshape(counts.shape)
+    takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
+    takes[-1] = 0.0
+    wrong = 0.0
+    near = takes < squares * NEAR**2 / spread
+    for points in counts:
+        easiest = np.cumsum((points * takes)[::-1]) <= squares
+        close = points * near
+        together = max((close[1:] + close[:-1]).max(), min(close.sum(), ASPERITY), min(points.sum(), EDGE))
+        likely = max(SHARE * close.sum() + together, close[takes < squares * CLOSE**2 / spread].sum())
+        wrong = max(wrong, min(likely, points[::-1][easiest].sum()))
+    return wrong
+
+
+def relative_area(wrong, contact):
+    """Relative error of the area if `wrong` of the points in contact may be too many, or too few."""
+    return float(wrong / (contact - wrong)) if wrong < contact else np.inf

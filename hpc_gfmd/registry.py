@@ -4,6 +4,7 @@ import importlib
 import pkgutil
 
 from . import bodies, observables, solvers
+from .errors import SceneError
 
 COMMON = {"base"}  # files in those folders that are not entries
 
@@ -29,6 +30,15 @@ def body_classes():
     modules = {name: importlib.import_module(f"{bodies.__name__}.{name}") for name in _names(bodies)}
     return {name: next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
             for name, module in modules.items()}
+
+
+def body_of(material, free=(False, False)):
+    """The elastic body of scene.Material; free: whether the surface ends along x, along y. Raises SceneError if there is none."""
+    wanted = material.thickness, material.nu1, material.base, tuple(free)
+    bodies_ = [body for cls in body_classes().values() if (body := cls.of(*wanted)) is not None]
+    if not bodies_:
+        raise SceneError(f"material.thickness: found {material.thickness:g} with a free boundary, allowed: with periodic boundaries")
+    return bodies_[0]
 
 
 def all_observables():

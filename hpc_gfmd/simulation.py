@@ -23,7 +23,7 @@ from .parallel.fft import row_starts
 from .parallel.guard import guarded
 from .parallel.interrupt import Interrupt
 from .progress import Reporter
-from .registry import all_observables, default_observables, solver_names
+from .registry import all_observables, body_of, default_observables, solver_names
 from .scene import Scene, check_names, load_scene, with_overrides
 from .surface import build_surface, surface_size
 from .units import field_dtype
@@ -82,7 +82,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         low = scene.solver.low_memory
         kind = LowMemorySweep if low else Sweep
         sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads, low), scene.solver, scene.material.E_star, lam_s,
-                     duality="duality_gap" in (scene.output.observables or ()))
+                     duality="duality_gap" in (scene.output.observables or ()), body=body_of(scene.material))
         pressures = sweep.pressures(scene.load)
         _require_same_heights(file, sweep.surface)
         _require_storable(scene.output, sweep.surface, pressures)

@@ -4,6 +4,7 @@ import numpy as np
 
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.registry import body_of
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import build_surface
 
@@ -16,12 +17,13 @@ def rough(n_over=(2, 16, 2), hurst=0.8, seed=1, **others):
     return {"kind": "self-affine", "hurst": hurst, "seed": seed} | dict(zip(names, n_over, strict=True)) | others
 
 
-def sweep_of(surface, E_star=1.0, comm=None, duality=False, **solver):
-    """A Sweep over a [surface] table with keys of [solver]; `comm` defaults to this process."""
-    scene = Scene.from_dict({"surface": surface, "load": {"pressure": 1.0}, "solver": solver or EXACT})
+def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver):
+    """A Sweep over a [surface] table with keys of [solver]; `comm` defaults to this process; layer: further keys of [material]."""
+    scene = Scene.from_dict({"surface": surface, "load": {"pressure": 1.0}, "solver": solver or EXACT, "material": layer or {}})
     comm = comm or SerialComm()
     lam_s = getattr(scene.surface, "lam_s", None)
-    return Sweep(lambda dtype: build_surface(scene.surface, comm, dtype), scene.solver, E_star, lam_s, duality)
+    return Sweep(lambda dtype: build_surface(scene.surface, comm, dtype), scene.solver, E_star, lam_s, duality,
+                 body_of(scene.material))
 
 
 def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):

@@ -25,8 +25,8 @@ class Oracle:
     energy: float
 
 
-def stiffness(n, sizes=(1.0, 1.0), E_star=1.0):
-    """The matrix of K = (E*/2)|q|, |q| of the minimal image, for fields flattened row by row."""
+def stiffness(n, sizes=(1.0, 1.0), E_star=1.0, softness=None):
+    """The matrix of K = (E*/2)|q|, |q| of the minimal image, for fields flattened row by row; over softness(|q|) if given."""
     n_x, n_y = n
     kx = np.arange(n_x)
     ky = np.arange(n_y)
@@ -35,15 +35,17 @@ def stiffness(n, sizes=(1.0, 1.0), E_star=1.0):
     qx = 2 * np.pi * np.minimum(kx, n_x - kx) / sizes[0]
     qy = 2 * np.pi * np.minimum(ky, n_y - ky) / sizes[1]
     q = np.sqrt(qx[:, None] ** 2 + qy[None, :] ** 2).ravel()
+    if softness is not None:
+        q[1:] /= [softness(x) for x in q[1:]]
     F = np.kron(fx, fy)
     K = (F.conj().T * (E_star / 2 * q)) @ F / (n_x * n_y)
     return np.ascontiguousarray((K.real + K.real.T) / 2)
 
 
-def solve(heights, pressure, E_star=1.0, sizes=(1.0, 1.0)):
+def solve(heights, pressure, E_star=1.0, sizes=(1.0, 1.0), softness=None):
     """The contact of heights z (peaks up) under the mean pressure; returns an Oracle."""
     z = np.asarray(heights, dtype=float)
-    K = stiffness(z.shape, sizes, E_star)
+    K = stiffness(z.shape, sizes, E_star, softness)
     h = (z.max() - z).ravel()
     b = pressure - K @ h
     g, p = _complementary(K, b, np.argmin(h))

@@ -14,6 +14,8 @@ from ..operators.coarsening import levels
 
 NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
 SAMPLES = 400  # of K between the longest and the shortest wave, where it may not be monotone
+FLAT = 6  # how soon a level has nothing to add where K hardly falls
+NOTHING = 1e30  # a stiffness against which a level does nothing
 SQRT2 = np.sqrt(2.0)
 
 _multipliers = WeakKeyDictionary()  # transforms: {body: Tabled}
@@ -27,7 +29,14 @@ class Body:
     """
 
     name = ""
+    table_share = 0.25  # numbers that are kept for every point of a grid and each precision
     full_p_star = 0.499
+
+    @classmethod
+    def of(cls, thickness, nu, base, free):
+        """The body of this kind that a scene means, or None if it means none. thickness: None, or of the layer; nu: its Poisson's
+        ratio; base: "bonded" or "frictionless"; free: whether the surface ends along x, along y."""
+        raise NotImplementedError
 
     @classmethod
     def examples(cls):
@@ -68,17 +77,17 @@ class Body:
     def weights(self, grid):
         """The stiffness of every level of the grid's hierarchy in the multilevel preconditioner, relative to the finest.
 
-        A wave is corrected on its own level and on all finer ones: each level adds what 1/K grows by from the level before, divided
-        by its part of such a sum where K is proportional to q. Where K does not fall (a thin layer pressed by long waves) a level
-        adds nothing: infinity.
+        A wave is corrected on its own level and on all finer ones. So K of a level is the largest of all waves as long as its own
+        or longer, and where it falls less than in proportion to q from a level to the next (a thin layer pressed by long waves) the
+        next one has little to add, or nothing: NOTHING. The last level is the rigid translation, which nothing resists but contact.
         """
         q = np.array([level.q for level in levels(grid)])
-        K = self.stiffness(SQRT2 * q, grid.a)
-        weights = np.ones(len(q))
-        for k in range(1, len(q)):
-            share = 1 - q[k] / q[k - 1]
-            grown = K[0] / K[k] - K[0] / K[k - 1]
-            weights[k] = K[k] / K[0] if share <= 0 else (share / grown if grown > 0 else np.inf)
+        longer = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES), 0)
+        K = np.array([self.stiffness(SQRT2 * x * longer[longer <= 1], grid.a).max() for x in q])
+        fallen, wanted = 1 - K[1:] / K[:-1], 1 - q[1:] / q[:-1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            weights = np.minimum(K / K[0] * np.append(1, np.where(wanted > 0, (wanted / fallen) ** FLAT, 1)), NOTHING)
+        weights[-1] = q[-1] / q[0]
         return weights
 
     def near(self, grid):

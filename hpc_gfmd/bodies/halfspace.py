@@ -13,6 +13,11 @@ class HalfSpace(Body):
     """Linear elastic, infinitely deep, periodic in the plane."""
 
     name = "halfspace"
+    table_share = 0.0
+
+    @classmethod
+    def of(cls, thickness, nu, base, free):
+        return HALF_SPACE if thickness is None and not any(free) else None
 
     def stiffness(self, q, a):
         return q / 2

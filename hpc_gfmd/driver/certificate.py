@@ -14,16 +14,11 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from ..bounds import field_errors
-from ..kernels.certify import BINS, PER_OCTAVE, dual_rows, judge, undecided
+from ..bounds import field_errors, points_on_wrong_side, relative_area
+from ..kernels.certify import dual_rows, judge
 from ..operators.elastic import Elastic
 from ..operators.multilevel import EQUIVALENCE
 
-TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
-# The largest error of the pressure of a point is so many times the rms: for any point (at most EDGE of them may be so wrong), for many.
-FAR, NEAR = 6.0, 2.0
-SHARE, EDGE = 0.2, 3  # share of the points within NEAR that are taken to be on the wrong side
-SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 STORED = 0.5  # rounding error of a number that is stored, in units of the precision
 
 
@@ -106,18 +101,19 @@ def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, con
     kap = 1.0 / problem.body.scale(grid)
     excess = 1 - N * p0 / closed_p  # p - p^ is p out of contact, and so much of it in contact
     levels.restrict(g, p, excess)
-    rr, tt = grid.comm.sum(levels.sweep()[2:])
-    energy = EQUIVALENCE * kap * levels.squared_norm(open_pp + excess**2 * closed_pp + rr, 0.0)
-    response = np.sqrt(kap * levels.squared_norm(contact + tt, contact / N)) * N / contact
-    mean_gap, pressure = field_errors(energy, uKu, closed_pp, N, p0, gap / N, kap, response)
+    rr, tt, rt = grid.comm.sum(levels.sweep()[2:])
+    share = contact / N
+    energy = EQUIVALENCE * kap * (open_pp + excess**2 * closed_pp + rr)
+    response = np.sqrt(kap * max(levels.without_mean(contact + tt, share * share), 0.0)) / share
+    aligned = kap * (excess * closed_p + rt) / share
+    mean_gap, pressure = field_errors(energy, uKu, closed_pp, N, p0, gap / N, kap, response, aligned)
 
     spread = open_pp**2 / open_p4 if open_p4 > 0 else 1.0  # number of points that have most of what is left
-    wrong = _points(problem, g, p, kap, pressure**2 * closed_pp, spread)
+    wrong = points_on_wrong_side(problem, g, p, kap, pressure**2 * closed_pp, spread)
     if gap > 0:
         mean_gap += problem.rounding * (N - contact) / gap + STORED * float(np.finfo(problem.dtype).eps)
     pressure = np.hypot(pressure, rounding_error(problem, contact, np.sqrt(closed_pp / contact)))
-    area = wrong / (contact - wrong) if wrong < contact else np.inf
-    return float(area), float(mean_gap), float(pressure)
+    return relative_area(wrong, contact), float(mean_gap), float(pressure)
 
 
 def rounding_error(problem, contact, p_rms):
@@ -125,30 +121,3 @@ def rounding_error(problem, contact, p_rms):
     if problem.dtype == np.float64:
         return problem.rounding / p_rms
     return float(np.hypot(problem.rounding / p_rms, STORED * np.finfo(problem.dtype).eps))
-
-
-def _points(problem, g, p, kap, squares, spread):
-    """How many points may be on the wrong side; squares: sum of squares of the error of the pressure, spread: over how many points.
-
-    No more than it takes to use `squares` up, the easiest first. Of the points that are near few are on the wrong side if they differ;
-    of those that are alike, as in ordered walls, all may be. Closed and open points are counted apart: they change the area in
-    opposite ways.
-    """
-    double, rounding = problem.dtype == np.float64, problem.rounding
-    sure = 0.0 if double else SURE * rounding
-    largest = max(squares * min(FAR**2 / spread, 1.0), sure**2)
-    if largest <= 0:
-        return 0.0
-    counts = np.zeros((2, BINS))
-    undecided(g, p, kap, TIE * rounding if double else 0.0, sure, largest, counts)
-    counts = problem.grid.comm.sum(counts.ravel()).reshape(counts.shape)
-    takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
-    takes[-1] = 0.0
-    wrong = 0.0
-    near = takes < squares * NEAR**2 / spread
-    for points in counts:
-        easiest = np.cumsum((points * takes)[::-1]) <= squares
-        alike = (points * near).max()
-        likely = SHARE * points[near].sum() + max(alike, min(points.sum(), EDGE))
-        wrong = max(wrong, min(likely, points[::-1][easiest].sum()))
-    return wrong

@@ -65,12 +65,13 @@ def drive(solver, target, watch=None, course=None):
         status = None
         done = solver.iterations
         measure = _measure(progress, target)
+        unknown = progress.estimates is None and target.residual is None
         falling = progress.residual if measure == UNKNOWN else measure
         if falling < IMPROVEMENT * course.best:
             course.best, course.best_at = falling, done
         if not progress.finite:
             status = "nonfinite"
-        elif measure < course.demand or (progress.estimates is None and target.residual is None and done >= course.next_check):
+        elif (measure < course.demand and _area_may_be_known(solver, progress, target)) or (unknown and done >= course.next_check):
             certificate = _judged(solver, target)
             course.checks += certificate.pairs
             left = _left(target, certificate)
@@ -115,6 +116,11 @@ def _measure(progress, target):
     if progress.estimates is None:
         return UNKNOWN
     return max(progress.estimates) / target.accuracy
+
+
+def _area_may_be_known(solver, progress, target):
+    """Whether the certificate may find the area as accurate as asked: a look at all points, but no transform."""
+    return target.accuracy is None or progress.estimates is None or solver.expected_area(progress.estimates[1]) < target.accuracy
 
 
 def _left(target, certificate):

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..parallel.fft import row_starts, scratch_bytes
+from ..registry import body_of
 from .sweep import few_points, first_precision
 
 FIELDS = 4  # h, g, p, d; in low memory h is not kept
@@ -42,7 +43,7 @@ def memory_of(scene, n, ranks, threads=1):
     itemsize = largest_precision(scene, n).itemsize
     rows = int(np.diff(row_starts(n[0], ranks)).max())
     field = rows * n[1] * itemsize / GIB
-    spectrum = rows * (n[1] + 2) / GIB
+    spectrum = rows * (n[1] + 2) / GIB * (1 + body_of(scene.material).table_share)
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
     loads = len(scene.load.p_star or scene.load.pressure)
 

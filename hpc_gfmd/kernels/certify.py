@@ -47,6 +47,18 @@ def judge(g, p, x, p0, i0, i1):
 
 
 @kernel
+def open_moments(g, p):
+    """Sums of p^2 and p^4 off contact."""
+    squares = fourth = 0.0
+    for i in range(g.shape[0]):
+        for j in range(g.shape[1]):
+            q = 0.0 if g[i, j] <= 0 and p[i, j] > 0 else 1.0 * p[i, j]
+            squares += q * q
+            fourth += (q * q) * (q * q)
+    return squares, fourth
+
+
+@kernel
 def undecided(g, p, kap, tie, sure, largest, counts):
     """Count the points that errors of the pressure might move to the other side, by the square of what that takes.
 

@@ -11,7 +11,7 @@ from .multilevel import combine_rows, interpolate_row, restrict_row
 def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, rows):
     """Write the next step to d and x (scratch, rows from 0): d = max(g - a z - b d, 0) - g on F, 0 on A.
 
-    Returns <p, d> and the number of points that are clipped, i.e. that the whole step brings into contact.
+    Returns <p, d>.
 
     z = kap (p + w P z_coarse) is formed on the fly; w = 0 gives a plain projected gradient step. rows: (2, n_y) scratch.
     """
@@ -21,10 +21,10 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, ro
     row, fine = rows[0, :m], rows[1, :n]
     ak = a * kap
     one = g.dtype.type(1)
-    total = clipped = 0.0
+    total = 0.0
     for i in range(i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
-        s = count = zero
+        s = zero
         if w > 0:
             combine_rows(z_coarse, k0[i], f_x[i], row)
             interpolate_row(row, fine, mode, j0, f)
@@ -32,7 +32,6 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, ro
                 v = gi[j] - ak * (pi[j] + w * fine[j]) - b * di[j]
                 free = zero if (gi[j] <= zero and pi[j] > zero) else one
                 e = free * (max(v, zero) - gi[j])
-                count += free if v < zero else zero
                 s += pi[j] * e
                 di[j] = e
                 xi[j] = e
@@ -41,13 +40,11 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, ro
                 v = gi[j] - ak * pi[j] - b * di[j]
                 free = zero if (gi[j] <= zero and pi[j] > zero) else one
                 e = free * (max(v, zero) - gi[j])
-                count += free if v < zero else zero
                 s += pi[j] * e
                 di[j] = e
                 xi[j] = e
         total += s
-        clipped += count
-    return total, clipped
+    return total
 
 
 @kernel
@@ -56,12 +53,13 @@ def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, 
 
     Restricts p on F and closed p on A, the indicator of A, and x on F to the coarser grid: coarse (3, rows + 2, m) with halo gets the
     rows that belong to this pass alone, first and last (3, m) the two that it shares. rows: (7, n_y) scratch.
-    Returns sums: p^2 on F, p^2, p d, on F: d x and p x, points in contact, gap.
+    Returns sums: p^2 on F, p^2, p d, on F: d x and p x, points in contact, gap; points that would open, and close, if the same step
+    were made again.
     """
     n = g.shape[1]
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
-    RRs = PPs = PDs = DXs = PXs = Cs = Gs = 0.0
+    RRs = PPs = PDs = DXs = PXs = Cs = Gs = Os = Ss = 0.0
     lo = k0[i0]
     hi = k0[i1 - 1] + 1
     rows[3:6] = zero  # rows 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
@@ -71,7 +69,7 @@ def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, 
         end = i + 1
         while end < i1 and k0[end] == K:
             end += 1
-        rr, pp, pd, dx, px, nc, gs = _advance(g, p, d, x, s, i0, i, end, zero, one)
+        rr, pp, pd, dx, px, nc, gs, no, ns = _advance(g, p, d, x, s, i0, i, end, zero, one)
         RRs += rr
         PPs += pp
         PDs += pd
@@ -79,22 +77,25 @@ def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, 
         PXs += px
         Gs += gs
         Cs += nc
+        Os += no
+        Ss += ns
         _gather(g, p, x, closed, i0, i, end, f_x, rows, zero, one)
         _put_down(rows, 0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
         i = end
     _put_down(rows, 3, n, hi, lo, hi, first, last, coarse, factor, mode, j0, f)
-    return RRs, PPs, PDs, DXs, PXs, Cs, Gs
+    return RRs, PPs, PDs, DXs, PXs, Cs, Gs, Os, Ss
 
 
 @inline
 def _advance(g, p, d, x, s, i0, start, end, zero, one):
     """Rows start..end of `update`: new g and p, and their sums."""
-    rr = pp = pd = dx = px = gs = nc = zero
+    rr = pp = pd = dx = px = gs = nc = no = ns = zero
     for i in range(start, end):
         for j in range(g.shape[1]):
             y = x[i - i0, j]
             gg = g[i, j] + s * d[i, j]
             q = p[i, j] + s * y
+            g_next, p_next = gg + s * d[i, j], q + s * y
             g[i, j] = gg
             p[i, j] = q
             touching = one if gg <= zero else zero
@@ -103,13 +104,15 @@ def _advance(g, p, d, x, s, i0, start, end, zero, one):
             pf = free * q
             xf = free * y
             nc += t
+            no += t if p_next <= zero else zero
+            ns += (one - touching) if g_next <= zero else zero
             rr += pf * pf
             pp += q * q
             pd += pf * d[i, j]
             dx += xf * d[i, j]
             px += pf * xf
             gs += gg
-    return rr, pp, pd, dx, px, nc, gs
+    return rr, pp, pd, dx, px, nc, gs, no, ns
 
 
 @inline

@@ -153,8 +153,8 @@ def gather_rows(fine, k0, f_x, i, here, after):
 
 @kernel
 def smooth_level(rt, z_coarse, out, weight, c, w, k0, f_x, mode, j0, f):
-    """out = r/(weight + c t) + w P z_coarse on own rows; rt: (>=2, rows + 2, n). Returns <r, out>, <x, out>, <r, r> and
-    <t, t>.
+    """out = r/(weight + c t) + w P z_coarse on own rows; rt: (>=2, rows + 2, n). Returns <r, out>, <x, out>, <r, r>,
+    <t, t> and <r, t>.
 
     x is the third field of rt if there is one. out may be rt[0].
     """
@@ -164,21 +164,23 @@ def smooth_level(rt, z_coarse, out, weight, c, w, k0, f_x, mode, j0, f):
     row = np.empty(m, rt.dtype)
     fine = np.empty(n, rt.dtype)
     zero = rt.dtype.type(0)
-    rz = xz = rr = tt = 0.0
+    rz = xz = rr = tt = cross = 0.0
     for h in range(1, rt.shape[1] - 1):
         combine_rows(z_coarse, k0[h - 1], f_x[h - 1], row)
         interpolate_row(row, fine, mode, j0, f)
-        s = q = u = zero
+        s = q = u = v = zero
         for j in range(n):
             r, t = rt[0, h, j], rt[1, h, j]
             z = r / (weight + c * t) + w * fine[j]
             s += r * z
             q += r * r
             u += t * t
+            v += r * t
             fine[j] = z
         rz += s
         rr += q
         tt += u
+        cross += v
         if has_x:
             s = zero
             for j in range(n):
@@ -186,7 +188,7 @@ def smooth_level(rt, z_coarse, out, weight, c, w, k0, f_x, mode, j0, f):
             xz += s
         for j in range(n):
             out[h, j] = fine[j]
-    return rz, xz, rr, tt
+    return rz, xz, rr, tt, cross
 
 
 @kernel
@@ -194,10 +196,10 @@ def sweep_whole(r, t, shapes, offsets, weights, c, w):
     """The sweep over the levels that one rank holds completely, in place: r of the finest of them becomes z.
 
     r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of level 0 are given. Returns the
-    sums over levels of <r, r>/weight and <t, t>/weight, each as a sum over the points of level 0, and the mean of r.
+    sums over levels of <r, r>, <t, t> and <r, t> over weight, each as a sum over the points of level 0, and the mean of r.
     """
     levels = shapes.shape[0]
-    rr = tt = 0.0
+    rr = tt = rt = 0.0
     N = shapes[0, 0] * shapes[0, 1]
     mean = 0.0
     for k in range(levels - 1):
@@ -210,20 +212,23 @@ def sweep_whole(r, t, shapes, offsets, weights, c, w):
         n_x, n_y = shapes[k]
         a = offsets[k]
         weight = weights[k]
-        s = u = 0.0
+        s = u = v = 0.0
         for i in range(a, a + n_x * n_y):
             s += r[i] * r[i]
             u += t[i] * t[i]
+            v += r[i] * t[i]
             if k == levels - 1:
                 mean += r[i] / (n_x * n_y)
             r[i] = r[i] / (weight + c * t[i])
-        rr += s / weight * (N / (n_x * n_y))
-        tt += u / weight * (N / (n_x * n_y))
+        share = N / (n_x * n_y) / weight
+        rr += s * share
+        tt += u * share
+        rt += v * share
         if k < levels - 1:
             m_x, m_y = shapes[k + 1]
             b = offsets[k + 1]
             _interpolate_whole(r[b:b + m_x * m_y].reshape(m_x, m_y), r[a:a + n_x * n_y].reshape(n_x, n_y), w)
-    return rr, tt, mean
+    return rr, tt, rt, mean
 
 
 @inline

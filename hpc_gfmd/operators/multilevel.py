@@ -23,9 +23,9 @@ DAMPING = 4.0  # c
 COUPLING = 1.05  # w
 WHOLE_POINTS = 128 * 128  # levels of at most this many points are swept by every rank
 THIN_ROWS = 2  # and so are levels of which some rank has fewer rows than this
-# <r, S r> of a field of zero mean is at most so many times `Multilevel.squared_norm`: eigenvalues up to 2.21 on all kinds of grids; of
-# what solvers leave it is 0.5 to 1.6 times, mostly 1.2
-EQUIVALENCE = 2.25
+# <r, S r> of a field of zero mean is at most so many times kap times the sum over levels of <r, r>/weight. On all kinds of grids
+# the largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
+EQUIVALENCE = 1.8
 
 
 class Multilevel:
@@ -96,8 +96,8 @@ class Multilevel:
         """From what the update passes restricted to level 1, make z on level 1 (own rows and halo).
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
-        finest level; and of the sums over these levels of <r, r>/weight and <t, t>/weight, r and t being p on F and the indicator of A
-        restricted to the level, times N/N_l.
+        finest level; and of the sums over these levels of <r, r>, <t, t> and <r, t> over weight, r and t being p on F and the indicator
+        of A restricted to the level, times N/N_l.
         """
         if not self.passes:
             self.fields[0][...] = 0
@@ -113,18 +113,19 @@ class Multilevel:
             halo.accumulate(self.comm, self.fields[k])
             t = self.transfers[k + 1]
             restrict_level(self.fields[k][:2], self.fields[k + 1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
-        rz, xz, rr, tt = self._sweep_whole()
+        rz, xz, *squares = self._sweep_whole()
         for k in reversed(range(len(self.spread))):
-            rz, xz, *squares = self._smooth(k)
-            share = self.weights[k + 1] * (self.levels[k + 1].n[0] * self.levels[k + 1].n[1] / self.grid.N)
-            rr, tt = rr + squares[0] / share, tt + squares[1] / share
+            rz, xz, *here = self._smooth(k)
+            share = self.grid.N / (self.levels[k + 1].n[0] * self.levels[k + 1].n[1]) / self.weights[k + 1]
+            squares = [a + b * share for a, b in zip(squares, here)]
             halo.fill(self.comm, self.fields[k][0])
         ratio = self.grid.N / (first.m[0] * first.m[1])
-        return rz * ratio, xz * ratio, float(rr), float(tt)
+        return rz * ratio, xz * ratio, *squares
 
-    def squared_norm(self, squares, mean):
-        """sum over levels of <r, r>/weight for r less its mean; squares: that of r itself, of all levels and ranks."""
-        return max(squares - self.grid.N * mean**2 * float(np.sum(1 / self.weights)), 0.0)
+    def without_mean(self, squares, mean2):
+        """sum over levels of <r, t>/weight for r and t less their means; squares: that of r and t themselves, of all levels and ranks;
+        mean2: product of the means."""
+        return float(squares - self.grid.N * mean2 * np.sum(1 / self.weights, dtype=np.float64))
 
     def restrict(self, g, p, closed):
         """From a state that no step has led to, what the update passes restrict; returns their sums. closed: see kernels/contact.py."""
@@ -132,20 +133,20 @@ class Multilevel:
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
         rows = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
         sums = [self.update_rows(k, g, p, g, still, self.dtype.type(0), rows, closed) for k in range(len(self.passes))]
-        return np.sum(np.reshape(sums, (-1, 7)), axis=0)
+        return np.sum(np.reshape(sums, (-1, 9)), axis=0)
 
     def _sweep_whole(self):
         """Sum the last level that is spread onto every rank, sweep the rest, take back this rank's rows."""
         t = self.transfers[-1]
         a = self.fields[-1]
         whole = halo.sum_to_all(self.comm, a, t.start, t.m[0])
-        z, rr, tt, self.mean = self.whole.sweep(whole[0], whole[1])
+        z, squares, self.mean = self.whole.sweep(whole[0], whole[1])
         halo.take_rows(z, t.start, a[0])
         if self.comm.rank:  # rank 0 alone contributes what all have
-            return 0.0, 0.0, 0.0, 0.0
+            return 0.0, 0.0, 0.0, 0.0, 0.0
         ratio = self.grid.N / (t.m[0] * t.m[1])
         products = (0.0, 0.0) if self.spread else (_dot(whole[0], z), _dot(whole[2], z))  # where level 1 itself is whole
-        return *products, rr * ratio, tt * ratio
+        return *products, *(a * ratio for a in squares)
 
     def _smooth(self, k):
         a, t, z = self.fields[k], self.transfers[k + 1], self.fields[k + 1][0]
@@ -177,5 +178,5 @@ class _Whole:
         n = r.size
         self.r[:n] = r.ravel()
         self.t[:n] = t.ravel()
-        rr, tt, mean = sweep_whole(self.r, self.t, self.shapes, self.offsets, self.weights, self.c, self.w)
-        return self.r[:n].reshape(r.shape), rr, tt, mean
+        *squares, mean = sweep_whole(self.r, self.t, self.shapes, self.offsets, self.weights, self.c, self.w)
+        return self.r[:n].reshape(r.shape), squares, mean

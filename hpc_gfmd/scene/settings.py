@@ -26,33 +26,51 @@ POISSON = "a number above -1 and up to 0.5"
 WHOLE = f"a whole number from 1 to {MAX_INT}"
 
 
-def effective_modulus(E1: float, nu1: float, E2: float, nu2: float) -> float:
-    """E* of two linear elastic solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod)."""
+def effective_modulus(E1: float, nu1: float, E2: float = float("inf"), nu2: float = 0.0) -> float:
+    """E* of two linear elastic solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod); the second one is rigid by default."""
     return 1 / ((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
 
 
 def _E_star(given: dict) -> float:
-    solids = [given.get(key) for key in SOLIDS]
-    return 1.0 if None in solids else effective_modulus(*solids)
+    solids = {key: given[key] for key in SOLIDS if given.get(key) is not None}
+    return effective_modulus(**solids) if tuple(solids) in (SOLIDS[:2], SOLIDS) else 1.0
 
 
 class Material(Table):
-    """Either the effective modulus E_star (default 1) or both solids; `E_star` has the value either way."""
+    """The effective modulus E_star (default 1), one solid that presses against a rigid counterface, or both; `E_star` has the value in
+    any case. With a thickness the solid is a layer on a rigid base, and its nu1 counts beside E1 or E_star."""
 
     E1: Positive | None = Field(None, description=POSITIVE)
     nu1: PoissonRatio | None = Field(None, description=POISSON)
     E2: Positive | None = Field(None, description=POSITIVE)
     nu2: PoissonRatio | None = Field(None, description=POISSON)
     E_star: Positive = Field(default_factory=_E_star, description=POSITIVE)
+    thickness: Positive | None = Field(None, description=POSITIVE)
+    base: Literal["bonded", "frictionless"] = Field("bonded", description='"bonded" or "frictionless"')
 
     @model_validator(mode="after")
     def _one_way(self):
-        found = [key for key in SOLIDS if getattr(self, key) is not None]
         # E_star is in the set only if it was given, not if it was computed
-        given = ["E_star"] if "E_star" in self.model_fields_set else []
-        if found and (given or len(found) < len(SOLIDS)):
-            raise ValueError(f"found {', '.join(given + found)}, "
-                             f"allowed: E_star alone or all of {', '.join(SOLIDS)}")
+        given = "E_star" in self.model_fields_set
+        found = ["E_star"] * given + [key for key in SOLIDS if getattr(self, key) is not None]
+        ways = {"E1, nu1": "a rigid counterface"}
+        if self.thickness is None:
+            ways |= {"": "", "E_star": "", ", ".join(SOLIDS): ""}
+        else:
+            ways |= {"nu1": "E_star = 1", "E_star, nu1": ""}
+        if ", ".join(found) not in ways:
+            allowed = "; ".join(f"{way} ({why})" if why else way for way, why in ways.items() if way)
+            with_it = "" if self.thickness is None else "thickness with "
+            raise ValueError(f"found {with_it}{', '.join(found) or 'nothing else'}, allowed: {with_it}{allowed}")
+        return self
+
+    @model_validator(mode="after")
+    def _layer(self):
+        if self.thickness is None and "base" in self.model_fields_set:
+            raise ValueError(f'found base = "{self.base}" without thickness, allowed: both, or none')
+        if self.thickness is not None and self.base == "bonded" and self.nu1 == 0.5:
+            raise ValueError('found nu1 = 0.5 with thickness and base = "bonded", allowed: nu1 below 0.5, or base = "frictionless" '
+                             "(an incompressible bonded layer does not give way to a uniform pressure)")
         return self
 
     @model_serializer(mode="wrap")
@@ -60,6 +78,8 @@ class Material(Table):
         table = dump(self)
         if self.E1 is not None:
             table.pop("E_star", None)
+        if self.thickness is None:
+            table.pop("base", None)
         return table
 
 

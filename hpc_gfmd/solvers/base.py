@@ -14,14 +14,14 @@ class Progress:
     """How far a solver is, the same numbers on every rank.
 
     residual: sqrt(mean p^2 where the gap is open)/p0; contact: points with g <= 0 and p > 0; gap_mean: in the problem's units.
-    estimates: what the certificate is expected to give as relative errors of (area, mean gap, pressure), or None where the solver
-    does not know and it has to be asked now and then.
+    estimates: what the certificate is expected to give as relative errors of (mean gap, pressure), or None where the solver does not
+    know and it has to be asked now and then.
     """
 
     residual: float
     contact: float
     gap_mean: float
-    estimates: tuple[float, float, float] | None
+    estimates: tuple[float, float] | None
     finite: bool = True
 
 
@@ -84,6 +84,10 @@ class Solver:
     def progress(self):
         """How far the solver is."""
         raise NotImplementedError
+
+    def expected_area(self, pressure):
+        """What the certificate is expected to give as relative error of the area if that of the pressure is `pressure`."""
+        return 0.0
 
     def state(self):
         """Everything that a bit-identical continuation needs: local slabs by name, and a dict of numbers."""

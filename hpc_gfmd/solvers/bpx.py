@@ -12,7 +12,8 @@ The displacement itself never appears: with the gap g = u + h and p = p0 + K u, 
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
-from ..bounds import field_errors
+from ..bounds import field_errors, points_on_wrong_side, relative_area
+from ..kernels.certify import open_moments
 from ..kernels.contact import propose
 from ..operators.elastic import Elastic
 from ..operators.multilevel import COUPLING, EQUIVALENCE, Multilevel
@@ -25,9 +26,7 @@ DESCENT = 0.2  # share of the predicted descent that clipping must leave
 CLIPPED = 0.02  # share of it up to which a step counts as not clipped
 SHORT = 0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
 
-# What the certificate will say, as far as a step can know: asked too early it costs a pair, too late an iteration
-EXPECTED = 0.92  # of the bound from its parts
-AREA = 0.9, 2.0  # share of the contact on the wrong side over the error of the pressure, at vanishing a_r, and per a_r
+EXPECTED = 0.92  # of the bound from its parts: asked too early the certificate costs a pair, too late an iteration
 
 
 class Bpx(Solver):
@@ -36,8 +35,8 @@ class Bpx(Solver):
     name = "bpx"
     takes_gap = True
     state_names = ("g", "p", "d")
-    scalar_names = ("s", "rayleigh", "nearly", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "uKu", "r_norm", "t_norm",
-                    "iterations")
+    scalar_names = ("s", "rayleigh", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "uKu", "r_norm", "t_norm",
+                    "aligned", "changing", "iterations")
 
     def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
@@ -77,7 +76,7 @@ class Bpx(Solver):
     def _begin(self, sums):
         """A new descent begins: no momentum, no memory of the Rayleigh quotient."""
         self.s = 1.0
-        self.rayleigh, self.nearly = RHO_MAX, 0.0
+        self.rayleigh = RHO_MAX
         self._measure(sums)
 
     def load_state(self, arrays, numbers):
@@ -100,17 +99,16 @@ class Bpx(Solver):
         if self.contact == 0:
             self._touch()
         a, b = self._coefficients()
-        pd, clipped = self._propose(a, b, COUPLING)
+        pd = self._propose(a, b, COUPLING)
         descent = a * self.rz + b * self.rd
         plain = not -pd > DESCENT * descent
         if plain:
             a, b = 0.0, 0.0
-            pd, clipped = self._propose(self.gradient, 0.0, 0.0)
+            pd = self._propose(self.gradient, 0.0, 0.0)
         free = not plain and abs(pd + descent) < CLIPPED * descent
         dKd = float(self.grid.comm.sum([self.elastic.pressure_columns()])[0])
         optimum = -pd / dKd if dKd > 0 else 1.0
         self.s = optimum if 0 < optimum < (1.0 if free else SHORT) else 1.0
-        self.nearly = clipped if self.s < 1 else 0.0
         before = self.gap_mean
         sums = self._update(self.s)
 
@@ -142,7 +140,7 @@ class Bpx(Solver):
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
     def _propose(self, a, b, w):
-        """First pass: the next step into d and its row spectra; returns <p, d> and clipped points."""
+        """First pass: the next step into d and its row spectra; returns <p, d>."""
         t, real = self.levels.transfers[0], self.problem.dtype.type
         z = self.levels.z
         args = (real(self.kap), real(w), real(a), real(b * self.s))
@@ -150,27 +148,30 @@ class Bpx(Solver):
         def fill(i0, i1, x):
             return propose(self.g, self.p, self.d, x, i0, i1, z, t.k0, t.f_x, t.mode, t.j0, t.f, *args, self._rows[id(x)])
 
-        return self.grid.comm.sum(np.sum(np.reshape(self.elastic.pressure_rows(fill, self.passes), (-1, 2)), axis=0)).tolist()
+        return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
 
     def _update(self, s):
         """Last pass: x = K d by rows, new g and p; returns this rank's sums (see kernels/contact.py)."""
         sums = self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes)
-        return np.sum(np.reshape(sums, (-1, 7)), axis=0)
+        return np.sum(np.reshape(sums, (-1, 9)), axis=0)
 
     def _update_rows(self, i0, i1, x, s):
         return self.levels.update_rows(self._number[i0], self.g, self.p, self.d, x, self.problem.dtype.type(s), self._rows[id(x)])
 
     def _measure(self, sums):
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""
-        rr, pp, pd, dx, px, contact, gap, rz1, xz1, r1, t1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
+        rr, pp, pd, dx, px, contact, gap, opening, closing, rz1, xz1, r1, t1, rt1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
+        self.changing = max(opening, closing)
         s, kap = self.s, self.kap
         self.rz = kap * (rr + COUPLING * rz1)  # <p, z> on F
         self.rd = s * pd  # <p, d>
         self.zq = s * kap * (px + COUPLING * xz1)  # <z, K d>
         self.dq = s * s * dx  # <d, K d>
         self.rr, self.pp = rr, pp
-        self.r_norm = self.levels.squared_norm(rr + r1, self.levels.mean)
-        self.t_norm = self.levels.squared_norm(contact + t1, contact / self.N)
+        mean, share, product = self.levels.mean, contact / self.N, self.levels.without_mean
+        self.r_norm = max(product(rr + r1, mean * mean), 0.0)
+        self.t_norm = max(product(contact + t1, share * share), 0.0)
+        self.aligned = product(rt1, mean * share)
         self.contact, self.gap_mean = contact, gap / self.N
 
     # -- how far -------------------------------------------------------------------------------------------------------------
@@ -178,7 +179,7 @@ class Bpx(Solver):
     def progress(self):
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         residual = np.sqrt(self.rr / self.N) / self.p0
-        estimates = self._estimates() if finite else (np.inf, np.inf, np.inf)
+        estimates = self._estimates() if finite else (np.inf, np.inf)
         return Progress(float(residual), self.contact, self.gap_mean, estimates, finite)
 
     def _estimates(self):
@@ -189,11 +190,16 @@ class Bpx(Solver):
         closed = self.pp - self.rr
         load = self.p0 - self.levels.mean
         if self.contact == 0 or closed <= 0 or load <= 0:
-            return np.inf, np.inf, np.inf
+            return np.inf, np.inf
         off = abs(self.p0 / load - 1)
         norm = np.sqrt(EQUIVALENCE * self.kap * self.r_norm)
         energy = (EXPECTED * (norm * (1 + off) + off * np.sqrt(max(self.uKu, 0.0)))) ** 2
-        response = np.sqrt(self.kap * self.t_norm) * self.N / self.contact
-        gap, pressure = field_errors(energy, self.uKu, closed, self.N, self.p0, self.gap_mean, self.kap, response)
-        area = (AREA[0] + AREA[1] * self.contact / self.N) * pressure
-        return area + self.nearly / self.contact, gap, pressure
+        share = self.contact / self.N
+        response, aligned = np.sqrt(self.kap * self.t_norm) / share, self.kap * self.aligned / share
+        return field_errors(energy, self.uKu, closed, self.N, self.p0, self.gap_mean, self.kap, response, aligned)
+
+    def expected_area(self, pressure):
+        squares, fourth = self.grid.comm.sum(open_moments(self.g, self.p))
+        spread = squares**2 / fourth if fourth > 0 else 1.0
+        wrong = points_on_wrong_side(self.problem, self.g, self.p, self.kap, pressure**2 * (self.pp - self.rr), spread)
+        return relative_area(max(wrong, self.changing), self.contact)

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from hpc_gfmd.bodies.base import SQRT2, Tabled
+from hpc_gfmd.errors import SceneError
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.operators.coarsening import levels
 from hpc_gfmd.operators.elastic import Elastic
-from hpc_gfmd.registry import body_classes
+from hpc_gfmd.registry import body_classes, body_of
+from hpc_gfmd.scene import Material
 
 BODIES = [body for cls in body_classes().values() for body in cls.examples()]
 GRIDS = [((16, 16), (1.0, 1.0)), ((15, 12), (1.0, 0.7)), ((1, 16), (1.0, 1.0)), ((16, 1), (1.0, 1.0)), ((2, 2), (1.0, 3.0)),
@@ -101,15 +103,15 @@ def test_weights(body, n, sizes):
 
 @every_body
 def test_near_stiffness(body):
-    """K between neighbours, as a point force sees it; its own is positive, those beside it pull the other way."""
+    """K between neighbours, as the operator has it."""
     grid = Grid((48, 40))
     u, p = np.zeros(grid.n), grid.empty(np.float64)
     u[5, 7] = 1
     Elastic(grid, body, np.float64).apply_to(u, p)
     mean = float(body.stiffness(np.zeros(1), grid.a)[0]) / grid.N  # which load control leaves out
     near = body.near(grid)
+    assert near[0] > 0
     assert near == pytest.approx([p[5, 7] + mean, p[6, 7] + mean, p[5, 8] + mean, p[6, 8] + mean], abs=2e-3 * near[0])
-    assert near[0] > 0 > near[1]
     assert (body.near(Grid((64, 1)))[2:] == 0).all()
     assert (body.near(Grid((2, 64)))[[1, 3]] == 0).all()
 
@@ -132,3 +134,12 @@ def test_table_and_on_the_fly(body):
         one, other = block.copy(), block.copy()
         assert getattr(table, method)(one, 0) == pytest.approx(getattr(own, method)(other, 0), rel=1e-12)
         assert np.allclose(one, other, rtol=1e-12, atol=1e-15)
+
+
+def test_one_body_for_every_scene():
+    """Every scene means one body, or none that there is."""
+    for wanted in ((None, None, "bonded", (False, False)), (0.3, 0.3, "bonded", (False, False)),
+                   (0.3, 0.5, "frictionless", (False, False))):
+        assert sum(cls.of(*wanted) is not None for cls in body_classes().values()) == 1
+    with pytest.raises(SceneError, match="allowed: with periodic boundaries"):
+        body_of(Material(thickness=0.1, nu1=0.3), (True, False))

@@ -5,6 +5,7 @@ import pytest
 from contacts import relative
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
+from hpc_gfmd.bodies.layer import Layer
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.operators.elastic import Elastic
 from hpc_gfmd.parallel import halo
@@ -34,6 +35,20 @@ def test_stiffness(comm, n, dtype, tolerance):
     assert np.abs(out - wanted[mine]).max(initial=0) <= tolerance * max(np.abs(wanted).max(), 1e-30)
     assert energy == pytest.approx(np.vdot(u, wanted), rel=10 * tolerance, abs=1e-30)
     assert elastic.pairs == 1
+
+
+@pytest.mark.parametrize("n", GRIDS, ids=str)
+def test_stiffness_from_a_table(comm, n):
+    """Every rank has the part of the table that belongs to its columns."""
+    grid, body = Grid(n, (1.0, 1.7), comm), Layer(0.1, 0.3, "bonded")
+    mine = slice(*grid.rows)
+    u = np.random.default_rng(1).standard_normal(n)
+    out = grid.empty(np.float64)
+    energy = comm.sum([Elastic(grid, body, np.float64).apply_to(u[mine], out)])[0]
+    alone = Grid(n, (1.0, 1.7))
+    wanted = alone.empty(np.float64)
+    assert energy == pytest.approx(Elastic(alone, body, np.float64).apply_to(u, wanted), rel=1e-12, abs=1e-25)
+    assert np.abs(out - wanted[mine]).max(initial=0) <= 1e-12
 
 
 @pytest.mark.parametrize("n", [(3, 16), (7, 11), (31, 37), (64, 40)], ids=str)

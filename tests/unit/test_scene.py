@@ -53,6 +53,20 @@ def test_effective_modulus_of_two_solids():
     assert Scene.from_toml(scene.to_toml()) == scene
 
 
+def test_one_solid_against_a_rigid_counterface():
+    scene = Scene.from_dict(tables(material={"E1": 2.0, "nu1": 0.5}))
+    assert scene.material.E_star == pytest.approx(2 / 0.75, rel=1e-15)
+    assert Scene.from_toml(scene.to_toml()) == scene
+
+
+@pytest.mark.parametrize("moduli", [{"E1": 2.0}, {"E_star": 2 / 0.91}])
+def test_layer(moduli):
+    scene = Scene.from_dict(tables(material={"nu1": 0.3, "thickness": 0.1} | moduli))
+    assert scene.material.E_star == pytest.approx(2 / 0.91, rel=1e-15)
+    assert scene.material.base == "bonded"
+    assert Scene.from_toml(scene.to_toml()) == scene
+
+
 def test_one_load_is_a_list_of_one():
     assert Scene.from_dict(tables(load={"p_star": 1})).load.p_star == (1.0,)
     assert Scene.from_dict(tables(load={"p_star": 0.1})).load.p0(E_star=2, g_rms=3) == pytest.approx((0.6,))

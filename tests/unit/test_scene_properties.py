@@ -105,6 +105,9 @@ valid = st.fixed_dictionaries(
     optional={
         "title": some_title,
         "material": st.one_of(st.fixed_dictionaries({"E_star": positive}),
+                              st.fixed_dictionaries({"E1": st.floats(1e-9, 1e12), "nu1": poisson}),
+                              st.fixed_dictionaries({"E_star": positive, "nu1": poisson, "thickness": positive,
+                                                     "base": st.just("frictionless")}),
                               st.fixed_dictionaries({"E1": st.floats(1e-9, 1e12), "nu1": poisson,
                                                      "E2": st.integers(1, 10**12), "nu2": poisson})),
         "solver": st.fixed_dictionaries({}, optional={
