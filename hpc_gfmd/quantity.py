@@ -2,6 +2,7 @@
 
 import re
 from functools import cache
+from math import floor, isfinite, log10
 
 from .errors import one_line
 
@@ -51,3 +52,16 @@ def _registry():
     import pint
 
     return pint.UnitRegistry()
+
+
+PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+
+
+def prefixed(values, unit):
+    """(what one prefixed unit is in `unit`, its name) for numbers to be read together: (1e6, "MPa"). (1.0, "") without a unit."""
+    largest = max((abs(value) for value in values if isinstance(value, int | float) and isfinite(value)), default=0.0)
+    if not unit:
+        return 1.0, ""
+    power = 3 * floor(log10(largest) / 3 + 1e-12) if largest > 0 else 0
+    power = min(max(power, min(PREFIXES)), max(PREFIXES))
+    return 10.0**power, PREFIXES[power] + unit

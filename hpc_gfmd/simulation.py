@@ -24,7 +24,7 @@ from .parallel.guard import guarded
 from .parallel.interrupt import Interrupt
 from .progress import Reporter
 from .registry import all_observables, body_of, default_observables, solver_names
-from .scene import Scene, check_names, load_scene, with_overrides
+from .scene import Scene, check_names, has_unit, load_scene, with_overrides
 from .surface import build_surface, surface_size
 from .units import field_dtype
 from .versions import versions
@@ -86,12 +86,14 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         pressures = sweep.pressures(scene.load)
         _require_same_heights(file, sweep.surface)
         _require_storable(scene.output, sweep.surface, pressures)
-        file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))
+        _require_like_units(scene, sweep.surface)
+        attributes = _surface_attributes(scene, sweep.surface, n)
+        file.update_surface(**attributes)
         file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
         for line in sweep.surface.notes:
             say.say(f"note: {line}")
         say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
-        run = _Run(comm, scene, file, sweep, observables, say, interrupt)
+        run = _Run(comm, scene, file, sweep, observables, say, interrupt, attributes)
         return run.all_steps(pressures)
 
 
@@ -139,11 +141,20 @@ def _require_storable(output, surface, pressures):
                                  f'(one unit of height: {surface.height_unit:g}), allowed: "double"')
 
 
-def _surface_attributes(spec, surface, n):
+def _require_like_units(scene, surface):
+    """Raise SceneError where the thickness has a unit and the height map none, or the other way round."""
+    thickness = scene.material.thickness
+    if surface.checksum is not None and thickness is not None and has_unit(thickness) != bool(surface.unit):
+        found, allowed = ("plain", '"2 um"') if surface.unit else ("with a unit", "a plain number, in the unit of the height map")
+        raise SceneError(f"material.thickness: found {thickness:g}, {found}, allowed with this height map: {allowed}")
+
+
+def _surface_attributes(scene, surface, n):
+    spec = scene.surface
     names = ("eps_t", "eps_f", "eps_c", "seed")
     nan = float("nan")
     return {"n": list(n), "physical_sizes": list(surface.grid.sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
-            "kind": spec.kind, "unit": surface.unit,
+            "kind": spec.kind, "unit": surface.unit or scene.length_unit, "pressure_unit": scene.pressure_unit,
             "prepared": "; ".join(surface.prepared)} | {name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
             {"hurst": spec.hurst} if hasattr(spec, "hurst") else {})
 
@@ -164,8 +175,8 @@ def _precision(settings):
 class _Run:
     """The load steps of one run."""
 
-    def __init__(self, comm, scene, file, sweep, observables, say, interrupt):
-        self.comm, self.scene, self.file, self.sweep = comm, scene, file, sweep
+    def __init__(self, comm, scene, file, sweep, observables, say, interrupt, surface):
+        self.comm, self.scene, self.file, self.sweep, self.surface = comm, scene, file, sweep, surface
         self.say, self.interrupt = say, interrupt
         wanted = default_observables() if scene.output.observables is None else scene.output.observables
         self.observables = {k: f for k, f in observables.items() if k in wanted}
@@ -184,7 +195,7 @@ class _Run:
         steps = self._done()
         status = max((s["status"] for s in steps), key=STATUS_ORDER.index)
         self.file.finish(status)
-        self.say.say(table(steps))
+        self.say.say(table(steps, surface=self.surface))
         return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
 
     def _go_back(self, unfinished, pressures):

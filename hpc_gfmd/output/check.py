@@ -2,7 +2,7 @@
 
 from math import isfinite
 
-TEXTS = ("status", "note", "precision", "kind", "unit", "prepared")
+TEXTS = ("status", "note", "precision", "kind", "unit", "pressure_unit", "prepared")
 NUMBERS = ("p", "p_star", "a_r", "kappa", "kappa_corrected", "gap_mean", "gap_over_h_rms", "iterations", "fft_pairs", "wall_seconds",
            "a_r_error", "a_r_discretisation", "gap_error", "pressure_error", "hurst", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c",
            "seed")

@@ -5,7 +5,23 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from .table import MAX_INT, MAX_N, POSITIVE, Corners, LengthUnit, Modes, Points, Positive, Ratio, Sizes, Table, not_both
+from .table import (
+    LENGTH,
+    MAX_INT,
+    MAX_N,
+    POSITIVE,
+    Corners,
+    Height,
+    Length,
+    LengthUnit,
+    Modes,
+    Points,
+    Positive,
+    Ratio,
+    Sizes,
+    Table,
+    not_both,
+)
 from .table import Path as PathText
 
 SIZES = "two positive numbers [L_x, L_y]"
@@ -37,7 +53,7 @@ class SelfAffine(Surface):
         description="a number from 2 (the grid does not resolve lam_s < 2 a)")
     lam_l_over_lam_r: Ratio = Field(1.0, description=RATIO)
     seed: Annotated[int, Field(ge=0, le=MAX_INT)] = Field(description="a whole number from 0")
-    h_rms: Positive | None = Field(None, description=POSITIVE)
+    h_rms: Length | None = Field(None, description=LENGTH)
     g_rms: Positive | None = Field(default_factory=lambda given: 1.0 if given.get("h_rms") is None else None,
                                    description=POSITIVE)
 
@@ -114,7 +130,7 @@ class Wave(Surface):
     """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y): Westergaard with one k = 0, Johnson et al. with both."""
 
     kind: Literal["wave"]
-    amplitude: Annotated[float, Field(ge=-1e100, le=1e100)] = Field(description="a number")
+    amplitude: Height = Field(description='a number, plain or as "100 nm"')
     n: Points = Field(description=POINTS)
     periods: Modes = Field((1, 0), description="two whole numbers [k_x, k_y] from 0, not both 0")
 
@@ -132,7 +148,7 @@ class Sphere(Surface):
     """The paraboloid z = -r^2/(2 R) about the centre of the cell."""
 
     kind: Literal["sphere"]
-    radius: Positive = Field(description=POSITIVE)
+    radius: Length = Field(description=LENGTH)
     n: Points = Field(description=POINTS)
 
 

@@ -61,7 +61,9 @@ def _distinct(values: tuple) -> tuple:
     return values
 
 
+Height = _quantity("length", Annotated[float, Field(ge=-1e100, le=1e100)])
 Length = _quantity("length")
+Pressure = _quantity("pressure")
 LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Fraction = Annotated[float, Field(gt=0, lt=1)]
 Ratio = Annotated[float, Field(ge=1, le=1e100)]
@@ -74,9 +76,11 @@ Points = Annotated[tuple[Annotated[int, Field(ge=1, le=MAX_N)], Annotated[int, F
                    BeforeValidator(_tuple)]
 Modes = Annotated[tuple[Annotated[int, Field(ge=0, le=MAX_N)], Annotated[int, Field(ge=0, le=MAX_N)]],
                   BeforeValidator(_tuple)]
+Pressures = Annotated[tuple[Pressure, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
 Loads = Annotated[tuple[Positive, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
 
 POSITIVE = "a positive number (1e-100 to 1e100)"
+LENGTH = f'{POSITIVE}, plain or as "100 um"'
 FRACTION = "a number above 0 and below 1"
 
 
@@ -90,3 +94,18 @@ def not_both(table: BaseModel, *keys: str) -> None:
     found = [key for key in keys if getattr(table, key) is not None]
     if len(found) > 1:
         raise ValueError(f"found {' and '.join(found)}, allowed: one of {', '.join(keys)}")
+
+
+def has_unit(value: Any) -> bool:
+    """Whether a number, or the numbers of a tuple, were given with a unit."""
+    return any(isinstance(item, Quantity) for item in (value if isinstance(value, tuple) else (value,)))
+
+
+def alike(what: str, given: dict[str, Any]) -> None:
+    """Raise ValueError if some of the quantities have units and others are plain; 0 is 0 in any unit, None is not given."""
+    numbers = [(key, item) for key, value in given.items() for item in (value if isinstance(value, tuple) else (value,)) if item]
+    plain = {key: item for key, item in numbers if not isinstance(item, Quantity)}
+    named = {key: item.text for key, item in numbers if isinstance(item, Quantity)}
+    if plain and named:
+        (one, number), (other, text) = next(iter(plain.items())), next(iter(named.items()))
+        raise ValueError(f"{one}: found {number:g} beside {other} = {text!r}, allowed: all {what} with units, or none")

@@ -83,7 +83,7 @@ def test_a_bad_value_is_named_with_its_key_and_what_is_allowed(path, value):
     (tables(WAVE | {"n": [8, 6.0]}), "surface.n[1]: found 6.0"),
     (tables(WAVE | {"n": 8}), "surface.n: found 8, allowed: two whole numbers"),
     (tables(WAVE | {"amplitude": 0}), "load.p_star: found a flat surface"),
-    (tables({"kind": "wave"}), "surface.amplitude: found nothing, allowed: a number (and 1 more)"),
+    (tables({"kind": "wave"}), "surface.amplitude: found nothing, allowed: a number, plain or as \"100 nm\" (and 1 more)"),
     ({"load": {"p_star": 1}}, "surface: found nothing, allowed: a table [surface]"),
     ({"surface": SURFACE}, "load: found nothing"),
     (tables(load=3), "load: found 3, allowed: a table [load]"),
