@@ -45,8 +45,8 @@ class Looks:
 
 
 def by_slope(g_rms, measured):
-    """Of any surface; measured: units may be mistaken."""
-    if measured and g_rms and not ABSURD[0] <= g_rms <= ABSURD[1]:
+    """Of any surface; measured: it is no formula, of which any slope may be asked."""
+    if g_rms > ABSURD[1] or (measured and 0 < g_rms < ABSURD[0]):
         return [f"g_rms = {g_rms:.2g}: heights and sizes are probably in different units"]
     return [f"g_rms = {g_rms:.3g}: the theory is that of small slopes"] if g_rms > STEEP else []
 

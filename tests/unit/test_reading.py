@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from contacts import random_heights
 
+import hpc_gfmd
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import File, Scene
@@ -157,3 +158,28 @@ def test_missing_points_are_no_heights(tmp_path):
             build_surface(spec(tmp_path / name), SerialComm(), float)
 
 
+@pytest.mark.parametrize("keys", [{}, {"detrend": "tilt", "mirror": True}, {"physical_sizes": ["2.4 um", "0.8 um"], "flip": True}],
+                         ids=str)
+def test_read_surface_does_what_the_scene_does(keys, tmp_path):
+    FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
+    surface = hpc_gfmd.read_surface(tmp_path / "z.x3p", **keys)
+    assert surface.unit == "m"
+    found = hpc_gfmd.solve(surface, "1 GPa", "50 GPa")
+    table = {"kind": "file", "path": str(tmp_path / "z.x3p")} | keys
+    scene = Scene.from_dict({"surface": table, "load": {"pressure": "1 GPa"}, "material": {"E_star": "50 GPa"}})
+    (step,) = run_scene(scene, out=tmp_path / "out.h5", quiet=True).steps
+    assert found.a_r == step["a_r"]
+    assert found.gap_mean == pytest.approx(step["gap_mean"])
+    assert found.note == step.get("note")
+
+
+def test_what_a_prepared_surface_knows(tmp_path):
+    FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
+    surface = hpc_gfmd.read_surface(str(tmp_path / "z.x3p"), detrend="mean")
+    assert np.allclose(surface.heights, Z - Z.mean())
+    assert surface.sizes == pytest.approx(SIZES)
+    assert surface.prepared == ("mean removed",)
+    with pytest.raises(SceneError, match=r"physical_sizes: found .* beside a surface that knows its sizes"):
+        hpc_gfmd.solve(surface, 1.0, physical_sizes=(1, 2))
+    with pytest.raises(SceneError, match=r"surface.detrent: unknown key, nearest: surface.detrend"):
+        hpc_gfmd.read_surface(str(tmp_path / "z.x3p"), detrent="mean")
