@@ -8,6 +8,9 @@ w of zero mean, <w, e> is at most |w|_S |e|_K; two of them give mean(e):
 - w = -1 out of contact and constant in contact, where e vanishes but at points that change sides: |mean(e)| = |<w, S (p - p*)>|/N,
   which is far smaller where little is out of contact. Here p* is p^ but for a part that is at most half of the bound |w|_S sqrt(2 G)/N,
   because 1/2 <e, K e> is nearly all of G; and <w, S (p - p^)> is known.
+
+Where the surface ends within the cell these are bounds of the mean of e over the cell. That over the surface alone is different by
+<w, e>/N, w = 1 on the surface (less its mean): |w|_S is known beforehand, it is the self-energy of the nominal area.
 """
 
 import numpy as np
@@ -25,14 +28,15 @@ SHARE, ASPERITY = 0.05, 10
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 
 
-def field_errors(energy, uKu, closed, N, p0, gap, kap, response, aligned):
+def field_errors(energy, uKu, closed, N, p0, gap, kap, response, aligned, surface):
     """Relative errors of the mean gap and of the pressure field (L2).
 
-    energy: 2 G; uKu: <u, K u>; closed: sum of p^2 in contact; N: points; gap: its mean; kap: 1/K of the shortest waves;
-    response: |w|_S, aligned: <w, S (p - p^)>, both by sums over levels.
+    energy: 2 G; uKu: <u, K u>; closed: sum of p^2 in contact; N: points; gap: its mean; kap: 1/K of the shortest waves, as
+    bodies/base.py has it; response: |w|_S, aligned: <w, S (p - p^)>, both by sums over levels; surface: |w|_S of the nominal area, 0
+    where that is all.
     """
     e = np.sqrt(max(energy, 0.0))
-    shift = min(e * (np.sqrt(max(uKu, 0.0)) + e) / p0, UNKNOWN * response * e + ALIGNED * abs(aligned)) / N
+    shift = (min(e * (np.sqrt(max(uKu, 0.0)) + e) / p0, UNKNOWN * response * e + ALIGNED * abs(aligned)) + surface * e) / N
     mean_gap = shift / (gap - shift) if shift < gap else (0.0 if shift == 0 else np.inf)
     return float(mean_gap), float(PRESSURE * (1 + TINY / np.sqrt(N)) * e / np.sqrt(kap * closed))
 
@@ -50,7 +54,8 @@ def points_on_wrong_side(problem, g, p, kap, squares, spread):
     if largest <= 0:
         return 0.0
     counts = np.zeros((2, BINS))
-    undecided(g, p, kap, TIE * rounding if double else 0.0, sure, largest, counts)
+    rows, m = problem.grid.inside
+    undecided(g[:rows, :m], p[:rows, :m], kap, TIE * rounding if double else 0.0, sure, largest, counts)
     counts = problem.grid.comm.sum(counts.ravel()).reshape(counts.shape)
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0

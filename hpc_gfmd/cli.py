@@ -12,7 +12,7 @@ from .errors import GfmdError, SceneError, one_line
 from .streams import unfailing_output
 
 ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
-COMMANDS = ("run", "plan", "show", "plot", "persson", "tfc", "study", "bench", "info")
+COMMANDS = ("run", "plan", "show", "plot", "export", "persson", "tfc", "study", "bench", "info")
 
 
 class _Parser(argparse.ArgumentParser):

@@ -10,6 +10,7 @@ from .errors import SceneError
 from .units import field_dtype
 
 FIELDS = ("pressure", "gap", "displacement")
+STORABLE = (*FIELDS, "heights")  # the last one once for all loads
 LAZY_ROWS = 64  # of a field that are computed at a time
 FEW_POINTS = 100  # fewer contact points than this say little about a rough contact
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
@@ -53,12 +54,17 @@ class Contact:
     @property
     def pressure_unit(self):
         """What one unit of q is in the unit of E_star."""
-        return self.E_star * self.g_rms if self.g_rms > 0 else self.p
+        return self.E_star * self.surface.slope
 
     @property
     def p_star(self):
         """p/(E* g_rms); nan on a flat surface."""
         return self.p / self.pressure_unit if self.g_rms > 0 else float("nan")
+
+    @property
+    def approach(self):
+        """How far the bodies have come together since they touched undeformed; nan where a half-space gives way without end."""
+        return self.certificate.approach * self.surface.height_unit
 
     @property
     def contact_points(self):
@@ -84,7 +90,7 @@ class Contact:
     def _doubt(self):
         """Why a solution that is converged may yet say little."""
         points = self.contact_points
-        if self.g_rms == 0:
+        if self.g_rms == 0 and not self.surface.grid.padded:
             return "flat surface: every point touches at any load"
         if points == self.N:
             return "full contact: every point touches, the gap is zero"
@@ -101,7 +107,10 @@ class Contact:
         """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
         from .operators.tangent import tangent
 
-        return tangent(self.surface.grid, self.body, (self.g <= 0) & (self.q > 0), self.g.dtype, self.accuracy)
+        rows, points = self.surface.grid.inside
+        touching = (self.g <= 0) & (self.q > 0)
+        touching[rows:], touching[:rows, points:] = False, False
+        return tangent(self.surface.grid, self.body, touching, self.g.dtype, self.accuracy)
 
     @property
     def pairs(self):
@@ -110,15 +119,20 @@ class Contact:
 
     @cached_property
     def boundary_segments(self):
-        """Grid-cell sides between a point in contact and one that is not."""
+        """Grid-cell sides between a point in contact and one that is not; the edge of a surface that ends is none."""
         from .kernels.certify import contact_edges
         from .parallel import halo
 
         grid = self.surface.grid
         if grid.N == 1:
             return 0
-        below = halo.next_row(grid.comm, np.stack([self.g[:1], self.q[:1]]))
-        return int(grid.comm.sum([contact_edges(self.g, self.q, below[0], below[1])])[0])
+        rows, points = grid.inside
+        g, q = self.g[:rows, :points], self.q[:rows, :points]
+        below = halo.next_row(grid.comm, np.stack([g[:1], q[:1]]))
+        ends_x, ends_y = (a != b for a, b in zip(grid.nominal, grid.n))
+        if ends_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
+            below = g[-1], q[-1]
+        return int(grid.comm.sum([contact_edges(g, q, below[0], below[1], not ends_y)])[0])
 
     def field(self, name):
         """One of FIELDS as a local slab of the whole grid, computed as it is read.
@@ -132,23 +146,35 @@ class Contact:
         """
         if name not in FIELDS:
             raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")
-        start, stop = self.surface.rows
         dtype = field_dtype(name, self.g.dtype, self.p, self.surface)
-        return LazyField(lambda i0, i1: self._field_rows(name, i0, i1, dtype.type), (stop - start, self.surface.n[1]), dtype)
+        real = dtype.type
 
-    def _field_rows(self, name, i0, i1, real):
-        left_out = self.surface.reduced_axis
-        if left_out == 0:
-            take = slice(0, 1)
-        else:  # with the other axis left out every rank has all rows
-            first = self.surface.rows[0] if left_out == 1 else 0
-            take = slice(first + i0, first + i1)
-        g, q = self.g[take], self.q[take]
-        if name == "pressure":
-            values = np.where((g <= 0) & (q > 0), q, 0) * real(self.pressure_unit)
-        else:
-            values = (g if name == "gap" else g - self.surface.h[take]) * real(self.surface.height_unit)
-        return values if left_out is None else np.broadcast_to(values, (i1 - i0, self.surface.n[1]))
+        def values(take):
+            points = self.surface.grid.nominal[1]
+            g, q = self.g[take, :points], self.q[take, :points]
+            if name == "pressure":
+                return np.where((g <= 0) & (q > 0), q, 0) * real(self.pressure_unit)
+            return (g if name == "gap" else g - self.surface.h[take]) * real(self.surface.height_unit)
+
+        return _on_the_whole_grid(self.surface, values, dtype)
+
+
+def heights_of(surface):
+    """Heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest at 0: as Contact.field."""
+    dtype = field_dtype("heights", surface.h.dtype, 0.0, surface)
+    return _on_the_whole_grid(surface, lambda take: surface.h[take] * -dtype.type(surface.height_unit), dtype)
+
+
+def _on_the_whole_grid(surface, values, dtype):
+    """The local slab, with an axis that was left out, of what values(rows of the arrays) gives."""
+    left_out = surface.reduced_axis
+
+    def rows(i0, i1):
+        first = surface.rows[0] if left_out == 1 else 0  # with the second axis left out every rank has all rows
+        found = values(slice(0, 1) if left_out == 0 else slice(first + i0, first + i1))
+        return found if left_out is None else np.broadcast_to(found, (i1 - i0, surface.n[1]))
+
+    return LazyField(rows, (surface.rows[1] - surface.rows[0], surface.n[1]), dtype)
 
 
 class LazyField:

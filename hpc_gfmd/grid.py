@@ -20,10 +20,11 @@ from .parallel.fft import SlabFFT, row_starts
 class Grid:
     """n = (n_x, n_y) points in a cell of physical sizes (L_x, L_y); every rank owns the rows [start, stop) of each field.
 
-    starts: first row of each rank, and n_x; by default the block distribution of mpi4py-fft.
+    starts: first row of each rank, and n_x; by default the block distribution of mpi4py-fft. nominal: points along each axis that
+    the surface has, from point 0; the others are padding, where nothing can touch. Means and counts are over the nominal area.
     """
 
-    def __init__(self, n, sizes=(1.0, 1.0), comm=None, threads=1, starts=None):
+    def __init__(self, n, sizes=(1.0, 1.0), comm=None, threads=1, starts=None, nominal=None):
         from .parallel.comm import SerialComm
 
         self.n = (int(n[0]), int(n[1]))
@@ -31,12 +32,35 @@ class Grid:
         self.comm = comm or SerialComm()
         self.threads = threads
         self.starts = row_starts(self.n[0], self.comm.size) if starts is None else np.asarray(starts)
+        self.nominal = self.n if nominal is None else (int(nominal[0]), int(nominal[1]))
         self._fft = {}
 
     @property
-    def N(self):
+    def cell_points(self):
         """Number of points of the whole grid."""
         return self.n[0] * self.n[1]
+
+    @property
+    def N(self):
+        """Number of points of the nominal area: all of them unless the surface ends within the cell."""
+        return self.nominal[0] * self.nominal[1]
+
+    @property
+    def padded(self):
+        """Whether there are points beyond the surface."""
+        return self.nominal != self.n
+
+    @property
+    def inside(self):
+        """Shape of this rank's part of the nominal area: its first rows, and the first points of each."""
+        start, stop = self.rows
+        return min(stop, self.nominal[0]) - min(start, self.nominal[0]), self.nominal[1]
+
+    @property
+    def nominal_rows(self):
+        """This rank's rows (start, stop) of the nominal area, perhaps none."""
+        start, stop = self.rows
+        return min(start, self.nominal[0]), min(stop, self.nominal[0])
 
     @property
     def rows(self):

@@ -18,10 +18,12 @@ ROUNDING = 2.5  # rms of the error of K h over the rms of h, in units of the wor
 
 @dataclass(frozen=True)
 class Problem:
-    """h: local slab of the initial gap, >= 0 with minimum 0, in the working precision; p0: mean pressure; body: see bodies/.
+    """h: local part of the initial gap, >= 0 with minimum 0, in the working precision; where the surface ends within the cell, of its
+    nominal area, over which p0, the mean pressure, is one, too; body: see bodies/.
 
     Without h (None) the displacement u = g - h is formed in Fourier space, where add_spectrum(fft) gives a function (block, m) that
-    adds the transform of -h to a block of columns; `working` then tells the precision and h_rms what root_mean_square() gave.
+    adds the transform of -h to a block of columns; `working` then tells the precision. h_rms: what root_mean_square() gave, where that
+    is known.
     """
 
     grid: object
@@ -39,17 +41,37 @@ class Problem:
 
     def root_mean_square(self):
         """sqrt(mean h^2). Collective."""
-        if self.h is None:
+        if self.h_rms is not None:
             return self.h_rms
         return float(np.sqrt(self.grid.comm.sum([np.einsum("ij,ij->", self.h, self.h, dtype=np.float64)])[0] / self.grid.N))
 
     @property
+    def p_cell(self):
+        """The mean pressure over the whole grid."""
+        return self.p0 * (self.grid.N / self.grid.cell_points)
+
+    @property
+    def self_energy(self):
+        """sqrt(<w, S w>) of w = 1 on a surface that ends, 0 beyond, less its mean, at most; 0 where the surface is all there is.
+
+        Of all shapes of the same area a disc has the most, 0.958 area^(3/2); a strip that is periodic along its length
+        (4/pi^3) 1.05 area times its width, times 2 for the mean of S, which is left open there.
+        """
+        grid = self.grid
+        ends = [m * s / grid.a for m, n, s in zip(grid.nominal, grid.n, grid.spacings) if m != n]
+        longest = 0.33 * max(ends) if len(ends) == 1 else 0.0
+        return float(np.sqrt(grid.N * max(0.958 * np.sqrt(grid.N), longest))) if ends else 0.0
+
+    @property
     def rounding(self):
-        """The rms error of the pressure that comes from storing h in the working precision. Collective."""
-        return ROUNDING * float(np.finfo(self.dtype).eps) * self.root_mean_square()
+        """The rms error of the pressure that comes from storing h in the working precision, and the displacement beyond the surface,
+        which is of the order of p_cell times the size of the cell. Collective."""
+        beyond = self.p_cell * np.sqrt(self.grid.cell_points) if self.grid.padded else 0.0
+        return ROUNDING * float(np.finfo(self.dtype).eps) * float(np.hypot(self.root_mean_square(), beyond))
 
     def displacement_rows(self, g):
-        """fill(i0, i1, x): rows of u = g - h, or of g where `adder` does the rest; x may be of another precision."""
+        """fill(i0, i1, x): rows of u = g - h (g itself beyond the surface), or of g where `adder` does the rest; x may be of another
+        precision."""
         from .kernels.certify import displacement_rows
 
         if self.h is not None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .contact import FIELDS
+from .contact import FIELDS, STORABLE, heights_of
 from .driver.lowmemory import LowMemorySweep
 from .driver.memory import require_memory
 from .driver.sweep import Sweep, first_precision
@@ -19,13 +19,12 @@ from .output.record import RunFile, tidy
 from .output.table import table
 from .parallel import wisdom
 from .parallel.comm import threads_of, world
-from .parallel.fft import row_starts
 from .parallel.guard import guarded
 from .parallel.interrupt import Interrupt
 from .progress import Reporter
 from .registry import all_observables, body_of, default_observables, solver_names
 from .scene import Scene, check_names, has_unit, load_scene, with_overrides
-from .surface import build_surface, surface_size
+from .surface import build_surface, grid_of, surface_size
 from .units import field_dtype
 from .versions import versions
 
@@ -43,11 +42,12 @@ class RunResult:
     exit_code: int
 
 
-def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=None):
+def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=False, comm=None):
     """Solve a scene (path of a TOML file, or scene.Scene) and write its result file. Collective.
 
     overrides: "table.key=value" texts; out: path of the result instead of the scene's; resume: keep the finished steps and the
-    checkpoint of an interrupted run. Raises SceneError on all ranks for a wrong scene, GfmdError for what failed while running.
+    checkpoint of an interrupted run; force: overwrite the result of another scene. Raises SceneError on all ranks for a wrong scene,
+    GfmdError for what failed while running.
     """
     begun = time.monotonic()
     comm = comm or world()
@@ -55,9 +55,9 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         read = _read_scene(comm, scene, overrides, out)
     scene = comm.bcast(read)
     observables = all_observables()
-    check_names(scene, solver_names(), observables, FIELDS)
+    check_names(scene, solver_names(), observables, STORABLE)
     if scene.solver.low_memory and "displacement" in scene.output.fields:
-        raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap')
+        raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap, heights')
     n = None
     with guarded(comm, "reading the surface"):
         if comm.rank == 0:
@@ -66,23 +66,22 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
     threads = threads_of(comm, scene.machine.threads)
     say = Reporter(comm, scene.solver, quiet)
     require_memory(comm, scene, n, threads)
-    starts = row_starts(n[0], comm.size)
-    rows = (int(starts[comm.rank]), int(starts[comm.rank + 1]))
+    rows = grid_of(n, (1.0, 1.0), comm, free=scene.surface.free).nominal_rows
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
 
     with Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt, \
-            RunFile(comm, scene.output.path, n, rows, head, {}, resume=resume,
+            RunFile(comm, scene.output.path, n, rows, head, {}, resume=resume, force=force,
                     compressed=scene.output.compression, dtype=scene.output.dtype) as file:
-        for line in filter(None, [file.note, *scene.warnings()]):
+        for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
         if resume and comm.rank == 0:
             wisdom.take_from(file.partial)
-        compile_once(comm, scene.solver)
+        compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
         lam_s = getattr(scene.surface, "lam_s", None)
         low = scene.solver.low_memory
         kind = LowMemorySweep if low else Sweep
         sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads, low), scene.solver, scene.material.E_star, lam_s,
-                     duality="duality_gap" in (scene.output.observables or ()), body=body_of(scene.material))
+                     duality="duality_gap" in (scene.output.observables or ()), body=body_of(scene.material, scene.surface.free))
         pressures = sweep.pressures(scene.load)
         _require_same_heights(file, sweep.surface)
         _require_storable(scene.output, sweep.surface, pressures)
@@ -90,6 +89,8 @@ def run_scene(scene, overrides=(), out=None, resume=False, quiet=False, comm=Non
         attributes = _surface_attributes(scene, sweep.surface, n)
         file.update_surface(**attributes)
         file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
+        if "heights" in scene.output.fields:
+            file.write_heights(heights_of(sweep.surface))
         for line in sweep.surface.notes:
             say.say(f"note: {line}")
         say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
@@ -107,7 +108,9 @@ def restart(path, overrides=(), quiet=False, comm=None):
         if comm.rank == 0:
             tidy(path)
             if not partial_folder(path).is_dir():
-                there = "is complete already" if Path(path).exists() else "has no interrupted run beside it"
+                there = "is complete already" if Path(path).is_file() else "has no interrupted run beside it"
+                if Path(path).suffix == ".partial":
+                    there = f"is the folder of a run: hpc-gfmd restart {Path(path).with_suffix('')}"
                 raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
         scene = with_overrides(Scene.from_toml(read_partial(path).scene_toml, str(path)), overrides, "machine")
     return run_scene(scene, out=path, resume=True, quiet=quiet, comm=comm)
@@ -153,9 +156,11 @@ def _surface_attributes(scene, surface, n):
     spec = scene.surface
     names = ("eps_t", "eps_f", "eps_c", "seed")
     nan = float("nan")
-    return {"n": list(n), "physical_sizes": list(surface.grid.sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
-            "kind": spec.kind, "unit": surface.unit or scene.length_unit, "pressure_unit": scene.pressure_unit,
-            "prepared": "; ".join(surface.prepared)} | {name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
+    boundary = ", ".join("free" if ends else "periodic" for ends in spec.free)
+    said = {"unit": surface.unit or scene.length_unit, "pressure_unit": scene.pressure_unit, "prepared": "; ".join(surface.prepared)}
+    return {"n": list(n), "physical_sizes": list(surface.sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
+            "kind": spec.kind, "boundary": boundary} | {name: text for name, text in said.items() if text} | {
+                name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
             {"hurst": spec.hurst} if hasattr(spec, "hurst") else {})
 
 
@@ -180,7 +185,7 @@ class _Run:
         self.say, self.interrupt = say, interrupt
         wanted = default_observables() if scene.output.observables is None else scene.output.observables
         self.observables = {k: f for k, f in observables.items() if k in wanted}
-        self.checkpointable = sweep.surface.reduced_axis is None and sweep.surface.g_rms > 0
+        self.checkpointable = sweep.surface.reduced_axis is None and (sweep.surface.g_rms > 0 or sweep.surface.grid.padded)
 
     def all_steps(self, pressures):
         """Solve what is not finished; returns a RunResult."""
@@ -204,7 +209,7 @@ class _Run:
         """
         other = False
         try:
-            found = read_checkpoint(self.comm, self.file.checkpoint, self.sweep.solver_class.name)
+            found = read_checkpoint(self.comm, self.file.checkpoint, self.sweep.solver_class.name, self.scene.identity())
             if found is not None and found.step > unfinished:
                 raise SceneError(f"{found.path}: later than load {unfinished + 1}, which has to be solved again")
             other = found is not None and found.numbers.get("heights") != self.sweep.surface.checksum
@@ -261,7 +266,8 @@ class _Run:
             begun, sweep = time.monotonic(), self.sweep
             if self.comm.rank == 0:
                 wisdom.keep_with(self.file.partial)
-            write_checkpoint(self.comm, self.file.checkpoint, sweep.surface.grid, index, sweep.solver_class.name, state(), seconds)
+            write_checkpoint(self.comm, self.file.checkpoint, sweep.surface.grid, index, sweep.solver_class.name, state(), seconds,
+                             self.scene.identity())
             self.interrupt.saved(begun)
 
     def _write(self, index, p, step, seconds):
@@ -274,5 +280,5 @@ class _Run:
                       "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure,
                       "precision": contact.g.dtype.name, "residual": contact.certificate.residual, "note": contact.note}
         attributes |= contact.certificate.attributes() | numbers
-        fields = {name: contact.field(name) for name in self.scene.output.fields}
+        fields = {name: contact.field(name) for name in self.scene.output.fields if name in FIELDS}
         self.file.write_step(index, {k: v for k, v in attributes.items() if v is not None}, fields)

@@ -23,7 +23,7 @@ def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver
     comm = comm or SerialComm()
     lam_s = getattr(scene.surface, "lam_s", None)
     return Sweep(lambda dtype: build_surface(scene.surface, comm, dtype), scene.solver, E_star, lam_s, duality,
-                 body_of(scene.material))
+                 body_of(scene.material, scene.surface.free))
 
 
 def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):

@@ -84,8 +84,8 @@ class Pieces:
         self.comm.barrier()
 
 
-def scene(solver, loads=LOADS, fields=("gap", "pressure"), **settings):
+def scene(solver, loads=LOADS, fields=("gap", "pressure"), boundary="periodic", **settings):
     """A small rough contact in double precision."""
     solver = {"name": solver, "accuracy": 1e-2, "precision": "double"} | settings
-    return Scene.from_dict({"surface": rough((2, 8, 2)), "load": {"p_star": loads}, "solver": solver,
+    return Scene.from_dict({"surface": rough((2, 8, 2), boundary=boundary), "load": {"p_star": loads}, "solver": solver,
                             "output": {"fields": list(fields)}})

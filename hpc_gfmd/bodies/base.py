@@ -15,6 +15,7 @@ from ..operators.coarsening import levels
 NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
 SAMPLES = 400  # of K between the longest and the shortest wave, where it may not be monotone
 FLAT = 6  # how soon a level has nothing to add where K hardly falls
+LEFT = 0.3  # wave number over the largest: the typical one of what solvers leave
 NOTHING = 1e30  # a stiffness against which a level does nothing
 SQRT2 = np.sqrt(2.0)
 
@@ -25,12 +26,14 @@ class Body:
     """A body given by the radial function `stiffness`. Instances are hashable: frozen dataclasses.
 
     name: the file's; full_p_star: below this p* full contact is out of the question, because the pressure that flattens a surface
-    varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed).
+    varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed). absolute: whether a uniform pressure has a
+    finite effect, so that the approach is known.
     """
 
     name = ""
     table_share = 0.25  # numbers that are kept for every point of a grid and each precision
     full_p_star = 0.499
+    absolute = True
 
     @classmethod
     def of(cls, thickness, nu, base, free):
@@ -49,10 +52,15 @@ class Body:
 
     def multipliers(self, grid, fft):
         """What multiplies the columns of the spectrum by K and S: an object with stiffness(block, m) and compliance(block, m), which
-        fold in 1/N and return this block's share of <u, K u> or <p, S p>. The table is made once for each plan of transforms."""
+        fold in 1/N and return this block's share of <u, K u> or <p, S p>; and uniform, the K(0) that load control leaves out (0, or
+        nan, where the body gives way without end)."""
+        return self.tabled(grid, fft)
+
+    def tabled(self, grid, fft):
+        """The multipliers from the table, which is made once for each plan of transforms. Collective."""
         made = _multipliers.setdefault(fft, {})
         if self not in made:
-            made[self] = Tabled(grid, fft, self.table(grid, fft))
+            made[self] = Tabled(grid, fft, self.table(grid, fft), self.absolute)
         return made[self]
 
     def table(self, grid, fft):
@@ -74,6 +82,13 @@ class Body:
         K = self.stiffness(np.geomspace(longest, shortest, SAMPLES), grid.a)
         return float(K.min()), float(K.max())
 
+    def typical(self, grid):
+        """What K is on the average over what solvers leave, so that it tells the error of the pressure from that of the energy: times a
+        constant, `scale` where K is proportional to q."""
+        shortest = SQRT2 * grid.q_nyquist
+        K = self.stiffness(np.append(np.linspace(0, LEFT * shortest, SAMPLES)[1:], LEFT * shortest), grid.a)
+        return float(K.max()) / (SQRT2 * LEFT)
+
     def weights(self, grid):
         """The stiffness of every level of the grid's hierarchy in the multilevel preconditioner, relative to the finest.
 
@@ -90,17 +105,31 @@ class Body:
         weights[-1] = q[-1] / q[0]
         return weights
 
+    def softness(self, grid):
+        """What every level adds to S, over S of the shortest wave: of a field of zero mean, <r, S r> is bounded by its squares on the
+        levels times this (operators/multilevel.py). Not 1/weights where K is flat: S of a level is the largest of all waves as short.
+        """
+        q = np.array([level.q for level in levels(grid)])
+        shorter = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES) * q[0], q)
+        K = self.stiffness(SQRT2 * shorter, grid.a)
+        S = np.array([1 / K[shorter >= x].min() for x in q])
+        share = 1 - q[1:] / q[:-1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            added = np.where(share > 0, (S[1:] - S[:-1]) / share, S[1:])
+        return np.append(S[0], added) / S[0]
+
     def near(self, grid):
         """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0 where there are none)."""
         return _near(self, tuple(min(k, NEAR_POINTS) for k in grid.n), grid.spacings, grid.a)
 
 
 class Tabled:
-    """The multipliers of a body whose K stands in a table."""
+    """The multipliers of a body whose K stands in a table. absolute: whether its K(0) means anything."""
 
-    def __init__(self, grid, fft, table):
+    def __init__(self, grid, fft, table, absolute=True):
         self.ranks, self.scale, self.dtype = grid.comm.size, fft.scale, fft.dtype
         self.weight = grid.column_tables(fft)[1]
+        self.uniform = float(grid.comm.bcast(table[0, 0, 0] if table.size else 0.0)) if absolute else np.nan
         if grid.comm.rank == 0:
             table[0, 0, 0] = 0  # the rigid translation
         self.table = table

@@ -32,6 +32,8 @@ HALF_SPACE = HalfSpace()
 class OnTheFly:
     """Multiplies by K = |q|/2 and S = 2/|q| without a table."""
 
+    uniform = 0.0
+
     def __init__(self, grid, fft):
         self.dtype, self.scale = fft.dtype, fft.scale
         self.q_x = np.repeat(grid.q_x, 2).astype(fft.dtype)  # kernels see real and imaginary parts as numbers of their own

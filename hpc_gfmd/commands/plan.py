@@ -24,32 +24,34 @@ def main(args) -> int:
     from ..errors import SceneError
     from ..registry import all_observables, solver_names
     from ..scene import check_names, load_scene
-    from ..surface import surface_size
+    from ..surface import cell_of, surface_size
 
     if args.ranks < 1:
         raise SceneError(f"--ranks: found {args.ranks}, allowed: a whole number from 1")
     scene = load_scene(args.scene, args.set)
     check_names(scene, solver_names(), all_observables(), FIELDS)
     n = surface_size(scene.surface)
+    cell = cell_of(n, scene.surface.free)
     cores = len(os.sched_getaffinity(0))
     threads = max(1, cores // args.ranks) if scene.machine.threads == "auto" else scene.machine.threads
     memory = memory_of(scene, n, args.ranks, threads)
     there = scene.machine.memory_gib or available_gib()
-    columns = n[1] // 2 + 1
+    columns = cell[1] // 2 + 1
     plan = {
-        "n": list(n), "points": n[0] * n[1], "loads": len(scene.load.p_star or scene.load.pressure), "ranks": args.ranks,
-        "threads": threads,
-        "idle_ranks": max(0, args.ranks - n[0]), "idle_ranks_of_columns": max(0, args.ranks - columns),
+        "n": list(n), "points": n[0] * n[1], "cell": list(cell),
+        "loads": len(scene.load.p_star or scene.load.pressure), "ranks": args.ranks, "threads": threads,
+        "idle_ranks": max(0, args.ranks - cell[0]), "idle_ranks_of_columns": max(0, args.ranks - columns),
         "gib_per_rank": memory.total, "gib": memory.total * args.ranks, "gib_available": there,
         "fields_gib": memory.fields, "transforms_gib": memory.transforms, "certificate_gib": memory.certificate,
         "process_gib": memory.process,
         "file_gib": _file_gib(scene, n), "notes": scene.warnings(),
-        "seconds": expected_seconds(scene, n, args.ranks, cores),
+        "seconds": expected_seconds(scene, cell, args.ranks, cores),
     }
     if args.json:
         print(json.dumps(plan, indent=1))
     else:
-        print(f"{n[0]} x {n[1]} = {plan['points']:.4g} points, {plan['loads']} loads, {args.ranks} ranks")
+        on = f", solved on {cell[0]} x {cell[1]}" if cell != tuple(n) else ""
+        print(f"{n[0]} x {n[1]} = {plan['points']:.4g} points{on}, {plan['loads']} loads, {args.ranks} ranks")
         print(f"memory: {memory.total:.2f} GiB per rank, {plan['gib']:.2f} GiB in all, {there:.2f} GiB available")
         print(f"        of it fields {memory.fields:.2f}, transforms {memory.transforms:.2f}, "
               f"certificate {memory.certificate:.2f}, process {memory.process:.2f}")

@@ -33,6 +33,8 @@ def main(args) -> int:
     for index, step in zip(result.indices, result.steps, strict=True):
         if step.get("note"):
             print(f"step {index}: {step['note']}")
+    for note in result.notes:
+        print(f"note: {note}")
     if result.folder is not None:
         print(f"! the run is {result.status}: only its finished load steps are shown")
     return 0

@@ -8,6 +8,7 @@ def add_parser(subparsers):
     parser.add_argument("scene", metavar="SCENE.toml", help="scene file")
     parser.add_argument("-o", "--output", metavar="OUT.h5", help="result file instead of the scene's")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the scene: table.key=value")
+    parser.add_argument("--force", action="store_true", help="overwrite the result of another scene")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(main=main, saves=True)
 
@@ -24,7 +25,7 @@ def main(args) -> int:
     """Solve; the exit code tells whether every step converged."""
     from ..simulation import run_scene
 
-    return run_scene(args.scene, args.set, args.output, quiet=args.quiet).exit_code
+    return run_scene(args.scene, args.set, args.output, force=args.force, quiet=args.quiet).exit_code
 
 
 def main_restart(args) -> int:

@@ -1,6 +1,7 @@
 """`hpc-gfmd show`: what a result file says, as a table or as JSON."""
 
 import json
+import sys
 from math import isfinite
 
 from ..output.read import Result, read_result
@@ -34,11 +35,13 @@ def main(args) -> int:
     result = read_result(args.file)
     shown, text = as_dict(result), as_text(result)
     if args.tfc is not None:
-        from ..output.limits import limits_text, to_limits  # imports scipy
+        from .limits import limits_text, to_limits  # imports scipy
 
         limits = to_limits(result, args.tfc)
         shown, text = shown | _finite({"tfc": limits}), f"{text}\n\n{limits_text(limits)}"
     print(json.dumps(shown, indent=1, allow_nan=False) if args.json else text)
+    for note in result.notes if args.json else ():
+        print(f"note: {note}", file=sys.stderr)
     return 0
 
 
@@ -55,7 +58,7 @@ def as_text(result: Result) -> str:
     if surface_line(result.surface):
         lines.append(surface_line(result.surface))
     lines.append(table(result.steps, result.indices, result.surface) if result.steps else "no finished load step yet")
-    return "\n".join(lines)
+    return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])
 
 
 def _finite(value):

@@ -28,7 +28,10 @@ class Certificate:
     mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact - p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for;
     residual: rms of p out of contact over p0.
     errors: relative, of (area, mean gap, pressure field), None if not asked for: the mean gap's is a bound, up to rounding.
-    energy: 1/2 <u, K u>/N; contact: points; gap_mean: problem's unit; pairs: FFT pairs this took."""
+    energy: elastic energy per area, and approach: how far the bodies have come together since they touched, without any deformation,
+    both in the problem's unit; a half-space that is periodic gives way to a uniform pressure without end: it has no approach (nan),
+    nor, periodic along one axis only, an energy (its own part is left out where it is periodic along both); uKu: <u, K u>;
+    contact: points; gap_mean: problem's unit; pairs: FFT pairs this took."""
 
     penetration: float = 0.0
     tension: float = 0.0
@@ -38,6 +41,8 @@ class Certificate:
     residual: float = 0.0
     errors: tuple[float, float, float] | None = None
     energy: float = 0.0
+    approach: float = np.nan
+    uKu: float = 0.0
     contact: int = 0
     gap_mean: float = 0.0
     pairs: float = 0.0
@@ -50,7 +55,7 @@ class Certificate:
     @property
     def finite(self):
         """Whether all numbers are finite."""
-        return bool(np.isfinite([self.residual, self.gap_mean, self.energy]).all())
+        return bool(np.isfinite([self.residual, self.gap_mean, self.uKu]).all())
 
 
 def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
@@ -65,9 +70,9 @@ def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
 
     elastic.pressure_rows(problem.displacement_rows(g), passes)
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
-    parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, p0, i0, i1), passes)
+    parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, problem.p_cell, grid.inside, i0, i1), passes)
     parts = np.reshape(parts, (-1, 9)) if parts else np.zeros((1, 9))
-    sums = grid.comm.sum([*parts[:, :7].sum(axis=0), uKu])
+    *sums, mean = grid.comm.sum([*parts[:, :7].sum(axis=0), uKu, elastic.mean])
     open_pp, _, _, closed_p, pg, contact, gap, uKu = sums
     penetration, tension = grid.comm.max(parts[:, 7:].max(axis=0))
     work = p0 * gap
@@ -77,10 +82,12 @@ def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
         duality_gap = np.inf
         if closed_p > 0:
             scale = N * p0 / closed_p
-            pg_dual = elastic.pressure_rows(lambda i0, i1, x: dual_rows(g, p, x, scale, i0, i1), passes)
+            pg_dual = elastic.pressure_rows(lambda i0, i1, x: dual_rows(g, p, x, scale, grid.inside, i0, i1), passes)
             pg_dual, eSe = grid.comm.sum([sum(pg_dual), elastic.compliance_columns()])
             G = max(pg_dual + 0.5 * eSe, 0.0)
             duality_gap = float(G / work) if gap > 0 else (np.inf if G > 0 else 0.0)
+    uniform = elastic.multipliers.uniform
+    rest = 0.5 * p0 * problem.p_cell / uniform if uniform else 0.0
     errors = None
     if levels is not None:
         with np.errstate(invalid="ignore", over="ignore"):
@@ -89,8 +96,9 @@ def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
         return Certificate(
             penetration=float(penetration), tension=float(tension / p0), complementarity=float(pg / work) if gap > 0 else 0.0,
             load_balance=float(abs(closed_p / N - p0) / p0), duality_gap=duality_gap, residual=float(np.sqrt(open_pp / N) / p0),
-            errors=errors, energy=float(0.5 * uKu / N), contact=int(contact) if np.isfinite(contact) else 0, gap_mean=float(gap / N),
-            pairs=elastic.pairs)
+            errors=errors, energy=float(0.5 * uKu / N + rest), uKu=float(uKu),
+            approach=float(problem.p_cell / uniform - mean) if uniform else np.nan,
+            contact=int(contact) if np.isfinite(contact) else 0, gap_mean=float(gap / N), pairs=elastic.pairs)
 
 
 def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, contact, gap, uKu):
@@ -102,11 +110,12 @@ def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, con
     excess = 1 - N * p0 / closed_p  # p - p^ is p out of contact, and so much of it in contact
     levels.restrict(g, p, excess)
     rr, tt, rt = grid.comm.sum(levels.sweep()[2:])
-    share = contact / N
+    share, mean = contact / N, contact / grid.cell_points
     energy = EQUIVALENCE * kap * (open_pp + excess**2 * closed_pp + rr)
-    response = np.sqrt(kap * max(levels.without_mean(contact + tt, share * share), 0.0)) / share
+    response = np.sqrt(kap * max(levels.without_mean(contact + tt, mean * mean), 0.0)) / share
     aligned = kap * (excess * closed_p + rt) / share
-    mean_gap, pressure = field_errors(energy, uKu, closed_pp, N, p0, gap / N, kap, response, aligned)
+    mean_gap, pressure = field_errors(energy, uKu, closed_pp, N, p0, gap / N, 1.0 / problem.body.typical(grid), response, aligned,
+                                      problem.self_energy)
 
     spread = open_pp**2 / open_p4 if open_p4 > 0 else 1.0  # number of points that have most of what is left
     wrong = points_on_wrong_side(problem, g, p, kap, pressure**2 * closed_pp, spread)

@@ -85,7 +85,7 @@ def drive(solver, target, watch=None, course=None):
                 course.demand = AGAIN * measure / left if np.isfinite(left) else AGAIN * measure
                 course.refused = min(error, course.refused)
             if abs(progress.residual - certificate.residual) > DRIFT * certificate.residual and progress.estimates is not None:
-                solver.refresh(2 * certificate.energy * solver.N)
+                solver.refresh(certificate.uKu)
             else:
                 solver.resume()
             course.next_check = CHECK_GROWTH * done + 1

@@ -2,7 +2,7 @@
 
 The starting gap takes the memory of the heights; where p = p0 + K u needs the displacement u = g - h, the transform of h, which is
 known mode by mode, is added in Fourier space. The certificate is computed in the working precision. Every load that does not start
-from the one before makes the surface anew.
+from the one before makes the surface anew. Where the surface ends, its heights take a quarter or half of a field, and are kept.
 """
 
 from dataclasses import replace
@@ -22,7 +22,7 @@ class LowMemorySweep(Sweep):
         self.target = replace(self.target, judged_in=self.dtype.type)
         self.solver = None
         self.surface = self.make_surface(self.dtype)
-        if self.surface.add_spectrum is None or self.solver_class.name != "bpx":
+        if (self.surface.add_spectrum is None and not self.surface.grid.padded) or self.solver_class.name != "bpx":
             raise SceneError('solver.low_memory: found true, allowed: with surface.kind = "self-affine" and solver.name = "bpx"')
 
     def _full_contact(self, problem):
@@ -36,15 +36,16 @@ class LowMemorySweep(Sweep):
             return
         self.solver = None  # its memory is needed now
         h = self.surface.h if self.surface.h is not None else self.make_surface(self.dtype).h
-        h_rms = replace(problem, h=h).root_mean_square()
+        problem = replace(problem, h=h)
+        memory = None if self.surface.grid.padded else h
+        g, h_rms = memory, problem.root_mean_square()
         if arrays is None:
-            g, pairs = Nested(self.surface.grid, self.dtype).start(replace(problem, h=h), self._make, into=h)
+            g, pairs = Nested(self.surface.grid, self.dtype).start(problem, self._make, into=memory)
             self._spent += pairs
-        else:
-            g = h
-        self.surface = replace(self.surface, h=None)
-        bare = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)
-        self.solver = self.solver_class(bare, self.settings.options, g=g)
+        if memory is not None:
+            self.surface = replace(self.surface, h=None)
+            problem = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)
+        self.solver = self.solver_class(problem, self.settings.options, g=g)
         self._count()
         if arrays is None:
             self.solver.start(g)

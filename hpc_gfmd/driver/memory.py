@@ -10,9 +10,10 @@ import numpy as np
 from ..errors import SceneError
 from ..parallel.fft import row_starts, scratch_bytes
 from ..registry import body_of
+from ..surface import cell_of
 from .sweep import few_points, first_precision
 
-FIELDS = 4  # h, g, p, d; in low memory h is not kept
+FIELDS = 3  # g, p, d; and h, which in low memory is kept only where the surface ends
 LEVELS = 3 / 4 + 2 / 16 + 2 / 64 + 1 / 24  # coarse levels of the preconditioner, in fields
 COARSER = 1 / 3  # points of all coarser grids of a nested start over those of the grid: one field of each
 NESTED = COARSER + (4 + LEVELS) / 4  # heights of all coarser grids, a solver and a copy on the next one
@@ -41,24 +42,30 @@ class Memory:
 def memory_of(scene, n, ranks, threads=1):
     """The Memory of a scene on a number of ranks with so many threads each."""
     itemsize = largest_precision(scene, n).itemsize
-    rows = int(np.diff(row_starts(n[0], ranks)).max())
-    field = rows * n[1] * itemsize / GIB
-    spectrum = rows * (n[1] + 2) / GIB * (1 + body_of(scene.material).table_share)
+    free = scene.surface.free
+    cell = cell_of(n, free)
+    rows = int(np.diff(row_starts(cell[0], ranks)).max())
+    field = rows * cell[1] * itemsize / GIB
+    heights = min(rows, n[0]) * n[1] * itemsize / GIB
+    spectrum = rows * (cell[1] + 2) / GIB
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
     loads = len(scene.load.p_star or scene.load.pressure)
 
-    kept = FIELDS - low + LEVELS + (COARSER if nested and not low else 0.0)
+    kept = FIELDS + LEVELS + (COARSER if nested and not low else 0.0)
     passing = [2 * min(field, PIECE_GIB) if scene.output.fields else 0.0,  # as it is, and as it is written
                field * NESTED if nested and not low and loads > 1 else 0.0,
                field * TANGENT if "stiffness" in (scene.output.observables or ()) else 0.0]
-    grids = [(rows >> k, (n[0] >> k, n[1] >> k)) for k in range(min(n).bit_length() if nested else 1)]
+    grids = [(rows >> k, (cell[0] >> k, cell[1] >> k)) for k in range(min(cell).bit_length() if nested else 1)]
 
     def scratch(precision, grids):
         return threads * sum(scratch_bytes(*grid, 2 * precision, ranks) for grid in grids) / GIB
 
+    spectrum *= 1 + body_of(scene.material, free).table_share
     transforms = spectrum * itemsize + sum(scratch(size, grids) for size in {itemsize, first_precision(scene.solver).itemsize})
     certificate = 0.0 if low or itemsize == 8 else spectrum * 8 + scratch(8, grids[:1])
-    return Memory(field * kept + max(passing), transforms, certificate, PROCESS_GIB)
+    if certificate and any(free):  # while its table is made
+        certificate += min(rows, cell[0] // 2 + 1) * cell[1] * 8 / GIB
+    return Memory(field * kept + heights * (any(free) or not low) + max(passing), transforms, certificate, PROCESS_GIB)
 
 
 def largest_precision(scene, n):

@@ -26,25 +26,33 @@ FLAT_START = 0.099  # p* below which the flat start rests on the heights above m
 
 
 def cold_gap(problem):
-    """A flat displacement pressed into the surface: the gap of a rigid plane at a height that suits the load."""
+    """A flat displacement pressed into the surface: the gap of a rigid plane at a height that suits the load.
+
+    Beyond the surface the displacement is that of the plane.
+    """
     h, comm, N = problem.h, problem.grid.comm, problem.grid.N
     s1, s2 = comm.sum([h.sum(dtype=np.float64), np.einsum("ij,ij->", h, h, dtype=np.float64)])
     mean = s1 / N
     level = mean
     if problem.p0 < FLAT_START:
         level = mean - np.sqrt(max(s2 / N - mean * mean, 0.0))
-    g = h - h.dtype.type(max(level, 0.0))
-    return np.maximum(g, 0, out=g)
+    level = h.dtype.type(max(level, 0.0))
+    rows, points = problem.grid.inside
+    g = np.empty(problem.grid.shape, h.dtype) if problem.grid.padded else np.empty_like(h)
+    g[rows:], g[:rows, points:] = -level, -level
+    np.maximum(h - level, 0, out=g[:rows, :points])
+    return g
 
 
 def coarser_grid(grid):
     """The decimated grid whose rows live with the fine rows they are taken from, or None where the grid is coarse already."""
-    n = levels(grid)[1].n if grid.N > 1 else (1, 1)
+    n = levels(grid)[1].n if grid.cell_points > 1 else (1, 1)
     coarsened = [a != b for a, b in zip(n, grid.n)]
     if min((k for k, c in zip(n, coarsened) if c), default=0) < COARSEST:
         return None
     starts = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
-    return Grid(n, grid.sizes, grid.comm, grid.threads, starts)
+    nominal = [(k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened)]
+    return Grid(n, grid.sizes, grid.comm, grid.threads, starts, nominal)
 
 
 class Nested:
@@ -54,8 +62,8 @@ class Nested:
         self.steps = []  # (fine grid, its decimation), finest first
         while (coarse := coarser_grid(grid)) is not None:
             thin = np.diff(coarse.starts).min() < THIN_ROWS
-            if grid.comm.size > 1 and (coarse.N <= WHOLE_POINTS or thin):
-                coarse = Grid(coarse.n, coarse.sizes, SerialComm(), coarse.threads)
+            if grid.comm.size > 1 and (coarse.cell_points <= WHOLE_POINTS or thin):
+                coarse = Grid(coarse.n, coarse.sizes, SerialComm(), coarse.threads, nominal=coarse.nominal)
             coarse.fft(dtype)
             self.steps.append((grid, coarse))
             grid = coarse
@@ -77,8 +85,8 @@ class Nested:
                 if progress.residual < RESIDUAL or not progress.finite:
                     break
                 solver.step()
-            pairs = (pairs + solver.pairs) * coarse.grid.N / fine.grid.N
-            full = solver.progress().contact == coarse.grid.N
+            pairs = (pairs + solver.pairs) * coarse.grid.cell_points / fine.grid.cell_points
+            full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
             if coarse.grid.comm.size != fine.grid.comm.size:  # each rank solved alone: were they to round differently, one must count
                 solver.g[...], solver.p[...], full, pairs = fine.grid.comm.bcast((solver.g, solver.p, full, pairs))
             g = _prolong(fine, coarse, solver, full, into if fine is problem else None)
@@ -117,7 +125,8 @@ def _prolong(problem, coarse, solver, full, into):
         return out
     real = problem.dtype.type
     u = solver.g
-    np.subtract(u, coarse.h, out=u)
+    rows, points = coarse.grid.inside
+    u[:rows, :points] -= coarse.h
     u *= real(coarse.grid.a / fine.a)
     start, stop = fine.rows
     step_x = 2 if coarse.grid.n[0] != fine.n[0] else 1
@@ -131,7 +140,18 @@ def _prolong(problem, coarse, solver, full, into):
         take = np.arange(first - HALO, last + HALO) % len(a)  # every rank has all of it
         return a[take[:HALO]], a[first:last], a[take[len(take) - HALO:]]
 
-    before, after = halo.neighbours(fine.comm, problem.h, SWEEPS)
+    before, after = _heights_around(problem)
     prolong_gap(*with_halo(u), *with_halo(solver.p), before, problem.h, after, out, start, first, fine.n[0], coarse.grid.n[0], step_x,
-                coarse.grid.n[1] != fine.n[1], real(1 / problem.body.scale(fine)), problem.body.near(fine).astype(problem.dtype))
+                coarse.grid.n[1] != fine.n[1], real(1 / problem.body.scale(fine)), problem.body.near(fine).astype(problem.dtype),
+                fine.nominal)
     return out
+
+
+def _heights_around(problem):
+    """The rows of h before and after this rank's rows of the grid; beyond the surface there are none that count."""
+    grid, h = problem.grid, problem.h
+    if grid.padded:  # of the rows of the grid the outermost ones are enough
+        i = np.arange(grid.shape[0])
+        i = i if len(i) <= 2 * SWEEPS else np.concatenate([i[:SWEEPS], i[-SWEEPS:]])
+        h = np.concatenate([h, np.zeros((1, h.shape[1]), h.dtype)])[np.minimum(i, len(h))]
+    return halo.neighbours(grid.comm, h, SWEEPS)

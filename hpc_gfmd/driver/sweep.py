@@ -85,12 +85,12 @@ class Sweep:
 
         watch(iterations, progress) is called after every iteration, a true value stops. midway: go on where `restore` went back to.
         """
-        if self.surface.g_rms == 0:
+        if self._is_flat:
             return self._flat(p)
         if not midway:
             self._spent = 0.0
         promote = self.settings.precision == "auto" and self.dtype == np.float32
-        p_star, N = p / (self.E_star * self.surface.g_rms), self.surface.grid.N
+        p_star, N = p / (self.E_star * self.surface.slope), self.surface.grid.N
         if promote and not midway and (few_points(N, p_star, self.settings.accuracy) or not single_solves(p_star, N)):
             self._to(np.float64)
             promote = False
@@ -125,7 +125,7 @@ class Sweep:
             self._spent = numbers.get("spent", 0.0)
             p0 = numbers["p0"]
             if "course" in numbers:  # in the middle of this load; a state at its beginning is that of a load before
-                p0 = p / (self.E_star * self.surface.g_rms)
+                p0 = p / (self.E_star * self.surface.slope)
                 if not abs(p0 / numbers["p0"] - 1) < SAME_LOAD:
                     raise SceneError(f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is asked for")
             self._begin(self._problem(p0), arrays, numbers)
@@ -135,11 +135,11 @@ class Sweep:
 
     def _may_start_here(self, p):
         """Whether the load p, or one that follows it if p closes the gap at once, may start from the present state."""
-        p_star = p / (self.E_star * self.surface.g_rms)
+        p_star = p / (self.E_star * self.surface.slope)
         return self.solver is not None and (self._near(p_star) or p_star >= self.body.full_p_star)
 
     def _solve(self, p, watch, midway):
-        p_star = p / (self.E_star * self.surface.g_rms)
+        p_star = p / (self.E_star * self.surface.slope)
         if not midway:
             problem = self._problem(p_star)
             full, pairs = self._full_contact(problem)
@@ -178,7 +178,7 @@ class Sweep:
                 self.solver.g[...] = g
             fresh = certify(problem, self.solver.g, self.solver.p)
             self._spent += fresh.pairs
-            self.solver.refresh(2 * fresh.energy * self.surface.grid.N)
+            self.solver.refresh(fresh.uKu)
         else:
             self.solver.start(g)
 
@@ -230,7 +230,7 @@ class Sweep:
         self.surface = self.make_surface(dtype)
         if known not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
-        if self.surface.g_rms > 0:
+        if not self._is_flat:
             grid = self.surface.grid
             grid.fft(dtype)
             grid.fft(np.float64)  # of the certificate
@@ -238,9 +238,14 @@ class Sweep:
             nests = self.solver_class.nests if wanted == "auto" else wanted
             self.nested = Nested(grid, dtype) if nests else None
 
+    @property
+    def _is_flat(self):
+        """Whether all points touch at any load: at its end a flat surface is a punch."""
+        return self.surface.g_rms == 0 and not self.surface.grid.padded
+
     def _flat(self, p):
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
         certificate = Certificate(contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0)
-        return self._step(p, g, np.ones_like(g), Outcome("converged", certificate, 0.0), 0, 0.0)
+        return self._step(p, g, np.full_like(g, p / self.E_star), Outcome("converged", certificate, 0.0), 0, 0.0)
 

@@ -7,7 +7,7 @@ from ..kernels.cache import sound
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
-from ..registry import all_observables
+from ..registry import all_observables, body_of
 from ..scene import Scene
 from ..surface import build_surface
 from .sweep import Sweep, first_precision
@@ -16,28 +16,37 @@ TINY = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 1, "lam_l_over_lam_
 PRECISIONS = {np.dtype(np.float32): "single", np.dtype(np.float64): "double"}
 
 
-def compile_once(comm, settings):
-    """Solve and evaluate a tiny contact with the same solver and precision, first on rank 0, then on the others. Collective."""
+def compile_once(comm, settings, boundary="periodic", material=None):
+    """Solve and evaluate a tiny contact with the same solver, precision, boundary and material, first on rank 0, then on the others.
+    Collective."""
     with guarded(comm, "compiling"):
         if comm.rank == 0:
-            sound(lambda: _tiny_contact(settings))
+            sound(lambda: _tiny_contact(settings, boundary, material))
     if comm.rank != 0:
-        sound(lambda: _tiny_contact(settings))
+        sound(lambda: _tiny_contact(settings, boundary, material))
 
 
-def _tiny_contact(settings):
+def _tiny_contact(settings, *body):
     """In every precision that the run may use."""
     first = PRECISIONS[first_precision(settings)]
     for precision in {first, "double"} if settings.precision == "auto" else {first}:
-        _tiny_contact_in(precision, settings)
+        _tiny_contact_in(precision, settings, *body)
 
 
-def _tiny_contact_in(precision, settings):
+def _plain(material):
+    """A material as a table of numbers without units."""
+    given = {key: getattr(material, key) for key in material.model_dump(exclude_none=True)}
+    return {key: float(value) if isinstance(value, float) else value for key, value in given.items()}
+
+
+def _tiny_contact_in(precision, settings, boundary, material):
     solver = settings.model_dump(exclude_none=True) | {"max_iterations": 3, "precision": precision}
-    scene = Scene.from_dict({"surface": TINY, "load": {"p_star": 0.05}, "solver": solver})
-    sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
+    scene = Scene.from_dict({"surface": TINY | {"boundary": boundary}, "load": {"p_star": 0.05}, "solver": solver,
+                             "material": _plain(material) if material else {}})
+    body = body_of(scene.material, scene.surface.free)
+    sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver, body=body)
     contact = sweep.solve(0.05).contact
     for observable in all_observables().values():
         observable(contact)
     grid, dtype = sweep.surface.grid, sweep.dtype
-    Multilevel(grid, HALF_SPACE.weights(grid), dtype, grid.n[0], whole_points=0).sweep()  # levels that only larger grids spread
+    Multilevel(grid, HALF_SPACE, dtype, grid.n[0], whole_points=0).sweep()  # levels that only larger grids spread

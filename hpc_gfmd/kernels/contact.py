@@ -1,6 +1,10 @@
 """Kernels of the projected, preconditioned GFMD solver: one pass before and one after the Fourier transform.
 
 State, local slabs: gap g >= 0, pressure p, last step d. Contact A = {g <= 0 and p > 0}, free F = the rest.
+
+Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a slab). Beyond it
+there is no wall: g is the displacement u itself and does not count. So every row has two parts, of which the second is empty on a
+periodic grid; each has a loop of its own, because one for both would not use vectors.
 """
 
 from .jit import inline, kernel
@@ -8,7 +12,7 @@ from .multilevel import combine_rows, interpolate_row, restrict_row
 
 
 @kernel
-def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, rows):
+def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, inside, rows):
     """Write the next step to d and x (scratch, rows from 0): d = max(g - a z - b d, 0) - g on F, 0 on A.
 
     Returns <p, d>.
@@ -25,21 +29,32 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, ro
     for i in range(i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
         s = zero
+        inner = inside[1] if i < inside[0] else 0
         if w > 0:
             combine_rows(z_coarse, k0[i], f_x[i], row)
             interpolate_row(row, fine, mode, j0, f)
-            for j in range(n):
+            for j in range(inner):
                 v = gi[j] - ak * (pi[j] + w * fine[j]) - b * di[j]
                 free = zero if (gi[j] <= zero and pi[j] > zero) else one
                 e = free * (max(v, zero) - gi[j])
                 s += pi[j] * e
                 di[j] = e
                 xi[j] = e
+            for j in range(inner, n):
+                e = -ak * (pi[j] + w * fine[j]) - b * di[j]
+                s += pi[j] * e
+                di[j] = e
+                xi[j] = e
         else:
-            for j in range(n):
+            for j in range(inner):
                 v = gi[j] - ak * pi[j] - b * di[j]
                 free = zero if (gi[j] <= zero and pi[j] > zero) else one
                 e = free * (max(v, zero) - gi[j])
+                s += pi[j] * e
+                di[j] = e
+                xi[j] = e
+            for j in range(inner, n):
+                e = -ak * pi[j] - b * di[j]
                 s += pi[j] * e
                 di[j] = e
                 xi[j] = e
@@ -48,7 +63,7 @@ def propose(g, p, d, x, i0, i1, z_coarse, k0, f_x, mode, j0, f, kap, w, a, b, ro
 
 
 @kernel
-def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0, f, rows):
+def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, mode, j0, f, inside, rows):
     """g += s d, p += s x, and everything that the next step needs of the new state.
 
     Restricts p on F and closed p on A, the indicator of A, and x on F to the coarser grid: coarse (3, rows + 2, m) with halo gets the
@@ -69,7 +84,7 @@ def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, 
         end = i + 1
         while end < i1 and k0[end] == K:
             end += 1
-        rr, pp, pd, dx, px, nc, gs, no, ns = _advance(g, p, d, x, s, i0, i, end, zero, one)
+        rr, pp, pd, dx, px, nc, gs, no, ns = _advance(g, p, d, x, s, i0, i, end, inside, zero, one)
         RRs += rr
         PPs += pp
         PDs += pd
@@ -79,7 +94,7 @@ def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, 
         Cs += nc
         Os += no
         Ss += ns
-        _gather(g, p, x, closed, i0, i, end, f_x, rows, zero, one)
+        _gather(g, p, x, closed, i0, i, end, f_x, inside, rows, zero, one)
         _put_down(rows, 0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
         i = end
     _put_down(rows, 3, n, hi, lo, hi, first, last, coarse, factor, mode, j0, f)
@@ -87,11 +102,12 @@ def update(g, p, d, x, s, closed, i0, i1, coarse, first, last, k0, f_x, factor, 
 
 
 @inline
-def _advance(g, p, d, x, s, i0, start, end, zero, one):
+def _advance(g, p, d, x, s, i0, start, end, inside, zero, one):
     """Rows start..end of `update`: new g and p, and their sums."""
     rr = pp = pd = dx = px = gs = nc = no = ns = zero
     for i in range(start, end):
-        for j in range(g.shape[1]):
+        inner = inside[1] if i < inside[0] else 0
+        for j in range(inner):
             y = x[i - i0, j]
             gg = g[i, j] + s * d[i, j]
             q = p[i, j] + s * y
@@ -112,20 +128,31 @@ def _advance(g, p, d, x, s, i0, start, end, zero, one):
             dx += xf * d[i, j]
             px += pf * xf
             gs += gg
+        for j in range(inner, g.shape[1]):
+            y = x[i - i0, j]
+            q = p[i, j] + s * y
+            g[i, j] += s * d[i, j]
+            p[i, j] = q
+            rr += q * q
+            pp += q * q
+            pd += q * d[i, j]
+            dx += y * d[i, j]
+            px += q * y
     return rr, pp, pd, dx, px, nc, gs, no, ns
 
 
 @inline
-def _gather(g, p, x, closed, i0, start, end, f_x, rows, zero, one):
+def _gather(g, p, x, closed, i0, start, end, f_x, inside, rows, zero, one):
     """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F and closed p on A, the indicator of A, x on F.
 
     A loop of its own, and rows of one array: with more pointers than this the compiler gives up on vectors.
     """
     n = g.shape[1]
-    if end == start + 2:
+    if end == start + 2 and start + 1 != inside[0]:  # two rows, both of the surface or both beyond it
         k = start + 1
         v, w = f_x[start], f_x[k]
-        for j in range(n):
+        inner = inside[1] if k < inside[0] else 0
+        for j in range(inner):
             t0 = one if (g[start, j] <= zero and p[start, j] > zero) else zero
             t1 = one if (g[k, j] <= zero and p[k, j] > zero) else zero
             a0, a1 = (closed * t0 + (one - t0)) * p[start, j], (closed * t1 + (one - t1)) * p[k, j]
@@ -136,6 +163,13 @@ def _gather(g, p, x, closed, i0, start, end, f_x, rows, zero, one):
             rows[3, j] = v * a0 + w * a1
             rows[4, j] = v * t0 + w * t1
             rows[5, j] = v * b0 + w * b1
+        for j in range(inner, n):
+            rows[0, j] = rows[3, j] + (one - v) * p[start, j] + (one - w) * p[k, j]
+            rows[2, j] = rows[5, j] + (one - v) * x[start - i0, j] + (one - w) * x[k - i0, j]
+            rows[3, j] = v * p[start, j] + w * p[k, j]
+            rows[5, j] = v * x[start - i0, j] + w * x[k - i0, j]
+            rows[1, j] = rows[4, j]
+            rows[4, j] = zero
         return
     for c in range(3):
         for j in range(n):
@@ -143,7 +177,8 @@ def _gather(g, p, x, closed, i0, start, end, f_x, rows, zero, one):
             rows[c + 3, j] = zero
     for i in range(start, end):
         w = f_x[i]
-        for j in range(n):
+        inner = inside[1] if i < inside[0] else 0
+        for j in range(inner):
             t = one if (g[i, j] <= zero and p[i, j] > zero) else zero
             a = (closed * t + (one - t)) * p[i, j]
             b = (one - t) * x[i - i0, j]
@@ -153,6 +188,11 @@ def _gather(g, p, x, closed, i0, start, end, f_x, rows, zero, one):
             rows[3, j] += w * a
             rows[4, j] += w * t
             rows[5, j] += w * b
+        for j in range(inner, n):
+            rows[0, j] += (one - w) * p[i, j]
+            rows[2, j] += (one - w) * x[i - i0, j]
+            rows[3, j] += w * p[i, j]
+            rows[5, j] += w * x[i - i0, j]
 
 
 @inline

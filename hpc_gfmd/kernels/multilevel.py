@@ -192,11 +192,11 @@ def smooth_level(rt, z_coarse, out, weight, c, w, k0, f_x, mode, j0, f):
 
 
 @kernel
-def sweep_whole(r, t, shapes, offsets, weights, c, w):
+def sweep_whole(r, t, shapes, offsets, weights, softness, c, w):
     """The sweep over the levels that one rank holds completely, in place: r of the finest of them becomes z.
 
     r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of level 0 are given. Returns the
-    sums over levels of <r, r>, <t, t> and <r, t> over weight, each as a sum over the points of level 0, and the mean of r.
+    sums over levels of softness times <r, r>, <t, t> and <r, t>, each as a sum over the points of level 0, and the mean of r.
     """
     levels = shapes.shape[0]
     rr = tt = rt = 0.0
@@ -220,7 +220,7 @@ def sweep_whole(r, t, shapes, offsets, weights, c, w):
             if k == levels - 1:
                 mean += r[i] / (n_x * n_y)
             r[i] = r[i] / (weight + c * t[i])
-        share = N / (n_x * n_y) / weight
+        share = N / (n_x * n_y) * softness[k]
         rr += s * share
         tt += u * share
         rt += v * share

@@ -2,20 +2,23 @@
 
 Local slabs: pressure iterate q >= 0, contact = {q > 0}; w = S q + h - offset, the gap up to a constant; t the search direction. The
 constant is the mean of w in contact, `shift`: e = w - shift is the gap, and in contact it is what is left to be done. x is scratch,
-rows from 0. Sums are in double precision over rows.
+rows from 0. Sums are in double precision over rows. Where the surface ends within the grid, `inside` is the shape of this rank's part
+of it; beyond it q = 0 and w = S q - offset.
 """
 
 from .jit import kernel
 
 
 @kernel
-def press(g, q, x, p0, i0, i1):
+def press(g, q, x, p0, inside, i0, i1):
     """q = p0 + x where the gap is closed (x = K u), no tension, 0 elsewhere; returns the sum of q."""
     zero = q.dtype.type(0)
     total = 0.0
     for i in range(i0, i1):
         s = zero
-        for j in range(q.shape[1]):
+        m = inside[1] if i < inside[0] else 0
+        q[i, m:] = zero
+        for j in range(m):
             v = p0 + x[i - i0, j]
             v = v if g[i, j] <= zero and v > zero else zero
             q[i, j] = v
@@ -86,7 +89,7 @@ def respond(q, x, i0, i1):
 
 
 @kernel
-def advance(q, t, w, x, i0, i1, shift, tau, kick):
+def advance(q, t, w, x, i0, i1, shift, tau, kick, inside):
     """q <- max(q - tau t, 0) in contact; where the gap out of contact is negative, q = -kick e; also to x.
 
     Returns the sum of q and the number of points taken into contact.
@@ -96,7 +99,9 @@ def advance(q, t, w, x, i0, i1, shift, tau, kick):
     taken = 0
     for i in range(i0, i1):
         s = zero
-        for j in range(q.shape[1]):
+        m = inside[1] if i < inside[0] else 0
+        x[i - i0, m:] = zero
+        for j in range(m):
             e = w[i, j] - shift
             touching = q[i, j] > zero
             v = q[i, j] - tau * t[i, j] if touching else -kick * e
@@ -117,7 +122,10 @@ def respace(q, w, h, x, i0, i1, scale, offset):
     contact = 0
     for i in range(i0, i1):
         s = zero
-        for j in range(q.shape[1]):
+        m = h.shape[1] if i < h.shape[0] else 0
+        for j in range(m, q.shape[1]):
+            w[i, j] = scale * x[i - i0, j] - offset
+        for j in range(m):
             v = scale * q[i, j]
             q[i, j] = v
             r = scale * x[i - i0, j] + h[i, j] - offset
@@ -129,8 +137,8 @@ def respace(q, w, h, x, i0, i1, scale, offset):
 
 
 @kernel
-def close(q, w, g, p, shift):
-    """The admissible state: p = q, g = 0 in contact and max(e, 0) elsewhere.
+def close(q, w, g, p, shift, inside):
+    """The admissible state: p = q, g = 0 in contact and max(e, 0) elsewhere; e itself beyond the surface.
 
     Returns sums: e^2 in contact, e^2 where negative out of contact, points in contact, g.
     """
@@ -139,7 +147,11 @@ def close(q, w, g, p, shift):
     for i in range(q.shape[0]):
         ee = negative = gap = zero
         contact = 0
-        for j in range(q.shape[1]):
+        m = inside[1] if i < inside[0] else 0
+        for j in range(m, q.shape[1]):
+            g[i, j] = w[i, j] - shift
+            p[i, j] = zero
+        for j in range(m):
             e = w[i, j] - shift
             touching = q[i, j] > zero
             below = e < zero and not touching

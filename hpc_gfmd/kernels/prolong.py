@@ -4,6 +4,8 @@ The displacement is interpolated; where the finer grid's heights poke through it
 That difference v = u - P u_c is found without an FFT, by a few projected gradient steps with the part of K that couples neighbours:
 
     v <- max(v - kap (P p_c + K_near v), -w),    w = P u_c + h,    g = w + v.
+
+Beyond the surface, where the grid goes on, nothing pokes through: h = 0 and v = 0 there, g = u.
 """
 
 import numpy as np
@@ -17,15 +19,15 @@ RING = SWEEPS + 1  # rows of every quantity that are kept
 
 @kernel
 def prolong_gap(u_before, u, u_after, p_before, p, p_after, h_before, h, h_after, g, start, first, n_x, m_x, step_x, halve_y,
-                kap, stencil):
+                kap, stencil, nominal):
     """The gap g on this rank's rows, the first being row `start` of n_x.
 
     u, p: displacement and pressure of the coarse solution, rows from `first` of m_x, with HALO rows before and after; h: initial gap,
-    with SWEEPS rows before and after. stencil: K_near for the point itself, its neighbours along x, along y, and the diagonal ones.
-    g may be h. Coarse point J lies on fine point 2 J; points in between get the cubic through the four nearest,
-    (-1, 9, 9, -1)/16, of u, and the mean of two of p.
+    with SWEEPS rows before and after; nominal: points along each axis that have one. stencil: K_near for the point itself, its
+    neighbours along x, along y, and the diagonal ones. g may be h. Coarse point J lies on fine point 2 J; points in between get the
+    cubic through the four nearest, (-1, 9, 9, -1)/16, of u, and the mean of two of p.
     """
-    rows, n = h.shape
+    rows, n = g.shape
     one, half = g.dtype.type(1), g.dtype.type(0.5)
     near, far = g.dtype.type(9.0 / 16.0), g.dtype.type(-1.0 / 16.0)
     s0, s1, s2, s3 = one - kap * stencil[0], -kap * stencil[1], -kap * stencil[2], -kap * stencil[3]
@@ -40,6 +42,7 @@ def prolong_gap(u_before, u, u_after, p_before, p, p_after, h_before, h, h_after
             x, shift = x + n_x, first + m_x
         elif x >= n_x:
             x, shift = x - n_x, first - m_x
+        inner = nominal[1] if x < nominal[0] else 0
         k = x // step_x - shift
         between = step_x == 2 and x % 2 == 1
         if between:
@@ -50,12 +53,16 @@ def prolong_gap(u_before, u, u_after, p_before, p, p_after, h_before, h, h_after
         else:
             line[1:m + 1] = _row(u_before, u, u_after, k)
         _spread(line, t[slot], halve_y, near, far)
-        a = _row(h_before, h, h_after, r)
         v = 2 * RING + slot
-        for j in range(n):
-            w = t[slot, j + 1] + a[j]
-            t[slot, j + 1] = -w
-            t[v, j + 1] = max(-w, g.dtype.type(0))
+        if inner > 0:
+            a = h_before[r + SWEEPS] if r < 0 else (h[r] if r < rows else h_after[r - rows])
+            for j in range(inner):
+                w = t[slot, j + 1] + a[j]
+                t[slot, j + 1] = -w
+                t[v, j + 1] = max(-w, g.dtype.type(0))
+        for j in range(inner, n):
+            t[slot, j + 1] = -t[slot, j + 1]
+            t[v, j + 1] = g.dtype.type(0)
         _wrap(t[v])
         if between:
             a, b = _row(p_before, p, p_after, k), _row(p_before, p, p_after, k + 1)
@@ -69,7 +76,8 @@ def prolong_gap(u_before, u, u_after, p_before, p, p_after, h_before, h, h_after
         for s in range(1, SWEEPS + 1):
             i = r - s
             if i >= s - SWEEPS:
-                _relax(t, (s + 1) * RING, i, n, s0, s1, s2, s3)
+                y = (start + i + n_x) % n_x
+                _relax(t, (s + 1) * RING, i, n, nominal[1] if y < nominal[0] else 0, s0, s1, s2, s3)
         i = r - SWEEPS
         if i >= 0:
             w, v = (i + RING) % RING, (SWEEPS + 2) * RING + (i + RING) % RING
@@ -108,13 +116,15 @@ def _wrap(row):
 
 
 @inline
-def _relax(t, v, i, n, s0, s1, s2, s3):
-    """One step for row i: t[v + ...] is the ring of its input."""
+def _relax(t, v, i, n, inner, s0, s1, s2, s3):
+    """One step for row i, of which `inner` points are of the surface: t[v + ...] is the ring of its input."""
     a, b, c = v + (i - 1 + RING) % RING, v + (i + RING) % RING, v + (i + 1 + RING) % RING
     w, p, out, last = (i + RING) % RING, RING + (i + RING) % RING, v + RING + (i + RING) % RING, t.shape[0] - 1
     for j in range(n + 2):
         t[last, j] = t[a, j] + t[c, j]
-    for j in range(1, n + 1):
+    for j in range(inner + 1, n + 1):
+        t[out, j] = t.dtype.type(0)
+    for j in range(1, inner + 1):
         y = s0 * t[b, j] + s1 * t[last, j] + s2 * (t[b, j - 1] + t[b, j + 1]) + s3 * (t[last, j - 1] + t[last, j + 1]) - t[p, j]
         t[out, j] = max(y, t[w, j])
     _wrap(t[out])

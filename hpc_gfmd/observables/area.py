@@ -47,7 +47,7 @@ def a_r_discretisation(contact):
 
 
 def _one_dimensional(contact):
-    return min(contact.surface.grid.n) == 1
+    return min(contact.surface.grid.nominal) == 1
 
 
 def _over_p_star(area):

@@ -1,9 +1,11 @@
 """Elastic energy per area."""
 
+from math import isfinite
+
 
 def energy(contact):
-    """U/A = (E*/4) sum_q |q| |u_q|^2 (eq. elaEnerg2D)."""
-    return contact.energy
+    """U/A, on a half-space (E*/4) sum_q |q| |u_q|^2 (eq. elaEnerg2D); None where it has no end."""
+    return contact.energy if isfinite(contact.energy) else None
 
 
 OBSERVABLES = {"energy": energy}

@@ -6,19 +6,22 @@ import numpy as np
 class Elastic:
     """Applies K, or its inverse S, to fields that the caller makes and uses a few rows at a time. body: see bodies/.
 
-    `pairs` counts the FFT pairs done so far on this grid (a transform in one direction is half a pair).
+    `pairs` counts the FFT pairs done so far on this grid (a transform in one direction is half a pair). `mean` is this rank's share of
+    the mean of the last field that was multiplied.
     """
 
     def __init__(self, grid, body, dtype):
         self.grid = grid
         self.fft = grid.fft(dtype)
         self.multipliers = body.multipliers(grid, self.fft)
-        self.pairs = 0.0
+        self.pairs, self.mean = 0.0, 0.0
 
     def _columns(self, multiply, backward=True, add=None):
         def apply(block, m):
             if add is not None:
                 add(block, m)
+            if m == 0:  # whoever has q = 0
+                self.mean = float(block[0, 0].real) * self.fft.scale
             return multiply(block, m)
 
         return float(sum(self.fft.columns(apply, backward=backward)))

@@ -29,16 +29,15 @@ EQUIVALENCE = 1.8
 
 
 class Multilevel:
-    """The sweep for one grid in one precision. weights: of its levels, see bodies/base.py; longest: rows per pass of the solver;
-    whole_points: see WHOLE_POINTS."""
+    """The sweep for one grid and body in one precision. longest: rows per pass of the solver; whole_points: see WHOLE_POINTS."""
 
-    def __init__(self, grid, weights, dtype, longest, whole_points=None):
+    def __init__(self, grid, body, dtype, longest, whole_points=None):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
         self.c, self.w = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
-        hierarchy = levels(grid)
+        hierarchy, weights, softness = levels(grid), body.weights(grid), body.softness(grid)
         if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
-            hierarchy, weights = hierarchy * 2, [*weights] * 2
-        self.levels, self.weights = hierarchy, np.asarray(weights, self.dtype)
+            hierarchy, weights, softness = hierarchy * 2, [*weights] * 2, [*softness] * 2
+        self.levels, self.weights, self.softness = hierarchy, np.asarray(weights, self.dtype), np.asarray(softness)
 
         self.transfers, self.spread = [], []
         starts = grid.starts
@@ -53,7 +52,7 @@ class Multilevel:
             self.spread.append(coarse)
         # Level 1 is in the rank's own rows in any case: that is what the solver's passes write to and read from.
         self.fields = [np.zeros((3 if k == 0 else 2, t.rows + 2, t.m[1]), self.dtype) for k, t in enumerate(self.transfers)]
-        self.whole = _Whole(hierarchy[len(self.spread) + 1:], self.weights[len(self.spread) + 1:])
+        self.whole = _Whole(hierarchy[len(self.spread) + 1:], self.weights[len(self.spread) + 1:], self.softness[len(self.spread) + 1:])
 
         first = self.transfers[0]
         self.passes = first.passes(longest)
@@ -74,7 +73,8 @@ class Multilevel:
         t = self.transfers[0]
         edges = self.edges[0 if self.in_order else k]
         closed = self.dtype.type(closed)
-        sums = update(g, p, d, x, s, closed, i0, i1, self.fields[0], edges[0], edges[1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f, rows)
+        sums = update(g, p, d, x, s, closed, i0, i1, self.fields[0], edges[0], edges[1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f,
+                      self.grid.inside, rows)
         if self.in_order:
             self._join(k)
         return sums
@@ -96,8 +96,8 @@ class Multilevel:
         """From what the update passes restricted to level 1, make z on level 1 (own rows and halo).
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
-        finest level; and of the sums over these levels of <r, r>, <t, t> and <r, t> over weight, r and t being p on F and the indicator
-        of A restricted to the level, times N/N_l.
+        finest level; and of the sums over these levels of softness times <r, r>, <t, t> and <r, t>, r and t being p on F and the
+        indicator of A restricted to the level, times N/N_l.
         """
         if not self.passes:
             self.fields[0][...] = 0
@@ -116,16 +116,16 @@ class Multilevel:
         rz, xz, *squares = self._sweep_whole()
         for k in reversed(range(len(self.spread))):
             rz, xz, *here = self._smooth(k)
-            share = self.grid.N / (self.levels[k + 1].n[0] * self.levels[k + 1].n[1]) / self.weights[k + 1]
+            share = self.softness[k + 1] * self.grid.cell_points / (self.levels[k + 1].n[0] * self.levels[k + 1].n[1])
             squares = [a + b * share for a, b in zip(squares, here)]
             halo.fill(self.comm, self.fields[k][0])
-        ratio = self.grid.N / (first.m[0] * first.m[1])
+        ratio = self.grid.cell_points / (first.m[0] * first.m[1])
         return rz * ratio, xz * ratio, *squares
 
     def without_mean(self, squares, mean2):
-        """sum over levels of <r, t>/weight for r and t less their means; squares: that of r and t themselves, of all levels and ranks;
-        mean2: product of the means."""
-        return float(squares - self.grid.N * mean2 * np.sum(1 / self.weights, dtype=np.float64))
+        """sum over levels of softness <r, t> for r and t less their means; squares: that of r and t themselves, of all levels and
+        ranks; mean2: product of the means."""
+        return float(squares - self.grid.cell_points * mean2 * np.sum(self.softness))
 
     def restrict(self, g, p, closed):
         """From a state that no step has led to, what the update passes restrict; returns their sums. closed: see kernels/contact.py."""
@@ -144,7 +144,7 @@ class Multilevel:
         halo.take_rows(z, t.start, a[0])
         if self.comm.rank:  # rank 0 alone contributes what all have
             return 0.0, 0.0, 0.0, 0.0, 0.0
-        ratio = self.grid.N / (t.m[0] * t.m[1])
+        ratio = self.grid.cell_points / (t.m[0] * t.m[1])
         products = (0.0, 0.0) if self.spread else (_dot(whole[0], z), _dot(whole[2], z))  # where level 1 itself is whole
         return *products, *(a * ratio for a in squares)
 
@@ -161,12 +161,12 @@ def _dot(a, b):
 class _Whole:
     """The coarse levels that every rank sweeps alone, in one call."""
 
-    def __init__(self, levels, weights):
+    def __init__(self, levels, weights, softness):
         dtype = weights.dtype
         self.shapes = np.array([level.n for level in levels], np.int64).reshape(-1, 2)
         sizes = self.shapes[:, 0] * self.shapes[:, 1]
         self.offsets = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
-        self.weights = weights
+        self.weights, self.softness = weights, softness
         self.r, self.t = np.zeros(sizes.sum(), dtype), np.zeros(sizes.sum(), dtype)
         self.c, self.w = dtype.type(DAMPING), dtype.type(COUPLING)
 
@@ -178,5 +178,5 @@ class _Whole:
         n = r.size
         self.r[:n] = r.ravel()
         self.t[:n] = t.ravel()
-        *squares, mean = sweep_whole(self.r, self.t, self.shapes, self.offsets, self.weights, self.c, self.w)
+        *squares, mean = sweep_whole(self.r, self.t, self.shapes, self.offsets, self.weights, self.softness, self.c, self.w)
         return self.r[:n].reshape(r.shape), squares, mean

@@ -7,6 +7,9 @@ With the points F out of contact, p0 + dp changes the displacement by v dp where
 a linear problem, symmetric and positive definite: conjugate gradients, preconditioned as the solver is, without a projection. With
 b = 1 on F as the right-hand side the wanted number is b K_FF^-1 b, and each step adds alpha <r, z> to it: the sum rises, and what is
 still missing is the squared energy norm of the error (Hestenes and Stiefel 1952; in finite precision Strakos and Tichy 2002).
+
+Where the surface ends within the grid, F has the points beyond it, too, but the mean gap is over the surface alone: the mean of v there
+is added up instead, whose error is of first order in that of v.
 """
 
 from dataclasses import dataclass
@@ -43,7 +46,8 @@ def tangent(grid, body, contact, dtype, accuracy):
         return Tangent(0.0 if closed else np.inf, 0.0, 0.0)
     response = _Response(grid, body, contact, np.dtype(dtype))
     rounding = float(np.finfo(dtype).eps)
-    accuracy = max(accuracy, FINEST * rounding / MARGIN)
+    order = 2 if grid.padded else 1
+    accuracy = max(accuracy**order, FINEST * rounding / MARGIN)
     total, gains = 0.0, [np.inf] * DELAY
     while not sum(gains) <= MARGIN * accuracy * total:
         if response.steps == MAX_STEPS or np.isnan(total):
@@ -51,7 +55,10 @@ def tangent(grid, body, contact, dtype, accuracy):
             break
         gains = [*gains[1:], response.step()]
         total += gains[-1]
-    return Tangent(total / grid.N, max(sum(gains) / total, FINEST * rounding), response.elastic.pairs)
+    error = max(sum(gains) / total, FINEST * rounding) ** (1 / order)
+    if grid.padded:
+        total = response.inner + 0 * total  # nan stays
+    return Tangent(total / grid.cell_points, error, response.elastic.pairs)
 
 
 class _Response:
@@ -60,7 +67,7 @@ class _Response:
     def __init__(self, grid, body, contact, dtype):
         self.grid, self.comm = grid, grid.comm
         self.elastic = Elastic(grid, body, dtype)
-        self.levels = Multilevel(grid, body.weights(grid), dtype, self.elastic.fft.R)
+        self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
         rows, n_y = grid.shape
         self.residual_and_contact = np.zeros((2, rows + 2, n_y), dtype)  # with the halo rows that the transfer expects
         self.residual, self.contact = self.residual_and_contact[:, 1:-1]
@@ -69,6 +76,7 @@ class _Response:
         self.z = np.zeros((rows + 2, n_y), dtype)
         self.d = np.zeros((rows, n_y), dtype)
         self.rz, self.steps = np.inf, 0
+        self.inner = 0.0  # sum of v over the surface, where that is not all
 
     def _precondition(self):
         """z = M r; returns <r, z>."""
@@ -91,13 +99,15 @@ class _Response:
             d *= beta
             d += z[i0:i1] * (1 - self.contact[i0:i1])
             x[: i1 - i0] = d
+            return d[: max(self.grid.inside[0] - i0, 0), : self.grid.inside[1]].sum(dtype=np.float64) if self.grid.padded else 0.0
 
-        self.elastic.pressure_rows(fill)
-        dKd = float(self.comm.sum([self.elastic.pressure_columns()])[0])
+        inner = sum(self.elastic.pressure_rows(fill))
+        dKd, inner = self.comm.sum([self.elastic.pressure_columns(), inner]).tolist()
         alpha = self.rz / dKd if dKd > 0 or np.isnan(dKd) else 0.0  # 0: solved to the last bit
 
         def use(i0, i1, x):
             self.residual[i0:i1] -= alpha * x[: i1 - i0] * (1 - self.contact[i0:i1])
 
         self.elastic.use_rows(use)
+        self.inner += alpha * inner
         return alpha * self.rz

@@ -15,11 +15,13 @@ import numpy as np
 
 from ..errors import GfmdError, SceneError
 from ..parallel.guard import guarded, one_line
-from ..parallel.h5 import Slab, write_file
+from ..parallel.h5 import Slab, io_way, write_file
+from ..parallel.h5_sum import sealed
 from . import lock
-from .read import HEAD, Result, partial_folder, read_partial
+from .describe import SIGNS, describe
+from .read import FORMAT, FORMAT_VERSION, HEAD, fields_of, followed, partial_folder, read_partial, read_whole, reading
 
-_OURS = re.compile(r"(head|step-\d+|checkpoint[\w-]*)\.h5(\.tmp)?|wisdom-\w+")
+_OURS = re.compile(r"(head|heights|step-\d+|checkpoint[\w-]*)\.h5(\.tmp)?|wisdom-\w+")
 
 
 class RunFile:
@@ -28,36 +30,35 @@ class RunFile:
     comm: the ranks; path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty;
     head: root attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`;
     surface: attributes; resume: keep the finished steps of an interrupted run of the same identity, otherwise
-    they are removed; compressed: shuffle and gzip; dtype: of the stored fields, such as "single" (default: as
-    they come); transport: see hpc_gfmd.parallel.h5.
+    they are removed; force: replace even what is no result of this scene; compressed: shuffle and gzip;
+    dtype: of the stored fields, such as "single" (default: as they come).
 
-    finished: indices of the steps that are already there; note: one line about what was found, or ""; earlier: root attributes of the
+    finished: indices of the steps that are already there; notes: what was found, a line each; earlier: root attributes of the
     run that is resumed which hold for this one, too.
-    Raises SceneError if the folder is missing or not writable, another run holds the file, or resume finds
-    another scene.
+    Raises SceneError if the folder is missing or not writable, another run holds the file, it is something else that may not be
+    replaced, or resume finds another scene.
     """
 
-    def __init__(self, comm, path, n, rows, head, surface, *,
-                 resume=False, compressed=False, dtype=None, transport=None):
+    def __init__(self, comm, path, n, rows, head, surface, *, resume=False, force=False, compressed=False, dtype=None):
         self.comm = comm
-        self.path = Path(path)
-        self.partial = partial_folder(self.path)
+        self.path = followed(path)
+        self.partial = partial_folder(path)
         self.n = (int(n[0]), int(n[1]))
         self.rows = (int(rows[0]), int(rows[1]))
         self.dtype = dtype
         self.compressed = compressed
-        self.transport = transport
         self._lock = None
         self._resume = resume
         found = None
         try:
             with guarded(comm, f"opening {self.path}"):
                 if comm.rank == 0:
-                    found = self._claim(head.get("identity"), resume)
-            self.finished, self.note, self.earlier = comm.bcast(found)
-            self._head = {"start_time": _now(), "ranks": comm.size} | self.earlier | head
+                    found = self._claim(head.get("identity"), resume, force)
+            self.finished, self.notes, self.earlier = comm.bcast(found)
+            self._head = {"format": FORMAT, "format_version": FORMAT_VERSION, "start_time": _now(), "ranks": comm.size,
+                          "io": io_way(comm, self.partial), "signs": SIGNS} | self.earlier | head
             self._surface = dict(surface)
-            self._write_head("running")
+            self._write_head()
         except GfmdError:
             self.close()
             raise
@@ -70,21 +71,25 @@ class RunFile:
     def update_head(self, **attributes) -> None:
         """Add or change root attributes, for example setup_seconds."""
         self._head |= attributes
-        self._write_head("running")
+        self._write_head()
 
     def update_surface(self, **attributes) -> None:
         """Add or change attributes of the surface."""
         self._surface |= attributes
-        self._write_head("running")
+        self._write_head()
+
+    def write_heights(self, heights) -> None:
+        """The local slab of the heights, kept once for all load steps."""
+        self._write(self.partial / "heights.h5", "running", {}, {"surface/heights": self._slab(heights)})
 
     def write_step(self, index: int, attributes: dict, fields: dict[str, np.ndarray] | None = None) -> None:
         """One finished load step: numbers and the local slabs, shape (rows, n_y), of the fields asked for.
 
         Raises GfmdError on every rank if it cannot be written; steps written before stay as they are.
         """
-        slabs = {name: Slab(data, self.rows[0], self.n, self.dtype) for name, data in (fields or {}).items()}
-        target = self.partial / f"step-{index:04d}.h5"
-        self._write(target, {"/": attributes}, slabs, compressed=self.compressed)
+        name = f"steps/{index:04d}"
+        slabs = {f"{name}/{key}": self._slab(data) for key, data in (fields or {}).items()}
+        self._write(self.partial / f"step-{index:04d}.h5", "running", {name: attributes}, slabs)
         self.finished = sorted({*self.finished, index})
 
     def finish(self, status: str, **attributes) -> None:
@@ -93,16 +98,13 @@ class RunFile:
         Raises GfmdError on every rank if that fails; the finished steps stay in the folder.
         """
         self._head |= {"end_time": _now()} | attributes
-        done = None
+        found = None
         with guarded(self.comm, f"reading {self.partial}"):
             if self.comm.rank == 0:
-                done = read_partial(self.path)
-                lost = [str(index) for index in self.finished if index not in done.indices]
-                if lost:
-                    raise GfmdError(f"the files of load steps {', '.join(lost)} have been damaged; restart to solve them again")
-        groups, fields, copies = self._compose(self.comm.bcast(done), status)
+                found = self._collect()
+        steps, fields = self.comm.bcast(found)
         try:
-            self._write(self.path, groups, fields, copies=copies)
+            self._write(self.path, status, steps, {name: replace(field, span=self.rows) for name, field in fields.items()})
         except GfmdError as error:
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
         with guarded(self.comm, f"removing {self.partial}"):
@@ -127,58 +129,71 @@ class RunFile:
             (self.partial / HEAD).unlink(missing_ok=True)  # a wrong scene leaves nothing behind
         self.close()
 
-    @property
-    def _tmp(self) -> Path:
-        return self.path.with_name(self.path.name + ".tmp")
-
-    def _claim(self, identity, resume) -> tuple[list[int], str, dict]:
+    def _claim(self, identity, resume, force) -> tuple[list[int], list[str], dict]:
         """Rank 0: folder, lock, and what an earlier run left."""
         if not self.path.parent.is_dir():
             raise SceneError(f"output.path: the folder {self.path.parent} does not exist")
         if self.path.is_dir():
             raise SceneError(f"output.path: {self.path} is a folder, a file name is needed")
+        notes = [] if resume or not self.path.exists() else self._to_replace(identity, force)
         try:
             self.partial.mkdir(exist_ok=True)
             self._lock = lock.acquire(self.partial)
         except OSError as error:
             raise SceneError(f"output.path: cannot write to {self.path.parent}: {one_line(error)}") from None
-        try:
+        left, files = None, list(self.partial.glob("step-*.h5")) if (self.partial / HEAD).exists() else []
+        with suppress(SceneError):  # nothing, or nothing that can be read
             left = read_partial(self.path)
-        except SceneError:
-            left = None  # nothing, or died before its head was complete
+            notes += left.notes
         if left is not None and resume:
             if left.head.get("identity") != identity:
                 raise SceneError(f"{self.partial}: belongs to another scene; remove it or change output.path")
-            for junk in (*self.partial.glob("*.tmp"), self._tmp):
-                junk.unlink(missing_ok=True)
             states = zip(left.indices, [step.get("status") for step in left.steps], strict=True)
             done = [index for index, status in states if status != "interrupted"]
             kept = {name: left.head[name] for name in ("start_time", "heights") if name in left.head}
-            return done, f"resuming: {len(done)} finished load steps found in {self.partial}", kept
-        note = ""
+            return done, [*notes, f"resuming: {len(done)} finished load steps found in {self.partial}"], kept
         if left is not None:
             kind = "the same" if left.head.get("identity") == identity else "another"
-            note = f"removed an interrupted run of {kind} scene ({len(left.steps)} finished load steps)"
+            notes += [f"removed an interrupted run of {kind} scene ({len(left.steps)} finished load steps)"]
+        elif files:
+            notes += [f"removed an interrupted run that cannot be read ({len(files)} files of load steps)"]
         _clear(self.partial, keep_lock=True)
-        self._tmp.unlink(missing_ok=True)
-        return [], note, {}
+        return [], notes, {}
 
-    def _write_head(self, status) -> None:
-        groups = {"/": self._head | {"status": status}, "surface": self._surface}
-        self._write(self.partial / HEAD, groups, {})
+    def _to_replace(self, identity, force) -> list[str]:
+        """What is said of the file that will be replaced; raises SceneError if it may not be."""
+        try:
+            ours = read_whole(self.path).head.get("identity") == identity
+            what = "holds the result of another scene"
+        except SceneError as error:
+            ours, what = False, f"exists and is no result that can be read ({error})"
+        if not ours and not force:
+            raise SceneError(f"output.path: {self.path} {what}, allowed: another path, or --force to overwrite it")
+        return [f"{self.path} holds a result of this scene, which this run replaces" if ours else f"{self.path} {what}: overwritten"]
 
-    def _write(self, path, groups, fields, **how) -> None:
-        write_file(self.comm, path, groups, fields, transport=self.transport, **how)
+    def _collect(self) -> tuple[dict, dict]:
+        """Attributes and fields of all that is finished, by their names in the file. Raises GfmdError if something is missing."""
+        done, fields = read_partial(self.path), {}
+        lost = [str(index) for index in self.finished if index not in done.indices]
+        if lost:
+            raise GfmdError(f"the files of load steps {', '.join(lost)} have been damaged; restart to solve them again")
+        for stored in done.fields:
+            fields |= {field.dataset: field for field in stored.values()}
+        if (heights := self.partial / "heights.h5").exists():
+            with reading(heights) as file:
+                fields["surface/heights"] = fields_of(heights, file["surface"], self.n)["heights"]
+        return {f"steps/{index:04d}": step for index, step in zip(done.indices, done.steps, strict=True)}, fields
 
-    def _compose(self, done: Result, status) -> tuple[dict, dict, dict]:
-        groups = {"/": self._head | {"status": status}, "surface": self._surface, "steps": {}}
-        fields, copies = {}, {}
-        for index, step, stored in zip(done.indices, done.steps, done.fields, strict=True):
-            groups[f"steps/{index:04d}"] = step
-            for name, item in stored.items():
-                target = copies if item.compressed else fields
-                target[f"steps/{index:04d}/{name}"] = replace(item, span=self.rows)
-        return groups, fields, copies
+    def _slab(self, data) -> Slab:
+        return Slab(data, self.rows[0], self.n, self.dtype)
+
+    def _write_head(self) -> None:
+        self._write(self.partial / HEAD, "running", {}, {})
+
+    def _write(self, path, status, steps, fields) -> None:
+        groups = {"/": self._head | {"status": status}, "surface": self._surface, **steps}
+        write_file(self.comm, path, {name: sealed(attributes) for name, attributes in groups.items()}, fields, finish=describe,
+                   compressed=self.compressed)
 
 
 def tidy(path) -> None:
@@ -191,7 +206,7 @@ def tidy(path) -> None:
 def _clear(folder: Path, keep_lock=False) -> None:
     """Remove what is ours, the head first: a folder without a head is nobody's run."""
     names = [p.name for p in folder.iterdir() if _OURS.fullmatch(p.name)] if folder.is_dir() else []
-    for name in sorted(names, key=lambda name: not name.startswith("head")):
+    for name in sorted(names, key=lambda name: not name.startswith("head.h5")):
         (folder / name).unlink(missing_ok=True)
     if not keep_lock:
         (folder / lock.NAME).unlink(missing_ok=True)

@@ -17,6 +17,7 @@ COLUMNS = (
     ("kappa", "kappa", "", None),
     ("kappa_corrected", "edge-corr.", "", None),
     ("gap_mean", "mean gap", "[length]", "gap_error"),
+    ("approach", "approach", "[length]", None),
     ("gap_over_h_rms", "gap/h_rms", "", None),
     ("stiffness", "stiffness", "[E*/length]", None),
     ("pressure_error", "error of p", "[%]", None),

@@ -34,9 +34,9 @@ class SerialComm:
         """The list of every rank's object."""
         return [obj]
 
-    def alltoall(self, objs):
-        """Object number k goes to rank k; the list of those that come from every rank."""
-        return list(objs)
+    def alltoall(self, objects):
+        """The list of what every rank had for this one; objects: one for each rank."""
+        return objects
 
     def barrier(self):
         """Wait for all ranks."""
@@ -82,9 +82,9 @@ class MpiComm:
         """The list of every rank's object."""
         return self.mpi.allgather(obj)
 
-    def alltoall(self, objs):
-        """Object number k goes to rank k; the list of those that come from every rank."""
-        return self.mpi.alltoall(objs)
+    def alltoall(self, objects):
+        """The list of what every rank had for this one; objects: one for each rank."""
+        return self.mpi.alltoall(objects)
 
     def barrier(self):
         """Wait for all ranks."""

@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import GfmdError, SceneError
 from ..output.read import Result, read_result
 from ..parallel.guard import one_line
-from ..parallel.h5_sum import Summed
+from ..parallel.h5_sum import Checked
 from .curves import curves
 from .distributions import distributions
 from .maps import contact_maps
@@ -58,12 +58,8 @@ def _draw(result, folder, prefix) -> list[Path]:
 
 def _survey(result, k):
     p_unit, _ = pressure_unit(result.steps[k])
-    fields = {name: Summed(field) for name, field in result.fields[k].items()}
-    found = survey(fields, p_unit, gap_unit(result.surface)[0])
-    for name in DRAWN & set(fields):
-        if fields[name].field.checksum not in (None, fields[name].sum):
-            raise GfmdError(f"{result.path}: the numbers of {fields[name].field.dataset} are damaged")
-    return found
+    fields = {name: Checked(field) for name, field in result.fields[k].items()}
+    return survey(fields, p_unit, gap_unit(result.surface)[0])
 
 
 def _evenly(indices):

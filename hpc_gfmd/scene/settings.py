@@ -132,8 +132,8 @@ class Output(Table):
 
     path: Annotated[Path, Field(pattern=r"[^/]\.([hH]5|[hH][dD][fF]5)$")] = Field(
         "contact.h5", description="a path that ends in .h5 or .hdf5")
-    fields: names(Literal["pressure", "gap", "displacement"]) = Field(
-        (), description='a list out of "pressure", "gap", "displacement", each once')
+    fields: names(Literal["pressure", "gap", "displacement", "heights"]) = Field(
+        (), description='a list out of "pressure", "gap", "displacement", "heights", each once')
     observables: names(Path) | None = Field(None, description="a list of names, each once")
     dtype: Literal["single", "double"] | None = Field(None, description='"single" or "double"')
     compression: bool = Field(False, description="true or false")

@@ -10,6 +10,7 @@ from .table import (
     MAX_INT,
     MAX_N,
     POSITIVE,
+    Boundary,
     Corners,
     Height,
     Length,
@@ -35,6 +36,15 @@ class Surface(Table):
     """What every kind has: the cell, in the unit of the heights."""
 
     physical_sizes: Sizes = Field((1.0, 1.0), description=SIZES)
+    boundary: Boundary = Field("periodic", description='"periodic", "free" or one of them for each axis')
+
+    @property
+    def free(self) -> tuple[bool, bool]:
+        """Whether the surface ends along x, along y."""
+        if self.boundary is None:  # a height map that has to be periodic: see surface/boundary.py
+            return False, False
+        along = (self.boundary, self.boundary) if isinstance(self.boundary, str) else self.boundary
+        return along[0] == "free", along[1] == "free"
 
 
 class SelfAffine(Surface):
@@ -161,7 +171,7 @@ class File(Surface):
     dataset: PathText = Field("surface", description="the name of a data set (HDF5, NetCDF, .npz) or of a channel")
     physical_sizes: Sizes | None = Field(None, description=f'{SIZES}, plain in surface.unit or as "12.8 um"')
     unit: LengthUnit | None = Field(None, description='the unit of the heights, such as "nm"')
-    boundary: Literal["periodic"] | None = Field(None, description='"periodic"')
+    boundary: Boundary | None = Field(None, description='"periodic", "free" or one of them for each axis')
     crop: Corners | None = Field(None, description="four numbers [x0, y0, x1, y1], lengths as physical_sizes")
     detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description='"none", "mean", "tilt" or "curvature"')
     fill: Literal["none", "harmonic"] = Field("none", description='"none" or "harmonic"')
@@ -175,6 +185,8 @@ class File(Surface):
     def _one_way_to_be_periodic(self):
         if self.mirror and self.window != "none":
             raise ValueError("found mirror and window, allowed: one of them")
+        if any(self.free) and (self.mirror or self.window != "none" or self.refine * self.downsample > 1):
+            raise ValueError("found a free boundary with mirror, window, refine or downsample, allowed: with a periodic one")
         return self
 
     @property

@@ -3,7 +3,7 @@
 The description of a field is the text after "allowed:" in its error message.
 """
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, WrapValidator
 
@@ -78,6 +78,9 @@ Modes = Annotated[tuple[Annotated[int, Field(ge=0, le=MAX_N)], Annotated[int, Fi
                   BeforeValidator(_tuple)]
 Pressures = Annotated[tuple[Pressure, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
 Loads = Annotated[tuple[Positive, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
+
+Side = Literal["periodic", "free"]
+Boundary = Annotated[Side | tuple[Side, Side], BeforeValidator(_tuple)]
 
 POSITIVE = "a positive number (1e-100 to 1e100)"
 LENGTH = f'{POSITIVE}, plain or as "100 um"'

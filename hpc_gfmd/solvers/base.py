@@ -53,12 +53,17 @@ class Solver:
         """The multilevel operator on this grid, made when the certificate first asks for it."""
         from ..operators.multilevel import Multilevel
 
-        return Multilevel(self.grid, self.problem.body.weights(self.grid), self.problem.dtype, self.elastic.fft.R)
+        return Multilevel(self.grid, self.problem.body, self.problem.dtype, self.elastic.fft.R)
 
     @property
     def problem_now(self):
         """The problem at the present load."""
         return replace(self.problem, p0=self.p0)
+
+    @property
+    def p_cell(self):
+        """The mean pressure over the whole grid at the present load."""
+        return self.problem_now.p_cell
 
     def start(self, g):
         """Begin at the gap g >= 0 (local slab, taken over)."""
@@ -66,8 +71,8 @@ class Solver:
 
     def continue_at(self, p0):
         """Begin from the present state at another mean pressure, without an FFT: p changes by a constant."""
-        self.p += self.problem.dtype.type(p0 - self.p0)
-        self.p0 = float(p0)
+        before, self.p0 = self.p_cell, float(p0)
+        self.p += self.problem.dtype.type(self.p_cell - before)
         self.refresh()
 
     def refresh(self, uKu=None):

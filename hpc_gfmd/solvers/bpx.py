@@ -44,11 +44,12 @@ class Bpx(Solver):
         grid, body, dtype = self.grid, problem.body, problem.dtype
         self.elastic = Elastic(grid, body, dtype)
         self.fft = self.elastic.fft
-        self.levels = Multilevel(grid, body.weights(grid), dtype, self.fft.R)
+        self.levels = Multilevel(grid, body, dtype, self.fft.R)
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(dtype)
         self.kap = 1.0 / body.scale(grid)
+        self.typical = 1.0 / body.typical(grid)
         self.gradient = 1.0 / (GRADIENT * self.kap * body.bounds(grid)[1])
         self._rows = {id(x): zeros_aligned((7, grid.n[1] + LINE // dtype.itemsize), dtype) for x in self.fft.row_scratch}
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
@@ -58,7 +59,7 @@ class Bpx(Solver):
     def start(self, g):
         if g is not self.g:
             self.g[...] = g
-        self.p[...] = self.p0
+        self.p[...] = self.p_cell
         self.d[...] = 0
         self.elastic.pressure_rows(self.problem.displacement_rows(self.g), self.passes)
         self.uKu = float(self.grid.comm.sum([self.elastic.pressure_columns(self.problem.adder(self.fft))])[0])
@@ -90,7 +91,8 @@ class Bpx(Solver):
 
         The descent goes on as it is: the pressure does not change.
         """
-        lowest = self.grid.comm.min([self.g.min(initial=np.inf)])[0]
+        rows, points = self.grid.inside
+        lowest = self.grid.comm.min([self.g[:rows, :points].min(initial=np.inf)])[0]
         if 0 < lowest < np.inf:
             self.g -= self.problem.dtype.type(lowest)
             self.gap_mean -= lowest
@@ -106,10 +108,10 @@ class Bpx(Solver):
             a, b = 0.0, 0.0
             pd = self._propose(self.gradient, 0.0, 0.0)
         free = not plain and abs(pd + descent) < CLIPPED * descent
-        dKd = float(self.grid.comm.sum([self.elastic.pressure_columns()])[0])
+        dKd = self.elastic.pressure_columns()
+        dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
         optimum = -pd / dKd if dKd > 0 else 1.0
         self.s = optimum if 0 < optimum < (1.0 if free else SHORT) else 1.0
-        before = self.gap_mean
         sums = self._update(self.s)
 
         if plain or not a * a * self.rz > 0:
@@ -118,7 +120,7 @@ class Bpx(Solver):
             zKz = dKd - 2 * a * b * self.zq - b * b * self.dq
             self.rayleigh = zKz / (a * a * self.rz)
         self._measure(sums)
-        self.uKu += 2 * (self.s * pd - self.p0 * self.N * (self.gap_mean - before)) + self.s**2 * dKd  # K u = p - p0
+        self.uKu += 2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd  # K u = p - p_cell
         self.iterations += 1
 
     def _coefficients(self):
@@ -144,9 +146,10 @@ class Bpx(Solver):
         t, real = self.levels.transfers[0], self.problem.dtype.type
         z = self.levels.z
         args = (real(self.kap), real(w), real(a), real(b * self.s))
+        inside = self.grid.inside
 
         def fill(i0, i1, x):
-            return propose(self.g, self.p, self.d, x, i0, i1, z, t.k0, t.f_x, t.mode, t.j0, t.f, *args, self._rows[id(x)])
+            return propose(self.g, self.p, self.d, x, i0, i1, z, t.k0, t.f_x, t.mode, t.j0, t.f, *args, inside, self._rows[id(x)])
 
         return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
 
@@ -168,7 +171,7 @@ class Bpx(Solver):
         self.zq = s * kap * (px + COUPLING * xz1)  # <z, K d>
         self.dq = s * s * dx  # <d, K d>
         self.rr, self.pp = rr, pp
-        mean, share, product = self.levels.mean, contact / self.N, self.levels.without_mean
+        mean, share, product = self.levels.mean, contact / self.grid.cell_points, self.levels.without_mean
         self.r_norm = max(product(rr + r1, mean * mean), 0.0)
         self.t_norm = max(product(contact + t1, share * share), 0.0)
         self.aligned = product(rt1, mean * share)
@@ -188,18 +191,20 @@ class Bpx(Solver):
         With r = p on F and the contact's load too small by the factor scale: p^ - p = -r + (scale - 1) (p - r), and |p|_S = |u|_K.
         """
         closed = self.pp - self.rr
-        load = self.p0 - self.levels.mean
+        load = self.p_cell - self.levels.mean
         if self.contact == 0 or closed <= 0 or load <= 0:
             return np.inf, np.inf
-        off = abs(self.p0 / load - 1)
+        off = abs(self.p_cell / load - 1)
         norm = np.sqrt(EQUIVALENCE * self.kap * self.r_norm)
         energy = (EXPECTED * (norm * (1 + off) + off * np.sqrt(max(self.uKu, 0.0)))) ** 2
         share = self.contact / self.N
         response, aligned = np.sqrt(self.kap * self.t_norm) / share, self.kap * self.aligned / share
-        return field_errors(energy, self.uKu, closed, self.N, self.p0, self.gap_mean, self.kap, response, aligned)
+        return field_errors(energy, self.uKu, closed, self.N, self.p0, self.gap_mean, self.typical, response, aligned,
+                            self.problem.self_energy)
 
     def expected_area(self, pressure):
-        squares, fourth = self.grid.comm.sum(open_moments(self.g, self.p))
+        rows, m = self.grid.inside
+        squares, fourth = self.grid.comm.sum(open_moments(self.g[:rows, :m], self.p[:rows, :m]))
         spread = squares**2 / fourth if fourth > 0 else 1.0
         wrong = points_on_wrong_side(self.problem, self.g, self.p, self.kap, pressure**2 * (self.pp - self.rr), spread)
         return relative_area(max(wrong, self.changing), self.contact)

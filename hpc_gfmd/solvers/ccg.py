@@ -45,17 +45,13 @@ class Ccg(Solver):
     # -- starting ------------------------------------------------------------------------------------------------------------
 
     def start(self, g):
-        h, p0 = self.problem.h, self.real(self.p0)
+        p0, inside = self.real(self.p_cell), self.grid.inside
         self.g[...] = g
-
-        def fill(i0, i1, x):
-            np.subtract(self.g[i0:i1], h[i0:i1], out=x[: i1 - i0])
-
-        self.elastic.pressure_rows(fill)
+        self.elastic.pressure_rows(self.problem.displacement_rows(self.g))
         self.elastic.pressure_columns()
-        load, = self._sum(self.elastic.use_rows(lambda i0, i1, x: press(self.g, self.q, x, p0, i0, i1)), 1)
+        load, = self._sum(self.elastic.use_rows(lambda i0, i1, x: press(self.g, self.q, x, p0, inside, i0, i1)), 1)
         if load <= 0:  # nothing is closed yet
-            self.q[...] = self.p0
+            self.q[: inside[0], : inside[1]] = self.p0
             load = self.N * self.p0
         self.offset = self.shift = 0.0
         self.elastic.pressure_rows(reader(self.q))
@@ -66,11 +62,11 @@ class Ccg(Solver):
         scale = self.real(p0 / self.p0)
         self.p0 = float(p0)
         x = np.empty((self.elastic.fft.R, self.grid.n[1]), self.problem.dtype)
+        fill = self.problem.displacement_rows(self.w)
 
         def scaled(i0, i1):
-            rows = x[: i1 - i0]
-            np.subtract(self.w[i0:i1], self.problem.h[i0:i1], out=rows)
-            rows += self.real(self.offset)  # S q
+            fill(i0, i1, x)
+            x[: i1 - i0] += self.real(self.offset)  # S q
             return respace(self.q, self.w, self.problem.h, x, i0, i1, scale, self.real(self.offset))
 
         self._close([scaled(i0, i1) for i0, i1 in self.elastic.fft.passes()])
@@ -87,7 +83,7 @@ class Ccg(Solver):
         kick = tau * (TAKEN * self.stiffest if self.preconditioned else 1.0)
         args = self.real(self.shift), self.real(tau), self.real(kick)
         load, taken = self._sum(self.elastic.pressure_rows(
-            lambda i0, i1, x: advance(self.q, self.t, self.w, x, i0, i1, *args)), 2)
+            lambda i0, i1, x: advance(self.q, self.t, self.w, x, i0, i1, *args, self.grid.inside)), 2)
         self._new_gap(load)
         self.fresh = bool(taken > 0)
         self.iterations += 1
@@ -132,7 +128,7 @@ class Ccg(Solver):
         """The mean of w in contact, and the state that is returned; parts: what `respace` returned."""
         w, n = self._sum(parts, 2)
         self.shift = float(w / n)
-        sums = close(self.q, self.w, self.g, self.p, self.real(self.shift))
+        sums = close(self.q, self.w, self.g, self.p, self.real(self.shift), self.grid.inside)
         self.ee, self.below, self.contact, self.gap = (float(s) for s in self.grid.comm.sum(sums))
 
     def _sum(self, parts, count):

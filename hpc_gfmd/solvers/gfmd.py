@@ -47,15 +47,10 @@ class Gfmd(Solver):
     # -- starting ------------------------------------------------------------------------------------------------------------
 
     def start(self, g):
-        h = self.problem.h
         self.g[...] = g
-        self.p[...] = self.p0
+        self.p[...] = self.p_cell
         self.d[...] = 0
-
-        def fill(i0, i1, x):
-            np.subtract(self.g[i0:i1], h[i0:i1], out=x[: i1 - i0])
-
-        self.elastic.pressure_rows(fill)
+        self.elastic.pressure_rows(self.problem.displacement_rows(self.g))
         self.elastic.pressure_columns()
         self._measure(self.elastic.use_rows(self._settle))
         self._begin()
@@ -74,7 +69,7 @@ class Gfmd(Solver):
 
     def step(self):
         a, b = (self.problem.dtype.type(c) for c in self._coefficients())
-        self.elastic.pressure_rows(lambda i0, i1, x: move(self.g, self.p, self.d, x, i0, i1, a, b))
+        self.elastic.pressure_rows(lambda i0, i1, x: move(self.g, self.p, self.d, x, i0, i1, a, b, self.grid.inside))
         self.elastic.pressure_columns()
         self._measure(self.elastic.use_rows(self._settle))
         self.iterations += 1
@@ -92,7 +87,7 @@ class Gfmd(Solver):
         return a, 0.0 if uphill else ((1 - ratio) / (1 + ratio)) ** 2
 
     def _settle(self, i0, i1, x):
-        return settle(self.g, self.p, self.d, x, i0, i1)
+        return settle(self.g, self.p, self.d, x, i0, i1, self.grid.inside)
 
     def _measure(self, parts):
         """Sum over passes and ranks: p^2 on F, p^2, p d, d^2, d K d, points in contact, gap."""

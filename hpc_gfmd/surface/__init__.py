@@ -1,5 +1,5 @@
 """Rough walls: every kind of scene surface becomes the same `Surface`."""
 
-from .build import Surface, build_surface, surface_size
+from .build import Surface, build_surface, cell_of, grid_of, surface_size
 
-__all__ = ["Surface", "build_surface", "surface_size"]
+__all__ = ["Surface", "build_surface", "cell_of", "grid_of", "surface_size"]

@@ -14,7 +14,7 @@ from .doubts import by_slope
 from .heights import Checksum, checked
 from .prepare import prepare, prepared_size
 from .selfaffine import self_affine_gap
-from .statistics import rms
+from .statistics import rms, rms_between_neighbours
 from .topography import open_topography
 
 SLAB_ROWS = 64  # rows read or made at a time
@@ -22,10 +22,11 @@ SLAB_ROWS = 64  # rows read or made at a time
 
 @dataclass(frozen=True)
 class Surface:
-    """h: initial gap, local slab of `grid`, >= 0 with minimum 0, in units of g_rms a; h_rms, g_rms: realised, in the scene's units.
+    """h: initial gap, local part of the nominal area of `grid`, >= 0 with minimum 0, in units of g_rms a; h_rms, g_rms: realised, in
+    the scene's units. Where the surface ends the grid goes on beyond it, to twice the length.
 
     A surface that varies along one axis only lives on a grid with one point along the other; `n` is the size asked for, and every
-    rank then holds all of `grid`. A flat surface has g_rms = 0 and h in the scene's unit. rows: (start, stop) of the size asked for
+    rank then holds all of `grid`. A flat surface has g_rms = 0, and its units are those of 1. rows: (start, stop) of the size asked for
     that this rank owns. add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum. checksum: of the
     heights as they were read, None where the scene says all about them. unit: "m" where sizes and heights are in it, "" where nobody
     named their unit. prepared: what was done to a height map, a line each. doubts: see
@@ -45,24 +46,52 @@ class Surface:
     doubts: tuple[str, ...] = ()
 
     @property
+    def sizes(self):
+        """(L_x, L_y) of the surface."""
+        return tuple(size * m / k for size, m, k in zip(self.grid.sizes, self.grid.nominal, self.grid.n))
+
+    @property
     def notes(self):
         """What to know of it before the numbers, a line each."""
         return (*by_slope(self.g_rms, measured=self.checksum is not None), *self.doubts)
 
     @property
+    def slope(self):
+        """The unit of slopes: g_rms, 1 on a flat surface."""
+        return self.g_rms if self.g_rms > 0 else 1.0
+
+    @property
     def height_unit(self):
         """What one unit of h, u or g is in the scene's unit of length."""
-        return self.g_rms * self.grid.a if self.g_rms > 0 else 1.0
+        return self.slope * self.grid.a
 
     @property
     def reduced_axis(self):
         """The axis that was left out (0 or 1), or None."""
-        return next((axis for axis in (0, 1) if self.grid.n[axis] != self.n[axis]), None)
+        return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
+
+
+def cell_of(n, free):
+    """The points along each axis that a surface of n points is solved on: twice as many along the axes where it ends."""
+    return tuple(2 * k if ends else k for k, ends in zip(n, free))
+
+
+def grid_of(n, sizes, comm, threads=1, free=(False, False)):
+    """The grid on which a surface of n points is solved."""
+    return Grid(cell_of(n, free), cell_of(sizes, free), comm, threads, nominal=n)
+
+
+def _nominal(grid):
+    """The grid of the nominal area alone, its rows with the same ranks."""
+    if not grid.padded:
+        return grid
+    sizes = [size * m / k for size, m, k in zip(grid.sizes, grid.nominal, grid.n)]
+    return Grid(grid.nominal, sizes, grid.comm, grid.threads, np.minimum(grid.starts, grid.nominal[0]))
 
 
 def surface_size(spec):
-    """(n_x, n_y) of a surface; opens the file where only that knows, after a test that it can be opened. Raises SceneError."""
-    return tuple(spec.n) if spec.n is not None else prepared_size(open_topography(spec, probe=True), spec)
+    """(n_x, n_y) of a surface; opens the file where only that knows. Raises SceneError."""
+    return tuple(spec.n) if spec.n is not None else prepared_size(open_topography(spec), spec)
 
 
 def build_surface(spec, comm, dtype, threads=1, thrifty=False):
@@ -72,26 +101,29 @@ def build_surface(spec, comm, dtype, threads=1, thrifty=False):
     """
     dtype = np.dtype(dtype)
     if spec.kind == "self-affine":
-        grid = Grid(spec.n, spec.physical_sizes, comm, threads)
-        h, h_over_g, add_spectrum = self_affine_gap(spec, grid, dtype, dtype if thrifty else np.float64)
+        grid = grid_of(spec.n, spec.physical_sizes, comm, threads, spec.free)
+        h, h_over_g, add_spectrum = self_affine_gap(spec, _nominal(grid), dtype, dtype if thrifty else np.float64)
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
-        return Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.rows, add_spectrum)
+        known = None if grid.padded else add_spectrum
+        return Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.nominal_rows, known)
     if spec.kind != "file":
         rows = {"wave": wave_rows, "sphere": sphere_rows}[spec.kind](spec, spec.n)
-        return surface_from_rows(spec.n, spec.physical_sizes, rows, comm, dtype, threads)
+        return surface_from_rows(spec.n, spec.physical_sizes, rows, comm, dtype, threads, spec.free)
     with guarded(comm, "reading the surface"):
         found = open_topography(spec)
     found, done, notes = prepare(found, spec, comm)
-    made = surface_from_rows(found.n, found.sizes, found.rows, comm, dtype, threads, Checksum(), found.unit)
+    made = surface_from_rows(found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, Checksum(), found.unit)
     return replace(made, prepared=done, doubts=notes)
 
 
-def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, checksum=None, unit=""):
-    """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y). Raises SceneError on all ranks.
+def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False), checksum=None, unit=""):
+    """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y); free: whether it ends along x, along y.
 
-    checksum: an empty heights.Checksum where one is wanted.
+    The gradient of a surface that ends is that between neighbouring points, otherwise that of the Fourier series. checksum: an empty
+    heights.Checksum where one is wanted. Raises SceneError on all ranks.
     """
-    grid = Grid(n, sizes, comm, threads)
+    cell = grid_of(n, sizes, comm, threads, free)
+    grid = _nominal(cell)
     start, stop = grid.rows
     z = grid.empty(np.float64)
     with guarded(comm, "reading the surface"):
@@ -102,10 +134,12 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, checksum=None, uni
     known = checksum.of_all(comm, n, sizes, unit) if checksum is not None else None
     top = float(comm.max([z.max(initial=-np.inf)])[0])
     np.subtract(top, z, out=z)  # now the gap, exact where it is small
-    grid, z = _leave_out_constant_axis(grid, z)
+    if not cell.padded:
+        grid, z = _leave_out_constant_axis(grid, z)
+        cell = grid
     span = float(grid.comm.max([z.max(initial=0)])[0])
     if span == 0.0:
-        return Surface(grid, z.astype(dtype), n, 0.0, 0.0, (start, stop), checksum=known, unit=unit)
+        return Surface(cell, z.astype(dtype), n, 0.0, 0.0, (start, stop), checksum=known, unit=unit)
     if span < 1 / LARGEST_HEIGHT:
         raise SceneError(f"surface: found heights that differ by {span:g} at most, allowed: 0 or at least {1 / LARGEST_HEIGHT:g}")
     centre = float(grid.comm.sum([z.sum()])[0]) / grid.N
@@ -115,12 +149,12 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, checksum=None, uni
         np.subtract(z[i0:i1], centre, out=x[: i1 - i0])
         x[: i1 - i0] /= scale  # heights of 1e-200 or 1e200 have squares too
 
-    h_rms, g_rms = (scale * r for r in rms(grid, fill))
+    h_rms, g_rms = (scale * r for r in (rms_between_neighbours(grid, fill, free) if cell.padded else rms(grid, fill)))
     if dtype != np.float64:
         grid.forget_fft(np.float64)
     h = z if dtype == np.float64 else np.empty(z.shape, dtype)
     np.divide(z, g_rms, out=h, casting="same_kind")
-    return Surface(grid, h, n, h_rms, g_rms / grid.a, (start, stop), checksum=known, unit=unit)
+    return Surface(cell, h, n, h_rms, g_rms / grid.a, (start, stop), checksum=known, unit=unit)
 
 
 def _leave_out_constant_axis(grid, z):

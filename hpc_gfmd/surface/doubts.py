@@ -32,10 +32,10 @@ class Looks:
         self.unresolved = max(_ratio(one_x / max(n_x - 1, 1), two_x / max(n_x - 2, 1) / 4) ** 2,
                               _ratio(one_y / max(n_y - 1, 1), two_y / max(n_y - 2, 1) / 4) ** 2)
 
-    def notes(self, edges=True):
-        """One line for each doubt; edges: whether they stay as they are."""
+    def notes(self, meet):
+        """One line for each doubt; meet: whether the opposite edges as they are will be neighbours, along x, along y."""
         found = [f"opposite edges along {axis} differ by {jump:.3g} times what neighbouring points differ by: the jump is pressed, too"
-                 for axis, jump in zip("xy", self.jumps) if jump > JUMP and edges]
+                 for axis, jump, edges in zip("xy", self.jumps, meet) if jump > JUMP and edges]
         if self.tilt > TILT:
             found.append(f'{100 * self.tilt:.0f} % of the variance of the heights is tilt (surface.detrend = "tilt" removes it)')
         if self.unresolved > UNRESOLVED:

@@ -1,42 +1,31 @@
 """Height maps from files, peaks up: .npy, HDF5 and NetCDF a few rows at a time, others as a whole on every rank."""
 
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 
 from .. import errors
 from ..errors import SceneError
-from ..parallel import h5_inside, h5_probe
+from ..parallel import h5_inside
 from . import instruments, text
 from .packed import Packing
 from .said import Said, by_attributes, by_axes
 
 NPY = b"\x93NUMPY"
-PIECE_ROWS = 64
 ANY = "surface"  # the data set of a scene that names none
 MASK = "mask"    # where it is not 0 there is no height (SurfaceTopography)
 HDF5 = b"\x89HDF\r\n\x1a\n"  # how an HDF5 file begins, unless its user keeps something before it
-
-
-def look(path, dataset):
-    """Read an HDF5 file as a height map is read; its numbers, too, if they are in chunks."""
-    found = HeightMap(SimpleNamespace(path=path, format="hdf5", dataset=dataset))
-    for start in range(0, found.shape[0] if found.packed else 0, PIECE_ROWS):
-        h5_probe.attempt(found.rows, start, min(start + PIECE_ROWS, found.shape[0]))
 
 
 class HeightMap:
     """shape (n_x, n_y), rows(start, stop) -> float64 (stop - start, n_y), nan where the file has no height, and what else is `said`.
 
     Raises SceneError for anything unreadable.
-
-    probe: find out first, in a process of its own, whether the HDF5 library survives the file.
     """
 
-    def __init__(self, spec, probe=False):
+    def __init__(self, spec):
         self.path = Path(spec.path)
-        self.probe, self.said = probe, Said()
+        self.said = Said()
         if not self.path.is_file():
             raise SceneError(f"surface.path: found {self.path}, which is no file, allowed: the path of a height map")
         opener = {"npy": self._npy, "npz": self._npz, "hdf5": self._hdf5, "netcdf": self._netcdf}.get(spec.format, self._whole)
@@ -81,8 +70,6 @@ class HeightMap:
     def _hdf5(self, spec):
         import h5py
 
-        if self.probe and h5py.is_hdf5(self.path) and not h5_probe.survives(look, self.path, spec.dataset):
-            raise ValueError("the file is damaged")
         with h5py.File(self.path, "r", locking=False) as file:
             names = []
             file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
@@ -95,13 +82,11 @@ class HeightMap:
             axes = [(scale.name.rpartition("/")[2], dict(scale.attrs), scale[:], len(scale)) for scale in scales]
             self.said = by_axes(dict(data.attrs), axes) if len(axes) == 2 else by_attributes(data.attrs, file.attrs)
             packing = Packing(data.attrs)
-            self.packed = data.chunks is not None and data.id.get_storage_size() > 0
-
-        def read(rows, columns):
-            with h5py.File(self.path, "r", locking=False) as file:
-                return packing.unpacked(h5_inside.item(file, name)[rows, columns])
-
-        return read
+            band = data.chunks[0] * data.shape[1] * data.dtype.itemsize if data.chunks and data.ndim == 2 else 0
+        # chunks that the next rows need as well are kept while the data set is open: unpacking a large one each time takes for ever
+        file = h5py.File(self.path, "r", locking=False, rdcc_nbytes=max(2 * band, 2**20), rdcc_nslots=10007)
+        data = h5_inside.item(file, name)
+        return lambda rows, columns: packing.unpacked(data[rows, columns])
 
     def _netcdf(self, spec):
         with open(self.path, "rb") as file:

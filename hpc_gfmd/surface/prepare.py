@@ -47,7 +47,7 @@ def prepare(found, spec, comm):
     found, missing = filled(found, spec.fill, comm)
     if missing:
         done.append(f"{missing} points ({100 * missing / (found.n[0] * found.n[1]):.2g} %) filled")
-    found, notes = boundary.decided(found, spec, comm)
+    notes = boundary.notes_on(found, spec, comm)
     if missing > FILLED * found.n[0] * found.n[1]:
         notes.append(f"{100 * missing / (found.n[0] * found.n[1]):.0f} % of the heights are filled, not measured")
     if spec.flip:

@@ -26,7 +26,7 @@ def read_surface(path, **keys):
     """See hpc_gfmd.read_surface."""
     surface = {"kind": "file", "path": str(path)} | {key: _plain(value) for key, value in keys.items()}
     spec = Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}}, "hpc_gfmd.read_surface").surface
-    found, done, notes = prepare(open_topography(spec, probe=True), spec, SerialComm())
+    found, done, notes = prepare(open_topography(spec), spec, SerialComm())
     return PreparedSurface(found.rows(0, found.n[0]), found.sizes, found.unit, done, notes)
 
 

@@ -24,6 +24,7 @@ class Topography:
     rows: object
     unit: str = ""
     periodic: bool | None = None
+    path: object = None
     filled: int = 0
     plain: float = 1.0
 
@@ -32,9 +33,9 @@ class Topography:
         return float(given) if isinstance(given, Quantity) else given * self.plain
 
 
-def open_topography(spec, probe=False):
-    """The Topography of a scene's height map, of which no height is read yet; probe: see HeightMap. Raises SceneError."""
-    found = HeightMap(spec, probe)
+def open_topography(spec):
+    """The Topography of a scene's height map, of which no height is read yet. Raises SceneError."""
+    found = HeightMap(spec)
     said, given = found.said, spec.physical_sizes
     unit = spec.unit or said.unit
     sizes_unit = said.sizes_unit or unit if given is None else unit
@@ -54,7 +55,7 @@ def open_topography(spec, probe=False):
         return checked(found.rows(start, stop), start, "surface.path", f" in {found.path}", missing=True) * height
 
     return Topography(tuple(found.shape), (float(sizes[0]), float(sizes[1])), rows,
-                      "" if unit is None else "m", said.periodic, plain=height)
+                      "" if unit is None else "m", said.periodic, found.path, plain=height)
 
 
 def _factor(unit, given, path):

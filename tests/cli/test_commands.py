@@ -71,7 +71,7 @@ def test_run(solved):
         for step in file["steps"].values():
             assert set(step.attrs) >= STEP
             assert step.attrs["status"] == "converged"
-            assert set(step) == {"pressure", "gap"}
+            assert set(step) == {"pressure", "gap", "x", "y", "p"}
             pressure, gap = step["pressure"][:], step["gap"][:]
             assert pressure.shape == (32, 32)
             assert pressure.mean() == pytest.approx(step.attrs["p"], rel=1e-3)

@@ -1,5 +1,6 @@
 """Height maps and result files that must be refused: {name: (how it is made, function(path), words of the message)}."""
 
+import os
 import pickle
 import zipfile
 
@@ -7,8 +8,8 @@ import h5py
 import numpy as np
 from fuzz.seeds import FIELD, seeds
 
-from hpc_gfmd.parallel import h5_seal
-from hpc_gfmd.parallel.h5_layout import FORMAT_VERSION
+from hpc_gfmd.output.read import FORMAT_VERSION
+from hpc_gfmd.parallel.h5_sum import sealed
 
 Z = np.arange(48.0).reshape(8, 6)
 
@@ -139,53 +140,59 @@ HEIGHT_MAPS = {
 }
 
 
-def sealed(path):
+def sound(path):
     """A sound result file, as bytes."""
-    made = seeds("result", path.parent)[0]
+    made, other = seeds("result", path.parent)
     data = made.read_bytes()
-    for seed in path.parent.glob("*sealed.h5"):
-        seed.unlink()
-    for seed in path.parent.glob("*packed.h5"):
-        seed.unlink()
+    made.unlink()
+    other.unlink()
     path.write_bytes(data)
     return data
 
 
-def edit(path, change, seal=True):
-    """A sound result, changed by h5py and sealed again."""
-    sealed(path)
+def edit(path, change):
+    """A sound result, changed by h5py."""
+    sound(path)
     with h5py.File(path, "r+", locking=False) as file:
         change(file)
-    if seal:
-        h5_seal.seal(path)
 
 
 def one_bit(path, data, number):
-    """One bit of a number flipped."""
+    """One bit of a number, or of a text, flipped."""
     place = data.index(number) + 3
     path.write_bytes(data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :])
 
 
+def moved_out(file):
+    """The gap in another file."""
+    del file["steps/0000/gap"]
+    file["steps/0000/gap"] = h5py.ExternalLink("elsewhere.h5", "/surface")
+
+
+def of_another_size(file):
+    """A field that does not fit the surface."""
+    file["steps/0000"].create_dataset("pressure", data=FIELD.T).attrs.update(sealed({}))
+
+
 RESULTS = {
-    "truncated result file": ("the last byte cut off", lambda p: cut(p, sealed(p), 1 - 1e-6), "cut short"),
-    "half a result file": ("the second half cut off", lambda p: cut(p, sealed(p), 0.5), "cut short"),
+    "truncated result file": ("the last byte cut off", lambda p: cut(p, sound(p), 1 - 1e-6), "truncated file"),
+    "half a result file": ("the second half cut off", lambda p: cut(p, sound(p), 0.5), "truncated file"),
     "empty result file": ("no bytes", lambda p: p.write_bytes(b""), "not an HDF5 file"),
     "foreign file as result": ("a text", lambda p: p.write_text("hello"), "not an HDF5 file"),
     "foreign HDF5 as result": ("HDF5 of another program", lambda p: p.write_bytes(raw_h5(p)), "not a result of hpc-gfmd"),
-    "garbled result file": ("256 random bytes at its beginning", lambda p: garbled(p, sealed(p)[:4000]), "out.h5: "),
-    "one bit of a number in a result file": ("a_r changed by one bit", lambda p: one_bit(p, sealed(p), np.float64(0.25).tobytes()),
+    "garbled result file": ("256 random bytes near its beginning", lambda p: garbled(p, sound(p)[:4000]), "out.h5: "),
+    "one bit of a number in a result file": ("a_r changed by one bit", lambda p: one_bit(p, sound(p), np.float64(0.25).tobytes()),
                                              "damaged"),
+    "one bit of a text in a result file": ("one letter of what is read as the status", lambda p: one_bit(p, sound(p), b'"converged"'),
+                                           "damaged"),
     "newer result file": ("format_version raised",
-                          lambda p: edit(p, lambda f: f.attrs.modify("format_version", FORMAT_VERSION + 1), False),
-                          f"format_version is {FORMAT_VERSION + 1}, this program reads up to {FORMAT_VERSION}"),
-    "result file edited by hand": ("a_r changed with h5py",
-                                   lambda p: edit(p, lambda f: f["steps/0000"].attrs.modify("a_r", 0.9), False),
-                                   "damaged, or was changed"),
-    "result file with other types": ("a_r made a text",
-                                     lambda p: edit(p, lambda f: f["steps/0000"].attrs.create("a_r", "much")), "a_r"),
+                          lambda p: edit(p, lambda f: f.attrs.modify("format_version", FORMAT_VERSION + 1)),
+                          f"format_version is {FORMAT_VERSION + 1}, this program reads {FORMAT_VERSION}"),
+    "result file edited by hand": ("a_r changed with h5py", lambda p: edit(p, lambda f: f["steps/0000"].attrs.modify("a_r", 0.9)),
+                                   "a_r of /steps/0000 is not what was written"),
     "result file without surface": ("group removed", lambda p: edit(p, lambda f: f.pop("surface")), "no surface"),
-    "result file with a field of another size": ("gap of 5 x 6 points",
-                                                 lambda p: edit(p, lambda f: f["steps/0000"].create_dataset("pressure", data=FIELD.T)),
-                                                 "the surface has (6, 5)"),
+    "result file with a field of another size": ("gap of 5 x 6 points", lambda p: edit(p, of_another_size), "the surface has (6, 5)"),
+    "result file with a link out of it": ("the gap in another file", lambda p: edit(p, moved_out), "gap is a link to another file"),
     "folder as result file": ("a folder named out.h5", lambda p: p.mkdir(), "is a folder"),
+    "pipe as result file": ("a FIFO named out.h5", os.mkfifo, "is no file"),
 }

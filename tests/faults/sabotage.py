@@ -66,9 +66,9 @@ def no_memory(count):
 
 def write(count):
     """An exception while the rows of this rank are written."""
-    from hpc_gfmd.parallel import h5_fill
+    from hpc_gfmd.parallel import h5
 
-    h5_fill.pieces = after(h5_fill.pieces, count, fail)
+    h5.rows_sum = after(h5.rows_sum, count, fail)
 
 
 def nan(count, value="nan"):

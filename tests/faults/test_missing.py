@@ -2,13 +2,8 @@
 
 import time
 
-import numpy as np
 import pytest
 from mpi_harness import call, environment, missing
-
-from hpc_gfmd.errors import GfmdError
-from hpc_gfmd.parallel import h5
-from hpc_gfmd.parallel.comm import SerialComm
 
 SCENE = "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n"
 
@@ -58,32 +53,3 @@ def test_a_missing_package(module, args, code, words, folder, record):
     assert words in run.stderr
     record(f"no {module}", f"{module} made unimportable; {args[0]}", code, run.stderr.strip() or "none: not needed",
            time.monotonic() - begun)
-
-
-def test_hdf5_without_mpi(tmp_path, monkeypatch, record):
-    """Not needed: rows go to their places in the file directly. Who asks for collective MPI-IO is told."""
-    import h5py
-
-    begun = time.monotonic()
-    monkeypatch.setattr(h5py, "get_config", lambda: type("Serial", (), {"mpi": False}))
-    data = np.arange(12.0).reshape(4, 3)
-    h5.write_file(SerialComm(), tmp_path / "a.h5", {}, {"u": h5.Slab(data, 0, (4, 3))})
-    assert np.array_equal(h5.read_rows(tmp_path / "a.h5", "u", (0, 4)), data)
-    with pytest.raises(GfmdError, match="transport mpio needs h5py built with MPI") as caught:
-        h5.write_file(SerialComm(), tmp_path / "b.h5", {}, {"u": h5.Slab(data, 0, (4, 3))}, transport="mpio")
-    assert [p.name for p in tmp_path.iterdir()] == ["a.h5"]
-    line = str(caught.value).replace(str(tmp_path), ".")
-    record("HDF5 without MPI", "h5py says that it was built without MPI", 1, f"{line} (only where asked for)",
-           time.monotonic() - begun)
-
-
-@pytest.mark.mpi
-def test_hdf5_without_mpi_on_several_ranks(comm, shared_path, monkeypatch):
-    import h5py
-
-    monkeypatch.setattr(h5py, "get_config", lambda: type("Serial", (), {"mpi": False}))
-    whole = np.arange(60.0).reshape(12, 5)
-    start, stop = 12 * comm.rank // comm.size, 12 * (comm.rank + 1) // comm.size
-    path = shared_path / "a.h5"
-    h5.write_file(comm, path, {}, {"u": h5.Slab(whole[start:stop], start, whole.shape)})
-    assert np.array_equal(h5.read_rows(path, "u", (0, 12)), whole)

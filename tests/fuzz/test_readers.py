@@ -4,24 +4,17 @@ import hashlib
 from pathlib import Path
 
 import pytest
-from fuzz.readers import READERS, outcome, outcome_apart, survives
+from fuzz.readers import READERS, outcome, outcome_apart
 from fuzz.seeds import seeds
 from fuzz.structured import check_result, results
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-from hpc_gfmd.parallel import h5_probe
 
 REGRESSIONS = sorted(p for p in (Path(__file__).parent / "regressions").glob("*/*") if p.is_file())
 EXAMPLES = {"scene": 150, "npy": 100, "coefficients": 60, "runs": 60}  # of changed bytes; the others, HDF5 all, in a child each
 quick = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 EDITS = st.lists(st.tuples(st.sampled_from(["set", "cut", "insert", "copy"]), st.floats(0, 1), st.binary(min_size=1, max_size=8)),
                  min_size=1, max_size=6)
-
-
-@pytest.fixture(autouse=True)
-def fast_probe(monkeypatch):
-    monkeypatch.setattr(h5_probe, "survives", survives)
 
 
 def changed(data, edits):

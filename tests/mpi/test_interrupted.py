@@ -48,11 +48,12 @@ def test_time_limit_and_restart(comm, shared_path):
     comm.barrier()
 
 
-@pytest.mark.parametrize("solver", ["bpx", "ccg"])  # tests/unit/test_restart.py has all of them, on one process
-def test_bit_identical(comm, shared_path, monkeypatch, solver):
+# tests/unit/test_restart.py has all solvers, on one process
+@pytest.mark.parametrize(("solver", "boundary"), [("bpx", "periodic"), ("ccg", "periodic"), ("bpx", "free")])
+def test_bit_identical(comm, shared_path, monkeypatch, solver, boundary):
     """On as many ranks: stopped in the first load and at the end of the second, then dead without a word."""
     pieces = Pieces(monkeypatch, comm, shared_path)
-    asked = small(solver, [0.1, 0.11, 0.12])
+    asked = small(solver, [0.1, 0.11, 0.12], boundary=boundary)
     part = pieces.undisturbed(asked) // 3
     pieces.run(asked, (part // 2, False, ()), (part + part // 2, False, ()), (part // 2, True, ()))
     pieces.compare()

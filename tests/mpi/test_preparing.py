@@ -63,7 +63,7 @@ def test_harmonic_functions_come_back(prepared):
     filled = prepared(edge, fill="harmonic", boundary="periodic")[0]
     assert filled[0, 0] == pytest.approx((z[0, 1] + z[1, 0]) / 2)
     assert filled[13, 3] == pytest.approx((z[13, 2] + z[13, 4] + z[12, 3]) / 3)
-    with pytest.raises(SceneError, match=r"found nan at \(0, 0\) and 1 more points"):
+    with pytest.raises(SceneError, match=r"found nan at \(0, 0\) in .*, 2 points without"):
         prepared(edge)
     with pytest.raises(SceneError, match="where some are known"):
         prepared(np.full(N, np.nan), fill="harmonic")

@@ -1,5 +1,6 @@
-"""The result file on any number of ranks: empty slabs, every transport, restart, agreed errors."""
+"""The result file on any number of ranks: empty slabs, MPI-IO or not, restart, agreed errors."""
 
+import contextlib
 import shutil
 
 import numpy as np
@@ -8,12 +9,13 @@ import pytest
 from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.output.record import RunFile
-from hpc_gfmd.parallel import h5, h5_fill
+from hpc_gfmd.parallel import h5
+from hpc_gfmd.parallel.comm import SerialComm
 
 pytestmark = pytest.mark.mpi
 
 HEAD = {"scene": "title = 'x'", "identity": "abc", "versions": {"numpy": "2"}}
-SURFACE = {"n": [7, 5], "h_rms": 0.5}
+SURFACE = {"n": [7, 5], "physical_sizes": [1.0, 2.0], "h_rms": 0.5}
 
 
 def slab(comm, n_x, empty=()):
@@ -40,27 +42,32 @@ def layouts(comm, n_x):
         yield slab(comm, n_x, empty={0})
 
 
-def transports(comm):
+def with_and_without_mpi(monkeypatch):
+    """HDF5 as it is, then one that says it was built without MPI."""
     import h5py
 
-    return ("direct", "root", "mpio") if comm.size > 1 and h5py.get_config().mpi else ("direct", "root")
+    yield
+    monkeypatch.setattr(h5py, "get_config", lambda: type("Serial", (), {"mpi": False}))
+    yield
 
 
-def test_round_trip(comm, shared_path):
-    for transport in transports(comm):
+def test_round_trip(comm, shared_path, monkeypatch):
+    for _ in with_and_without_mpi(monkeypatch):
         for rows in layouts(comm, 7):
-            round_trip(comm, shared_path, (7, 5), rows, transport, False, None)
-        round_trip(comm, shared_path, (7, 5), rows, transport, True, "single")
-        round_trip(comm, shared_path, (3, 4), slab(comm, 3), transport, False, None)
-        round_trip(comm, shared_path, (1, 1), slab(comm, 1), transport, True, None)
+            round_trip(comm, shared_path, (7, 5), rows, False, None)
+        round_trip(comm, shared_path, (7, 5), rows, True, "single")
+        round_trip(comm, shared_path, (3, 4), slab(comm, 3), False, None)
+        round_trip(comm, shared_path, (1, 1), slab(comm, 1), True, None)
 
 
-def round_trip(comm, shared_path, n, rows, transport, compressed, dtype):
+def round_trip(comm, shared_path, n, rows, compressed, dtype):
+    import h5py
+
     path = shared_path / "round.h5"
     fields = {"pressure": field(n), "gap": field(n, "float32")}
-    how = {"transport": transport, "compressed": compressed, "dtype": dtype}
     local = {name: whole[slice(*rows)] for name, whole in fields.items()}
-    with RunFile(comm, path, n, rows, HEAD, SURFACE | {"n": list(n)}, **how) as run:
+    with RunFile(comm, path, n, rows, HEAD, SURFACE | {"n": list(n)}, compressed=compressed, dtype=dtype) as run:
+        run.write_heights(local["gap"])
         for index in (0, 1):
             run.write_step(index, {"p_star": 0.1 * (index + 1), "status": "converged"}, local)
         run.finish("converged", setup_seconds=1.5)
@@ -70,47 +77,159 @@ def round_trip(comm, shared_path, n, rows, transport, compressed, dtype):
     assert result.versions == {"numpy": "2"}
     assert result.head["setup_seconds"] == 1.5
     assert result.head["ranks"] == comm.size
+    assert result.head["io"] == ("mpio" if comm.size > 1 and h5py.get_config().mpi else "serial")
     for step in result.fields:
-        for name, whole in fields.items():
+        for name, whole in (fields | {"heights": fields["gap"]}).items():
             stored = step[name]
             assert stored.stored == np.dtype(dtype or whole.dtype)
-            assert stored.compressed == compressed
-            assert np.array_equal(stored.read(*rows), whole[slice(*rows)].astype(stored.stored))
             assert np.array_equal(stored.read(0, n[0]), whole.astype(stored.stored))
+            assert np.array_equal(h5.read_slab(comm, stored, rows), whole[slice(*rows)].astype(stored.stored))
+    with h5py.File(path, "r") as file:
+        assert (file["steps/0001/gap"].compression == "gzip") == compressed
     assert not run.partial.exists()
     comm.barrier()
 
 
-def test_many_pieces(comm, shared_path):
+def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
+    """Groups, attributes, types, values and coordinates; but for times and who wrote it."""
+    import h5py
+
+    n, own = (7, 5), {"start_time", "end_time", "ranks", "io", "record"}
+    whole = field(n)
+
+    def write(world, path, rows):
+        for compressed in (False, True):
+            with RunFile(world, path / f"{compressed}.h5", n, rows, HEAD, SURFACE, compressed=compressed) as run:
+                run.write_heights(whole[slice(*rows)])
+                for index in (0, 1):
+                    run.write_step(index, {"p": 0.1 + index}, {"gap": whole[slice(*rows)], "pressure": whole[slice(*rows)] + index})
+                run.finish("converged")
+        world.barrier()
+
+    def content(path):
+        found = {}
+        with h5py.File(path, "r", locking=False) as file:
+            names = ["/"]
+            file.visit(names.append)
+            for name in names:
+                item = file[name]
+                attributes = {k: str(v) for k, v in item.attrs.items() if k not in own and "LIST" not in k}
+                is_data = isinstance(item, h5py.Dataset)
+                found[name] = attributes, (item.dtype.str, item.chunks, item.compression, item[()].tobytes()) if is_data else None
+        return found
+
+    (shared_path / f"alone-{comm.rank}").mkdir()
+    write(comm, shared_path, slab(comm, 7))
+    write(SerialComm(), shared_path / f"alone-{comm.rank}", (0, 7))
+    for name in ("False.h5", "True.h5"):
+        together, by_one = content(shared_path / name), content(shared_path / f"alone-{comm.rank}" / name)
+        assert list(together) == list(by_one)
+        assert together == by_one
+        assert "steps/0001/gap" in together
+        assert "VTKHDF/PointData/gap" in together
+    comm.barrier()
+
+
+def test_several_ranks_write_and_read_by_mpi_io(comm, shared_path, monkeypatch):
+    """The driver that HDF5 itself names, and the transfers that were collective."""
+    import h5py
+
+    drivers, collective, create, rows = [], [], h5py.h5p.create, slab(comm, 7)
+
+    class Spy(h5py.File):
+        def __init__(self, name, mode="r", **how):
+            super().__init__(name, mode, **how)
+            if comm.size == 1 or "comm" in how:
+                drivers.append((mode, self.driver, self.id.get_access_plist().get_driver() == h5py.h5fd.MPIO))
+
+    def spy(kind):
+        found = create(kind)
+        if kind is h5py.h5p.DATASET_XFER:
+            collective.append(found)
+        return found
+
+    monkeypatch.setattr(h5py, "File", Spy)
+    monkeypatch.setattr(h5py.h5p, "create", spy)
+    whole = field((7, 5))
+    h5.write_file(comm, shared_path / "a.h5", {}, {"u": h5.Slab(whole[slice(*rows)], rows[0], (7, 5))})
+    if comm.size > 1:
+        assert drivers == [("r+", "mpio", True)]
+    stored = h5.Stored(shared_path / "a.h5", "u", (7, 5), whole.dtype, checksum(shared_path / "a.h5", "u"))
+    drivers.clear()
+    h5.read_slab(comm, stored, rows)
+    if comm.size > 1:
+        assert drivers == [("r", "mpio", True)]
+        assert [found.get_dxpl_mpio() for found in collective].count(h5py.h5fd.MPIO_COLLECTIVE) == 2
+    else:
+        assert not any(mpio for *_, mpio in drivers)
+    comm.barrier()
+
+
+def checksum(path, name):
+    import h5py
+
+    with h5py.File(path, "r", locking=False) as file:
+        return int(file[name].attrs["checksum"])
+
+
+def test_many_pieces(comm, shared_path, monkeypatch):
     """Slabs larger than one call may write, with a different number of calls on every rank."""
     n, whole = (60, 50), field((60, 50))
     path = shared_path / "pieces.h5"
-    before, h5_fill.PIECE_BYTES = h5_fill.PIECE_BYTES, 7 * 50 * 8
-    try:
-        for transport in transports(comm):
-            for compressed in (False, True):
-                rows = slab(comm, 11)
-                rows = (rows[0], n[0] if rows[1] == 11 and comm.rank == comm.size - 1 else rows[1])
-                part = h5.Slab(whole[slice(*rows)], rows[0], n)
-                h5.write_file(comm, path, {}, {"a/b": part}, transport=transport, compressed=compressed)
-                assert np.array_equal(h5.read_rows(path, "a/b", (0, 60)), whole)
-                comm.barrier()
-    finally:
-        h5_fill.PIECE_BYTES = before
+    monkeypatch.setattr(h5, "PIECE_BYTES", 7 * 50 * 8)
+    rows = slab(comm, 11)
+    rows = (rows[0], n[0] if rows[1] == 11 and comm.rank == comm.size - 1 else rows[1])
+    found = set()
+    for _ in with_and_without_mpi(monkeypatch):
+        for compressed in (False, True):
+            part = h5.Slab(whole[slice(*rows)], rows[0], n)
+            h5.write_file(comm, path, {}, {"a/b": part}, compressed=compressed)
+            assert np.array_equal(h5.read_rows(path, "a/b", (0, 60)), whole)
+            found.add(checksum(path, "a/b"))
+            comm.barrier()
+    h5.write_file(comm, path, {}, {"c": h5.Stored(path, "a/b", n, whole.dtype, *found, rows)})  # a copy of itself, by all ranks
+    assert np.array_equal(h5.read_rows(path, "c", (0, 60)), whole)
+    monkeypatch.setattr(h5, "PIECE_BYTES", 2**26)
+    h5.write_file(SerialComm(), shared_path / f"alone-{comm.rank}.h5", {}, {"a/b": h5.Slab(whole, 0, n)})
+    assert found == {checksum(shared_path / f"alone-{comm.rank}.h5", "a/b")}  # whatever the ranks and pieces
+    comm.barrier()
 
 
-def test_not_contiguous(comm, shared_path):
+def test_damage_on_one_rank_stops_all(comm, shared_path):
+    """In the numbers of the last rows, as they are or packed."""
+    import h5py
+
+    whole, rows, path = field((40, 30)), slab(comm, 40), shared_path / "damaged.h5"
+    for compressed in (False, True):
+        h5.write_file(comm, path, {}, {"u": h5.Slab(whole[slice(*rows)], rows[0], (40, 30))}, compressed=compressed)
+        stored = h5.Stored(path, "u", (40, 30), whole.dtype, checksum(path, "u"))
+        assert np.array_equal(h5.read_slab(comm, stored, rows), whole[slice(*rows)])
+        comm.barrier()
+        if comm.rank == 0:
+            with h5py.File(path) as file:
+                data = file["u"].id
+                place = data.get_chunk_info_by_coord((39, 0)).byte_offset + 20 if compressed else data.get_offset() + 39 * 30 * 8
+            content = bytearray(path.read_bytes())
+            content[place] ^= 1
+            path.write_bytes(content)
+        comm.barrier()
+        with pytest.raises(GfmdError, match="inflate" if compressed else "the numbers of u are damaged"):
+            h5.read_slab(comm, stored, rows)
+        comm.barrier()
+
+
+def test_not_contiguous(comm, shared_path, monkeypatch):
     """Views with padded rows, transposed and complex arrays, as states of solvers are."""
     rows, path = slab(comm, 7), shared_path / "views.h5"
     padded, turned = field((7, 8)), field((5, 7)).T
     spectrum = field((7, 5)) + 1j
-    for transport in transports(comm):
+    for _ in with_and_without_mpi(monkeypatch):
         fields = {
             "padded": h5.Slab(padded[slice(*rows), :5], rows[0], (7, 5)),
             "turned": h5.Slab(turned[slice(*rows)], rows[0], (7, 5)),
             "spectrum": h5.Slab(spectrum[slice(*rows)], rows[0], (7, 5)),
         }
-        h5.write_file(comm, path, {"state": {"dt": 0.5}}, fields, transport=transport)
+        h5.write_file(comm, path, {"state": {"dt": 0.5}}, fields)
         for name, whole in (("padded", padded[:, :5]), ("turned", turned), ("spectrum", spectrum)):
             assert np.array_equal(h5.read_rows(path, name, rows), whole[slice(*rows)])
         comm.barrier()
@@ -149,14 +268,14 @@ def test_locked(comm, shared_path):
     comm.barrier()
 
 
-def test_errors_are_agreed(comm, shared_path):
+def test_errors_are_agreed(comm, shared_path, monkeypatch):
     """What fails on one rank fails on all, and what was there before is untouched."""
     rows, n, last = slab(comm, 7), (7, 5), comm.rank == comm.size - 1
     good = field(n)[slice(*rows)]
     with pytest.raises(SceneError, match=r"folder .* does not exist"):
         RunFile(comm, shared_path / "missing" / "a.h5", n, rows, HEAD, SURFACE)
-    for transport in transports(comm):
-        with RunFile(comm, shared_path / "agreed.h5", n, rows, HEAD, SURFACE, transport=transport) as run:
+    for _ in with_and_without_mpi(monkeypatch):
+        with RunFile(comm, shared_path / "agreed.h5", n, rows, HEAD, SURFACE) as run:
             run.write_step(0, {}, {"gap": good})
             with pytest.raises(GfmdError, match="local shape"):
                 run.write_step(1, {}, {"gap": good[:, :3] if last else good})
@@ -165,7 +284,7 @@ def test_errors_are_agreed(comm, shared_path):
                     run.write_step(1, {}, {"gap" if last else "height": good})
             fields = {"gap": Broken(good, rows[0], n) if last else h5.Slab(good, rows[0], n)}
             with pytest.raises(GfmdError, match="no such number"):
-                h5.write_file(comm, run.partial / "step-0001.h5", {}, fields, transport=transport)
+                h5.write_file(comm, run.partial / "step-0001.h5", {}, fields)
             comm.barrier()
             assert sorted(p.name for p in run.partial.iterdir()) == ["head.h5", "lock", "step-0000.h5"]
             comm.barrier()
@@ -174,8 +293,12 @@ def test_errors_are_agreed(comm, shared_path):
             comm.barrier()
             with pytest.raises(GfmdError, match="No such file"):
                 run.write_step(1, {}, {"gap": good})
+        comm.barrier()
 
 
 class Broken(h5.Slab):
-    def read(self, start, stop):
+    def reader(self, comm):
+        return contextlib.nullcontext(self.fail)
+
+    def fail(self, start, stop):
         raise ValueError("no such number")

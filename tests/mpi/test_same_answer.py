@@ -53,6 +53,24 @@ def test_any_grid(comm, n):
     assert_same(comm, *steps)
 
 
+@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
+@pytest.mark.parametrize("surface", [rough((2, 16, 2)), rough((1, 31, 2.0), seed=3), {"kind": "sphere", "radius": 3.0, "n": [5, 33]}],
+                         ids=["64x64", "62x62", "5x33"])
+def test_surfaces_that_end(comm, surface, boundary):
+    """Ranks that have nothing but the outside of a surface, or only a few rows of it."""
+    assert_same(comm, *(solve_scene(surface | {"boundary": boundary}, 0.1, comm=world, **EXACT) for world in (comm, SerialComm())))
+
+
+@pytest.mark.parametrize("solver", [{"precision": "single"}, {"precision": "single", "low_memory": True}, {"nested": False}], ids=str)
+def test_ways_to_solve_a_surface_that_ends(comm, solver):
+    surface = rough((2, 32, 4), boundary="free")  # large enough for coarse grids that are spread over the ranks
+    found, wanted = (solve_scene(surface, 0.1, comm=world, accuracy=1e-3, **solver) for world in (comm, SerialComm()))
+    assert found.contact.outcome.status == "converged"
+    assert found.contact.contact_points == pytest.approx(wanted.contact.contact_points, rel=1e-3)
+    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-3)
+    assert found.contact.approach == pytest.approx(wanted.contact.approach, rel=1e-4)
+
+
 @pytest.mark.parametrize("name", solver_names())
 def test_every_solver(comm, name):
     accurate = EXACT | {"name": name, "residual": 1e-8}

@@ -158,7 +158,7 @@ def test_move(fields):
     v = 0.7 * d - 0.3 * p
     wanted = np.maximum(g + v, 0)
     change, kept = np.where(g + v <= 0, -g, v), np.where(g + v <= 0, 0, v)
-    move(g, p, d, x, 0, 6, 0.3, 0.7)
+    move(g, p, d, x, 0, 6, 0.3, 0.7, g.shape)
     np.testing.assert_allclose(g, wanted, atol=1e-15)
     np.testing.assert_allclose(x, change, atol=1e-15)
     np.testing.assert_allclose(d, kept, atol=1e-15)
@@ -168,7 +168,7 @@ def test_settle(fields):
     g, p, d, x, _ = fields
     q = p + x
     free = ~((g <= 0) & (q > 0))
-    sums = settle(g, p, d, x, 0, 6)
+    sums = settle(g, p, d, x, 0, 6, g.shape)
     np.testing.assert_allclose(p, q)
     np.testing.assert_allclose(sums, [(q**2)[free].sum(), (q**2).sum(), (q * d).sum(), (d**2).sum(), (d * x).sum(), (~free).sum(),
                                       g.sum()])
@@ -179,7 +179,7 @@ def test_pressure_passes(fields):
     g = np.where(w > 0, 0, q)
     wanted = np.where(g <= 0, np.maximum(0.2 + x, 0), 0)
     found = np.empty_like(q)
-    assert press(g, found, x, 0.2, 0, 6) == pytest.approx(wanted.sum())
+    assert press(g, found, x, 0.2, g.shape, 0, 6) == pytest.approx(wanted.sum())
     np.testing.assert_allclose(found, wanted)
 
     touching, e = q > 0, w - 0.1
@@ -190,7 +190,7 @@ def test_pressure_passes(fields):
     np.testing.assert_allclose(sums, [(e * wanted).sum(), wanted.sum()])
 
     wanted = np.maximum(np.where(touching, q - 0.4 * t, -0.6 * e), 0)
-    sums = advance(q, t, w, x, 0, 6, 0.1, 0.4, 0.6)
+    sums = advance(q, t, w, x, 0, 6, 0.1, 0.4, 0.6, q.shape)
     np.testing.assert_allclose(q, wanted)
     np.testing.assert_allclose(sums, [wanted.sum(), (~touching & (wanted > 0)).sum()])
 
@@ -201,7 +201,7 @@ def test_pressure_passes(fields):
 
     e, p = w - 0.2, np.empty_like(q)
     gap = np.where(q > 0, 0, np.maximum(e, 0))
-    sums = close(q, w, g, p, 0.2)
+    sums = close(q, w, g, p, 0.2, g.shape)
     np.testing.assert_allclose(g, gap)
     np.testing.assert_allclose(p, q)
     np.testing.assert_allclose(sums, [(e[q > 0]**2).sum(), (e[(q <= 0) & (e < 0)]**2).sum(), (q > 0).sum(), gap.sum()])

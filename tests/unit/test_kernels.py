@@ -133,21 +133,21 @@ def test_propose(random, n, w):
     z = kap * (p + w * P_x @ z_coarse @ P_y.T)
     closed = (g <= 0) & (p > 0)
     wanted = np.where(closed, 0, np.maximum(g - a * z - b * d, 0) - g)
-    old = d.copy()
     x, work = np.empty(n), np.zeros((2, n[1] + 1))
-    found = contact.propose(g, p, d, x, 0, n[0], padded, t.k0, t.f_x, t.mode, t.j0, t.f, kap, w, a, b, work)
+    found = contact.propose(g, p, d, x, 0, n[0], padded, t.k0, t.f_x, t.mode, t.j0, t.f, kap, w, a, b, n, work)
     assert np.allclose(d, wanted, atol=1e-13)
     assert np.array_equal(d, x)
-    assert found == pytest.approx((np.vdot(p, wanted), np.sum(~closed & (g - a * z - b * old < 0))), abs=1e-12)
+    assert found == pytest.approx(np.vdot(p, wanted), abs=1e-12)
 
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
 @pytest.mark.parametrize("s", [1.0, 0.5, 0.0])
-def test_update(random, n, s):
-    """New state, sums, and the restriction of p and x on F and of the indicator of A, in one or in several passes."""
+@pytest.mark.parametrize("kept", [0.0, 0.3])
+def test_update(random, n, s, kept):
+    """New state, sums, and the restriction of p and x on F, of a part of p on A and of the indicator of A; one or several passes."""
     for longest in (n[0], 2):
         grid = Grid(n)
-        levels_of = Multilevel(grid, HalfSpace().weights(grid), np.float64, longest)
+        levels_of = Multilevel(grid, HalfSpace(), np.float64, longest)
         if levels_of.levels[0].n == levels_of.levels[1].n:
             return
         g, p, d = state(random, n)
@@ -156,13 +156,14 @@ def test_update(random, n, s):
         work = np.zeros((7, n[1] + 1))
         sums = []
         for k, (i0, i1) in enumerate(levels_of.passes):
-            sums.append(levels_of.update_rows(k, g, p, d, x[i0:i1].copy(), s, work))
+            sums.append(levels_of.update_rows(k, g, p, d, x[i0:i1].copy(), s, work, kept))
         closed = (new_g <= 0) & (new_p > 0)
         free = ~closed
         assert np.allclose(g, new_g)
         assert np.allclose(p, new_p)
         wanted = [np.sum(new_p[free] ** 2), np.sum(new_p**2), np.sum((new_p * d)[free]), np.sum((x * d)[free]),
-                  np.sum((new_p * x)[free]), closed.sum(), new_g.sum(), np.sum((new_g <= 0) & free)]
+                  np.sum((new_p * x)[free]), closed.sum(), new_g.sum(),
+                  np.sum(closed & (new_p + s * x <= 0)), np.sum((new_g > 0) & (new_g + s * d <= 0))]
         assert np.sum(sums, axis=0) == pytest.approx(np.array(wanted), rel=1e-11, abs=1e-11)
         m = levels_of.levels[1].n
         found = np.zeros((3, *m))
@@ -170,7 +171,7 @@ def test_update(random, n, s):
             found[:, (row - 1) % m[0]] += levels_of.fields[0][:, row]
         factor = m[0] * m[1] / (n[0] * n[1])
         P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
-        for field, fine in zip(found, (new_p * free, 1.0 * closed, x * free), strict=True):
+        for field, fine in zip(found, (new_p * (free + kept * closed), 1.0 * closed, x * free), strict=True):
             assert np.allclose(field, factor * P_x.T @ fine @ P_y, atol=1e-12)
 
 
@@ -236,7 +237,7 @@ def by_matrices(grid, r, theta, level=0):
 
 def swept(grid, p, closed):
     """M' p on level 1 by the solver's own sweep, and the sum <p, M' p>."""
-    sweep = Multilevel(grid, HalfSpace().weights(grid), np.float64, max(grid.n[0], 1))
+    sweep = Multilevel(grid, HalfSpace(), np.float64, max(grid.n[0], 1))
     g = np.where(closed, 0.0, 1.0)
     q = np.where(closed, 1.0, p)
     zero, work = np.zeros(grid.n), np.zeros((7, grid.n[1] + 1))
@@ -293,7 +294,8 @@ def prolonged(u, p, h, kap, stencil, parts=1):
 
         g = np.empty((stop - start, n_y))
         coarse = [row for a in (u, p) for row in cut(a, first, last, prolong.HALO)]
-        prolong.prolong_gap(*coarse, *cut(h, start, stop, prolong.SWEEPS), g, start, first, n_x, m_x, step, m_y != n_y, kap, stencil)
+        prolong.prolong_gap(*coarse, *cut(h, start, stop, prolong.SWEEPS), g, start, first, n_x, m_x, step, m_y != n_y, kap, stencil,
+                            h.shape)
         out.append(g)
     return np.concatenate(out)
 
@@ -358,20 +360,34 @@ def test_judge(random):
     g = random.standard_normal((6, 5))
     g[g < 0.3] = np.minimum(g[g < 0.3], 0)
     x, p = random.standard_normal((6, 5)), np.empty((6, 5))
-    sums = certify.judge(g, p, x, 0.2, 0.1, 0.5, 0.7, 0, 6)
+    sums = certify.judge(g, p, x, 0.2, g.shape, 0, 6)
     q = 0.2 + x
     closed = (g <= 0) & (q > 0)
-    margin = np.where(closed, q, np.where(g <= 0, -q, g / 0.7))
-    wanted = (np.sum(q[~closed] ** 2), np.sum(q[closed] ** 2), np.sum(q[closed]), np.sum(np.abs(q) * g), closed.sum(), g.sum(),
-              np.sum((margin > 0.1) & (margin < 0.5)), max(-g.min(), 0), max((-q[g <= 0]).max(initial=0), 0))
+    wanted = (np.sum(q[~closed] ** 2), np.sum(q[~closed] ** 4), np.sum(q[closed] ** 2), np.sum(q[closed]),
+              np.sum(np.abs(q) * g), closed.sum(), g.sum(), max(-g.min(), 0), max((-q[g <= 0]).max(initial=0), 0))
     assert np.array_equal(p, q)
     assert sums == pytest.approx(wanted, rel=1e-13)
+    assert certify.open_moments(g, p) == pytest.approx(wanted[:2], rel=1e-13)
+
+
+def test_undecided(random):
+    g, p = np.maximum(random.standard_normal((40, 50)), 0), random.standard_normal((40, 50))
+    takes = np.where(g > 0, g / 0.7, np.abs(p)) ** 2
+    counts = np.zeros((2, certify.BINS))
+    certify.undecided(g, p, 0.7, 0.05, 0.1, 0.5, counts)
+    edges = 0.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)
+    for side, found in zip((g <= 0, g > 0), counts, strict=True):
+        t = takes[side & (takes >= 0.05**2) & (takes <= 0.5)]
+        binned = t[t > 0.1**2]
+        assert found[-1] == np.sum(t <= 0.1**2) > 0
+        wanted = [np.sum((binned > low) & (binned <= high)) for high, low in zip(edges, edges[1:])]
+        assert np.array_equal(found[:-1], wanted[:-1])
 
 
 def test_dual_rows(random):
     g, p = np.maximum(random.standard_normal((4, 5)), 0), random.standard_normal((4, 5))
     x = np.empty((4, 5))
-    total = certify.dual_rows(g, p, x, 1.5, 0, 4)
+    total = certify.dual_rows(g, p, x, 1.5, g.shape, 0, 4)
     admissible = 1.5 * p * ((g <= 0) & (p > 0))
     assert np.allclose(x, admissible - p)
     assert total == pytest.approx(np.vdot(admissible, g), abs=1e-14)
@@ -381,5 +397,5 @@ def test_contact_edges(random):
     closed = random.random((7, 6)) < 0.5
     g, p = np.where(closed, 0.0, 1.0), np.ones((7, 6))
     wanted = sum(np.sum(closed != np.roll(closed, 1, axis)) for axis in (0, 1))
-    assert certify.contact_edges(g, p, g[0], p[0]) == wanted
-    assert certify.contact_edges(g[:3], p[:3], g[3], p[3]) + certify.contact_edges(g[3:], p[3:], g[0], p[0]) == wanted
+    assert certify.contact_edges(g, p, g[0], p[0], True) == wanted
+    assert certify.contact_edges(g[:3], p[:3], g[3], p[3], True) + certify.contact_edges(g[3:], p[3:], g[0], p[0], True) == wanted

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from hpc_gfmd.commands import show
+from hpc_gfmd.commands.limits import limits_text, to_limits
 from hpc_gfmd.errors import SceneError
-from hpc_gfmd.output.limits import limits_text, to_limits
 from hpc_gfmd.output.read import Result
 from hpc_gfmd.theory import tfc
 

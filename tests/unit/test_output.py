@@ -17,7 +17,7 @@ from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.read import FORMAT_VERSION, partial_folder, read_partial, read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.output.table import table, with_error
-from hpc_gfmd.parallel import h5, h5_probe, h5_seal
+from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.simulation import restart
 
@@ -75,7 +75,8 @@ def test_down_conversion_and_compression(path, dtype, compressed):
     complete(path, dtype=dtype, compressed=compressed)
     stored = read_result(path).fields[0]["gap"]
     assert stored.stored == np.dtype(dtype or "double")
-    assert stored.compressed == compressed
+    with h5py.File(path) as file:
+        assert (file[stored.dataset].compression == "gzip") == compressed
     assert np.array_equal(stored.read(0, N[0]), FIELD)
 
 
@@ -99,7 +100,7 @@ def test_an_interrupted_run_can_be_read_and_resumed(path):
     assert (result.status, result.steps, result.indices) == ("interrupted", [STEP], [0])
     with begin(path, resume=True) as run:
         assert run.finished == [0]
-        assert "1 finished" in run.note
+        assert "1 finished" in run.notes[0]
         run.write_step(1, STEP | {"p": 0.2}, {"gap": FIELD + 1})
         run.finish("converged")
     result = read_result(path)
@@ -112,7 +113,7 @@ def test_a_fresh_run_removes_what_was_left_and_says_so(path):
         run.write_step(0, STEP)
     with begin(path) as run:
         assert run.finished == []
-        assert "removed an interrupted run of the same scene (1 finished" in run.note
+        assert "removed an interrupted run of the same scene (1 finished" in run.notes[0]
 
 
 def test_resuming_needs_the_same_scene(path):
@@ -141,7 +142,6 @@ def test_dying_while_writing_leaves_nothing_readable(path, left):
     assert read_result(path).steps == [STEP]
     with begin(path, resume=True) as run:
         assert run.finished == [0]
-        assert left not in names(run.partial)
         run.finish("converged")
     assert names(path.parent) == ["out.h5"]
 
@@ -241,13 +241,13 @@ def test_a_full_disk_keeps_what_is_there(path, monkeypatch):
     run = begin(path)
     run.write_step(0, STEP, {"gap": FIELD})
 
-    def pwrite(*_):
+    def posix_fallocate(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "pwrite", pwrite)
+    monkeypatch.setattr(os, "posix_fallocate", posix_fallocate)
     with pytest.raises(GfmdError, match=r"step-0001\.h5: No space left on device"):
         run.write_step(1, STEP, {"gap": FIELD})
-    with pytest.raises(GfmdError, match="No space left on device; the finished steps are safe in"):
+    with pytest.raises(GfmdError, match=r"No space left on device .*; the finished steps are safe in"):
         run.finish("converged")
     run.close()
     assert path.read_bytes() == whole
@@ -263,7 +263,7 @@ def test_a_step_that_is_damaged_before_the_end_is_never_left_out(path):
     whole = step.read_bytes()
     place = whole.index(FIELD.tobytes())
     for damaged, match in ((whole[:500], "load steps 1 have been damaged"),
-                           (whole[:place] + b"\1" + whole[place + 1 :], r"numbers of gap in .*step-0001\.h5 have been damaged")):
+                           (whole[:place] + b"\1" + whole[place + 1 :], r"step-0001\.h5: the numbers of steps/0001/gap are damaged")):
         step.write_bytes(damaged)
         with pytest.raises(GfmdError, match=match):
             run.finish("converged")
@@ -274,7 +274,7 @@ def test_a_step_that_is_damaged_before_the_end_is_never_left_out(path):
 
 
 def test_fields_of_the_wrong_shape_are_refused(path):
-    with begin(path) as run, pytest.raises(GfmdError, match="field gap: local shape"):
+    with begin(path) as run, pytest.raises(GfmdError, match="field steps/0000/gap: local shape"):
         run.write_step(0, STEP, {"gap": FIELD.T})
 
 
@@ -301,7 +301,7 @@ def test_newer_versions_are_refused(path):
     complete(path)
     with h5py.File(path, "r+") as file:
         file.attrs["format_version"] = FORMAT_VERSION + 1
-    refused(path, "format_version is 2, this program reads up to 1")
+    refused(path, f"format_version is {FORMAT_VERSION + 1}, this program reads {FORMAT_VERSION}")
 
 
 def test_one_wrong_number_is_noticed(path):
@@ -309,18 +309,10 @@ def test_one_wrong_number_is_noticed(path):
     a_r = np.float64(0.25).tobytes()
     assert whole.count(a_r) == 1
     path.write_bytes(whole.replace(a_r, np.float64(0.26).tobytes()))
-    refused(path, "damaged, or was changed")
+    refused(path, "damaged")
 
 
-def test_a_file_that_crashes_the_reader_is_refused(path, monkeypatch):
-    complete(path)
-    with h5py.File(path, "r+") as file:
-        file.attrs["more"] = 1
-    monkeypatch.setattr(h5_probe, "_COMMAND", (sys.executable, "-c", "import os; os.abort()"))
-    refused(path, "the file is damaged$")
-
-
-def test_copies_without_a_seal_are_read(path, tmp_path):
+def test_copies_made_by_h5py_are_read(path, tmp_path):
     complete(path)
     copy = tmp_path / "copy.h5"
     with h5py.File(path) as old, h5py.File(copy, "w") as new:
@@ -341,19 +333,24 @@ def test_truncated_files_are_refused(path):
     whole = complete(path).read_bytes()
     for size in (9, 511, 512, 600, 2000, len(whole) - 1):
         path.write_bytes(whole[:size])
-        refused(path, "cut short|damaged|not an HDF5 file")
+        refused(path, "damaged|not an HDF5 file")
 
 
 def test_garbled_files_are_refused(path):
-    """Without reading them in this process: HDF5 crashes on some."""
-    whole = complete(path).read_bytes()
+    """Where that is not in what nobody reads (coordinates, texts for other programs)."""
+    whole, refusals = complete(path).read_bytes(), 0
     random = np.random.default_rng(0)
-    for _ in range(5):
+    for place in range(50, len(whole) - 100, 97):
         garbled = bytearray(whole)
-        place = random.integers(h5_seal.BLOCK, len(whole) - 100)
         garbled[place : place + 100] = random.bytes(100)
         path.write_bytes(garbled)
-        refused(path, "damaged")
+        try:
+            said = read_result(path).steps
+        except SceneError as error:
+            said, refusals = str(error), refusals + 1
+        assert said == [STEP] or "damaged" in said or "not a result" in said
+        assert "\n" not in said
+    assert refusals > 10
 
 
 def test_write_file_leaves_no_trace_of_a_failure(tmp_path):

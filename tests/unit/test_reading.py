@@ -93,8 +93,8 @@ def test_the_same_numbers_from_every_format(tmp_path):
     for name, unit in zip(FORMATS, ["nm", "um", "m"] * len(FORMATS)):
         FORMATS[name](tmp_path / name, unit)
         scene = {"surface": {"kind": "file", "path": str(tmp_path / name)}, "load": {"pressure": 0.02}, "material": {"E_star": 1.0}}
-        (step,) = run_scene(Scene.from_dict(scene), out=tmp_path / "out.h5", quiet=True).steps
-        with h5py.File(tmp_path / "out.h5") as file:
+        (step,) = run_scene(Scene.from_dict(scene), out=tmp_path / f"of-{name}.h5", quiet=True).steps
+        with h5py.File(tmp_path / f"of-{name}.h5") as file:
             attributes = file["surface"].attrs
             assert attributes["unit"] == "m"
             found[name] = [step["a_r"], step["gap_mean"], attributes["g_rms"], attributes["h_rms"], *attributes["physical_sizes"]]
@@ -183,3 +183,21 @@ def test_what_a_prepared_surface_knows(tmp_path):
         hpc_gfmd.solve(surface, 1.0, physical_sizes=(1, 2))
     with pytest.raises(SceneError, match=r"surface.detrent: unknown key, nearest: surface.detrend"):
         hpc_gfmd.read_surface(str(tmp_path / "z.x3p"), detrent="mean")
+
+
+def test_a_measured_surface_that_ends(tmp_path):
+    """boundary = "free" needs no jump to be small; the result keeps the sizes of the map, in m, and its units."""
+    tilted = Z + 1e-7 * np.arange(12)[:, None]
+    np.savez(tmp_path / "z.npz", z=1e9 * tilted, physical_sizes=1e9 * np.array(SIZES), unit="nm")
+    surface = {"kind": "file", "path": str(tmp_path / "z.npz")}
+    scene = {"load": {"pressure": "10 MPa"}, "material": {"E_star": "50 GPa"}}
+    with pytest.raises(SceneError, match=r"^surface.boundary: found nothing"):
+        run_scene(Scene.from_dict(scene | {"surface": surface}), out=tmp_path / "out.h5", quiet=True)
+    ends = Scene.from_dict(scene | {"surface": surface | {"boundary": "free"}})
+    assert run_scene(ends, out=tmp_path / "out.h5", quiet=True).exit_code == 0
+    with h5py.File(tmp_path / "out.h5") as file:
+        attributes = file["surface"].attrs
+        assert attributes["physical_sizes"] == pytest.approx(SIZES)
+        assert (attributes["unit"], attributes["pressure_unit"], attributes["boundary"]) == ("m", "Pa", "free, free")
+    with pytest.raises(SceneError, match=r"found a free boundary with mirror"):
+        Scene.from_dict(scene | {"surface": surface | {"boundary": "free", "mirror": True}})

@@ -103,7 +103,7 @@ def test_messages(data, words):
     (tables(solvr={"name": "gfmd"}), "solver,"),
     (tables(hurst=0.8), "surface.hurst,"),                  # right key, no table
     (tables({"title": "late"}), "surface.physical_sizes (title is a key, too),"),
-    (tables({"accuracy": 1e-3}), "surface.hurst (solver.accuracy is a key, too),"),
+    (tables({"accuracy": 1e-3}), "surface.boundary (solver.accuracy is a key, too),"),
     (tables({"radius": 1}), "surface."),
     (tables({"kind": "sefl-affine"}), '"self-affine",'),
     (tables(machine={"thread": 2}), "machine.threads,"),

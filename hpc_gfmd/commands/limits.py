@@ -3,9 +3,9 @@
 from math import isfinite
 
 from ..errors import SceneError
+from ..output.read import Result
+from ..output.table import converged
 from ..theory import tfc
-from .read import Result
-from .table import converged
 
 OBSERVABLES = {"kappa": "a_r_error", "gap_over_h_rms": "gap_error"}  # and the estimated relative error of each
 SCATTER = "+- holds the estimated error of this run and of the coefficients if known, not the scatter between realisations"

@@ -1,0 +1,154 @@
+"""`hpc-gfmd export`: a result for ParaView (VTKHDF), as netCDF-4, as NumPy arrays, and the numbers of its load steps as a table."""
+
+import csv
+import os
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import GfmdError, SceneError
+from ..output.describe import coordinates, image, name_it, point_data
+from ..output.read import Result, read_result
+from ..parallel.guard import one_line
+from ..parallel.h5_sum import Checked
+
+PIECE_BYTES = 2**26  # of a field in memory
+
+
+def add_parser(subparsers):
+    parser = subparsers.add_parser(
+        "export",
+        help="a result for other programs",
+        description="Write a result for ParaView (vtkhdf), as netCDF-4, as NumPy arrays (npz), or its numbers as a table (csv). "
+        "ParaView and xarray also open the result itself.",
+    )
+    parser.add_argument("file", metavar="OUT.h5", help="result file")
+    parser.add_argument("--to", required=True, choices=FORMATS, help="what to write")
+    parser.add_argument("-o", "--output", metavar="FILE", help="where (default: beside the result)")
+    parser.set_defaults(main=main)
+    return parser
+
+
+def main(args) -> int:
+    """Write it and print its name; raises SceneError if the result cannot be read or the file cannot go there."""
+    result = read_result(args.file)
+    print(export(result, args.to, args.output))
+    for note in result.notes:
+        print(f"note: {note}")
+    if result.folder is not None:
+        print(f"! the run is {result.status}: only its finished load steps are exported")
+    return 0
+
+
+def export(result: Result, kind: str, path=None) -> Path:
+    """Write a result as one of FORMATS; path: where (default: beside it). Returns the path; all of the file is there, or nothing.
+
+    Raises SceneError if it cannot go there, GfmdError if the numbers of the result are damaged or writing fails.
+    """
+    path = Path(path or result.path.with_suffix(f".{EXTENSIONS[kind]}"))
+    itself = path.exists() and result.path.exists() and path.samefile(result.path)
+    if itself or not path.parent.is_dir() or (path.exists() and not path.is_file()):
+        raise SceneError(f"-o: found {path}, allowed: a file in a folder that exists, not the result itself")
+    if not result.steps:
+        raise SceneError(f"{result.path}: no finished load step yet, nothing to export")
+    tmp = path.with_name(path.name + ".tmp")
+    try:
+        FORMATS[kind](result, tmp)
+        os.replace(tmp, path)
+    except (OSError, ValueError) as error:
+        raise GfmdError(f"writing {path}: {one_line(error)}") from error
+    finally:
+        tmp.unlink(missing_ok=True)
+    return path
+
+
+def to_vtkhdf(result, path) -> None:
+    """The VTKHDF group of the result file with numbers of its own."""
+    import h5py
+
+    if not _fields(result) or min(result.surface["n"]) < 2:
+        raise SceneError(f"{result.path}: ParaView shows fields on two axes, allowed: a result with output.fields")
+    with h5py.File(path, "w") as file:
+        vtk = image(file, result.surface, _numbers(result)["p"])
+        for name, dtype in _fields(result).items():
+            _fill(point_data(vtk, name, lambda group, key, dtype=dtype: group.create_dataset(key, _shape(result), dtype)), result, name)
+
+
+def to_netcdf(result, path) -> None:
+    """Dimensions loads, x, y; every number of the load steps and every field as a variable."""
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        file.attrs.update({name: value for name, value in result.head.items() if isinstance(value, str | int | float)})
+        numbers = _numbers(result)
+        scales = coordinates(file, result.surface, numbers["p"])
+        for name, values in numbers.items():
+            file[name] = values.astype(object) if values.dtype.kind == "U" else values
+            name_it(file[name], result.surface, scales)
+        for name, dtype in _fields(result).items():
+            file.create_dataset(name, _shape(result), dtype)
+            name_it(file[name], result.surface, scales)
+            _fill(file[name], result, name)
+
+
+def to_npz(result, path) -> None:
+    """Arrays over the load steps by their names, x, y, and the fields (loads, x, y); read a piece at a time."""
+    axes = {name: np.arange(n) * (size / n) for name, n, size in zip("xy", result.surface["n"], result.surface["physical_sizes"])}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, values in (axes | _numbers(result)).items():
+            with archive.open(f"{name}.npy", "w") as file:
+                np.lib.format.write_array(file, values)
+        for name, dtype in _fields(result).items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                header = {"descr": dtype.str, "fortran_order": False, "shape": _shape(result)}
+                np.lib.format.write_array_header_2_0(file, header)
+                for _, _, rows in _pieces(result, name):
+                    file.write(np.ascontiguousarray(rows, dtype).tobytes())
+
+
+def to_csv(result, path) -> None:
+    """One line per load step, no fields."""
+    numbers = {"step": np.array(result.indices)} | _numbers(result)
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(numbers)
+        writer.writerows(zip(*(values.tolist() for values in numbers.values())))
+
+
+FORMATS = {"vtkhdf": to_vtkhdf, "netcdf": to_netcdf, "npz": to_npz, "csv": to_csv}
+EXTENSIONS = {"vtkhdf": "vtkhdf", "netcdf": "nc", "npz": "npz", "csv": "csv"}
+
+
+def _numbers(result) -> dict[str, np.ndarray]:
+    """Everything that steps say in one number or text, over the steps; nan or "" where one does not say it."""
+    found = {}
+    for name in dict.fromkeys(name for step in result.steps for name, value in step.items() if not isinstance(value, list)):
+        values = [step.get(name) for step in result.steps]
+        missing = "" if any(isinstance(value, str) for value in values) else np.nan
+        found[name] = np.array([missing if value is None else value for value in values])
+    return found
+
+
+def _fields(result) -> dict[str, np.dtype]:
+    """Fields that all steps have, and the widest type of each."""
+    names = [name for name in result.fields[0] if all(name in fields for fields in result.fields)]
+    return {name: np.result_type(*(fields[name].stored for fields in result.fields)) for name in names}
+
+
+def _shape(result):
+    return len(result.steps), *result.surface["n"]
+
+
+def _pieces(result, name):
+    """(step, first row, rows) of a field, a piece of memory at a time; raises GfmdError where it is damaged."""
+    for k, fields in enumerate(result.fields):
+        field = Checked(fields[name])
+        step = max(1, PIECE_BYTES // (field.shape[1] * field.stored.itemsize))
+        for start in range(0, field.shape[0], step):
+            yield k, start, field.read(start, min(start + step, field.shape[0]))
+
+
+def _fill(dataset, result, name) -> None:
+    for k, start, rows in _pieces(result, name):
+        dataset[k, start : start + len(rows)] = rows

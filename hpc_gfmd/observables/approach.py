@@ -1,0 +1,12 @@
+"""The rigid displacement."""
+
+from math import isfinite
+
+
+def approach(contact):
+    """How far the bodies have come together since they touched undeformed: against a base, or infinity where the surface ends along
+    both axes; None on a half-space that is periodic along an axis, which gives way without end."""
+    return contact.approach if isfinite(contact.approach) else None
+
+
+OBSERVABLES = {"approach": approach}

@@ -1,0 +1,110 @@
+"""What makes a result file open in other programs: coordinates and units (xarray, netCDF), and the group that ParaView reads."""
+
+import numpy as np
+
+SIGNS = "lengths count away from the wall: gap = displacement + initial gap >= 0, initial gap = -heights; pressures push"
+FIELDS = {  # what it is measured in, long_name
+    "pressure": ("pressure", "contact pressure, 0 where the gap is open"),
+    "gap": ("length", "gap between the deformed surface and the wall, displacement + initial gap"),
+    "displacement": ("length", "displacement of the elastic surface away from the wall"),
+    "heights": ("length", "heights of the rigid wall, peaks up, measured from the highest; initial gap = -heights"),
+    "x": ("length", "position along the first axis"),
+    "y": ("length", "position along the second axis"),
+    "p": ("pressure", "mean pressure"),
+    "loads": ("pressure", "mean pressure of the load steps"),
+}
+
+
+def describe(file) -> None:
+    """Add to a file that has all its groups and fields: x, y, loads; steps/NNNN/x, y, p beside fields; VTKHDF, views of the fields."""
+    surface, steps = file["surface"], [file["steps"][name] for name in sorted(file.get("steps", ()), key=int)]
+    if "n" not in surface.attrs:
+        return  # before the surface is made
+    loads = [step.attrs.get("p", np.nan) for step in steps]
+    scales = coordinates(file, surface.attrs, loads)
+    for step, p in zip(steps, loads, strict=True):
+        names = _fields(step)
+        if names:
+            step.create_dataset("p", data=p)
+            name_it(step["p"], surface.attrs)
+            _describe_fields(step, names, surface.attrs)
+            for name in names:
+                step[name].attrs["coordinates"] = "p"
+    if "heights" in surface:
+        _describe_fields(surface, ["heights"], surface.attrs)
+        for step in steps:
+            step["heights"] = surface["heights"]  # a hard link
+    if steps and min(surface.attrs["n"]) > 1:
+        _views(file, steps, scales, surface.attrs)
+
+
+def coordinates(group, surface, loads=None) -> list:
+    """The dimension scales loads (if wanted), x and y of a group."""
+    values = {} if loads is None else {"loads": np.array(loads)}
+    values |= {name: np.arange(n) * (size / n) for name, n, size in zip("xy", surface["n"], surface["physical_sizes"], strict=True)}
+    for name, numbers in values.items():
+        group.create_dataset(name, data=numbers).make_scale(name)
+        name_it(group[name], surface)
+    return [group[name] for name in values]
+
+
+def name_it(dataset, surface, scales=()) -> None:
+    """Units, long_name and axes of a dataset; surface: attributes."""
+    name = dataset.name.rpartition("/")[2]
+    kind, long_name = FIELDS.get(name, ("", name))
+    units = {"length": surface.get("unit", "unit of physical_sizes"), "pressure": surface.get("pressure_unit", "unit of E_star")}
+    dataset.attrs.update(units=units.get(kind, "1"), long_name=long_name)
+    for axis, scale in zip(dataset.dims, scales):
+        axis.attach_scale(scale)
+
+
+def image(file, surface, loads):
+    """VTKHDF's ImageData for arrays (loads, x, y), which go into its group PointData.
+
+    VTK's first axis is the last one of an array, our y; Direction turns it back, so that x is x.
+    """
+    import h5py
+
+    (n_x, n_y), (size_x, size_y) = surface["n"], surface["physical_sizes"]
+    vtk = file.create_group("VTKHDF")
+    vtk.attrs.create("Type", b"ImageData", dtype=h5py.string_dtype("ascii", len(b"ImageData")))
+    vtk.attrs.update(Version=[2, 0], WholeExtent=[0, n_y - 1, 0, n_x - 1, 0, 0], Origin=[0.0, 0.0, 0.0],
+                     Spacing=[size_y / n_y, size_x / n_x, 1.0], Direction=[0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0])
+    rising = np.all(np.diff(loads) > 0)  # as times in ParaView have to
+    times = vtk.create_group("Steps")
+    times.attrs["NSteps"] = len(loads)
+    times["Values"] = np.array(loads) if rising else np.arange(float(len(loads)))
+    return vtk
+
+
+def point_data(vtk, name, create):
+    """An array of the image, made by create(group, name)."""
+    array = create(vtk.require_group("PointData"), name)
+    vtk.require_group("Steps/PointDataOffsets")[name] = np.arange(len(array))
+    return array
+
+
+def _views(file, steps, scales, surface) -> None:
+    import h5py
+
+    names = set.intersection(*(set(_fields(step)) for step in steps))
+    vtk = image(file, surface, file["loads"][:]) if names else None
+    for name in sorted(names):
+        sources = [step[name] for step in steps]
+        layout = h5py.VirtualLayout((len(steps), *surface["n"]), max((one.dtype for one in sources), key=lambda kind: kind.itemsize))
+        for k, one in enumerate(sources):
+            layout[k] = h5py.VirtualSource(".", one.name, one.shape, one.dtype)
+        name_it(point_data(vtk, name, lambda group, key, layout=layout: group.create_virtual_dataset(key, layout)), surface, scales)
+    if names:
+        for dataset in (vtk["Steps/Values"], *vtk["Steps/PointDataOffsets"].values()):
+            dataset.dims[0].attach_scale(scales[0])
+
+
+def _fields(group) -> list:
+    return [name for name, item in group.items() if getattr(item, "ndim", 0) == 2]
+
+
+def _describe_fields(group, names, surface) -> None:
+    scales = coordinates(group, surface)
+    for name in names:
+        name_it(group[name], surface, scales)

@@ -1,0 +1,154 @@
+"""Converged means converged: the certificate decides, whatever a solver believes."""
+
+import numpy as np
+import oracle
+import pytest
+from contacts import EXACT, random_heights, rough, solve_scene, sweep_of
+
+import hpc_gfmd
+from hpc_gfmd.bodies.halfspace import HALF_SPACE
+from hpc_gfmd.driver.certificate import certify
+from hpc_gfmd.driver.drive import Target, drive
+from hpc_gfmd.grid import Grid
+from hpc_gfmd.operators.elastic import Elastic, reader
+from hpc_gfmd.operators.multilevel import EQUIVALENCE, Multilevel
+from hpc_gfmd.problem import Problem
+from hpc_gfmd.registry import solver_class, solver_names
+from hpc_gfmd.solvers.bpx import Bpx
+
+ROUNDING = 1e-12  # of references in double precision
+GRIDS = [((16, 16), (1.0, 1.0)), ((24, 20), (1.0, 1.0)), ((17, 13), (1.0, 1.0)), ((12, 30), (1.0, 1.0)), ((1, 40), (1.0, 1.0))]
+
+
+@pytest.fixture
+def surface():
+    return sweep_of(rough((2, 16, 2)), precision="double").surface
+
+
+def started(surface, p_star, name="bpx"):
+    solver = solver_class(name)(Problem(surface.grid, surface.h, p_star))
+    solver.start(surface.h.copy())
+    return solver
+
+
+def in_contact(g, p):
+    """The pressure field that is returned."""
+    return np.where((g <= 0) & (p > 0), p, 0)
+
+
+@pytest.mark.parametrize("wrong", [1e-9, 0.0])
+def test_a_wrong_estimate_is_vetoed(surface, monkeypatch, wrong):
+    """A solver that believes from the first iteration on that it is there goes on until it is."""
+    monkeypatch.setattr(Bpx, "_estimates", lambda self: (wrong, wrong))
+    monkeypatch.setattr(Bpx, "expected_area", lambda self, pressure: wrong)
+    outcome = drive(started(surface, 0.05), Target(accuracy=1e-4))
+    exact = drive(started(surface, 0.05), Target(residual=1e-12)).certificate
+    assert outcome.status == "converged"
+    assert max(outcome.errors) < 1e-4
+    assert abs(outcome.certificate.gap_mean / exact.gap_mean - 1) <= outcome.errors[1] + ROUNDING
+    assert abs(outcome.certificate.contact / exact.contact - 1) <= outcome.errors[0] + ROUNDING
+
+
+@pytest.mark.parametrize("name", solver_names())
+def test_the_errors_hold_on_the_way(surface, name):
+    """The errors of the certificate of any state that is not far off, for every solver."""
+    exact = drive(started(surface, 0.05), Target(residual=1e-12))
+    truth = started(surface, 0.05)
+    drive(truth, Target(residual=1e-12))
+    wanted, norm = in_contact(truth.g, truth.p), np.linalg.norm(truth.p)
+    solver, seen = started(surface, 0.05, name), 0
+    for _ in range(40 if name == "bpx" else 200):
+        p = np.empty_like(solver.p)
+        certificate = certify(solver.problem_now, solver.g, p, solver.levels)
+        solver.resume()
+        area, gap, pressure = certificate.errors
+        if max(certificate.errors) < 0.1:
+            seen += 1
+            assert abs(certificate.contact / exact.certificate.contact - 1) <= area + ROUNDING
+            assert abs(certificate.gap_mean / exact.certificate.gap_mean - 1) <= gap + ROUNDING
+            assert np.linalg.norm(in_contact(solver.g, p) - wanted) <= (pressure + ROUNDING) * norm
+        solver.step()
+    assert seen > 3
+
+
+@pytest.mark.parametrize(("n", "sizes"), GRIDS, ids=str)
+def test_sums_over_levels_bound_the_norm(n, sizes):
+    """<r, S r> against kap times the sums over levels: random fields of all colours stay below the constant."""
+    grid, random = Grid(n, sizes), np.random.default_rng(3)
+    elastic, kap = Elastic(grid, HALF_SPACE, np.float64), 1 / HALF_SPACE.scale(grid)
+    levels = Multilevel(grid, HALF_SPACE.weights(grid), np.float64, 8)
+    q = np.hypot(np.fft.fftfreq(n[0])[:, None], np.fft.fftfreq(n[1]))
+    q[0, 0] = 1.0
+    ratios = []
+    for colour in (-1.5, -1, -0.5, 0, 0.5, 1):
+        for _ in range(5):
+            r = np.fft.ifft2(np.fft.fft2(random.standard_normal(n)) * q**colour).real if colour else random.standard_normal(n)
+            r -= r.mean()
+            r /= np.linalg.norm(r)
+            sums = levels.restrict(np.ones(n), r, 0.0)
+            squares = levels.without_mean(sums[0] + levels.sweep()[2], levels.mean**2)
+            elastic.pressure_rows(reader(r))
+            ratios.append(elastic.compliance_columns() / (kap * squares))
+    assert max(ratios) < EQUIVALENCE
+    assert min(ratios) > 0.4
+
+
+@pytest.mark.parametrize("p_star", [1e-3, 0.02, 0.2, 0.5])
+def test_energy_bound_against_the_duality_gap(surface, p_star):
+    """What replaces the duality gap is never below it, and not far above."""
+    solver = started(surface, p_star)
+    for _ in range(12):
+        solver.step()
+        p = np.empty_like(solver.p)
+        certificate = certify(solver.problem_now, solver.g, p, solver.levels, dual=True)
+        solver.resume()
+        if not certificate.duality_gap < np.inf:
+            continue
+        closed = np.sum(p[(solver.g <= 0) & (p > 0)] ** 2)
+        G = certificate.duality_gap * p_star * certificate.gap_mean * surface.grid.N
+        bound = np.sqrt(2 * G / (solver.kap * closed))  # of the pressure, but for a factor of order one
+        assert 0.55 * bound < certificate.errors[2] < 1.5 * bound
+
+
+def test_full_contact_under_tension_is_not_exact():
+    """Closed everywhere, but pulled: g = 0 everywhere is no reason to believe that the gap is 0."""
+    z = random_heights((16, 16))
+    grid = Grid(z.shape)
+    problem = Problem(grid, z.max() - z, 1e-3 * np.std(z))
+    levels = Multilevel(grid, HALF_SPACE.weights(grid), np.float64, 8)
+    certificate = certify(problem, np.zeros(z.shape), np.empty(z.shape), levels, dual=True)
+    assert certificate.tension > 1
+    assert certificate.duality_gap == np.inf
+    assert certificate.errors[1] == np.inf
+
+
+@pytest.mark.parametrize("name", solver_names())
+def test_every_solver_is_judged_alike(name):
+    """Near full contact, against dense linear algebra: the mean gap is small, and its error is claimed as it is."""
+    z = random_heights((12, 12))
+    wanted = oracle.solve(z, 3.0)
+    found = hpc_gfmd.solve(z, 3.0, name=name, accuracy=1e-4, precision="double")
+    assert found.status == "converged"
+    assert found.a_r == wanted.a_r
+    assert abs(found.gap_mean - wanted.gap_mean) <= (found.errors[1] + ROUNDING) * wanted.gap_mean
+
+
+def test_errors_do_not_add_up_along_a_fine_sweep():
+    """Steps of 0.1 %, each begun where the one before ended: every load is as accurate as asked."""
+    sweep = sweep_of(rough((2, 24, 2)), accuracy=1e-2)
+    exact = sweep_of(rough((2, 24, 2)), **EXACT)
+    for k in range(12):
+        p = 0.5 * 1.001**k
+        step, wanted = sweep.solve(p), exact.solve(p)
+        assert step.contact.outcome.status == "converged"
+        error = abs(step.contact.gap_mean / wanted.contact.gap_mean - 1)
+        assert error <= step.contact.outcome.errors[1] < 1e-2
+
+
+def test_low_memory_says_what_is_so():
+    plain = solve_scene(rough((2, 32, 2)), 0.02, residual=1e-10, precision="double")
+    step = solve_scene(rough((2, 32, 2)), 0.02, accuracy=1e-3, precision="single", low_memory=True)
+    area, gap, _ = step.contact.outcome.errors
+    assert step.contact.outcome.status == "converged"
+    assert abs(step.contact.contact_points / plain.contact.contact_points - 1) <= area
+    assert abs(step.contact.gap_mean / plain.contact.gap_mean - 1) <= gap

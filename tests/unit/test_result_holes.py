@@ -1,0 +1,223 @@
+"""Files in wrong places, damaged ones beside sound ones, and results that stand in the way: nothing finished is lost without a word."""
+
+import os
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from hpc_gfmd.cli import main
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.output.checkpoint import read_checkpoint, write_checkpoint
+from hpc_gfmd.output.read import partial_folder, read_partial, read_result
+from hpc_gfmd.output.record import RunFile
+from hpc_gfmd.parallel.comm import SerialComm
+
+N, FIELD = (6, 5), np.arange(30.0).reshape(6, 5)
+HEAD = {"scene": "title = 'x'", "identity": "abc", "versions": {"numpy": "2"}}
+SURFACE = {"n": list(N), "physical_sizes": [1.0, 2.0]}
+STEP = {"p": 0.1, "status": "converged"}
+GRID = type("Grid", (), {"n": N, "rows": (0, N[0]), "comm": SerialComm()})
+
+
+def begin(path, identity="abc", **how):
+    return RunFile(SerialComm(), path, N, (0, N[0]), HEAD | {"identity": identity}, SURFACE, **how)
+
+
+def interrupted(path, steps=3, **how):
+    """The folder of a run that was interrupted after some loads."""
+    with begin(path, **how) as run:
+        for index in range(steps):
+            run.write_step(index, STEP | {"p": 0.1 * (index + 1)}, {"gap": FIELD + index})
+    return run.partial
+
+
+def complete(path, **how):
+    interrupted(path, **how)
+    with begin(path, resume=True, **how) as run:
+        run.finish("converged")
+    return path
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "out.h5"
+
+
+@pytest.mark.parametrize("bit", [0, 3])
+def test_any_flipped_bit_of_the_head_loses_no_load(path, bit):
+    """Wherever it is: the steps say themselves what they belong to."""
+    head = interrupted(path) / "head.h5"
+    whole = head.read_bytes()
+    for place in range(bit, len(whole), 41):
+        head.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
+        found = read_partial(path)
+        assert found.indices == [0, 1, 2]
+        assert found.head["identity"] == "abc"
+    head.write_bytes(b"nothing of this")
+    with begin(path, resume=True) as run:
+        assert run.finished == [0, 1, 2]
+        assert any("head.h5: not an HDF5 file" in note for note in run.notes)
+        run.finish("converged")
+    assert np.array_equal(read_result(path).fields[2]["gap"].read(0, 6), FIELD + 2)
+
+
+@pytest.mark.parametrize("bit", [0, 3])
+def test_any_flipped_bit_of_a_step_is_noticed_or_means_nothing(path, bit):
+    step = interrupted(path, 2) / "step-0001.h5"
+    whole, seen = step.read_bytes(), set()
+    wanted = read_partial(path).steps
+    for place in range(bit, len(whole), 41):
+        step.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
+        found = read_partial(path)
+        seen.add(len(found.notes))
+        assert found.steps == wanted[: len(found.steps)]
+        assert len(found.steps) + len(found.notes) == 2
+    assert seen == {0, 1}
+
+
+def test_what_lies_in_the_place_of_a_step_is_left_out(path, tmp_path):
+    """Another step, a head, a checkpoint, a step of another scene: refused, named, solved again."""
+    folder = interrupted(path)
+    write_checkpoint(SerialComm(), folder / "checkpoint.h5", GRID, 0, "bpx", ({"g": FIELD}, {}), None, "abc")
+    other = interrupted(tmp_path / "other.h5", identity="xyz") / "step-0001.h5"
+    for source, words in ((folder / "step-0000.h5", "holds no load step 1"), (folder / "head.h5", "holds no load step 1"),
+                          (folder / "checkpoint.h5", "not a result"), (other, "belongs to another scene")):
+        shutil.copy(source, folder / "step-0001.h5")
+        found = read_partial(path)
+        assert found.indices == [0, 2]
+        assert len(found.notes) == 1
+        assert "step-0001.h5" in found.notes[0]
+        assert words in found.notes[0]
+        assert main(["show", str(path)]) == 0
+    with begin(path, resume=True) as run:
+        assert run.finished == [0, 2]
+        assert any("step-0001.h5" in note for note in run.notes)
+
+
+def test_a_checkpoint_belongs_to_its_scene(path, tmp_path):
+    write_checkpoint(SerialComm(), tmp_path / "checkpoint.h5", GRID, 0, "bpx", ({"g": FIELD}, {"s": 1.5}), None, "abc")
+    found = read_checkpoint(SerialComm(), tmp_path / "checkpoint.h5", "bpx", "abc")
+    assert found.numbers == {"s": 1.5}
+    assert np.array_equal(found.arrays(GRID)["g"], FIELD)
+    with pytest.raises(SceneError, match="a checkpoint of another scene"):
+        read_checkpoint(SerialComm(), tmp_path / "checkpoint.h5", "bpx", "xyz")
+    shutil.copy(interrupted(path) / "step-0000.h5", tmp_path / "checkpoint.h5")
+    with pytest.raises(SceneError, match="not a checkpoint"):
+        read_checkpoint(SerialComm(), tmp_path / "checkpoint.h5", "bpx", "abc")
+
+
+def test_loads_are_in_the_order_of_their_numbers(path):
+    """9,999 is before 10,000 in the folder, in the file, and for ParaView."""
+    with begin(path) as run:
+        for index in (10000, 9999, 10001):
+            run.write_step(index, {"p": float(index), "status": "converged"}, {"gap": FIELD + index})
+        assert read_partial(path).indices == [9999, 10000, 10001]
+        run.finish("converged")
+    assert read_result(path).indices == [9999, 10000, 10001]
+    with h5py.File(path) as file:
+        assert list(file["loads"]) == list(file["VTKHDF/Steps/Values"]) == [9999, 10000, 10001]
+        assert np.array_equal(file["VTKHDF/PointData/gap"][:, 0, 0], [9999, 10000, 10001])
+
+
+def test_pipes_are_refused(tmp_path, capsys):
+    os.mkfifo(tmp_path / "pipe.h5")
+    for command in (["show"], ["plot"], ["export", "--to", "csv"]):
+        assert main([*command, str(tmp_path / "pipe.h5")]) == 2
+    assert capsys.readouterr().err.count("pipe.h5: is no file") == 3
+    with pytest.raises(SceneError, match="is no file"):
+        begin(tmp_path / "pipe.h5")
+
+
+def test_a_link_is_followed(tmp_path):
+    """Also to a file that is not there yet, while it is written, and at a restart."""
+    (tmp_path / "data").mkdir()
+    link, real = tmp_path / "link.h5", tmp_path / "data" / "real.h5"
+    link.symlink_to(Path("data") / "real.h5")
+    interrupted(link)
+    assert partial_folder(link) == partial_folder(real)
+    assert read_result(link).indices == [0, 1, 2]
+    with begin(link, resume=True) as run:
+        run.finish("converged")
+    assert link.is_symlink()
+    assert sorted(p.name for p in tmp_path.rglob("*.h5*")) == ["link.h5", "real.h5"]
+    assert read_result(link).status == "converged"
+
+
+def test_a_newer_run_beside_a_result_is_mentioned(path, capsys):
+    complete(path)
+    assert read_result(path).notes == ()
+    interrupted(path, 2)
+    for arguments in (["show", str(path)], ["show", str(path), "--json"]):
+        assert main(arguments) == 0
+        told = "".join(capsys.readouterr())
+        assert f"note: a newer run was interrupted, or is running: 2 finished load steps in {path}.partial" in told
+
+
+def test_a_result_of_another_scene_is_not_replaced(path, capsys):
+    whole = complete(path).read_bytes()
+    with pytest.raises(SceneError, match="holds the result of another scene, allowed: another path, or --force") as caught:
+        begin(path, "xyz")
+    assert "\n" not in str(caught.value)
+    assert path.read_bytes() == whole
+    assert not partial_folder(path).exists()
+    with begin(path, "xyz", force=True) as run:
+        assert "overwritten" in run.notes[0]
+        run.finish("converged")
+    assert read_result(path).head["identity"] == "xyz"
+
+
+def test_a_result_of_the_same_scene_is_replaced_with_a_note(path):
+    with begin(complete(path)) as run:
+        assert run.notes == [f"{path} holds a result of this scene, which this run replaces"]
+
+
+@pytest.mark.parametrize("content", [b"my thesis", None])
+def test_what_is_no_result_is_not_replaced(path, content):
+    """A text, or a height map in HDF5 under the name of the result."""
+    if content is None:
+        with h5py.File(path, "w") as file:
+            file["surface"] = FIELD
+    else:
+        path.write_bytes(content)
+    whole = path.read_bytes()
+    with pytest.raises(SceneError, match=r"is no result that can be read .* --force"):
+        begin(path)
+    assert path.read_bytes() == whole
+
+
+def test_an_interrupted_run_that_cannot_be_read_is_not_removed_silently(path):
+    folder = interrupted(path)
+    for file in folder.glob("*.h5"):
+        file.write_bytes(b"lost")
+    with begin(path) as run:
+        assert run.notes == ["removed an interrupted run that cannot be read (3 files of load steps)"]
+
+
+def test_the_command_line(tmp_path, monkeypatch, capsys):
+    """--force, a folder that is not there, and the folder of a run in place of its file."""
+    monkeypatch.chdir(tmp_path)
+    Path("scene.toml").write_text('[surface]\nkind = "wave"\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n'
+                                  '[output]\npath = "out.h5"\nfields = ["gap", "displacement", "heights"]\n')
+    assert main(["run", "scene.toml", "-q"]) in (0, 3)
+    with h5py.File("out.h5") as file:
+        assert file.attrs["io"] == "serial"
+        step = file["steps/0000"]
+        assert np.allclose(step["gap"], step["displacement"][:] - step["heights"][:])
+        assert np.max(step["heights"]) == 0
+        assert step["heights"] == file["surface/heights"]
+    assert main(["run", "scene.toml", "-q", "--set", "load.pressure=0.2"]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert main(["run", "scene.toml", "-q", "--set", "load.pressure=0.2", "--force"]) in (0, 3)
+    assert read_result("out.h5").steps[0]["p"] == 0.2
+    assert main(["run", "scene.toml", "-q", "-o", "missing/out.h5"]) == 2
+    assert "the folder missing does not exist" in capsys.readouterr().err
+    interrupted(Path("x.h5"))
+    for command in ("restart", "show"):
+        assert main([command, "x.h5.partial"]) == 2
+        err = capsys.readouterr().err
+        assert err.count("\n") == 1
+        assert "folder of a run" in err
+        assert "x.h5" in err.replace("x.h5.partial", "")
