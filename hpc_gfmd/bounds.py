@@ -17,28 +17,30 @@ import numpy as np
 
 from .kernels.certify import BINS, PER_OCTAVE, undecided
 
-PRESSURE, TINY = 0.55, 5.0  # of the bound with kap in place of 1/K_max; on small grids more, by TINY over the root of their points
+# The error of the pressure over the bound with kap in place of 1/K_max; more on small grids, by TINY over the root of their points, and
+# with few points in contact, by LONE over their number
+PRESSURE, TINY, LONE = 0.55, 5.0, 1.0
 UNKNOWN, ALIGNED = 0.3, 1.2  # in the second expression for the mean gap: share of the bound; S over the sum over levels for long waves
 
 TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
 # The error of the pressure of a point is at most FAR times the rms, of EDGE points; of more it is at most NEAR times, and what it takes
 # less than CLOSE times to move is moved. Of the points that are near a SHARE is on the wrong side; ASPERITY may change sides at once.
-FAR, NEAR, CLOSE, EDGE = 6.0, 1.8, 0.45, 3
-SHARE, ASPERITY = 0.05, 10
+FAR, NEAR, CLOSE, EDGE = 12.0, 1.8, 0.5, 3
+SHARE, ASPERITY = 0.08, 10
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 
 
-def field_errors(energy, uKu, closed, N, p0, gap, kap, response, aligned, surface):
+def field_errors(energy, uKu, closed, contact, N, p0, gap, kap, response, aligned, surface):
     """Relative errors of the mean gap and of the pressure field (L2).
 
-    energy: 2 G; uKu: <u, K u>; closed: sum of p^2 in contact; N: points; gap: its mean; kap: 1/K of the shortest waves, as
-    bodies/base.py has it; response: |w|_S, aligned: <w, S (p - p^)>, both by sums over levels; surface: |w|_S of the nominal area, 0
-    where that is all.
+    energy: 2 G; uKu: <u, K u>; closed: sum of p^2 in contact; contact: points in contact; N: points; gap: its mean; kap: 1/K of the
+    shortest waves, as bodies/base.py has it; response: |w|_S, aligned: <w, S (p - p^)>, both by sums over levels; surface: |w|_S of
+    the nominal area, 0 where that is all.
     """
     e = np.sqrt(max(energy, 0.0))
     shift = (min(e * (np.sqrt(max(uKu, 0.0)) + e) / p0, UNKNOWN * response * e + ALIGNED * abs(aligned)) + surface * e) / N
     mean_gap = shift / (gap - shift) if shift < gap else (0.0 if shift == 0 else np.inf)
-    return float(mean_gap), float(PRESSURE * (1 + TINY / np.sqrt(N)) * e / np.sqrt(kap * closed))
+    return float(mean_gap), float(PRESSURE * (1 + TINY / np.sqrt(N) + LONE / contact) * e / np.sqrt(kap * closed))
 
 
 def points_on_wrong_side(problem, g, p, kap, squares, spread):

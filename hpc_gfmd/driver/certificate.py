@@ -8,9 +8,12 @@ far that is from the solution follows from the duality gap, which bounds the err
 for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled. The norm S of p^ - p is bounded without a
 transform by sums of squares on the levels of the multilevel operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap
 and of the pressure (bounds.py), and from that of the pressure how many points may be on the wrong side.
+
+In low memory all of it is in single precision: what is smaller than the rounding errors of the heights, which count towards the errors,
+cannot be seen then.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,11 +30,11 @@ class Certificate:
     """Relative violations. penetration: largest -g (problem's unit); tension: largest -p on closed points over p0; complementarity:
     mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact - p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for;
     residual: rms of p out of contact over p0.
-    errors: relative, of (area, mean gap, pressure field), None if not asked for: the mean gap's is a bound, up to rounding.
+    errors: relative, estimated, of (area, mean gap, pressure field), None if not asked for.
     energy: elastic energy per area, and approach: how far the bodies have come together since they touched, without any deformation,
     both in the problem's unit; a half-space that is periodic gives way to a uniform pressure without end: it has no approach (nan),
     nor, periodic along one axis only, an energy (its own part is left out where it is periodic along both); uKu: <u, K u>;
-    contact: points; gap_mean: problem's unit; pairs: FFT pairs this took."""
+    contact: points; gap_mean: problem's unit; pairs: FFT pairs this took; precision: in which it was computed."""
 
     penetration: float = 0.0
     tension: float = 0.0
@@ -46,11 +49,12 @@ class Certificate:
     contact: int = 0
     gap_mean: float = 0.0
     pairs: float = 0.0
+    precision: str = "float64"
 
     def attributes(self):
-        """The violations, by name."""
+        """The violations, by name, and the precision in which they were found."""
         names = ("penetration", "tension", "complementarity", "load_balance")
-        return {name: value for name, value in asdict(self).items() if name in names}
+        return {name: getattr(self, name) for name in names} | {"certificate_precision": self.precision}
 
     @property
     def finite(self):
@@ -98,7 +102,8 @@ def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
             load_balance=float(abs(closed_p / N - p0) / p0), duality_gap=duality_gap, residual=float(np.sqrt(open_pp / N) / p0),
             errors=errors, energy=float(0.5 * uKu / N + rest), uKu=float(uKu),
             approach=float(problem.p_cell / uniform - mean) if uniform else np.nan,
-            contact=int(contact) if np.isfinite(contact) else 0, gap_mean=float(gap / N), pairs=elastic.pairs)
+            contact=int(contact) if np.isfinite(contact) else 0, gap_mean=float(gap / N), pairs=elastic.pairs,
+            precision=np.dtype(dtype).name)
 
 
 def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, contact, gap, uKu):
@@ -114,8 +119,8 @@ def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, con
     energy = EQUIVALENCE * kap * (open_pp + excess**2 * closed_pp + rr)
     response = np.sqrt(kap * max(levels.without_mean(contact + tt, mean * mean), 0.0)) / share
     aligned = kap * (excess * closed_p + rt) / share
-    mean_gap, pressure = field_errors(energy, uKu, closed_pp, N, p0, gap / N, 1.0 / problem.body.typical(grid), response, aligned,
-                                      problem.self_energy)
+    typical = 1.0 / problem.body.typical(grid)
+    mean_gap, pressure = field_errors(energy, uKu, closed_pp, contact, N, p0, gap / N, typical, response, aligned, problem.self_energy)
 
     spread = open_pp**2 / open_p4 if open_p4 > 0 else 1.0  # number of points that have most of what is left
     wrong = points_on_wrong_side(problem, g, p, kap, pressure**2 * closed_pp, spread)

@@ -199,7 +199,7 @@ class Bpx(Solver):
         energy = (EXPECTED * (norm * (1 + off) + off * np.sqrt(max(self.uKu, 0.0)))) ** 2
         share = self.contact / self.N
         response, aligned = np.sqrt(self.kap * self.t_norm) / share, self.kap * self.aligned / share
-        return field_errors(energy, self.uKu, closed, self.N, self.p0, self.gap_mean, self.typical, response, aligned,
+        return field_errors(energy, self.uKu, closed, self.contact, self.N, self.p0, self.gap_mean, self.typical, response, aligned,
                             self.problem.self_energy)
 
     def expected_area(self, pressure):

@@ -71,7 +71,8 @@ def _solutions(wall, contact, way):
     for p in pressures:
         step = sweep.solve(p)
         c = step.contact
-        yield (c.contact_points, c.gap_mean, np.asarray(c.field("pressure")), c.outcome.status, c.outcome.errors, step.iterations,
+        points = round(c.contact_points / c.N * contact.h.size)  # of the whole wall, where an axis was left out
+        yield (points, c.gap_mean, np.asarray(c.field("pressure")), c.outcome.status, c.outcome.errors, step.iterations,
                step.fft_pairs)
 
 
