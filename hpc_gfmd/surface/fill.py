@@ -24,7 +24,7 @@ def filled(found, how, comm):
         return found, 0
     i, j = divmod(int(points[0]), found.n[1])
     if how == "none" or len(points) == found.n[0] * found.n[1]:
-        raise SceneError(f"surface.path: found nan at ({i}, {j}) in {found.path}, {len(points)} points without a height in all, allowed: "
+        raise SceneError(f"surface.path: found nan at ({i}, {j}) in {found.path}, {len(points)} points without a height, allowed: "
                          'finite heights, or fill = "harmonic" where some are known')
     heights = None
     with guarded(comm, "filling the surface"):
