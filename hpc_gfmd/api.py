@@ -11,7 +11,7 @@ from .errors import NotConverged, SceneError, one_line
 from .kernels.cache import sound
 from .observables.area import a_r_discretisation
 from .parallel.comm import SerialComm, threads_of
-from .registry import all_observables, solver_names
+from .registry import all_observables, body_of, solver_names
 from .scene import ArrayScene, check_names
 from .surface.build import surface_from_rows
 from .surface.prepared import PreparedSurface
@@ -52,12 +52,12 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=Non
     All are checked as those of a scene are.
     Returns a Solution; warns (errors.NotConverged) if its status is not "converged". Raises SceneError for input that makes no sense.
     """
-    doubts = ()
+    doubts, free = (), (False, False)
     if isinstance(heights, PreparedSurface):
         if tuple(np.ravel(physical_sizes)) != (1.0, 1.0):
             raise SceneError(f"physical_sizes: found {physical_sizes} beside a surface that knows its sizes, allowed: "
                              "hpc_gfmd.read_surface(path, physical_sizes=...)")
-        heights, physical_sizes, doubts = heights.heights, heights.sizes, heights.notes
+        heights, physical_sizes, doubts, free = heights.heights, heights.sizes, heights.notes, heights.free
     given = {"residual": None, "accuracy": accuracy} | solver
     scene = ArrayScene.from_dict(
         {"surface": {"physical_sizes": _plain(physical_sizes)}, "material": {"E_star": _plain(E_star)},
@@ -74,10 +74,11 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=Non
         def rows(start, stop):
             return np.asarray(heights[start:stop], dtype=np.float64)
 
-        return replace(surface_from_rows(heights.shape, sizes, rows, comm, dtype, threads), doubts=doubts)
+        return replace(surface_from_rows(heights.shape, sizes, rows, comm, dtype, threads, free), doubts=doubts)
 
     def pressed():
-        sweep = Sweep(make_surface, scene.solver, scene.material.E_star, duality="duality_gap" in asked)
+        sweep = Sweep(make_surface, scene.solver, scene.material.E_star, duality="duality_gap" in asked,
+                      body=body_of(scene.material, free))
         return sweep.solve(sweep.pressures(scene.load)[0])
 
     step = sound(pressed)

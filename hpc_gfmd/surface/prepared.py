@@ -13,13 +13,15 @@ from .topography import open_topography
 @dataclass(frozen=True)
 class PreparedSurface:
     """heights: (n_x, n_y), peaks up; sizes: (L_x, L_y), both in m where `unit` is "m", otherwise ("") in a unit that nobody named;
-    prepared: what was done to the heights, and notes: what to know of them before the numbers, a line each."""
+    prepared: what was done to the heights, and notes: what to know of them before the numbers, a line each; free: whether it ends
+    along x, along y."""
 
     heights: np.ndarray
     sizes: tuple[float, float]
     unit: str
     prepared: tuple[str, ...]
     notes: tuple[str, ...]
+    free: tuple[bool, bool]
 
 
 def read_surface(path, **keys):
@@ -27,7 +29,7 @@ def read_surface(path, **keys):
     surface = {"kind": "file", "path": str(path)} | {key: _plain(value) for key, value in keys.items()}
     spec = Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}}, "hpc_gfmd.read_surface").surface
     found, done, notes = prepare(open_topography(spec), spec, SerialComm())
-    return PreparedSurface(found.rows(0, found.n[0]), found.sizes, found.unit, done, notes)
+    return PreparedSurface(found.rows(0, found.n[0]), found.sizes, found.unit, done, notes, spec.free)
 
 
 def _plain(value):

@@ -158,7 +158,8 @@ def test_missing_points_are_no_heights(tmp_path):
             build_surface(spec(tmp_path / name), SerialComm(), float)
 
 
-@pytest.mark.parametrize("keys", [{}, {"detrend": "tilt", "mirror": True}, {"physical_sizes": ["2.4 um", "0.8 um"], "flip": True}],
+@pytest.mark.parametrize("keys", [{}, {"detrend": "tilt", "mirror": True}, {"physical_sizes": ["2.4 um", "0.8 um"], "flip": True},
+                                  {"boundary": "free"}],
                          ids=str)
 def test_read_surface_does_what_the_scene_does(keys, tmp_path):
     FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
