@@ -1,7 +1,7 @@
 """The contact of a NumPy array of heights, on one process, without files."""
 
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,9 +11,10 @@ from .errors import NotConverged, SceneError, one_line
 from .kernels.cache import sound
 from .observables.area import a_r_discretisation
 from .parallel.comm import SerialComm, threads_of
-from .registry import distribution_names, distributions_named, observable_names, observables_named, solver_names
+from .registry import body_of, distribution_names, distributions_named, observable_names, observables_named, solver_names
 from .scene import ArrayScene, check_names
 from .surface.build import surface_from_rows
+from .surface.prepared import PreparedSurface
 
 
 @dataclass(frozen=True)
@@ -47,13 +48,20 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=Non
           **solver):
     """Press an elastic half-space of modulus E_star against rigid heights with a mean pressure.
 
-    heights: (n_x, n_y), peaks up, in the unit of physical_sizes; pressure: in the unit of E_star; accuracy: wanted relative accuracy
+    heights: (n_x, n_y), peaks up, in the unit of physical_sizes (m where these are texts such as "10 um"), or what
+    hpc_gfmd.read_surface gives, which knows its sizes; pressure: in the unit of E_star; accuracy: wanted relative accuracy
     of a_r, gap_mean and pressure field (1e-3 where no residual is given instead); observables: names as in the scene's [output], such
     as "stiffness" or "patches"; threads: a whole number or "auto"; distributions: names, too, such as "pressure"; solver: further keys
     of the scene's [solver] (name, precision, residual, ...).
     All are checked as those of a scene are.
     Returns a Solution; warns (errors.NotConverged) if its status is not "converged". Raises SceneError for input that makes no sense.
     """
+    doubts, free = (), (False, False)
+    if isinstance(heights, PreparedSurface):
+        if tuple(np.ravel(physical_sizes)) != (1.0, 1.0):
+            raise SceneError(f"physical_sizes: found {physical_sizes} beside a surface that knows its sizes, allowed: "
+                             "hpc_gfmd.read_surface(path, physical_sizes=...)")
+        heights, physical_sizes, doubts, free = heights.heights, heights.sizes, heights.notes, heights.free
     given = {"residual": None, "accuracy": accuracy} | solver
     scene = ArrayScene.from_dict(
         {"surface": {"physical_sizes": _plain(physical_sizes)}, "material": {"E_star": _plain(E_star)},
@@ -69,10 +77,11 @@ def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=Non
         def rows(start, stop):
             return np.asarray(heights[start:stop], dtype=np.float64)
 
-        return surface_from_rows(heights.shape, sizes, rows, comm, dtype, threads)
+        return replace(surface_from_rows(heights.shape, sizes, rows, comm, dtype, threads, free), doubts=doubts)
 
     def pressed():
-        sweep = Sweep(make_surface, scene.solver, scene.material.E_star, duality="duality_gap" in asked)
+        sweep = Sweep(make_surface, scene.solver, scene.material.E_star, duality="duality_gap" in asked,
+                      body=body_of(scene.material, free))
         return sweep.solve(sweep.pressures(scene.load)[0])
 
     step = sound(pressed)

@@ -83,7 +83,12 @@ class Contact:
 
     @property
     def note(self):
-        """What a reader should know of a solution that is converged and yet says little, one line; None if there is nothing."""
+        """What a reader should know before the numbers, one line; None if there is nothing."""
+        return "; ".join(filter(None, [self._doubt, *self.surface.notes])) or None
+
+    @property
+    def _doubt(self):
+        """Why a solution that is converged may yet say little."""
         points = self.contact_points
         if self.g_rms == 0 and not self.surface.grid.padded:
             return "flat surface: every point touches at any load"

@@ -31,7 +31,7 @@ from .registry import (
     observables_named,
     solver_names,
 )
-from .scene import Scene, check_names, load_scene, with_overrides
+from .scene import Scene, check_names, has_unit, load_scene, with_overrides
 from .surface import build_surface, grid_of, surface_size
 from .units import field_dtype
 from .versions import versions
@@ -73,7 +73,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
     threads = threads_of(comm, scene.machine.threads)
     say = Reporter(comm, scene.solver, quiet)
     require_memory(comm, scene, n, threads)
-    rows = grid_of(n, scene.surface.physical_sizes, comm, free=scene.surface.free).nominal_rows
+    rows = grid_of(n, (1.0, 1.0), comm, free=scene.surface.free).nominal_rows
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
 
     with Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt, \
@@ -83,7 +83,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
             say.say(f"note: {line}")
         if resume and comm.rank == 0:
             wisdom.take_from(file.partial)
-        compile_once(comm, scene.solver, scene.surface.boundary, scene.material, _asked(scene.output))
+        compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material, _asked(scene.output))
         lam_s = getattr(scene.surface, "lam_s", None)
         low = scene.solver.low_memory
         kind = LowMemorySweep if low else Sweep
@@ -92,12 +92,16 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
         pressures = sweep.pressures(scene.load)
         _require_same_heights(file, sweep.surface)
         _require_storable(scene.output, sweep.surface, pressures)
-        file.update_surface(**_surface_attributes(scene.surface, sweep.surface, n))
+        _require_like_units(scene, sweep.surface)
+        attributes = _surface_attributes(scene, sweep.surface, n)
+        file.update_surface(**attributes)
         file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
         if "heights" in scene.output.fields:
             file.write_heights(heights_of(sweep.surface))
+        for line in sweep.surface.notes:
+            say.say(f"note: {line}")
         say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
-        run = _Run(comm, scene, file, sweep, say, interrupt)
+        run = _Run(comm, scene, file, sweep, say, interrupt, attributes)
         return run.all_steps(pressures)
 
 
@@ -152,12 +156,22 @@ def _require_storable(output, surface, pressures):
                                  f'(one unit of height: {surface.height_unit:g}), allowed: "double"')
 
 
-def _surface_attributes(spec, surface, n):
+def _require_like_units(scene, surface):
+    """Raise SceneError where the thickness has a unit and the height map none, or the other way round."""
+    thickness = scene.material.thickness
+    if surface.checksum is not None and thickness is not None and has_unit(thickness) != bool(surface.unit):
+        found, allowed = ("plain", '"2 um"') if surface.unit else ("with a unit", "a plain number, in the unit of the height map")
+        raise SceneError(f"material.thickness: found {thickness:g}, {found}, allowed with this height map: {allowed}")
+
+
+def _surface_attributes(scene, surface, n):
+    spec = scene.surface
     names = ("eps_t", "eps_f", "eps_c", "seed")
     nan = float("nan")
     boundary = ", ".join("free" if ends else "periodic" for ends in spec.free)
-    return {"n": list(n), "physical_sizes": list(spec.physical_sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
-            "kind": spec.kind, "boundary": boundary} | {
+    said = {"unit": surface.unit or scene.length_unit, "pressure_unit": scene.pressure_unit, "prepared": "; ".join(surface.prepared)}
+    return {"n": list(n), "physical_sizes": list(surface.sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
+            "kind": spec.kind, "boundary": boundary} | {name: text for name, text in said.items() if text} | {
                 name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
             {"hurst": spec.hurst} if hasattr(spec, "hurst") else {})
 
@@ -178,8 +192,8 @@ def _precision(settings):
 class _Run:
     """The load steps of one run."""
 
-    def __init__(self, comm, scene, file, sweep, say, interrupt):
-        self.comm, self.scene, self.file, self.sweep = comm, scene, file, sweep
+    def __init__(self, comm, scene, file, sweep, say, interrupt, surface):
+        self.comm, self.scene, self.file, self.sweep, self.surface = comm, scene, file, sweep, surface
         self.say, self.interrupt = say, interrupt
         self.observables = observables_named(scene.output.observables)
         self.distributions = scene.output.distributions
@@ -198,7 +212,7 @@ class _Run:
         steps = self._done()
         status = max((s["status"] for s in steps), key=STATUS_ORDER.index)
         self.file.finish(status)
-        self.say.say(table(steps))
+        self.say.say(table(steps, surface=self.surface))
         return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
 
     def _go_back(self, unfinished, pressures):

@@ -57,7 +57,7 @@ def as_text(result: Result) -> str:
         lines.append(f"the finished load steps of an unfinished run, from {result.folder}")
     if surface_line(result.surface):
         lines.append(surface_line(result.surface))
-    lines.append(table(result.steps, result.indices) if result.steps else "no finished load step yet")
+    lines.append(table(result.steps, result.indices, result.surface) if result.steps else "no finished load step yet")
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])
 
 

@@ -37,10 +37,16 @@ def _tiny_contact(settings, *how):
         _tiny_contact_in(precision, settings, *how)
 
 
+def _plain(material):
+    """A material as a table of numbers without units."""
+    given = {key: getattr(material, key) for key in material.model_dump(exclude_none=True)}
+    return {key: float(value) if isinstance(value, float) else value for key, value in given.items()}
+
+
 def _tiny_contact_in(precision, settings, boundary, material, observe):
     solver = settings.model_dump(exclude_none=True) | {"max_iterations": 3, "precision": precision}
     scene = Scene.from_dict({"surface": TINY | {"boundary": boundary}, "load": {"p_star": 0.05}, "solver": solver,
-                             "material": material.model_dump(exclude_none=True) if material else {}})
+                             "material": _plain(material) if material else {}})
     body = body_of(scene.material, scene.surface.free)
     sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver, body=body)
     contact = sweep.solve(0.05).contact

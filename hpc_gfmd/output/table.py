@@ -2,6 +2,8 @@
 
 from math import floor, isfinite, log10
 
+from ..quantity import prefixed
+
 DIGITS = 4  # of a number without an error estimate
 MAX_DIGITS = 6
 LEGEND = "+-: estimated error of the solver on this grid; grid: estimated error of a_r by the size of a grid point, % of a_r"
@@ -30,15 +32,18 @@ COLUMNS = (
 )
 
 
-def table(steps: list[dict], indices: list[int] | None = None) -> str:
-    """Text for the steps, given as dicts of the attributes of the result file.
+def table(steps: list[dict], indices: list[int] | None = None, surface: dict | None = None) -> str:
+    """Text for the steps, given as dicts of the attributes of the result file; surface: those of its surface, which know the units.
 
     Errors stand behind +- in the unit of their column: those of the solver. What the size of a grid point adds to that of a_r has a
     column of its own. A step that did not converge has a ! before its number
     and a line of its own below the table, as has a step with a `note`.
     """
     indices = list(range(len(steps))) if indices is None else indices
-    columns = [column for column in COLUMNS if any(column[0] in step for step in steps)]
+    scales = _scales(steps, surface or {})
+    steps = [step | {key: step[key] / scale for key, (scale, _) in scales.items() if key in step} for step in steps]
+    columns = [(key, name, scales[key][1] if key in scales else unit, error) for key, name, unit, error in COLUMNS
+               if any(key in step for step in steps)]
     rows = [["step", *(name for _, name, _, _ in columns)], ["", *(unit for _, _, unit, _ in columns)]]
     for index, step in zip(indices, steps, strict=True):
         mark = "" if converged(step) else "! "
@@ -47,6 +52,14 @@ def table(steps: list[dict], indices: list[int] | None = None) -> str:
     lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
     legend = [LEGEND] if any("a_r_discretisation" in step for step in steps) else []
     return "\n".join([*(line.rstrip() for line in lines), *legend, *_remarks(indices, steps)])
+
+
+def _scales(steps, surface):
+    """{attribute: (scale, heading)} of what has a unit, with the prefix that suits its largest value."""
+    length, pressure = surface.get("unit", ""), surface.get("pressure_unit", "")
+    units = {"p": pressure, "gap_mean": length, "approach": length, "stiffness": f"{pressure}/{length}" if pressure and length else ""}
+    found = {key: prefixed([step[key] for step in steps if key in step], unit) for key, unit in units.items() if unit}
+    return {key: (scale, f"[{unit}]") for key, (scale, unit) in found.items()}
 
 
 def converged(step: dict) -> bool:
@@ -79,10 +92,16 @@ def surface_line(surface: dict) -> str:
     if "n" in surface:
         parts.append(" x ".join(str(int(n)) for n in surface["n"]) + " points")
     if "physical_sizes" in surface:
-        parts.append("L = " + " x ".join(f"{size:.4g}" for size in surface["physical_sizes"]))
-    for name in ("hurst", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c"):
+        scale, unit = prefixed(surface["physical_sizes"], surface.get("unit", ""))
+        parts.append(" ".join(["L =", " x ".join(f"{size / scale:.4g}" for size in surface["physical_sizes"]), unit]).strip())
+    if isinstance(surface.get("h_rms"), int | float) and isfinite(surface["h_rms"]):
+        scale, unit = prefixed([surface["h_rms"]], surface.get("unit", ""))
+        parts.append(f"h_rms = {surface['h_rms'] / scale:.{DIGITS}g} {unit}".strip())
+    for name in ("hurst", "g_rms", "eps_t", "eps_f", "eps_c"):
         if isinstance(surface.get(name), int | float) and isfinite(surface[name]):
             parts.append(f"{name} = {surface[name]:.{DIGITS}g}")
+    if surface.get("prepared"):
+        parts.append(surface["prepared"])
     if surface.get("seed", -1) >= 0:  # other surfaces have none
         parts.append(f"seed = {surface['seed']}")
     return ", ".join(parts)
@@ -109,6 +128,8 @@ def _remarks(indices, steps) -> list[str]:
         if not converged(step):
             status = step.get("status", "unknown")
             remarks.append(f"! step {index}: NOT CONVERGED ({status}), less accurate than asked")
-        if step.get("note"):
-            remarks.append(f"  step {index}: {step['note']}")
+    for note in dict.fromkeys(step["note"] for step in steps if step.get("note")):
+        said = [index for index, step in zip(indices, steps, strict=True) if step.get("note") == note]
+        where = f"step {said[0]}" if len(said) == 1 else f"steps {', '.join(map(str, said))}"
+        remarks.append(f"  {where}: {note}")
     return remarks

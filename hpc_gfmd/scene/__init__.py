@@ -8,6 +8,7 @@ from .load import check_names, load_scene, with_overrides
 from .model import ArrayScene, Scene
 from .settings import Load, Machine, Material, Output, Solver
 from .surface import File, SelfAffine, Sphere, Wave
+from .table import has_unit
 
 __all__ = ["ArrayScene", "File", "Load", "Machine", "Material", "Output", "Scene", "SelfAffine", "Solver", "Sphere", "Wave",
-           "check_names", "load_scene", "with_overrides"]
+           "check_names", "has_unit", "load_scene", "with_overrides"]

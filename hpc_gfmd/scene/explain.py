@@ -36,19 +36,21 @@ def printable(key: str) -> str:
     return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
 
 
+LONGEST = 1200  # characters of all errors together
 Model = type[BaseModel]
 
 
 def explain(error: ValidationError, scene: Model, kinds: dict[str, Model], data: dict) -> str:
-    """The first error as one line, with "(and N more)". `kinds` are the models of [surface] by their kind."""
+    """All errors in one line, as far as it does not become too long. `kinds` are the models of [surface] by their kind."""
     lines = {}      # several errors of one key (alternatives of a type, entries of a list) are one
     # a misspelt key first: it explains the "missing" that comes with it
     for item in sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden"):
         if item["type"] != "default_factory_not_called":    # only follows from another error
             key, line = _line(item, scene, kinds, data)
             lines.setdefault(key, line)
-    first, more = next(iter(lines.values())), len(lines) - 1
-    return f"{first} (and {more} more)" if more else first
+    found = list(lines.values())
+    shown = [line for k, line in enumerate(found) if k == 0 or len("; ".join(found[:k + 1])) <= LONGEST]
+    return "; ".join(shown) + (f" (and {len(found) - len(shown)} more)" if len(shown) < len(found) else "")
 
 
 def _line(item: dict, scene: Model, kinds: dict, data: dict) -> tuple[tuple, str]:
@@ -86,18 +88,16 @@ def _model(scene: Model, table: str) -> Model | None:
 
 
 def _unknown(name: str, model: Model | None, table: str, scene: Model, kinds: dict) -> str:
-    """An unknown key: the same name in another table is nearest, then the most similar one in this table."""
+    """An unknown key: the most similar one of the same table, and where the same name is a key of another one, that, too."""
     here = list((model or scene).model_fields)
     elsewhere = {field: f"{key}.{field}" for key in scene.model_fields if _model(scene, key)
                  for field in _model(scene, key).model_fields}
     elsewhere |= {field: f"surface.{field}" for kind in kinds.values() for field in kind.model_fields}
     path, prefix = (f"{table}.{printable(name)}", f"{table}.") if model else (table, "")
-    if name in scene.model_fields:
-        guess = name
-    elif name in elsewhere and elsewhere[name] != path:
-        guess = elsewhere[name]
-    else:
-        guess = prefix + nearest(name, here)
+    guess = prefix + nearest(name, here)
+    other = name if name in scene.model_fields else elsewhere.get(name, path)
+    if other != path:
+        guess = f"{guess} ({other} is a key, too)" if model else other  # without a table it is a key that lost its own
     return f"{path}: unknown key, nearest: {guess}, allowed: {', '.join(here)}"
 
 

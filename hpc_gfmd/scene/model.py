@@ -12,9 +12,10 @@ from pydantic import Field, ValidationError, model_validator
 from ..errors import SceneError, one_line
 from .explain import explain
 from .settings import Load, Machine, Material, Output, Solver
-from .surface import KINDS, AnySurface, SelfAffine, Surface, Wave
-from .table import Table, Text
+from .surface import KINDS, AnySurface, File, SelfAffine, Surface, Wave
+from .table import Table, Text, alike, has_unit
 
+LENGTHS = ("physical_sizes", "h_rms", "amplitude", "radius")
 RESOLVED = 8        # points in a wave length; with fewer the contact is one of single points
 TOUCHING = 100      # fewer contact points than this say little about a rough contact
 
@@ -35,6 +36,28 @@ class Scene(Table):
         if isinstance(self.surface, Wave) and self.surface.amplitude == 0 and self.load.p_star:
             raise ValueError("load.p_star: found a flat surface (amplitude = 0), allowed: load.pressure")
         return self
+
+    @model_validator(mode="after")
+    def _units(self):
+        surface, material = self.surface, self.material
+        measured = isinstance(surface, File)  # its file may know units: what is built of it is compared later
+        lengths = {} if measured else {f"surface.{key}": getattr(surface, key) for key in LENGTHS if hasattr(surface, key)}
+        pressures = {"load.pressure": self.load.pressure, "material.E1": material.E1, "material.E2": material.E2}
+        if material.E1 is None:
+            pressures["material.E_star"] = material.E_star
+        alike("lengths", lengths | {"material.thickness": None if measured else material.thickness})
+        alike("pressures", pressures)
+        return self
+
+    @property
+    def length_unit(self) -> str:
+        """"m" where lengths were given with units, else ""; of a height map its surface knows."""
+        return "m" if isinstance(self.surface.physical_sizes, tuple) and has_unit(self.surface.physical_sizes) else ""
+
+    @property
+    def pressure_unit(self) -> str:
+        """"Pa" where pressures were given with units, else ""."""
+        return "Pa" if has_unit(self.material.E_star if self.material.E1 is None else self.material.E1) else ""
 
     @classmethod
     def from_dict(cls, data: dict[str, Any], origin: str = "scene",

@@ -6,12 +6,16 @@ from pydantic import Field, model_serializer, model_validator
 
 from .table import (
     FRACTION,
+    LENGTH,
     MAX_INT,
     POSITIVE,
     Fraction,
+    Length,
     Loads,
     Path,
     Positive,
+    Pressure,
+    Pressures,
     Table,
     Text,
     Whole,
@@ -19,6 +23,7 @@ from .table import (
     not_both,
 )
 
+MODULUS = f'{POSITIVE}, plain or as "50 GPa"'
 SOLIDS = ("E1", "nu1", "E2", "nu2")
 PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 Parameter = Annotated[int, Field(ge=-MAX_INT, le=MAX_INT)] | float
@@ -40,12 +45,12 @@ class Material(Table):
     """The effective modulus E_star (default 1), one solid that presses against a rigid counterface, or both; `E_star` has the value in
     any case. With a thickness the solid is a layer on a rigid base, and its nu1 counts beside E1 or E_star."""
 
-    E1: Positive | None = Field(None, description=POSITIVE)
+    E1: Pressure | None = Field(None, description=MODULUS)
     nu1: PoissonRatio | None = Field(None, description=POISSON)
-    E2: Positive | None = Field(None, description=POSITIVE)
+    E2: Pressure | None = Field(None, description=MODULUS)
     nu2: PoissonRatio | None = Field(None, description=POISSON)
-    E_star: Positive = Field(default_factory=_E_star, description=POSITIVE)
-    thickness: Positive | None = Field(None, description=POSITIVE)
+    E_star: Pressure = Field(default_factory=_E_star, description=MODULUS)
+    thickness: Length | None = Field(None, description=LENGTH)
     base: Literal["bonded", "frictionless"] = Field("bonded", description='"bonded" or "frictionless"')
 
     @model_validator(mode="after")
@@ -87,7 +92,7 @@ class Load(Table):
     """The pressures of a sweep, in order: p_star = p0/(E* g_rms), or absolute in the unit of E_star."""
 
     p_star: Loads | None = Field(None, description="a positive number or a list of them")
-    pressure: Loads | None = Field(None, description="a positive number or a list of them")
+    pressure: Pressures | None = Field(None, description='a positive number, plain or as "20 MPa", or a list of them')
 
     @model_validator(mode="after")
     def _one(self):
@@ -98,7 +103,7 @@ class Load(Table):
 
     def p0(self, E_star: float, g_rms: float) -> tuple[float, ...]:
         """The mean pressures, in the unit of E_star, on a surface of realised g_rms."""
-        return self.pressure or tuple(p_star * E_star * g_rms for p_star in self.p_star)
+        return tuple(map(float, self.pressure)) if self.pressure else tuple(p_star * E_star * g_rms for p_star in self.p_star)
 
 
 class Solver(Table):

@@ -5,11 +5,30 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from .table import MAX_INT, MAX_N, POSITIVE, Boundary, Modes, Points, Positive, Ratio, Sizes, Table, not_both
+from .table import (
+    LENGTH,
+    MAX_INT,
+    MAX_N,
+    POSITIVE,
+    Boundary,
+    Corners,
+    Height,
+    Length,
+    LengthUnit,
+    Modes,
+    Points,
+    Positive,
+    Ratio,
+    Sizes,
+    Table,
+    not_both,
+)
 from .table import Path as PathText
 
 SIZES = "two positive numbers [L_x, L_y]"
 POINTS = f"two whole numbers [n_x, n_y] from 1 to {MAX_N}"
+Factor = Annotated[int, Field(ge=1, le=1024)]
+FACTOR = "a whole number from 1 to 1024"
 RATIO = "a number from 1"
 
 
@@ -22,6 +41,8 @@ class Surface(Table):
     @property
     def free(self) -> tuple[bool, bool]:
         """Whether the surface ends along x, along y."""
+        if self.boundary is None:  # a height map that has to be periodic: see surface/boundary.py
+            return False, False
         along = (self.boundary, self.boundary) if isinstance(self.boundary, str) else self.boundary
         return along[0] == "free", along[1] == "free"
 
@@ -42,7 +63,7 @@ class SelfAffine(Surface):
         description="a number from 2 (the grid does not resolve lam_s < 2 a)")
     lam_l_over_lam_r: Ratio = Field(1.0, description=RATIO)
     seed: Annotated[int, Field(ge=0, le=MAX_INT)] = Field(description="a whole number from 0")
-    h_rms: Positive | None = Field(None, description=POSITIVE)
+    h_rms: Length | None = Field(None, description=LENGTH)
     g_rms: Positive | None = Field(default_factory=lambda given: 1.0 if given.get("h_rms") is None else None,
                                    description=POSITIVE)
 
@@ -119,7 +140,7 @@ class Wave(Surface):
     """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y): Westergaard with one k = 0, Johnson et al. with both."""
 
     kind: Literal["wave"]
-    amplitude: Annotated[float, Field(ge=-1e100, le=1e100)] = Field(description="a number")
+    amplitude: Height = Field(description='a number, plain or as "100 nm"')
     n: Points = Field(description=POINTS)
     periods: Modes = Field((1, 0), description="two whole numbers [k_x, k_y] from 0, not both 0")
 
@@ -137,22 +158,41 @@ class Sphere(Surface):
     """The paraboloid z = -r^2/(2 R) about the centre of the cell."""
 
     kind: Literal["sphere"]
-    radius: Positive = Field(description=POSITIVE)
+    radius: Length = Field(description=LENGTH)
     n: Points = Field(description=POINTS)
 
 
 class File(Surface):
-    """A measured or computed height map, read by the surface reader; the grid is the shape of the map."""
+    """A measured or computed height map; the grid is the shape of the map. What the file says of sizes and units holds unless these
+    keys say otherwise."""
 
     kind: Literal["file"]
-    path: PathText = Field(description="the path of a height map (.npy, .h5, .nc, ...)")
-    dataset: PathText = Field("surface", description="the name of an HDF5 or NetCDF data set")
+    path: PathText = Field(description="the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...)")
+    dataset: PathText = Field("surface", description="the name of a data set (HDF5, NetCDF, .npz) or of a channel")
+    physical_sizes: Sizes | None = Field(None, description=f'{SIZES}, plain in surface.unit or as "12.8 um"')
+    unit: LengthUnit | None = Field(None, description='the unit of the heights, such as "nm"')
+    boundary: Boundary | None = Field(None, description='"periodic", "free" or one of them for each axis')
+    crop: Corners | None = Field(None, description="four numbers [x0, y0, x1, y1], lengths as physical_sizes")
+    detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description='"none", "mean", "tilt" or "curvature"')
+    fill: Literal["none", "harmonic"] = Field("none", description='"none" or "harmonic"')
+    flip: bool = Field(False, description="true or false")
+    mirror: bool = Field(False, description="true or false")
+    window: Literal["none", "hann", "tukey"] = Field("none", description='"none", "hann" or "tukey"')
+    refine: Factor = Field(1, description=FACTOR)
+    downsample: Factor = Field(1, description=FACTOR)
+
+    @model_validator(mode="after")
+    def _one_way_to_be_periodic(self):
+        if self.mirror and self.window != "none":
+            raise ValueError("found mirror and window, allowed: one of them")
+        if any(self.free) and (self.mirror or self.window != "none" or self.refine * self.downsample > 1):
+            raise ValueError("found a free boundary with mirror, window, refine or downsample, allowed: with a periodic one")
+        return self
 
     @property
     def format(self) -> str:
-        """"npy", "hdf5", "netcdf" or "other", by the extension."""
-        kinds = {".npy": "npy", ".h5": "hdf5", ".hdf5": "hdf5", ".nc": "netcdf"}
-        return kinds.get(PurePath(self.path).suffix.lower(), "other")
+        """"npy", "npz", "text", "hdf5", "netcdf" or "other", by the extension."""
+        return FORMATS.get(PurePath(self.path).suffix.lower(), "other")
 
     @property
     def n(self) -> None:
@@ -160,6 +200,8 @@ class File(Surface):
         return None
 
 
+FORMATS = {".npy": "npy", ".npz": "npz", ".h5": "hdf5", ".hdf5": "hdf5", ".nc": "netcdf",
+           ".txt": "text", ".csv": "text", ".asc": "text", ".dat": "text"}
 KINDS = {"self-affine": SelfAffine, "wave": Wave, "sphere": Sphere, "file": File}
 AnySurface = Annotated[SelfAffine | Wave | Sphere | File, Field(discriminator="kind")]
 

@@ -5,7 +5,9 @@ The description of a field is the text after "allowed:" in its error message.
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, WrapValidator
+
+from ..quantity import Quantity, factor, parse
 
 MAX_INT = 2**63 - 1     # the integers of TOML and of HDF5
 MAX_N = 2**24           # grid points per direction
@@ -17,12 +19,34 @@ class Table(BaseModel):
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
 
+# The bounds keep squares and products of a few such numbers finite in double precision.
+Positive = Annotated[float, Field(ge=1e-100, le=1e100)]
+
+
 def _tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
 def _one_or_many(value: Any) -> Any:
     return _tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+def _quantity(dimension: str, number: Any = Positive) -> Any:
+    """A positive number (or what else is allowed), plain or as a text with a unit, which is written as it was given."""
+
+    def read(value: Any, check: Any) -> float:
+        if not isinstance(value, str | Quantity):
+            return check(value)
+        value = parse(value, dimension) if isinstance(value, str) else value
+        check(float(value))
+        return value
+
+    return Annotated[number, WrapValidator(read), PlainSerializer(lambda value: getattr(value, "text", value))]
+
+
+def _length_unit(text: str) -> str:
+    factor(text)
+    return text
 
 
 def _printable(text: str) -> str:
@@ -37,24 +61,29 @@ def _distinct(values: tuple) -> tuple:
     return values
 
 
-# The bounds keep squares and products of a few such numbers finite in double precision.
-Positive = Annotated[float, Field(ge=1e-100, le=1e100)]
+Height = _quantity("length", Annotated[float, Field(ge=-1e100, le=1e100)])
+Length = _quantity("length")
+Pressure = _quantity("pressure")
+LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Fraction = Annotated[float, Field(gt=0, lt=1)]
 Ratio = Annotated[float, Field(ge=1, le=1e100)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
 Path = Annotated[Text, Field(min_length=1)]
-Sizes = Annotated[tuple[Positive, Positive], BeforeValidator(_tuple)]
+Corners = Annotated[tuple[(_quantity("length", Annotated[float, Field(ge=0, le=1e100)]),) * 4], BeforeValidator(_tuple)]
+Sizes = Annotated[tuple[Length, Length], BeforeValidator(_tuple)]
 Points = Annotated[tuple[Annotated[int, Field(ge=1, le=MAX_N)], Annotated[int, Field(ge=1, le=MAX_N)]],
                    BeforeValidator(_tuple)]
 Modes = Annotated[tuple[Annotated[int, Field(ge=0, le=MAX_N)], Annotated[int, Field(ge=0, le=MAX_N)]],
                   BeforeValidator(_tuple)]
+Pressures = Annotated[tuple[Pressure, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
 Loads = Annotated[tuple[Positive, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
 
 Side = Literal["periodic", "free"]
 Boundary = Annotated[Side | tuple[Side, Side], BeforeValidator(_tuple)]
 
 POSITIVE = "a positive number (1e-100 to 1e100)"
+LENGTH = f'{POSITIVE}, plain or as "100 um"'
 FRACTION = "a number above 0 and below 1"
 
 
@@ -68,3 +97,18 @@ def not_both(table: BaseModel, *keys: str) -> None:
     found = [key for key in keys if getattr(table, key) is not None]
     if len(found) > 1:
         raise ValueError(f"found {' and '.join(found)}, allowed: one of {', '.join(keys)}")
+
+
+def has_unit(value: Any) -> bool:
+    """Whether a number, or the numbers of a tuple, were given with a unit."""
+    return any(isinstance(item, Quantity) for item in (value if isinstance(value, tuple) else (value,)))
+
+
+def alike(what: str, given: dict[str, Any]) -> None:
+    """Raise ValueError if some of the quantities have units and others are plain; 0 is 0 in any unit, None is not given."""
+    numbers = [(key, item) for key, value in given.items() for item in (value if isinstance(value, tuple) else (value,)) if item]
+    plain = {key: item for key, item in numbers if not isinstance(item, Quantity)}
+    named = {key: item.text for key, item in numbers if isinstance(item, Quantity)}
+    if plain and named:
+        (one, number), (other, text) = next(iter(plain.items())), next(iter(named.items()))
+        raise ValueError(f"{one}: found {number:g} beside {other} = {text!r}, allowed: all {what} with units, or none")

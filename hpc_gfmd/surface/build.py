@@ -1,6 +1,6 @@
 """From the scene's [surface] to the gap under zero load, in the program's units (see problem.py)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,10 +10,12 @@ from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
 from ..units import LARGEST_HEIGHT
 from .analytic import sphere_rows, wave_rows
-from .files import HeightMap
+from .doubts import by_slope
 from .heights import Checksum, checked
+from .prepare import prepare, prepared_size
 from .selfaffine import self_affine_gap
 from .statistics import rms, rms_between_neighbours
+from .topography import open_topography
 
 SLAB_ROWS = 64  # rows read or made at a time
 
@@ -26,7 +28,9 @@ class Surface:
     A surface that varies along one axis only lives on a grid with one point along the other; `n` is the size asked for, and every
     rank then holds all of `grid`. A flat surface has g_rms = 0, and its units are those of 1. rows: (start, stop) of the size asked for
     that this rank owns. add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum. checksum: of the
-    heights as they were read, None where the scene says all about them.
+    heights as they were read, None where the scene says all about them. unit: "m" where sizes and heights are in it, "" where nobody
+    named their unit. prepared: what was done to a height map, a line each. doubts: see
+    doubts.py.
     """
 
     grid: Grid
@@ -37,6 +41,19 @@ class Surface:
     rows: tuple[int, int]
     add_spectrum: object = None
     checksum: str | None = None
+    unit: str = ""
+    prepared: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
+
+    @property
+    def sizes(self):
+        """(L_x, L_y) of the surface."""
+        return tuple(size * m / k for size, m, k in zip(self.grid.sizes, self.grid.nominal, self.grid.n))
+
+    @property
+    def notes(self):
+        """What to know of it before the numbers, a line each."""
+        return (*by_slope(self.g_rms, measured=self.checksum is not None), *self.doubts)
 
     @property
     def slope(self):
@@ -74,7 +91,7 @@ def _nominal(grid):
 
 def surface_size(spec):
     """(n_x, n_y) of a surface; opens the file where only that knows. Raises SceneError."""
-    return tuple(spec.n) if spec.n is not None else tuple(HeightMap(spec).shape)
+    return tuple(spec.n) if spec.n is not None else prepared_size(open_topography(spec), spec)
 
 
 def build_surface(spec, comm, dtype, threads=1, thrifty=False):
@@ -89,19 +106,17 @@ def build_surface(spec, comm, dtype, threads=1, thrifty=False):
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
         known = None if grid.padded else add_spectrum
         return Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.nominal_rows, known)
-    checksum = Checksum() if spec.kind == "file" else None
+    if spec.kind != "file":
+        rows = {"wave": wave_rows, "sphere": sphere_rows}[spec.kind](spec, spec.n)
+        return surface_from_rows(spec.n, spec.physical_sizes, rows, comm, dtype, threads, spec.free)
     with guarded(comm, "reading the surface"):
-        if spec.kind == "wave":
-            n, rows = spec.n, wave_rows(spec, spec.n)
-        elif spec.kind == "sphere":
-            n, rows = spec.n, sphere_rows(spec, spec.n)
-        else:
-            file = HeightMap(spec)
-            n, rows = tuple(file.shape), file.rows
-    return surface_from_rows(n, spec.physical_sizes, rows, comm, dtype, threads, spec.free, checksum)
+        found = open_topography(spec)
+    found, done, notes = prepare(found, spec, comm)
+    made = surface_from_rows(found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, Checksum(), found.unit)
+    return replace(made, prepared=done, doubts=notes)
 
 
-def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False), checksum=None):
+def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False), checksum=None, unit=""):
     """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y); free: whether it ends along x, along y.
 
     The gradient of a surface that ends is that between neighbouring points, otherwise that of the Fourier series. checksum: an empty
@@ -116,7 +131,7 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False
             z[i:i + SLAB_ROWS] = checked(rows(start + i, min(start + i + SLAB_ROWS, stop)), start + i, "surface")
             if checksum is not None:
                 checksum.add(z[i:i + SLAB_ROWS])
-    known = checksum.of_all(comm, n, sizes) if checksum is not None else None
+    known = checksum.of_all(comm, n, sizes, unit) if checksum is not None else None
     top = float(comm.max([z.max(initial=-np.inf)])[0])
     np.subtract(top, z, out=z)  # now the gap, exact where it is small
     if not cell.padded:
@@ -124,7 +139,7 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False
         cell = grid
     span = float(grid.comm.max([z.max(initial=0)])[0])
     if span == 0.0:
-        return Surface(cell, z.astype(dtype), n, 0.0, 0.0, (start, stop), checksum=known)
+        return Surface(cell, z.astype(dtype), n, 0.0, 0.0, (start, stop), checksum=known, unit=unit)
     if span < 1 / LARGEST_HEIGHT:
         raise SceneError(f"surface: found heights that differ by {span:g} at most, allowed: 0 or at least {1 / LARGEST_HEIGHT:g}")
     centre = float(grid.comm.sum([z.sum()])[0]) / grid.N
@@ -139,7 +154,7 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False
         grid.forget_fft(np.float64)
     h = z if dtype == np.float64 else np.empty(z.shape, dtype)
     np.divide(z, g_rms, out=h, casting="same_kind")
-    return Surface(cell, h, n, h_rms, g_rms / grid.a, (start, stop), checksum=known)
+    return Surface(cell, h, n, h_rms, g_rms / grid.a, (start, stop), checksum=known, unit=unit)
 
 
 def _leave_out_constant_axis(grid, z):

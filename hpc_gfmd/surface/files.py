@@ -1,4 +1,4 @@
-"""Height maps from files, peaks up, read a few rows at a time: .npy, HDF5, NetCDF, and what SurfaceTopography reads if installed."""
+"""Height maps from files, peaks up: .npy, HDF5 and NetCDF a few rows at a time, others as a whole on every rank."""
 
 from pathlib import Path
 
@@ -7,21 +7,28 @@ import numpy as np
 from .. import errors
 from ..errors import SceneError
 from ..parallel import h5_inside
-from .heights import checked
+from . import instruments, text
 from .packed import Packing
+from .said import Said, by_attributes, by_axes
 
 NPY = b"\x93NUMPY"
+ANY = "surface"  # the data set of a scene that names none
+MASK = "mask"    # where it is not 0 there is no height (SurfaceTopography)
 HDF5 = b"\x89HDF\r\n\x1a\n"  # how an HDF5 file begins, unless its user keeps something before it
 
 
 class HeightMap:
-    """shape (n_x, n_y) and rows(start, stop) -> float64 (stop - start, n_y). Raises SceneError for anything unreadable."""
+    """shape (n_x, n_y), rows(start, stop) -> float64 (stop - start, n_y), nan where the file has no height, and what else is `said`.
+
+    Raises SceneError for anything unreadable.
+    """
 
     def __init__(self, spec):
         self.path = Path(spec.path)
+        self.said = Said()
         if not self.path.is_file():
             raise SceneError(f"surface.path: found {self.path}, which is no file, allowed: the path of a height map")
-        opener = {"npy": self._npy, "hdf5": self._hdf5, "netcdf": self._netcdf}.get(spec.format, self._other)
+        opener = {"npy": self._npy, "npz": self._npz, "hdf5": self._hdf5, "netcdf": self._netcdf}.get(spec.format, self._whole)
         try:
             self.read = opener(spec)
         except SceneError:
@@ -34,40 +41,52 @@ class HeightMap:
         if self.dtype.kind not in "fiu":
             found = errors.one_line(str(self.dtype), 80)
             raise SceneError(f"surface.path: found values of type {found} in {self.path}, allowed: real numbers")
+        if self.said.transposed:
+            self.shape, along_y = self.shape[::-1], self.read
+            self.read = lambda rows, columns: along_y(columns, rows).T
 
     def rows(self, start, stop):
-        """Rows start <= i < stop as float64. Raises SceneError if a height is no number to compute with."""
+        """Rows start <= i < stop as float64. Raises SceneError if they cannot be read."""
         try:
             with np.errstate(over="ignore"):  # of long double; infinity is seen below
-                z = np.asarray(self.read(start, stop), dtype=np.float64)
+                return np.asarray(self.read(slice(start, stop), slice(None)), dtype=np.float64)
         except Exception as error:
             raise SceneError(f"surface.path: reading {self.path} failed: {errors.one_line(str(error))}") from None
-        return checked(z, start, "surface.path", f" in {self.path}")
 
     def _npy(self, spec):
         with open(self.path, "rb") as file:
             if file.read(len(NPY)) != NPY:  # numpy.load would take it for something else, and say how to unpickle it
                 raise ValueError("it does not begin as a .npy file does")
         data = np.load(self.path, mmap_mode="r", allow_pickle=False)
-        self.shape, self.dtype = data.shape, data.dtype
-        return lambda start, stop: data[start:stop]
+        return self._array(data)
+
+    def _npz(self, spec):
+        with np.load(self.path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        name = self._one_of([name for name, array in arrays.items() if array.ndim == 2], spec)
+        self.said = by_attributes(arrays)
+        return self._array(arrays[name])
 
     def _hdf5(self, spec):
         import h5py
 
         with h5py.File(self.path, "r", locking=False) as file:
-            data = h5_inside.item(file, spec.dataset)
+            names = []
+            file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+            name = self._one_of([n for n in names if len(file[n].shape or ()) == 2], spec) if spec.dataset not in file else spec.dataset
+            data = h5_inside.item(file, name)
             if not isinstance(data, h5py.Dataset):
-                names = []
-                file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
                 self._no_dataset(spec, names)
             self.shape, self.dtype = data.shape, data.dtype
+            scales = [scale[0] for scale in data.dims if len(scale)] if data.ndim == 2 else []
+            axes = [(scale.name.rpartition("/")[2], dict(scale.attrs), scale[:], len(scale)) for scale in scales]
+            self.said = by_axes(dict(data.attrs), axes) if len(axes) == 2 else by_attributes(data.attrs, file.attrs)
             packing = Packing(data.attrs)
             band = data.chunks[0] * data.shape[1] * data.dtype.itemsize if data.chunks and data.ndim == 2 else 0
         # chunks that the next rows need as well are kept while the data set is open: unpacking a large one each time takes for ever
         file = h5py.File(self.path, "r", locking=False, rdcc_nbytes=max(2 * band, 2**20), rdcc_nslots=10007)
-        data = h5_inside.item(file, spec.dataset)
-        return lambda start, stop: packing.unpacked(data[start:stop])
+        data = h5_inside.item(file, name)
+        return lambda rows, columns: packing.unpacked(data[rows, columns])
 
     def _netcdf(self, spec):
         with open(self.path, "rb") as file:
@@ -76,28 +95,43 @@ class HeightMap:
         from scipy.io import netcdf_file
 
         file = netcdf_file(self.path, "r", mmap=True)
-        names = [name for name, v in file.variables.items() if len(v.shape) == 2]
-        name = names[0] if len(names) == 1 else spec.dataset
-        if name not in names:
-            self._no_dataset(spec, names)
+        name = self._one_of([name for name, variable in file.variables.items() if len(variable.shape) == 2], spec)
         data = file.variables[name].data
         self.shape, self.dtype = data.shape, data.dtype
+        self.said = by_axes(vars(file.variables[name]), [self._axis(file.variables.get(axis), axis, n)
+                                                         for axis, n in zip(file.variables[name].dimensions, data.shape)])
         packing = Packing(vars(file.variables[name]))
-        # asked anew for each piece: the file may be closed only when nothing refers to its memory any more
-        return lambda start, stop: packing.unpacked(np.array(file.variables[name].data[start:stop]))
+        masked = MASK in file.variables and file.variables[MASK].shape == data.shape
+
+        def read(rows, columns):
+            # asked anew for each piece: the file may be closed only when nothing refers to its memory any more
+            z = packing.unpacked(np.array(file.variables[name].data[rows, columns]))
+            return np.where(file.variables[MASK].data[rows, columns], np.nan, z) if masked else z
+
+        return read
+
+    @staticmethod
+    def _axis(variable, name, n):
+        if variable is None:
+            return name, {}, None, n
+        return name, vars(variable), np.array(variable.data) if variable.shape == (n,) else None, n
+
+    def _whole(self, spec):
+        heights, self.said = (text if spec.format == "text" else instruments).read(self.path, spec.dataset)
+        return self._array(heights)
+
+    def _array(self, data):
+        self.shape, self.dtype = data.shape, data.dtype
+        return lambda rows, columns: data[rows, columns]
+
+    def _one_of(self, names, spec):
+        """The data set that the scene names, or the only one that may be meant. Raises SceneError."""
+        maps = [name for name in names if name != MASK]
+        name = maps[0] if len(maps) == 1 and spec.dataset == ANY else spec.dataset
+        if name not in names:
+            self._no_dataset(spec, names)
+        return name
 
     def _no_dataset(self, spec, names):
         found, allowed = errors.one_line(repr(spec.dataset)), errors.one_line(", ".join(names[:10]), 400)
         raise SceneError(f"surface.dataset: found {found}, allowed in {self.path}: {allowed or 'nothing, it has no data set'}")
-
-    def _other(self, spec):
-        try:
-            import SurfaceTopography
-        except ImportError:
-            raise SceneError(f"surface.path: found {self.path}, allowed: .npy, .h5, .hdf5, .nc "
-                             f"(and more where the package SurfaceTopography is installed)") from None
-        data = SurfaceTopography.read_topography(str(self.path)).heights()
-        if np.ma.isMaskedArray(data) and data.mask.any():
-            raise SceneError(f"surface.path: {self.path} has undefined points, allowed: a complete height map")
-        self.shape, self.dtype = data.shape, data.dtype
-        return lambda start, stop: np.asarray(data[start:stop])

@@ -8,13 +8,15 @@ from ..errors import SceneError
 from ..units import LARGEST_HEIGHT
 
 
-def checked(z, start, where, of=""):
-    """The heights z (float64, rows from `start`) where all are finite, and so are squares of them.
+def checked(z, start, where, of="", missing=False):
+    """The heights z (float64, rows from `start`) where all are finite, and so are squares of them; missing: some may be nan.
 
     Raises SceneError for others, which begins with `where` and names the file, `of`: what instruments write for points that they could
     not measure is often nan or the largest number.
     """
     wrong = ~(np.abs(z) <= LARGEST_HEIGHT)
+    if missing:
+        wrong &= ~np.isnan(z)
     if wrong.any():
         i, j = np.argwhere(wrong)[0]
         raise SceneError(f"{where}: found {z[i, j]:g} at ({start + i}, {j}){of}, allowed: finite heights, "
@@ -35,9 +37,9 @@ class Checksum:
         """The next rows of this rank, float64."""
         self._rows += [hashlib.blake2b(np.ascontiguousarray(row, "<f8"), digest_size=16).digest() for row in z]
 
-    def of_all(self, comm, n, sizes):
-        """Of the rows of all ranks in their order, with the shape and the physical sizes. Collective."""
-        whole = hashlib.blake2b(repr((tuple(map(int, n)), tuple(map(float, sizes)))).encode(), digest_size=16)
+    def of_all(self, comm, n, sizes, unit=""):
+        """Of the rows of all ranks in their order, with the shape, the physical sizes and their unit. Collective."""
+        whole = hashlib.blake2b(repr((tuple(map(int, n)), tuple(map(float, sizes)), unit)).encode(), digest_size=16)
         for rows in comm.allgather(b"".join(self._rows)):
             whole.update(rows)
         return whole.hexdigest()

@@ -17,6 +17,7 @@ pytestmark = pytest.mark.mpi
 SCENE = """
 [surface]
 kind = "file"
+physical_sizes = [1.0, 1.0]
 path = "z.npy"
 [load]
 pressure = [0.2, 0.3]

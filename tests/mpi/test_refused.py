@@ -15,6 +15,7 @@ n = [8, 8]
 pressure = 0.1
 """
 
+MAP = 'surface={{kind = "file", physical_sizes = [1, 1], path = {}}}'
 BAD = {  # name: overrides of the good scene, and what the message names
     "unknown key": (["load.presure=1"], "pressure"),
     "negative load": (["load.pressure=-1"], "load.pressure"),
@@ -25,21 +26,21 @@ BAD = {  # name: overrides of the good scene, and what the message names
     "unknown option of gfmd": (["solver.name=gfmd", "solver.options={bogus = 1}"], "bogus"),
     "no folder": (["output.path=missing/a.h5"], "missing"),
     "p_star of a flat wall": (["surface.amplitude=0", "load={p_star = [0.1]}"], "load.p_star"),
-    "missing file": (['surface={kind = "file", path = "none.npy"}'], "none.npy"),
-    "text as heights": (['surface={kind = "file", path = "text.npy"}'], "text.npy"),
-    "nan in the last row": (['surface={kind = "file", path = "nan.npy"}'], "nan"),
-    "the largest number in the last row": (['surface={kind = "file", path = "missing.npy"}'], "(8, 7)"),
-    "numbers that differ by more than there is": (['surface={kind = "file", path = "both.npy"}'], "surface.path"),
+    "missing file": ([MAP.format('"none.npy"')], "none.npy"),
+    "text as heights": ([MAP.format('"text.npy"')], "text.npy"),
+    "nan in the last row": ([MAP.format('"nan.npy"')], "nan"),
+    "the largest number in the last row": ([MAP.format('"missing.npy"')], "(8, 7)"),
+    "numbers that differ by more than there is": ([MAP.format('"both.npy"')], "surface.path"),
     "more threads than any machine bears": (["machine.threads=65536"], "machine.threads"),
     "a pressure that the file cannot hold": (['output={dtype = "single", fields = ["pressure"]}', "material.E_star=1e-50",
                                               "load={p_star = 0.1}"], "output.dtype"),
     "units beyond double precision": (["material.E_star=1e-100", "surface.amplitude=1e-90", "surface.physical_sizes=[1e90, 1e90]"],
                                       "E_star*g_rms"),
-    "complex heights": (['surface={kind = "file", path = "complex.npy"}'], "complex"),
-    "three axes": (['surface={kind = "file", path = "cube.npy"}'], "cube.npy"),
-    "no data set": (['surface={kind = "file", path = "z.h5", dataset = "q"}'], "height"),
+    "complex heights": ([MAP.format('"complex.npy"')], "complex"),
+    "three axes": ([MAP.format('"cube.npy"')], "cube.npy"),
+    "no data set": ([MAP.format('"z.h5", dataset = "q"')], "height"),
     "too large": (["surface.n=[16777216, 16777216]"], "GiB"),
-    "constant file, p_star": (['surface={kind = "file", path = "flat.npy"}', "load={p_star = 0.1}"], "load.p_star"),
+    "constant file, p_star": ([MAP.format('"flat.npy"'), "load={p_star = 0.1}"], "load.p_star"),
     "gone": (None, "gone.toml"),
 }
 

@@ -133,7 +133,7 @@ def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):
     comm.barrier()
     asked, rows = [], HeightMap.rows
     monkeypatch.setattr(HeightMap, "rows", lambda self, start, stop: asked.append((start, stop)) or rows(self, start, stop))
-    made = sweep_of({"kind": "file", "path": str(path)}, comm=comm).surface
+    made = sweep_of({"kind": "file", "path": str(path), "physical_sizes": [1, 1]}, comm=comm).surface
     assert asked[0][0] == made.rows[0]
     assert asked[-1][1] == made.rows[1]
     assert max(stop - start for start, stop in asked) < n[0]

@@ -152,3 +152,21 @@ def test_heights_that_mean_nothing_are_refused(z):
 def test_a_flat_wall_has_no_p_star():
     with pytest.raises(SceneError, match=r"load\.p_star: found a flat surface"):
         Scene.from_dict(tables(WAVE | {"amplitude": 0}))
+
+
+def test_steep_heights_are_told(z):
+    assert hpc_gfmd.solve(3 * z, 0.1).note == "g_rms = 3: the theory is that of small slopes"
+
+
+def test_doubts_of_a_height_map_are_told_everywhere(z, tmp_path, monkeypatch, capfd):
+    """Heights in nm beside sizes in m; every load has the note, the table says it once."""
+    monkeypatch.chdir(tmp_path)
+    np.save("z.npy", 1e9 * z)
+    (tmp_path / "s.toml").write_text('surface = {kind = "file", path = "z.npy", physical_sizes = [1, 1]}\nload.p_star = [0.1, 0.2]')
+    assert main(["run", "s.toml"]) == 0
+    log = capfd.readouterr().out
+    assert main(["show", "contact.h5"]) == 0
+    shown = capfd.readouterr().out
+    for text in (log, shown):
+        assert text.count("steps 0, 1: g_rms = 1e+09: heights and sizes are probably in different units") == 1
+    assert "note: g_rms" in log

@@ -32,7 +32,8 @@ def test_heights_that_change_while_a_run_goes_on(tmp_path):
     """They are read again where a load needs more than single precision."""
     path, z = tmp_path / "z.npy", random_heights((32, 32))
     np.save(path, z)
-    scene = Scene.from_dict({"surface": {"kind": "file", "path": str(path)}, "load": {"p_star": 1.0}, "solver": {"accuracy": 1e-2}})
+    surface = {"kind": "file", "path": str(path), "physical_sizes": [1, 1]}
+    scene = Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}, "solver": {"accuracy": 1e-2}})
     sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
     assert sweep.solve(0.4 * sweep.surface.g_rms).contact.g.dtype == np.float32
     np.save(path, 2 * z)

@@ -83,15 +83,15 @@ def test_a_bad_value_is_named_with_its_key_and_what_is_allowed(path, value):
     (tables(WAVE | {"n": [8, 6.0]}), "surface.n[1]: found 6.0"),
     (tables(WAVE | {"n": 8}), "surface.n: found 8, allowed: two whole numbers"),
     (tables(WAVE | {"amplitude": 0}), "load.p_star: found a flat surface"),
-    (tables({"kind": "wave"}), "surface.amplitude: found nothing, allowed: a number (and 1 more)"),
+    (tables({"kind": "wave"}), "surface.amplitude: found nothing, allowed: a number, plain or as \"100 nm\"; surface.n: found nothing"),
     ({"load": {"p_star": 1}}, "surface: found nothing, allowed: a table [surface]"),
     ({"surface": SURFACE}, "load: found nothing"),
     (tables(load=3), "load: found 3, allowed: a table [load]"),
     ({"surface": [SURFACE], "load": {"p_star": 1}}, "allowed: a table [surface]"),
     ({"surface": {"hurst": 1}, "load": {"p_star": 1}}, "surface.kind: found nothing, allowed: "),
     (tables(title="two\nlines"), "title: found 'two\\nlines', allowed: one line of text"),
-    (tables({"hurst": 2, "seed": -1}), "surface.hurst: found 2, allowed: a number from 0 to 1 (and 1 more)"),
-    ({}, "(and 1 more)"),
+    (tables({"hurst": 2, "seed": -1}), "surface.hurst: found 2, allowed: a number from 0 to 1; surface.seed: found -1, allowed"),
+    ({}, "surface: found nothing, allowed: a table [surface]; load: found nothing"),
 ])
 def test_messages(data, words):
     assert words in refusal(data)
@@ -101,9 +101,9 @@ def test_messages(data, words):
     (tables({"hurts": 0.8}), "surface.hurst,"),
     ({"surface": {"kind": "self-affine", "hurts": 1}, "load": {"p_star": 1}}, "surface.hurst,"),
     (tables(solvr={"name": "gfmd"}), "solver,"),
-    (tables(hurst=0.8), "surface.hurst,"),                  # right key, wrong table
-    (tables({"title": "late"}), "title,"),
-    (tables({"accuracy": 1e-3}), "solver.accuracy,"),
+    (tables(hurst=0.8), "surface.hurst,"),                  # right key, no table
+    (tables({"title": "late"}), "surface.physical_sizes (title is a key, too),"),
+    (tables({"accuracy": 1e-3}), "surface.boundary (solver.accuracy is a key, too),"),
     (tables({"radius": 1}), "surface."),
     (tables({"kind": "sefl-affine"}), '"self-affine",'),
     (tables(machine={"thread": 2}), "machine.threads,"),
@@ -125,3 +125,13 @@ def test_a_band_without_modes_is_refused_and_no_other(low, band):
         assert Scene.from_dict(data).n == (20, 20)
     else:
         assert "no wave vector" in refusal(data)
+
+
+def test_all_errors_at_once_each_with_the_nearest_key_of_its_table():
+    message = refusal(tables({"hurts": 0.8, "seed": -1}, solver={"name": "gfmd", "acuracy": 1}, load={"pstar": 1}))
+    for words in ("surface.hurts: unknown key, nearest: surface.hurst", "surface.seed: found -1", "load.pstar: unknown key, nearest: "
+                  "load.p_star", "solver.acuracy: unknown key, nearest: solver.accuracy"):
+        assert words in message
+    many = refusal(tables(**{f"bad{k}": 1 for k in range(99)}))
+    assert len(many) < 1300
+    assert " more)" in many

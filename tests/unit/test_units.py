@@ -99,7 +99,7 @@ def test_heights_that_instruments_write_for_missing_points(z, value, tmp_path, m
         hpc_gfmd.solve(broken, 0.1)
     monkeypatch.chdir(tmp_path)
     np.save("z.npy", broken)
-    (tmp_path / "s.toml").write_text('[surface]\nkind = "file"\npath = "z.npy"\n[load]\np_star = 0.1\n')
+    (tmp_path / "s.toml").write_text('[surface]\nkind = "file"\nphysical_sizes = [1, 1]\npath = "z.npy"\n[load]\np_star = 0.1\n')
     assert main(["run", "s.toml"]) == 2
     err = capfd.readouterr().err
     assert err.count("\n") == 1

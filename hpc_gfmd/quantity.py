@@ -1,0 +1,67 @@
+"""Numbers with units, by pint: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they are numbers in SI units."""
+
+import re
+from functools import cache
+from math import floor, isfinite, log10
+
+from .errors import one_line
+
+SI = {"length": "m", "pressure": "Pa", "force": "N"}
+# No more than this goes to pint, which would also evaluate formulas.
+_FACTOR = r"[A-Za-zµμÅ]+(?:(?:\^|\*\*)?-?[1-9])?"
+_UNIT = re.compile(rf"{_FACTOR}(?: ?[/*] ?{_FACTOR}){{0,3}}")
+_QUANTITY = re.compile(rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*({_UNIT.pattern})\s*")
+
+
+class Quantity(float):
+    """A number in SI units that was given with a unit; `text` is what was given."""
+
+    def __new__(cls, value, text):
+        made = super().__new__(cls, value)
+        made.text = text
+        return made
+
+    def __getnewargs__(self):
+        return float(self), self.text
+
+
+def parse(text, dimension):
+    """The Quantity that "100 um" or "50 GPa" stands for; dimension: a key of SI. Raises ValueError."""
+    found = _QUANTITY.fullmatch(text[:100])
+    if not found:
+        raise ValueError("it is no number with a unit")
+    return Quantity(float(found[1]) * factor(found[2], dimension), text)
+
+
+@cache
+def factor(unit, dimension="length"):
+    """One `unit` in the SI unit of a dimension. Raises ValueError for what is no unit of it."""
+    import pint
+
+    unit = str(unit).strip()
+    try:
+        if not _UNIT.fullmatch(unit):
+            raise ValueError
+        return float(_registry()(unit).to(SI[dimension]).magnitude)
+    except (ValueError, AttributeError, pint.PintError):
+        raise ValueError(f"{one_line(unit, 80)!r} is no unit of {dimension}") from None
+
+
+@cache
+def _registry():
+    import pint
+
+    return pint.UnitRegistry()
+
+
+PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+
+
+def prefixed(values, unit):
+    """(what one prefixed unit is in `unit`, its name) for numbers to be read together: (1e6, "MPa"). (1.0, "") without a unit."""
+    largest = max((abs(value) for value in values if isinstance(value, int | float) and isfinite(value)), default=0.0)
+    if not unit:
+        return 1.0, ""
+    power = 3 * floor(log10(largest) / 3 + 1e-12) if largest > 0 else 0
+    power = min(max(power, min(PREFIXES)), max(PREFIXES))
+    return 10.0**power, PREFIXES[power] + unit

@@ -1,0 +1,20 @@
+"""Whether a height map is periodic: as the scene or the file says, else by the jump between its opposite edges."""
+
+from ..errors import SceneError
+from .doubts import JUMP, Looks
+
+
+def notes_on(found, spec, comm):
+    """Notes on how a Topography looks. Collective.
+
+    Raises SceneError where nobody says what its boundary is and it does not look periodic.
+    """
+    looks = Looks(found, comm)
+    if spec.mirror or spec.window != "none":  # periodic whatever its edges are
+        return looks.notes((False, False))
+    for axis, jump in zip("xy", looks.jumps):
+        if jump > JUMP and spec.boundary is None and not found.periodic:
+            raise SceneError(f"surface.boundary: found nothing, and edges along {axis} that differ by {jump:.3g} times what "
+                             'neighbouring points differ by, allowed: "free" (it ends there), "periodic" (pressed with that jump), or '
+                             'detrend = "tilt", mirror = true, a window')
+    return looks.notes([not ends for ends in spec.free])

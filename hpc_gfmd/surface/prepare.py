@@ -1,0 +1,131 @@
+"""What the scene asks to be done to a measured height map before it is pressed, in this order:
+
+crop, detrend (by the points that were measured), fill, flip, mirror or window, refine, downsample.
+
+All but the last two are done to rows as they are read, so that the map never is in one place. All functions are collective.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal.windows import get_window
+
+from ..errors import SceneError
+from . import boundary
+from .doubts import FILLED
+from .fill import filled
+from .resample import resampled
+from .slabs import own_slabs, summed
+
+POWERS = {"mean": [(0, 0)], "tilt": [(0, 0), (1, 0), (0, 1)],
+          "curvature": [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]}  # of x and y
+
+
+def prepared_size(found, spec):
+    """(n_x, n_y) of what `prepare` makes of a Topography, without reading it. Raises SceneError."""
+    n = _cropped(found, spec).n if spec.crop else found.n
+    n = [k * (2 if spec.mirror else 1) * spec.refine for k in n]
+    if any(k % spec.downsample for k in n):
+        raise SceneError(f"surface.downsample: found {spec.downsample}, allowed: a divisor of {n[0]} and of {n[1]} points")
+    return n[0] // spec.downsample, n[1] // spec.downsample
+
+
+def prepare(found, spec, comm):
+    """The Topography as the scene wants it; what has been done to it, and what is to be noted, a line each.
+
+    Raises SceneError on all ranks.
+    """
+    done = []
+    size = prepared_size(found, spec)
+    if spec.crop:
+        found = _cropped(found, spec)
+        done.append(f"cropped to {found.n[0]} x {found.n[1]} points")
+    detrend = "mean" if spec.window != "none" and spec.detrend == "none" else spec.detrend
+    if detrend != "none":
+        found = _detrended(found, detrend, comm)
+        done.append(f"{detrend} removed")
+    found, missing = filled(found, spec.fill, comm)
+    if missing:
+        done.append(f"{missing} points ({100 * missing / (found.n[0] * found.n[1]):.2g} %) filled")
+    notes = boundary.notes_on(found, spec, comm)
+    if missing > FILLED * found.n[0] * found.n[1]:
+        notes.append(f"{100 * missing / (found.n[0] * found.n[1]):.0f} % of the heights are filled, not measured")
+    if spec.flip:
+        found = replace(found, rows=_changed(found, np.negative))
+        done.append("upside down")
+    if spec.mirror:
+        found = _mirrored(found)
+        done.append("mirrored")
+    if spec.window != "none":
+        found = _windowed(found, spec.window)
+        done.append(f"window {spec.window}")
+    if size != found.n:
+        found = resampled(found, size, comm)
+        done.append(f"resampled to {size[0]} x {size[1]} points")
+    return replace(found, filled=missing), tuple(done), tuple(notes)
+
+
+def _changed(found, change):
+    return lambda start, stop: change(found.rows(start, stop))
+
+
+def _cropped(found, spec):
+    ends = []
+    for axis in (0, 1):
+        step = found.sizes[axis] / found.n[axis]
+        first, last = (round(found.length(spec.crop[k]) / step) for k in (axis, axis + 2))
+        if not 0 <= first < last <= found.n[axis]:
+            raise SceneError(f"surface.crop: found points {first} to {last} of {found.n[axis]} along {'xy'[axis]}, allowed: "
+                             "[x0, y0, x1, y1] with 0 <= x0 < x1 <= L_x and 0 <= y0 < y1 <= L_y")
+        ends.append((first, last))
+    (x0, x1), (y0, y1) = ends
+    n = x1 - x0, y1 - y0
+    sizes = tuple(size * k / m for size, k, m in zip(found.sizes, n, found.n))
+    return replace(found, n=n, sizes=sizes, rows=lambda start, stop: found.rows(start + x0, stop + x0)[:, y0:y1],
+                   periodic=found.periodic if n == found.n else None)
+
+
+def _detrended(found, what, comm):
+    """Less the polynomial that fits the measured points best."""
+    powers = POWERS[what]
+    x, y = (2 * np.arange(n) / max(n - 1, 1) - 1 for n in found.n)
+
+    def terms(start, stop):
+        return [x[start:stop, None] ** i * y[None] ** j for i, j in powers]
+
+    def sums():
+        total = np.zeros((len(powers), len(powers) + 1))
+        for start, stop in own_slabs(found.n[0], comm):
+            z = found.rows(start, stop)
+            there = np.isfinite(z)
+            values = [term[there] for term in np.broadcast_arrays(*terms(start, stop), z)]
+            total += [[a @ b for b in values] for a in values[:-1]]
+        return total
+
+    total = summed(comm, sums)
+    factors = np.linalg.lstsq(total[:, :-1], total[:, -1])[0]
+
+    def rows(start, stop):
+        return found.rows(start, stop) - sum(factor * term for factor, term in zip(factors, terms(start, stop)))
+
+    return replace(found, rows=rows, periodic=found.periodic if what == "mean" else None)
+
+
+def _mirrored(found):
+    """Twice as long along both axes, and periodic."""
+    n = found.n[0]
+
+    def rows(start, stop):
+        pieces = [found.rows(start, min(stop, n))] if start < n else []
+        if stop > n:
+            pieces.append(found.rows(2 * n - stop, 2 * n - max(start, n))[::-1])
+        z = np.concatenate(pieces)
+        return np.concatenate([z, z[:, ::-1]], axis=1)
+
+    return replace(found, n=(2 * found.n[0], 2 * found.n[1]), sizes=(2 * found.sizes[0], 2 * found.sizes[1]), rows=rows, periodic=True)
+
+
+def _windowed(found, name):
+    """Falls to the mean height, 0, at the edges; what is in the middle stays."""
+    w_x, w_y = (get_window(name, n) for n in found.n)
+    return replace(found, rows=lambda start, stop: found.rows(start, stop) * w_x[start:stop, None] * w_y, periodic=True)

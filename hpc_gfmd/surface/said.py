@@ -1,0 +1,70 @@
+"""What a file says about its heights beside them: sizes, units, whether they are periodic."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+UNEVEN = 1e-3  # of a step: coordinates that differ by more are not those of a grid
+
+
+@dataclass(frozen=True)
+class Said:
+    """sizes: (L_x, L_y), in sizes_unit; unit: of the heights; periodic: True where the file says so. None: the file does not say.
+
+    transposed: the first axis of the array is y.
+    """
+
+    sizes: tuple[float, float] | None = None
+    sizes_unit: str | None = None
+    unit: str | None = None
+    periodic: bool | None = None
+    transposed: bool = False
+
+
+NAMES = ("physical_sizes", "unit", "units", "periodic")
+
+
+def by_attributes(*places):
+    """Of attributes physical_sizes, unit and periodic, in the first of these dictionaries that has them (HDF5, .npz)."""
+    found = {name: place[name] for place in reversed(places) for name in NAMES if name in place}
+    sizes = np.asarray(found["physical_sizes"], dtype=float).reshape(-1) if "physical_sizes" in found else ()
+    unit = _text(found.get("unit", found.get("units")))
+    return Said(tuple(map(float, sizes)) if len(sizes) == 2 else None, unit, unit, bool(np.all(found.get("periodic", False))) or None)
+
+
+def by_axes(heights, axes):
+    """Of a NetCDF variable's attributes and its axes [(name, attributes, coordinates or None, points), ...].
+
+    Both conventions: `length` and `unit` of the axes (SurfaceTopography), coordinates of the points and `units` (CF).
+    """
+    transposed = [name.lower() for name, *_ in axes] == ["y", "x"]
+    axes = axes[::-1] if transposed else axes
+    lengths = [_length(*axis[1:]) for axis in axes]
+    units = [_unit(attributes) for _, attributes, *_ in axes]
+    if units[0] != units[1]:
+        raise ValueError(f"its axes are in different units, {units[0]} and {units[1]}")
+    unit = _unit(heights) or (units[0] if all("length" in attributes for _, attributes, *_ in axes) else None)
+    periodic = all(np.all(attributes.get("periodic", False)) for _, attributes, *_ in axes)
+    return Said(None if None in lengths else tuple(lengths), units[0], unit, periodic or None, transposed)
+
+
+def _length(attributes, x, n):
+    if "length" in attributes:
+        return float(np.asarray(attributes["length"]).reshape(-1)[0])
+    if x is None or n < 2:
+        return None
+    x = np.asarray(x, dtype=float)
+    step = (x[-1] - x[0]) / (n - 1)
+    if not np.all(np.abs(np.diff(x) - step) <= UNEVEN * abs(step)) or not step:
+        raise ValueError("its points are not those of a regular grid")
+    return float(abs(step) * n)
+
+
+def _unit(attributes):
+    return _text(attributes.get("unit", attributes.get("units")))
+
+
+def _text(value):
+    value = value.item() if isinstance(value, np.ndarray | np.generic) and np.size(value) == 1 else value
+    value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+    return value.strip() or None if isinstance(value, str) else None

@@ -1,0 +1,65 @@
+"""Heights with their sizes, whatever file they come from: what the file says, unless the scene says otherwise."""
+
+from dataclasses import dataclass
+
+from ..errors import SceneError
+from ..quantity import Quantity, factor
+from .files import HeightMap
+from .heights import checked
+
+UNITS = 'a unit of length, such as surface.unit = "nm"'
+
+
+@dataclass(frozen=True)
+class Topography:
+    """n: (n_x, n_y); sizes: (L_x, L_y); rows(start, stop) -> heights, float64 (stop - start, n_y), nan where
+    one is missing.
+
+    Sizes and heights are in m where `unit` is "m", otherwise ("") in a unit that nobody named. periodic: True where the file says so.
+    filled: points that had no height. plain: what a plain number of the scene stands for.
+    """
+
+    n: tuple[int, int]
+    sizes: tuple[float, float]
+    rows: object
+    unit: str = ""
+    periodic: bool | None = None
+    path: object = None
+    filled: int = 0
+    plain: float = 1.0
+
+    def length(self, given):
+        """A length of the scene in the unit of `sizes`."""
+        return float(given) if isinstance(given, Quantity) else given * self.plain
+
+
+def open_topography(spec):
+    """The Topography of a scene's height map, of which no height is read yet. Raises SceneError."""
+    found = HeightMap(spec)
+    said, given = found.said, spec.physical_sizes
+    unit = spec.unit or said.unit
+    sizes_unit = said.sizes_unit or unit if given is None else unit
+    if given is None and said.sizes is None:
+        raise SceneError(f"surface.physical_sizes: found nothing, neither in the scene nor in {found.path}, allowed: "
+                         'two positive numbers [L_x, L_y], plain in surface.unit or as "12.8 um"')
+    named = given is None or any(isinstance(length, Quantity) for length in given)
+    if unit is None and named:
+        raise SceneError(f"surface.unit: found nothing for the heights, neither in the scene nor in {found.path}, allowed: {UNITS}")
+    height = 1.0 if unit is None else _factor(unit, spec.unit, found.path)
+    length = 1.0 if sizes_unit is None else _factor(sizes_unit, spec.unit, found.path)
+    sizes = [size if isinstance(size, Quantity) else size * length for size in (said.sizes if given is None else given)]
+    if not all(0 < size < float("inf") for size in sizes):
+        raise SceneError(f"surface.physical_sizes: found {sizes} in {found.path}, allowed: two positive numbers [L_x, L_y]")
+
+    def rows(start, stop):
+        return checked(found.rows(start, stop), start, "surface.path", f" in {found.path}", missing=True) * height
+
+    return Topography(tuple(found.shape), (float(sizes[0]), float(sizes[1])), rows,
+                      "" if unit is None else "m", said.periodic, found.path, plain=height)
+
+
+def _factor(unit, given, path):
+    try:
+        return factor(unit)
+    except ValueError as error:
+        raise SceneError(f"surface.unit: in {path} {error}, allowed: {UNITS}") from None
