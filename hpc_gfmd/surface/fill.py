@@ -3,8 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.sparse import coo_array, diags_array
-from scipy.sparse.linalg import spsolve
 
 from ..errors import SceneError
 from ..parallel.guard import guarded
@@ -60,6 +58,9 @@ def _holes(found, comm):
 
 def _harmonic(points, neighbours, known, n):
     """Heights of the points: neighbours*z - (sum of z of the neighbours that are missing, too) = known."""
+    from scipy.sparse import coo_array, diags_array  # 50 MB that a run without holes does without
+    from scipy.sparse.linalg import spsolve
+
     links = []
     for step, ends in ((1, points % n[1] != n[1] - 1), (n[1], np.full(len(points), True))):
         place = np.searchsorted(points, points + step)

@@ -8,7 +8,6 @@ All but the last two are done to rows as they are read, so that the map never is
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal.windows import get_window
 
 from ..errors import SceneError
 from . import boundary
@@ -127,5 +126,7 @@ def _mirrored(found):
 
 def _windowed(found, name):
     """Falls to the mean height, 0, at the edges; what is in the middle stays."""
+    from scipy.signal.windows import get_window
+
     w_x, w_y = (get_window(name, n) for n in found.n)
     return replace(found, rows=lambda start, stop: found.rows(start, stop) * w_x[start:stop, None] * w_y, periodic=True)

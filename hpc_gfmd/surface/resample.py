@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import resample
 
 from ..parallel.fft import row_starts
 from .slabs import local, own_rows, own_slabs
@@ -11,6 +10,8 @@ from .slabs import local, own_rows, own_slabs
 
 def resampled(found, n, comm):
     """A Topography of n points; only this rank's rows of it can be read. Collective."""
+    from scipy.signal import resample
+
     z = local(comm, lambda: np.concatenate([np.zeros((0, n[1]))] + [
         resample(found.rows(start, stop), n[1], axis=1) for start, stop in own_slabs(found.n[0], comm)]))
     columns = row_starts(n[1], comm.size)
