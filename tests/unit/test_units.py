@@ -55,7 +55,7 @@ def scene(unit, length=1.0, **output):
 def test_any_unit_in_the_file(tmp_path):
     fields = []
     for unit, length in ((1.0, 1.0), (1e-45, 1e-45), (1e45, 1e45)):
-        assert run_scene(scene(unit, length), out=tmp_path / "a.h5", quiet=True).exit_code == 0
+        assert run_scene(scene(unit, length), out=tmp_path / "a.h5", quiet=True, force=True).exit_code == 0
         with h5py.File(tmp_path / "a.h5") as file:
             fields.append([file["steps/0000"][name][:] for name in FIELDS])
     for found, unit in ((fields[1], 1e-45), (fields[2], 1e45)):
