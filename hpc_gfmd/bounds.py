@@ -43,6 +43,12 @@ def field_errors(energy, uKu, closed, contact, N, p0, gap, kap, response, aligne
     return float(mean_gap), float(PRESSURE * (1 + TINY / np.sqrt(N) + LONE / contact) * e / np.sqrt(kap * closed))
 
 
+def spread_of(squares, fourth, contact, N):
+    """Over how many points the error of the pressure is spread: as what is left out of contact (sums of p^2 and p^4), and over no more
+    points than there are in contact, or out of it."""
+    return max(min(squares**2 / fourth if fourth > 0 else 1.0, contact, N - contact), 1.0)
+
+
 def points_on_wrong_side(problem, g, p, kap, squares, spread):
     """How many points may be on the wrong side; squares: sum of squares of the error of the pressure, spread: over how many points.
 

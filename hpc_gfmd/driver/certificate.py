@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bounds import field_errors, points_on_wrong_side, relative_area
+from ..bounds import field_errors, points_on_wrong_side, relative_area, spread_of
 from ..kernels.certify import dual_rows, judge
 from ..operators.elastic import Elastic
 from ..operators.multilevel import EQUIVALENCE
@@ -122,7 +122,7 @@ def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, con
     typical = 1.0 / problem.body.typical(grid)
     mean_gap, pressure = field_errors(energy, uKu, closed_pp, contact, N, p0, gap / N, typical, response, aligned, problem.self_energy)
 
-    spread = open_pp**2 / open_p4 if open_p4 > 0 else 1.0  # number of points that have most of what is left
+    spread = spread_of(open_pp, open_p4, contact, N)
     wrong = points_on_wrong_side(problem, g, p, kap, pressure**2 * closed_pp, spread)
     if gap > 0:
         mean_gap += problem.rounding * (N - contact) / gap + STORED * float(np.finfo(problem.dtype).eps)

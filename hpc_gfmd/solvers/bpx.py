@@ -12,7 +12,7 @@ The displacement itself never appears: with the gap g = u + h and p = p0 + K u, 
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
-from ..bounds import field_errors, points_on_wrong_side, relative_area
+from ..bounds import field_errors, points_on_wrong_side, relative_area, spread_of
 from ..kernels.certify import open_moments
 from ..kernels.contact import propose
 from ..operators.elastic import Elastic
@@ -205,6 +205,6 @@ class Bpx(Solver):
     def expected_area(self, pressure):
         rows, m = self.grid.inside
         squares, fourth = self.grid.comm.sum(open_moments(self.g[:rows, :m], self.p[:rows, :m]))
-        spread = squares**2 / fourth if fourth > 0 else 1.0
+        spread = spread_of(squares, fourth, self.contact, self.N)
         wrong = points_on_wrong_side(self.problem, self.g, self.p, self.kap, pressure**2 * (self.pp - self.rr), spread)
         return relative_area(max(wrong, self.changing), self.contact)
