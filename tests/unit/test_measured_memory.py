@@ -14,6 +14,7 @@ from hpc_gfmd.scene import Scene
 
 PEAK = Path(__file__).parents[1] / "peak.py"
 WITHIN = 0.1  # of the estimate
+LIBRARIES_GIB = 0.1  # of files in the estimate, which peak.py leaves out
 
 
 def scene(n, p_star=(0.1,), threads=1, fields=(), observables=None, **solver):
@@ -49,7 +50,7 @@ def check(table, ranks, folder, precision):
     if ranks > 1 and mpi_harness.missing():
         pytest.skip(f"{mpi_harness.missing()} is missing")
     n = Scene.from_dict(table).surface.n
-    estimate = memory_of(Scene.from_dict(table), n, ranks, table["machine"]["threads"]).total
+    estimate = memory_of(Scene.from_dict(table), n, ranks, table["machine"]["threads"]).total - LIBRARIES_GIB
     found, precisions = measured(table, ranks, folder)
     assert precisions[-1] == precision
     assert found == pytest.approx(estimate, rel=WITHIN)
