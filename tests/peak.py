@@ -1,7 +1,7 @@
 """Run a scene (JSON, argument 1) into a file (argument 2) and print the largest memory of any rank in GiB, and the precisions used.
 
-Without pages of files, such as libraries: how many of them count as the process's own is the system's affair (62 or 129 MB were seen for
-the same libraries), and they are given back when memory is short.
+Without pages of files, such as libraries: how many of them count as the process's own is the system's affair (62 or 129 MB were seen
+for the same libraries), and they are given back when memory is short.
 """
 
 import json
