@@ -19,7 +19,8 @@ ROUNDING = 16  # times the rounding error of the heights: a mean gap below that 
 @dataclass(frozen=True)
 class Contact:
     """surface: surface.Surface; g, q: gap and pressure of the solution in the program's units, local slabs; p: mean pressure in the
-    unit of E_star; outcome: see driver/; accuracy: relative, of what observables still have to solve for; lam_s: or None."""
+    unit of E_star; outcome: see driver/; accuracy: relative, of what observables still have to solve for; lam_s: or None; remark: on how
+    the load was found, or None."""
 
     surface: object
     E_star: float
@@ -30,6 +31,7 @@ class Contact:
     accuracy: float
     lam_s: float | None = None
     body: object = HALF_SPACE
+    remark: str | None = None
 
     @property
     def certificate(self):
@@ -84,7 +86,7 @@ class Contact:
     @property
     def note(self):
         """What a reader should know before the numbers, one line; None if there is nothing."""
-        return "; ".join(filter(None, [self._doubt, *self.surface.notes])) or None
+        return "; ".join(filter(None, [self._doubt, self.remark, *self.surface.notes])) or None
 
     @property
     def _doubt(self):

@@ -38,6 +38,10 @@ class Course:
     best: float = np.inf  # error measure, and the iteration that reached it
     best_at: int = 0
 
+    def begin_again(self, iterations):
+        """The load has changed: what was reached before does not count."""
+        self.refusals, self.refused, self.demand, self.best, self.best_at = 0, np.inf, 1.0, np.inf, iterations
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -53,8 +57,10 @@ class Outcome:
         return self.certificate.errors
 
 
-def drive(solver, target, watch=None, course=None):
+def drive(solver, target, watch=None, course=None, search=None):
     """Iterate. watch(iterations, progress), if given, is called after every step and returns a true value to stop.
+
+    search: the prescribed.Search for the load, where that is not given.
 
     course: the Course of this load where its beginning was before a checkpoint; it is kept up to date.
     On return solver.p is the fresh pressure of the certificate, in the solver's precision.
@@ -64,6 +70,9 @@ def drive(solver, target, watch=None, course=None):
     while True:
         status = None
         done = solver.iterations
+        if search is not None and search.adjust(solver, progress):
+            course.begin_again(done)
+            progress = solver.progress()
         measure = _measure(progress, target)
         unknown = progress.estimates is None and target.residual is None
         falling = progress.residual if measure == UNKNOWN else measure
@@ -71,13 +80,15 @@ def drive(solver, target, watch=None, course=None):
             course.best, course.best_at = falling, done
         if not progress.finite:
             status = "nonfinite"
-        elif (measure < course.demand and _area_may_be_known(solver, progress, target)) or (unknown and done >= course.next_check):
+        elif (measure < course.demand and (search is None or search.may_be_met)
+              and _area_may_be_known(solver, progress, target)) or (unknown and done >= course.next_check):
             certificate = _judged(solver, target)
             course.checks += certificate.pairs
             left = _left(target, certificate)
-            if left < 1:
+            met = search is None or search.met(solver, certificate)
+            if left < 1 and met:
                 return Outcome("converged", certificate, course.checks)
-            if measure < course.demand:
+            if not left < 1 and measure < course.demand:
                 error = certificate.errors[2] if target.residual is None else certificate.residual
                 course.refusals = course.refusals + 1 if not error < IMPROVEMENT * course.refused else 0
                 if course.refusals > REFUSALS:
@@ -88,6 +99,10 @@ def drive(solver, target, watch=None, course=None):
                 solver.refresh(certificate.uKu)
             else:
                 solver.resume()
+            if not met and search.correct(solver, certificate, sure=left < 1):
+                course.begin_again(done)
+            elif left < 1:
+                return Outcome("stagnated", certificate, course.checks)
             course.next_check = CHECK_GROWTH * done + 1
         elif done >= target.max_iterations:
             status = "max_iterations"
@@ -97,7 +112,8 @@ def drive(solver, target, watch=None, course=None):
             status = "interrupted"
         if status is not None:
             certificate = _judged(solver, target)
-            if status not in ("nonfinite", "interrupted") and _left(target, certificate) < 1:
+            met = search is None or search.met(solver, certificate)
+            if status not in ("nonfinite", "interrupted") and met and _left(target, certificate) < 1:
                 status = "converged"
             return Outcome(status, certificate, course.checks + certificate.pairs)
         solver.step()

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import SceneError
-from .nested import Nested
+from .nested import Nested, mean_height
 from .sweep import Sweep
 
 
@@ -22,8 +22,11 @@ class LowMemorySweep(Sweep):
         self.target = replace(self.target, judged_in=self.dtype.type)
         self.solver = None
         self.surface = self.make_surface(self.dtype)
+        self._top = mean_height(self.surface.grid, self.surface.h)
         if (self.surface.add_spectrum is None and not self.surface.grid.padded) or self.solver_class.name != "bpx":
             raise SceneError('solver.low_memory: found true, allowed: with surface.kind = "self-affine" and solver.name = "bpx"')
+
+    closes = False
 
     def _full_contact(self, problem):
         return None, 0.0  # the nested start finds out
@@ -40,8 +43,10 @@ class LowMemorySweep(Sweep):
         memory = None if self.surface.grid.padded else h
         g, h_rms = memory, problem.root_mean_square()
         if arrays is None:
-            g, pairs = Nested(self.surface.grid, self.dtype).start(problem, self._make, into=memory)
+            g, pairs = Nested(self.surface.grid, self.dtype).start(problem, self._make, memory, self._search)
             self._spent += pairs
+            if self._search is not None:
+                problem = replace(problem, p0=self._search.on_next_grid(problem.grid.N, self._top, finest=True))
         if memory is not None:
             self.surface = replace(self.surface, h=None)
             problem = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)

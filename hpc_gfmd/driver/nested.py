@@ -44,6 +44,12 @@ def cold_gap(problem):
     return g
 
 
+def mean_height(grid, h):
+    """The mean gap where the highest peak just touches, over the unit of slopes. Collective."""
+    total, lowest = grid.comm.sum([h.sum(dtype=np.float64)])[0], -grid.comm.max([-float(h.min(initial=np.inf))])[0]
+    return float(total / grid.N - lowest) * grid.a
+
+
 def coarser_grid(grid):
     """The decimated grid whose rows live with the fine rows they are taken from, or None where the grid is coarse already."""
     n = levels(grid)[1].n if grid.cell_points > 1 else (1, 1)
@@ -68,27 +74,32 @@ class Nested:
             self.steps.append((grid, coarse))
             grid = coarse
 
-    def start(self, problem, make_solver, into=None):
+    def start(self, problem, make_solver, into=None, search=None):
         """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in pairs of that grid.
 
-        into: memory for the gap; may be that of problem.h, which is then lost.
+        into: memory for the gap; may be that of problem.h, which is then lost. search: the prescribed.Search for the load, where that
+        of the problem is but a guess.
         """
         problems = [problem]
         for fine, coarse in self.steps:
             problems.append(_decimated(problems[-1], fine, coarse))
         g, pairs = cold_gap(problems[-1]), 0.0
         for fine, coarse in zip(problems[-2::-1], problems[:0:-1], strict=True):
+            if search is not None:
+                coarse = replace(coarse, p0=search.on_next_grid(coarse.grid.N, mean_height(coarse.grid, coarse.h)))
             solver = make_solver(coarse)
             solver.start(g)
             for _ in range(ITERATIONS):
                 progress = solver.progress()
-                if progress.residual < RESIDUAL or not progress.finite:
+                if not progress.finite or (progress.residual < RESIDUAL and (search is None or search.near(solver, progress))):
                     break
                 solver.step()
             pairs = (pairs + solver.pairs) * coarse.grid.cell_points / fine.grid.cell_points
             full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
             if coarse.grid.comm.size != fine.grid.comm.size:  # each rank solved alone: were they to round differently, one must count
                 solver.g[...], solver.p[...], full, pairs = fine.grid.comm.bcast((solver.g, solver.p, full, pairs))
+                if search is not None:
+                    search.agree(fine.grid.comm)
             g = _prolong(fine, coarse, solver, full, into if fine is problem else None)
         if into is not None and g is not into:  # no coarser grid
             into[...] = g

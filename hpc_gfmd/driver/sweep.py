@@ -12,12 +12,15 @@ from ..registry import solver_class
 from ..units import require_range, single_solves
 from .certificate import Certificate, certify, rounding_error
 from .drive import Course, Outcome, Target, drive
-from .nested import Nested, cold_gap
+from .nested import Nested, cold_gap, mean_height
+from .prescribed import Curve, Prescribed, Search, prescribed
 
 SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
 WARM_UP, WARM_DOWN = 1.45, 1.26  # a load up to so much larger or smaller starts from the one before, others from coarser grids
 # (not round numbers, nor the next one: p* has rounding errors)
 SAME_LOAD = 1e-9  # relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
+FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
+CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 FEW_POINTS = 6  # points on the wrong side that single precision may have
 
 
@@ -62,70 +65,83 @@ class Sweep:
         self.E_star, self.lam_s, self.body = float(E_star), lam_s, body
         self.solver_class = solver_class(settings.name)
         self.target = Target(settings.accuracy, settings.residual, settings.max_iterations, duality=duality)
-        self.surface = None
+        self.surface, self._search, self._curve = None, None, Curve()
         self._to(first_precision(settings))
 
     def pressures(self, load):
-        """The absolute mean pressures of scene.Load on this surface.
+        """What `solve` takes for the loads of scene.Load on this surface: mean pressures, or Prescribed where they have to be found.
 
-        Raises SceneError for p_star on a flat surface, and for what the precision cannot hold.
+        Raises SceneError for what a flat surface does not have, what the precision cannot hold, and what no pressure gives.
         """
-        if load.p_star and self.surface.g_rms == 0:
-            raise SceneError("load.p_star: found a flat surface (g_rms = 0), allowed: load.pressure")
-        pressures, g_rms = load.p0(self.E_star, self.surface.g_rms), self.surface.g_rms
+        name, values = load.given
+        flat, g_rms = self.surface.g_rms == 0, self.surface.g_rms
+        if flat and name in FLAT_HAS_NONE:
+            raise SceneError(f"load.{name}: found a flat surface (g_rms = 0), allowed: load.pressure")
+        pressures = load.p0(self.E_star, g_rms, float(np.prod(self.surface.sizes)))
         require_range(self.E_star, self.surface, pressures)
         if self.settings.precision == "single" and g_rms > 0:
             for p in pressures:
                 if not single_solves(p / (self.E_star * g_rms), self.surface.grid.N):
                     raise SceneError(f'solver.precision: found "single", too little for a pressure of {p:g}, allowed: "auto", "double"')
-        return pressures
+        return pressures or prescribed(name, values, self.surface, self._top, closes=self.closes)
 
-    def solve(self, p, watch=None, midway=False):
-        """The contact at mean pressure p (unit of E_star).
+    def solve(self, load, watch=None, midway=False):
+        """The contact at a load: a mean pressure (unit of E_star), or Prescribed.
 
         watch(iterations, progress) is called after every iteration, a true value stops. midway: go on where `restore` went back to.
         """
         if self._is_flat:
-            return self._flat(p)
+            return self._flat(load)
         if not midway:
-            self._spent = 0.0
+            self._spent, self._search = 0.0, None
+            if isinstance(load, Prescribed) and load.closes and self.closes:
+                load = self._closing_pressure()
+            elif isinstance(load, Prescribed):
+                self._search = self._curve.search(load, self.surface, self._top, self.target.accuracy or self.target.residual)
         promote = self.settings.precision == "auto" and self.dtype == np.float32
-        p_star, N = p / (self.E_star * self.surface.slope), self.surface.grid.N
-        if promote and not midway and (few_points(N, p_star, self.settings.accuracy) or not single_solves(p_star, N)):
+        if promote and not midway and self._too_little(self._p_star(load)):
             self._to(np.float64)
             promote = False
-        step = self._solve(p, watch, midway)
-        if promote and step.contact.outcome.status in ("stagnated", "nonfinite"):
+        step = self._solve(load, watch, midway, promote)
+        if promote and (step is None or step.contact.outcome.status in ("stagnated", "nonfinite")):
             self._to(np.float64)
-            self._spent = step.fft_pairs
-            step = self._solve(p, watch, False)
+            self._spent = self._spent if step is None else step.fft_pairs
+            step = self._solve(load, watch, False)
         if step.contact.outcome.status == "nonfinite":
             self.solver = None  # nothing starts from that
         return step
 
+    def _too_little(self, p_star):
+        """Whether single precision is too little for a load."""
+        N = self.surface.grid.N
+        return few_points(N, p_star, self.settings.accuracy) or not single_solves(p_star, N)
+
     def state(self, upcoming=None):
-        """What `restore` needs to go on in the present load or, given the mean pressure of the load that is upcoming, at its
-        beginning: local slabs by name, and numbers."""
-        arrays, numbers = {}, {"dtype": self.dtype.name, "heights": self.surface.checksum}
+        """What `restore` needs to go on in the present load or, given the load that is upcoming, at its beginning: local slabs by
+        name, and numbers."""
+        arrays, numbers = {}, {"dtype": self.dtype.name, "heights": self.surface.checksum, "curve": vars(self._curve)}
         if upcoming is None or self._may_start_here(upcoming):
             arrays, own = self.solver.state()
             numbers |= {"p0": self.solver.p0, "own": own}
         if upcoming is None:
-            numbers |= {"course": asdict(self.course), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs}
+            numbers |= {"course": asdict(self.course), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs,
+                        "search": self._search and asdict(self._search)}
         return arrays, numbers
 
-    def restore(self, arrays, numbers, p):
-        """Go back to a `state`, perhaps of another number of ranks; p: the mean pressure that is asked for at that load.
+    def restore(self, arrays, numbers, load):
+        """Go back to a `state`, perhaps of another number of ranks; load: what is asked for at that load, as `solve` has it.
 
         Collective. arrays: function of the grid, gives local slabs. Raises SceneError for the state of another load.
         """
         if numbers["dtype"] != self.dtype:
             self._to(numbers["dtype"])
+        self._curve = Curve(**numbers["curve"])
         if "p0" in numbers:
             self._spent = numbers.get("spent", 0.0)
+            self._search = Search(**numbers["search"]) if numbers.get("search") else None
             p0 = numbers["p0"]
-            if "course" in numbers:  # in the middle of this load; a state at its beginning is that of a load before
-                p0 = p / (self.E_star * self.surface.slope)
+            if "course" in numbers and self._search is None:  # in the middle of this load; a state at its beginning is that of one before
+                p0 = self._p_star(load)
                 if not abs(p0 / numbers["p0"] - 1) < SAME_LOAD:
                     raise SceneError(f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is asked for")
             self._begin(self._problem(p0), arrays, numbers)
@@ -133,28 +149,38 @@ class Sweep:
     def _problem(self, p_star):
         return Problem(self.surface.grid, self.surface.h, p_star, body=self.body)
 
-    def _may_start_here(self, p):
-        """Whether the load p, or one that follows it if p closes the gap at once, may start from the present state."""
-        p_star = p / (self.E_star * self.surface.slope)
-        return self.solver is not None and (self._near(p_star) or p_star >= self.body.full_p_star)
+    def _may_start_here(self, load):
+        """Whether a load, or one that follows it if it closes the gap at once, may start from the present state."""
+        if self.solver is None or isinstance(load, Prescribed):
+            return self.solver is not None
+        p_star = self._p_star(load)
+        return self._near(p_star) or p_star >= self.body.full_p_star
 
-    def _solve(self, p, watch, midway):
-        p_star = p / (self.E_star * self.surface.slope)
+    def _p_star(self, load):
+        return self._search.p0 if isinstance(load, Prescribed) else load / (self.E_star * self.surface.slope)
+
+    def _solve(self, load, watch, midway, promote=False):
+        """promote: give None back where the search on coarser grids finds that single precision is too little."""
         if not midway:
-            problem = self._problem(p_star)
-            full, pairs = self._full_contact(problem)
+            problem = self._problem(self._p_star(load))
+            full, pairs = self._full_contact(problem) if self._search is None else (None, 0.0)
             self._spent += pairs
             if full is not None:
-                return self._step(p, *full, iterations=0, pairs=self._spent)
+                return self._step(load, *full, iterations=0, pairs=self._spent)
             self._begin(problem)
+            if promote and self._search is not None and self._too_little(self._search.p0):
+                return None
         solver = self.solver
-        outcome = drive(solver, self.target, watch, self.course)
+        outcome = drive(solver, self.target, watch, self.course, self._search)
         pairs = self._spent + (solver.pairs - self._first_pairs) + outcome.check_pairs
+        p = load if self._search is None else solver.p0 * self.E_star * self.surface.slope
         return self._step(p, solver.g, solver.p, outcome, solver.iterations, pairs)
 
     def _step(self, p, g, q, outcome, iterations, pairs):
+        note = self._search.note if self._search is not None else None
         contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.settings.accuracy or self.settings.residual, self.lam_s,
-                          self.body)
+                          self.body, note)
+        self._curve.add(np.log(p / (self.E_star * self.surface.slope)), contact, self._search)
         return Step(contact, iterations, float(pairs))
 
     def _begin(self, problem, arrays=None, numbers=None):
@@ -163,6 +189,8 @@ class Sweep:
         g = None
         if arrays is None and not warm:
             g = self._starting_gap(problem, self.solver.g if self.solver is not None else None)
+            if self._search is not None:
+                problem = replace(problem, p0=self._search.on_next_grid(problem.grid.N, self._top, finest=True))
         if self.solver is None:
             self.solver = self._make(problem, g)
         self._count()
@@ -194,7 +222,7 @@ class Sweep:
     def _starting_gap(self, problem, into):
         if self.nested is None:
             return cold_gap(problem)
-        g, pairs = self.nested.start(problem, self._make, into)
+        g, pairs = self.nested.start(problem, self._make, into, self._search)
         self._spent += pairs
         return g
 
@@ -206,6 +234,16 @@ class Sweep:
     def _near(self, p_star):
         ratio = p_star / self.solver.p0
         return 1 / WARM_DOWN < ratio < WARM_UP
+
+    closes = True  # whether the least pressure that closes the gap is known at once
+
+    def _closing_pressure(self):
+        """The least mean pressure (unit of E_star) at which u = -h is the solution: none is in tension. One FFT pair."""
+        problem = self._problem(1.0)
+        g, q = np.zeros_like(problem.h), np.empty_like(problem.h)
+        self._spent += certify(problem, g, q, dtype=self.target.judged_in).pairs
+        tension, largest = problem.grid.comm.max([-float(q.min()), float(np.abs(q).max())])
+        return (1 + tension + CLOSED * float(np.finfo(q.dtype).eps) * largest) * self.E_star * self.surface.slope
 
     def _full_contact(self, problem):
         """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and the pairs spent on finding out."""
@@ -230,6 +268,7 @@ class Sweep:
         self.surface = self.make_surface(dtype)
         if known not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
+        self._top = mean_height(self.surface.grid, self.surface.h)
         if not self._is_flat:
             grid = self.surface.grid
             grid.fft(dtype)
