@@ -1,6 +1,7 @@
 """`hpc-gfmd init`: a commented scene that runs."""
 
 import os
+import tomllib
 from pathlib import Path
 
 from ..errors import SceneError, one_line
@@ -49,12 +50,12 @@ def compose(what, path, overrides=()):
     for override in overrides:
         apply_override(tables, override)
     given = {f"{table}.{key}": value for table, keys in tables.items() if isinstance(keys, dict) for key, value in keys.items()}
-    said, why, missing, head = {}, {}, [], ["hpc-gfmd run SCENE.toml. Lines that begin with # show defaults and examples."]
+    said, why, missing, head = {}, {}, [], [f"hpc-gfmd run {path.name}. Lines that begin with # show defaults and examples."]
     if what in KINDS and what != "file":
         kind = what
     elif Path(what).is_file():
         kind, found, values = "file", *_of_map(what, path, given)
-        given |= {f"surface.{key}": value for key, value in values.items()}
+        given = {"title": Path(what).name} | given | {f"surface.{key}": value for key, value in values.items()}
         said, why = ({f"surface.{key}": value for key, value in part.items()} for part in (found.said, found.why))
         missing = found.missing
         head.append(f"{what}: {found.about}")
@@ -63,7 +64,10 @@ def compose(what, path, overrides=()):
         raise SceneError(f"init: found {what}, allowed: a kind of surface ({kinds}) or the path of a height map")
     text = template(kind, given, said, why, head)
     if not missing:
-        Scene.from_toml(text, "init", path.parent)
+        data = tomllib.loads(text)
+        for override in overrides:
+            apply_override(data, override)  # a key that no scene has is in no template
+        Scene.from_dict(data, "init", path.parent)
     return text, missing
 
 

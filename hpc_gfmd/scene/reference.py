@@ -3,7 +3,7 @@
 import json
 import textwrap
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pydantic_core import PydanticUndefined
@@ -40,6 +40,7 @@ class Section:
     """A table, or a kind of surface; kind: "" for all kinds and for other tables."""
 
     table: str
+    title: str
     about: str
     keys: tuple[Key, ...]
     kind: str = ""
@@ -47,23 +48,22 @@ class Section:
     @property
     def heading(self) -> str:
         """How a scene writes it."""
-        return f'[{self.table}] of kind = "{self.kind}"' if self.kind else f"[{self.table}]" if self.table else "before the first table"
+        return f'[{self.table}] of kind = "{self.kind}"' if self.kind else f"[{self.table}]" if self.table else "title"
 
 
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
     """All of them; names: those that a key takes, which the scene does not know: {"output.observables": [...]}."""
     tables = {name: field for name, field in Scene.model_fields.items() if field.json_schema_extra["allowed"].startswith("a table")}
-    found = [Section("", "what it is about", (_key("", "title", Scene.model_fields["title"], {}),))]
+    found = [Section("", "the scene", "A key before the first table.", (_key("", "title", Scene.model_fields["title"], {}),))]
     for table, field in tables.items():
         models = {"": Surface} | KINDS if table == "surface" else {"": field.annotation}
         for kind, model in models.items():
-            new = {name: item for name, item in model.model_fields.items()
-                   if name != "kind" and not (kind and item == Surface.model_fields.get(name))}
-            keys = [_key(table, name, item, names or {}) for name, item in new.items()]
+            keys = [_key(table, name, item, names or {}) for name, item in model.model_fields.items() if name != "kind"]
             if table == "surface" and not kind:
                 keys.insert(0, Key("kind", "which wall", ", ".join(map(json.dumps, KINDS)), example="self-affine"))
-            about = " ".join(model.__doc__.split()) if kind else field.description
-            found.append(Section(table, about, tuple(keys), kind))
+                common = keys
+            about = " ".join(model.__doc__.split())
+            found.append(Section(table, field.description, about, tuple(key for key in keys if not kind or key not in common), kind))
     return found
 
 
@@ -86,10 +86,11 @@ def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
 
 def markdown(names: Mapping[str, Any] | None = None) -> str:
     """The same as a page."""
-    lines = ["# The keys of a scene", "", "Made by `hpc-gfmd help scene --markdown`. Lengths are in the unit of the surface, pressures in "
-             'that of the moduli, or both are texts with units ("100 um", "50 GPa").']
+    lines = ["# The keys of a scene", "", "Made by `hpc-gfmd help scene --markdown`. Lengths are in the unit of the surface, pressures "
+             'in that of the moduli, or both are texts with units ("100 um", "50 GPa").']
+    columns = ["", "| key | meaning | default | unit | allowed |", "|---|---|---|---|---|"]
     for section in sections(names):
-        lines += ["", f"## {section.heading}", "", section.about, "", "| key | meaning | default | unit | allowed |", "|---|---|---|---|---|"]
+        lines += ["", f"## {section.heading}", "", section.about, *columns]
         lines += [f"| `{key.name}` | {key.meaning} | {key.default or 'must be given'} | {key.unit} | {key.allowed} |"
                   for key in section.keys]
     return "\n".join(lines)
@@ -108,7 +109,7 @@ def _chosen(key: str | None, found: list[Section]) -> list[Section]:
     if key is None or key in {section.table for section in found if section.table}:
         return [section for section in found if key in (None, section.table)]
     table, _, name = key.rpartition(".")
-    fits = [Section(s.table, s.about, tuple(k for k in s.keys if k.name == name), s.kind) for s in found if table in ("", s.table)]
+    fits = [replace(s, keys=tuple(key for key in s.keys if key.name == name)) for s in found if table in ("", s.table)]
     fits = [section for section in fits if section.keys]
     if not fits:
         known = {name for s in found for name in (s.table, *(k.name for k in s.keys), *(f"{s.table}.{k.name}" for k in s.keys)) if name}

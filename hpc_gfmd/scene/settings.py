@@ -116,7 +116,7 @@ class Load(Table):
 
 
 class Solver(Table):
-    """Which algorithm, and when it may stop. `accuracy` is None where a residual was given."""
+    """Which algorithm, and when it may stop: at an accuracy or at a residual."""
 
     name: Text = key("the algorithm; gfmd is that of the paper", '"auto" or the name of a solver', "auto")
     residual: Fraction | None = key("instead of accuracy: rms pressure at points where the gap is open, over the mean pressure",
@@ -141,7 +141,7 @@ class Solver(Table):
 
 
 class Output(Table):
-    """The result file and what goes into it. `observables` is None for all the cheap ones."""
+    """The result file and what goes into it: numbers, maps, distributions."""
 
     path: Annotated[Path, Field(pattern=r"[^/]\.([hH]5|[hH][dD][fF]5)$")] = key(
         "the result file, in a folder that exists", "a path that ends in .h5 or .hdf5", "contact.h5")

@@ -37,7 +37,7 @@ ANY = "surface"  # the data set where the scene names none
 
 
 class Surface(Table):
-    """What every kind has: the cell, in the unit of the heights."""
+    """The rigid rough wall. What every kind has: the cell, in the unit of the heights."""
 
     physical_sizes: Sizes = key("lengths of the cell", SIZES, (1.0, 1.0), unit="length")
     boundary: Boundary = key("whether the cell repeats, or ends beside an open space", SIDES, "periodic")

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from ..parallel.comm import SerialComm
+from ..quantity import factor, prefixed
 from .boundary import JUMP
 from .doubts import TILT, Looks
 from .files import HeightMap
@@ -34,7 +35,8 @@ def suggestion(make, given):
     found.about = f"{plain.shape[0]} x {plain.shape[1]} points"
     if said.sizes is not None:
         unit = said.sizes_unit or said.unit
-        found.said["physical_sizes"] = [f"{size:.10g} {unit}" if unit else size for size in said.sizes]
+        found.said["physical_sizes"] = _readable(said.sizes, unit) if unit else list(said.sizes)
+        found.about += f", {found.said['physical_sizes'][0]} x {found.said['physical_sizes'][1]}"
     if said.unit is not None:
         found.said["unit"] = said.unit
     wanted = ["unit"] if said.sizes is not None else ["physical_sizes", "unit"] if said.unit is None else ["physical_sizes"]
@@ -43,6 +45,13 @@ def suggestion(make, given):
     if not found.missing:
         _by_heights(found, make, given, said.periodic)
     return found
+
+
+def _readable(sizes, unit):
+    """Lengths as ["10 um", "8 um"]."""
+    sizes = [size * factor(unit) for size in sizes]
+    scale, name = prefixed(sizes, "m")
+    return [f"{size / scale:.10g} {name}" for size in sizes]
 
 
 def _by_heights(found, make, given, periodic):
