@@ -19,8 +19,8 @@ ROUNDING = 16  # times the rounding error of the heights: a mean gap below that 
 @dataclass(frozen=True)
 class Contact:
     """surface: surface.Surface; g, q: gap and pressure of the solution in the program's units, local slabs; p: mean pressure in the
-    unit of E_star; outcome: see driver/; accuracy: relative, of what observables still have to solve for; lam_s: or None; remark: on how
-    the load was found, or None."""
+    unit of E_star; outcome: see driver/; accuracy: relative, of what observables still have to solve for; lam_s: or None;
+    remark: on how the load was found, or None."""
 
     surface: object
     E_star: float

@@ -25,8 +25,8 @@ class Reporter:
         if not self.silent:
             print(text, file=self.out, flush=True)
 
-    def step(self, index, count, p_star):
-        self.name = f"load {index + 1}/{count}, p* = {p_star:.4g}"
+    def step(self, index, count, quantity, value):
+        self.name = f"load {index + 1}/{count}, {quantity} = {value:.4g}"
         self.begun = self.last = time.monotonic()
         self.first = None
         if self.bar_wanted:

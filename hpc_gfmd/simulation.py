@@ -9,6 +9,7 @@ import numpy as np
 from .contact import FIELDS, STORABLE, heights_of
 from .driver.lowmemory import LowMemorySweep
 from .driver.memory import require_memory
+from .driver.prescribed import Prescribed
 from .driver.sweep import Sweep, first_precision
 from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
@@ -89,9 +90,9 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
         kind = LowMemorySweep if low else Sweep
         sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads, low), scene.solver, scene.material.E_star, lam_s,
                      duality="duality_gap" in (scene.output.observables or ()), body=body_of(scene.material, scene.surface.free))
-        pressures = sweep.pressures(scene.load)
+        loads = sweep.pressures(scene.load)
         _require_same_heights(file, sweep.surface)
-        _require_storable(scene.output, sweep.surface, pressures)
+        _require_storable(scene.output, sweep.surface, [p for p in loads if not isinstance(p, Prescribed)])
         _require_like_units(scene, sweep.surface)
         attributes = _surface_attributes(scene, sweep.surface, n)
         file.update_surface(**attributes)
@@ -102,7 +103,7 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
             say.say(f"note: {line}")
         say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
         run = _Run(comm, scene, file, sweep, say, interrupt, attributes)
-        return run.all_steps(pressures)
+        return run.all_steps(loads)
 
 
 def restart(path, overrides=(), quiet=False, comm=None):
@@ -157,11 +158,14 @@ def _require_storable(output, surface, pressures):
 
 
 def _require_like_units(scene, surface):
-    """Raise SceneError where the thickness has a unit and the height map none, or the other way round."""
-    thickness = scene.material.thickness
-    if surface.checksum is not None and thickness is not None and has_unit(thickness) != bool(surface.unit):
-        found, allowed = ("plain", '"2 um"') if surface.unit else ("with a unit", "a plain number, in the unit of the height map")
-        raise SceneError(f"material.thickness: found {thickness:g}, {found}, allowed with this height map: {allowed}")
+    """Raise SceneError where a length beside a height map, or a force on it, has a unit and the map none, or the other way round."""
+    given = {"material.thickness": (scene.material.thickness, "2 um"), "load.gap_mean": (scene.load.gap_mean, "50 nm"),
+             "load.approach": (scene.load.approach, "10 nm"), "load.force": (scene.load.force, "5 mN")}
+    for key, (value, example) in given.items() if surface.checksum is not None else ():
+        for number in np.atleast_1d(value) if value else ():
+            if number and has_unit(value) != bool(surface.unit):
+                found, allowed = ("plain", f'"{example}"') if surface.unit else ("with a unit", "a plain number, as in the height map")
+                raise SceneError(f"{key}: found {number:g}, {found}, allowed with this height map: {allowed}")
 
 
 def _surface_attributes(scene, surface, n):
@@ -197,14 +201,16 @@ class _Run:
         self.say, self.interrupt = say, interrupt
         self.observables = observables_named(scene.output.observables)
         self.distributions = scene.output.distributions
+        name, self.asked = scene.load.given
+        self.target = f"target_{name}" if scene.load.found or scene.load.force else None
         self.checkpointable = sweep.surface.reduced_axis is None and (sweep.surface.g_rms > 0 or sweep.surface.grid.padded)
 
-    def all_steps(self, pressures):
+    def all_steps(self, loads):
         """Solve what is not finished; returns a RunResult."""
-        unfinished = [index for index in range(len(pressures)) if index not in self.file.finished]
-        first, midway = self._go_back(unfinished[0], pressures) if unfinished else (0, None)
+        unfinished = [index for index in range(len(loads)) if index not in self.file.finished]
+        first, midway = self._go_back(unfinished[0], loads) if unfinished else (0, None)
         for index in range(first, max(unfinished, default=-1) + 1):
-            status = self._one_step(index, pressures, midway if index == first else None)
+            status = self._one_step(index, loads, midway if index == first else None)
             if status == "interrupted":
                 self.say.say(f"stopped; continue with: hpc-gfmd restart {self.file.path}")
                 self.file.update_head(status="interrupted")
@@ -215,7 +221,7 @@ class _Run:
         self.say.say(table(steps, surface=self.surface))
         return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
 
-    def _go_back(self, unfinished, pressures):
+    def _go_back(self, unfinished, loads):
         """To the last checkpoint, so that all goes on as if nothing had happened: loads finished since then are repeated, not
         written again. unfinished: the first load to be solved. Returns the load to begin with and, in the middle of it, its Checkpoint.
         """
@@ -226,7 +232,7 @@ class _Run:
                 raise SceneError(f"{found.path}: later than load {unfinished + 1}, which has to be solved again")
             other = found is not None and found.numbers.get("heights") != self.sweep.surface.checksum
             if found is not None and not other:
-                self.sweep.restore(found.arrays, found.numbers, pressures[found.step])
+                self.sweep.restore(found.arrays, found.numbers, loads[found.step])
         except GfmdError as error:
             self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
             self.sweep.solver = None
@@ -245,11 +251,14 @@ class _Run:
                 steps = read_partial(self.file.path).steps
         return self.comm.bcast(steps)
 
-    def _one_step(self, index, pressures, midway):
+    def _one_step(self, index, loads, midway):
         begun = time.monotonic() - (midway.seconds if midway else 0.0)
-        p = pressures[index]
-        p_star = p / (self.sweep.E_star * self.sweep.surface.g_rms) if self.sweep.surface.g_rms else float("nan")
-        self.say.step(index, len(pressures), p_star)
+        load = loads[index]
+        if self.target:
+            self.say.step(index, len(loads), self.target.removeprefix("target_"), self.asked[index])
+        else:
+            unit = self.sweep.E_star * self.sweep.surface.g_rms
+            self.say.step(index, len(loads), "p*", load / unit if unit else float("nan"))
 
         def watch(iterations, progress):
             self.say.watch(iterations, progress)
@@ -259,17 +268,19 @@ class _Run:
             return stop
 
         try:
-            step = self.sweep.solve(p, watch, midway is not None)
+            step = self.sweep.solve(load, watch, midway is not None)
         finally:
             self.say.done()
         status = step.contact.outcome.status
         if status == "interrupted":
             return status
         if index not in self.file.finished:
-            self._write(index, p, step, time.monotonic() - begun)
+            if isinstance(load, Prescribed):
+                _require_storable(self.scene.output, self.sweep.surface, [step.contact.p])
+            self._write(index, step, time.monotonic() - begun)
         stop, _ = self.interrupt.poll()
-        if index + 1 < len(pressures) and (stop or self.interrupt.cheap()):
-            self._save(index + 1, lambda: self.sweep.state(pressures[index + 1]))
+        if index + 1 < len(loads) and (stop or self.interrupt.cheap()):
+            self._save(index + 1, lambda: self.sweep.state(loads[index + 1]))
         return "interrupted" if stop else status
 
     def _save(self, index, state, seconds=None):
@@ -282,17 +293,19 @@ class _Run:
                              self.scene.identity())
             self.interrupt.saved(begun)
 
-    def _write(self, index, p, step, seconds):
+    def _write(self, index, step, seconds):
         """A finished load into the file."""
         contact = step.contact
         numbers = {name: f(contact) for name, f in self.observables.items()}
         for name, found in distributions_named(self.distributions, contact).items():
             numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
         area, gap, pressure = contact.outcome.errors
-        attributes = {"p": p, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
+        attributes = {"p": contact.p, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
                       "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area,
                       "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure,
                       "precision": contact.g.dtype.name, "residual": contact.certificate.residual, "note": contact.note}
         attributes |= contact.certificate.attributes() | numbers
+        if self.target:
+            attributes[self.target] = float(self.asked[index])
         fields = {name: contact.field(name) for name in self.scene.output.fields if name in FIELDS}
         self.file.write_step(index, {k: v for k, v in attributes.items() if v is not None}, fields)

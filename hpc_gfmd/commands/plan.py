@@ -39,7 +39,7 @@ def main(args) -> int:
     columns = cell[1] // 2 + 1
     plan = {
         "n": list(n), "points": n[0] * n[1], "cell": list(cell),
-        "loads": len(scene.load.p_star or scene.load.pressure), "ranks": args.ranks, "threads": threads,
+        "loads": len(scene.load.given[1]), "ranks": args.ranks, "threads": threads,
         "idle_ranks": max(0, args.ranks - cell[0]), "idle_ranks_of_columns": max(0, args.ranks - columns),
         "gib_per_rank": memory.total, "gib": memory.total * args.ranks, "gib_available": there,
         "fields_gib": memory.fields, "transforms_gib": memory.transforms, "certificate_gib": memory.certificate,
@@ -73,4 +73,4 @@ def _file_gib(scene, n):
     from ..driver.sweep import first_precision
 
     itemsize = {"single": 4, "double": 8, None: first_precision(scene.solver).itemsize}[scene.output.dtype]
-    return len(scene.load.p_star or scene.load.pressure) * len(scene.output.fields) * n[0] * n[1] * itemsize / 2**30
+    return len(scene.load.given[1]) * len(scene.output.fields) * n[0] * n[1] * itemsize / 2**30

@@ -1,5 +1,6 @@
 """How much memory a scene takes on each rank, and whether it is there."""
 
+import math
 import os
 import resource
 from dataclasses import dataclass
@@ -49,7 +50,7 @@ def memory_of(scene, n, ranks, threads=1):
     heights = min(rows, n[0]) * n[1] * itemsize / GIB
     spectrum = rows * (cell[1] + 2) / GIB
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
-    loads = len(scene.load.p_star or scene.load.pressure)
+    loads = len(scene.load.given[1])
 
     kept = FIELDS + LEVELS + (COARSER if nested and not low else 0.0)
     passing = [2 * min(field, PIECE_GIB) if scene.output.fields else 0.0,  # as it is, and as it is written
@@ -72,7 +73,10 @@ def largest_precision(scene, n):
     """The largest precision that a scene's loads are solved in, as far as it is known beforehand: without p* the first one."""
     first, settings = first_precision(scene.solver), scene.solver
     g_rms = getattr(scene.surface, "g_rms", None)
-    p_stars = scene.load.p_star or ([p / (scene.material.E_star * g_rms) for p in scene.load.pressure] if g_rms else [])
+    unit = scene.material.E_star * g_rms if g_rms else 1.0
+    known = g_rms or scene.load.p_star
+    p_stars = [p / unit for p in scene.load.p0(unit, 1.0, math.prod(scene.surface.physical_sizes))] if known else []
+    p_stars += [a_r / 2 for a_r in scene.load.a_r or ()]
     few = settings.precision == "auto" and any(few_points(n[0] * n[1], p_star, settings.accuracy) for p_star in p_stars)
     return np.dtype(np.float64) if few else first
 

@@ -83,6 +83,8 @@ class Nested:
         problems = [problem]
         for fine, coarse in self.steps:
             problems.append(_decimated(problems[-1], fine, coarse))
+        if search is not None:
+            search.on_coarsest_grid()
         g, pairs = cold_gap(problems[-1]), 0.0
         for fine, coarse in zip(problems[-2::-1], problems[:0:-1], strict=True):
             if search is not None:

@@ -2,11 +2,11 @@
 
 All three are monotone in the mean pressure, and a solver goes on at another one without a transform. So the pressure is corrected while
 the solver iterates, whenever the quantity is known better than it is met: on the coarse grids of a nested start first, and then on the
-grid itself, where little is left to correct. By how much the pressure changes from the last coarse grid is remembered for the next load.
-The steps are secants in variables in which the curves are nearly straight, between pressures known to be too small and too large.
+grid itself, where little is left to correct. By how much the pressure changed from the last coarse grid helps the next load. The steps
+are secants in variables in which the curves are nearly straight, between pressures known to be too small and too large.
 
-The area of a grid is a number of points. It is met to the accuracy asked for or to one point; where it jumps by more, as in ordered walls
-whose asperities touch all at once, the nearer side of the jump is taken, and `note` says so.
+The area of a grid is a number of points. It is met to the accuracy asked for or to one point; where it jumps by more, as in ordered
+walls whose asperities touch all at once, the nearer side of the jump is taken, and `note` says so.
 """
 
 from dataclasses import dataclass
@@ -68,10 +68,11 @@ def prescribed(name, values, surface, top, closes):
 class Search:
     """The state of a search: plain numbers, which make a checkpoint.
 
-    target: an area, or a length over the unit of slopes; tolerance: relative; x: log p0; slope: of the straightened curve; points: of the
-    surface on this grid, top: its mean gap where the highest peak just touches, as target; offset: of x from the next coarser grid, as
-    it was found at another load; low, high: (x, quantity) that are too small and too large; known: (x, straightened quantity,
-    relative error) of the last correction; missed: by how much the last state missed the target.
+    target: an area, or a length over the unit of slopes; tolerance: relative; x: log p0; slope: of the straightened curve; points: of
+    the surface on this grid, top: its mean gap where the highest peak just touches, as target; offset: of x from the next coarser grid,
+    as it was found at another load; grids: how many so far, coarser: x at the end of the one before; low, high: (x, quantity) that are
+    too small and too large; known: (x, straightened quantity, relative error) of the last correction; looked: iteration of the last
+    look; missed: by how much the target was missed then; side: the area on the chosen side of a jump.
     """
 
     quantity: str
@@ -97,6 +98,10 @@ class Search:
     def p0(self):
         """The mean pressure, in the program's units."""
         return exp(self.x)
+
+    def on_coarsest_grid(self):
+        """A nested start begins."""
+        self.grids = 0
 
     def on_next_grid(self, points, top, finest=False):
         """Go on on the next finer grid, where other pressures are too small or too large. Returns p0 to begin with."""
@@ -157,7 +162,7 @@ class Search:
     # -- what is known ---------------------------------------------------------------------------------------------------------
 
     def _straight(self, y):
-        """A function of the quantity that rises with the load, about in proportion to log p0: -inf where nothing, inf where all touches.
+        """A function of the quantity that rises about in proportion to log p0: -inf where nothing touches, inf where all does.
 
         For the area it is that of Persson's theory, a_r = erf(c p0).
         """
@@ -260,7 +265,9 @@ class Curve:
         search = Search(kind, target, tolerance, 0.0, SLOPE[kind], surface.grid.N, top, self.offsets.get(kind))
         known = [(point["x"], f) for point in self.points if isfinite(f := search._straight(point[kind]))]
         if not known:
-            search.x = log(target / 2) if area else log(target / max(surface.sizes)) if kind == "approach" else -2 * target / top
+            search.x = log(target / 2) if area else log(target / max(surface.sizes))
+            if kind == "gap_mean":
+                search.x = -1 - 3 * load.value / surface.h_rms  # self-affine walls
             return search
         (x0, f0), (x1, f1) = known[0], known[-1]
         if x0 != x1 and SLOPES[0] < (f1 - f0) / (x1 - x0) < SLOPES[1]:

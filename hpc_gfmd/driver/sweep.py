@@ -140,7 +140,7 @@ class Sweep:
             self._spent = numbers.get("spent", 0.0)
             self._search = Search(**numbers["search"]) if numbers.get("search") else None
             p0 = numbers["p0"]
-            if "course" in numbers and self._search is None:  # in the middle of this load; a state at its beginning is that of one before
+            if "course" in numbers and self._search is None:  # in the middle of this load; at its beginning it is that of one before
                 p0 = self._p_star(load)
                 if not abs(p0 / numbers["p0"] - 1) < SAME_LOAD:
                     raise SceneError(f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is asked for")
@@ -235,7 +235,10 @@ class Sweep:
         ratio = p_star / self.solver.p0
         return 1 / WARM_DOWN < ratio < WARM_UP
 
-    closes = True  # whether the least pressure that closes the gap is known at once
+    @property
+    def closes(self):
+        """Whether the least pressure that closes the gap is known at once."""
+        return not self.surface.grid.padded
 
     def _closing_pressure(self):
         """The least mean pressure (unit of E_star) at which u = -h is the solution: none is in tension. One FFT pair."""

@@ -13,6 +13,7 @@ from .sweep import Sweep, first_precision
 SAMPLE = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 2, "lam_l_over_lam_s": 256, "lam_s_over_a": 2, "seed": 1}
 # FFT pairs to an accuracy of 1e-3, everything counted, and further ones per decade, for the default solver
 PAIRS, PAIRS_PER_DECADE = 9.0, 2.8
+SEARCHING = 1.5  # times as many where the mean pressures have to be found
 BASELINE_PAIRS = {"gfmd": 150.0, "fire": 400.0, "ccg": 150.0}
 
 
@@ -23,7 +24,7 @@ def expected_seconds(scene, n, ranks, cores):
     pairs = BASELINE_PAIRS.get(settings.name, PAIRS) * max(0.6, 1 + decades * PAIRS_PER_DECADE / PAIRS)
     points = n[0] * n[1]
     work = points * np.log2(max(points, 2))
-    loads = len(scene.load.p_star or scene.load.pressure)
+    loads = len(scene.load.given[1]) * (SEARCHING if scene.load.found else 1.0)
     return float(loads * pairs * work * seconds_per_work(first_precision(settings)) / min(ranks, cores))
 
 

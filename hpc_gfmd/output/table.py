@@ -10,6 +10,11 @@ LEGEND = "+-: estimated error of the solver on this grid; grid: estimated error 
 
 # attribute, heading, unit, estimated relative error of it; left out where no step has the attribute
 COLUMNS = (
+    ("target_gap_mean", "asked: gap", "[length]", None),
+    ("target_gap_over_h_rms", "asked: gap/h_rms", "", None),
+    ("target_a_r", "asked: a_r", "", None),
+    ("target_force", "force", "[force]", None),
+    ("target_approach", "asked: approach", "[length]", None),
     ("p_star", "p*", "", None),
     ("p", "p", "[unit of E*]", None),
     ("a_r", "a_r", "[+- solver]", "a_r_error"),
@@ -57,7 +62,8 @@ def table(steps: list[dict], indices: list[int] | None = None, surface: dict | N
 def _scales(steps, surface):
     """{attribute: (scale, heading)} of what has a unit, with the prefix that suits its largest value."""
     length, pressure = surface.get("unit", ""), surface.get("pressure_unit", "")
-    units = {"p": pressure, "gap_mean": length, "approach": length, "stiffness": f"{pressure}/{length}" if pressure and length else ""}
+    units = {"p": pressure, "gap_mean": length, "approach": length, "target_gap_mean": length, "target_approach": length,
+             "target_force": "N" if length and pressure else "", "stiffness": f"{pressure}/{length}" if pressure and length else ""}
     found = {key: prefixed([step[key] for step in steps if key in step], unit) for key, unit in units.items() if unit}
     return {key: (scale, f"[{unit}]") for key, (scale, unit) in found.items()}
 

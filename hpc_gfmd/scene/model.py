@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from .settings import Load, Machine, Material, Output, Solver
 from .surface import KINDS, AnySurface, File, SelfAffine, Surface, Wave
 from .table import Table, Text, alike, has_unit, key
 
+LOADED_LENGTHS = ("gap_mean", "approach")
 LENGTHS = ("physical_sizes", "h_rms", "amplitude", "radius")
 RESOLVED = 8        # points in a wave length; with fewer the contact is one of single points
 TOUCHING = 100      # fewer contact points than this say little about a rough contact
@@ -33,8 +35,9 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _rough(self):
-        if isinstance(self.surface, Wave) and self.surface.amplitude == 0 and self.load.p_star:
-            raise ValueError("load.p_star: found a flat surface (amplitude = 0), allowed: load.pressure")
+        name, _ = self.load.given
+        if isinstance(self.surface, Wave) and self.surface.amplitude == 0 and name not in ("pressure", "force", "approach"):
+            raise ValueError(f"load.{name}: found a flat surface (amplitude = 0), allowed: load.pressure")
         return self
 
     @model_validator(mode="after")
@@ -42,11 +45,22 @@ class Scene(Table):
         surface, material = self.surface, self.material
         measured = isinstance(surface, File)  # its file may know units: what is built of it is compared later
         lengths = {} if measured else {f"surface.{key}": getattr(surface, key) for key in LENGTHS if hasattr(surface, key)}
-        pressures = {"load.pressure": self.load.pressure, "material.E1": material.E1, "material.E2": material.E2}
-        if material.E1 is None:
-            pressures["material.E_star"] = material.E_star
+        lengths |= {} if measured else {f"load.{key}": getattr(self.load, key) for key in LOADED_LENGTHS}
+        pressures = {f"load.{key}": getattr(self.load, key) for key in ("pressure", "force")}
+        pressures |= {f"material.{key}": getattr(material, key) for key in (("E_star",) if material.E1 is None else ("E1", "E2"))}
         alike("lengths", lengths | {"material.thickness": None if measured else material.thickness})
         alike("pressures", pressures)
+        if self.load.force and not measured:
+            alike("lengths and forces", {"surface.physical_sizes": surface.physical_sizes, "load.force": self.load.force})
+        return self
+
+    @model_validator(mode="after")
+    def _load_fits(self):
+        if self.load.force and not any(self.surface.free):
+            raise ValueError("load.force: found periodic boundaries, allowed: with a free boundary (with periodic ones: load.pressure)")
+        if self.load.approach and not (all(self.surface.free) or self.material.thickness is not None):
+            raise ValueError("load.approach: found a half-space that gives way without end, allowed: with free boundaries along both "
+                             "axes, or material.thickness")
         return self
 
     @property
@@ -116,8 +130,10 @@ class Scene(Table):
             found.append("surface: L_y is shorter than lam_l, the roughness is not isotropic")
         n_x, n_y = surface.n
         scale = 1.0 if self.load.p_star else surface.g_rms and surface.g_rms * self.material.E_star
-        for load in self.load.p_star or self.load.pressure:
-            if scale and 2 * load / scale * n_x * n_y < TOUCHING:     # a_r is about 2 p*
+        areas = [2 * p / scale for p in self.load.p0(scale, 1.0, math.prod(surface.physical_sizes))] if scale else []  # about
+        _, values = self.load.given
+        for load, area in zip(values, self.load.a_r or areas):
+            if area * n_x * n_y < TOUCHING:
                 found.append(f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch")
         return found
 

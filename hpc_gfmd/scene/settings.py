@@ -11,13 +11,18 @@ from .table import (
     POSITIVE,
     POSITIVES,
     SWITCH,
+    Areas,
+    Forces,
     Fraction,
+    Gaps,
     Length,
+    Lengths,
     Loads,
     Path,
     Positive,
     Pressure,
     Pressures,
+    RelativeGaps,
     Table,
     Text,
     Whole,
@@ -96,23 +101,47 @@ class Material(Table):
 
 
 class Load(Table):
-    """The pressures of a sweep, in order: p_star = p0/(E* g_rms), or absolute in the unit of E_star."""
+    """The loads of a sweep, in order: mean pressures, or what the mean pressure has to give, which is then found."""
 
     p_star: Loads | None = key("mean pressures p0/(E* g_rms), solved in this order", POSITIVES, None, example=[0.01, 0.1])
     pressure: Pressures | None = key("mean pressures instead of p_star; they push, so that they are positive",
                                      'a number greater than 0, plain or as "20 MPa", or a list of them', None,
                                      unit="pressure", example=["2 MPa", "20 MPa"])
+    gap_mean: Gaps | None = key("mean gaps, whose pressures are found; 0: the least pressure that closes the gap",
+                                'a number from 0, plain or as "50 nm", or a list of them', None, unit="length", example="50 nm")
+    gap_over_h_rms: RelativeGaps | None = key("the same, over the rms height", "a number from 0, or a list of them", None, example=0.5)
+    a_r: Areas | None = key("relative contact areas, whose pressures are found; met to the accuracy or to one point",
+                            "a number above 0 and up to 1, or a list of them", None, example=[0.01, 0.1])
+    force: Forces | None = key("forces on a surface that ends", 'a number greater than 0, plain or as "5 mN", or a list of them', None,
+                               unit="force", example="5 mN")
+    approach: Lengths | None = key("how far the bodies have come together since they touched undeformed, on a surface that ends along "
+                                   "both axes or a layer; the pressures are found",
+                                   'a number greater than 0, plain or as "10 nm", or a list of them', None, unit="length",
+                                   example="10 nm")
 
     @model_validator(mode="after")
     def _one(self):
-        not_both(self, "p_star", "pressure")
-        if self.p_star is None and self.pressure is None:
-            raise ValueError("found nothing, allowed: one of p_star, pressure")
+        names = tuple(type(self).model_fields)
+        not_both(self, *names)
+        if all(getattr(self, name) is None for name in names):
+            raise ValueError(f"found nothing, allowed: one of {', '.join(names)}")
         return self
 
-    def p0(self, E_star: float, g_rms: float) -> tuple[float, ...]:
-        """The mean pressures, in the unit of E_star, on a surface of realised g_rms."""
-        return tuple(map(float, self.pressure)) if self.pressure else tuple(p_star * E_star * g_rms for p_star in self.p_star)
+    @property
+    def given(self) -> tuple[str, tuple[float, ...]]:
+        """The key that is given, and its values."""
+        return next((name, values) for name in type(self).model_fields if (values := getattr(self, name)) is not None)
+
+    @property
+    def found(self) -> bool:
+        """Whether the pressures have to be found."""
+        return not (self.p_star or self.pressure or self.force)
+
+    def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
+        """The mean pressures, in the unit of E_star, on a surface of realised g_rms and an area; none where they have to be found."""
+        _, values = self.given
+        scale = E_star * g_rms if self.p_star else 1 / area if self.force else 1.0
+        return () if self.found else tuple(float(value) * scale for value in values)
 
 
 class Solver(Table):

@@ -74,8 +74,17 @@ Points = Annotated[tuple[Annotated[int, Field(ge=1, le=MAX_N)], Annotated[int, F
                    BeforeValidator(_tuple)]
 Modes = Annotated[tuple[Annotated[int, Field(ge=0, le=MAX_N)], Annotated[int, Field(ge=0, le=MAX_N)]],
                   BeforeValidator(_tuple)]
-Pressures = Annotated[tuple[Pressure, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
-Loads = Annotated[tuple[Positive, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
+NotNegative = Annotated[float, Field(ge=0, le=LARGEST)]
+
+
+def _loads(kind: Any) -> Any:
+    """The type "one, or a list of them"."""
+    return Annotated[tuple[kind, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
+
+
+Loads, Pressures, Forces, Lengths = _loads(Positive), _loads(Pressure), _loads(_quantity("force")), _loads(Length)
+Gaps, RelativeGaps = _loads(_quantity("length", NotNegative)), _loads(NotNegative)
+Areas = _loads(Annotated[float, Field(gt=0, le=1)])
 
 Side = Literal["periodic", "free"]
 Boundary = Annotated[Side | tuple[Side, Side], BeforeValidator(_tuple)]

@@ -1,0 +1,152 @@
+"""Loads that are given by what they do: gap, area, approach, force; what they cost, and what cannot be had."""
+
+import numpy as np
+import pytest
+from contacts import EXACT, field, random_heights, relative, rough, sweep_of
+
+from hpc_gfmd.driver.prescribed import Prescribed
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.registry import body_of, solver_names
+from hpc_gfmd.scene import Load, Material, Solver
+from hpc_gfmd.surface.build import surface_from_rows
+
+LAYER = {"thickness": 0.05, "nu1": 0.3, "E_star": 1.0}
+WALLS = {"periodic": (rough((2, 16, 4)), None), "free": (rough((2, 8, 4), boundary="free"), None), "layer": (rough((2, 16, 4)), LAYER),
+         "free along x": (rough((2, 8, 4), boundary=["free", "periodic"]), None)}
+CASES = [(wall, quantity) for wall in WALLS for quantity in ("gap_mean", "a_r", "approach")
+         if quantity != "approach" or wall in ("free", "layer")]
+
+
+def quantity_of(step, quantity):
+    contact = step.contact
+    return {"gap_mean": contact.gap_mean, "a_r": contact.contact_points / contact.N, "approach": contact.approach}[quantity]
+
+
+def sweep_over(z, free=(False, False), **solver):
+    def make(dtype):
+        return surface_from_rows(z.shape, (1.0, 1.0), lambda a, b: z[a:b], SerialComm(), dtype, 1, free)
+
+    return Sweep(make, Solver(**solver or EXACT), body=body_of(Material(), free))
+
+
+@pytest.mark.parametrize(("wall", "quantity"), CASES)
+def test_the_pressure_is_found(wall, quantity):
+    """What loads gave, asked for on other paths, gives the same contacts, for few FFT pairs more."""
+    surface, layer = WALLS[wall]
+    asked = dict(accuracy=1e-3, precision="double")
+    plain = sweep_of(surface, layer=layer, **asked)
+    steps = [(step, field(step, "pressure")) for p in (0.3, 0.05, 0.06, 0.2) for step in [plain.solve(p)]]
+    values = [quantity_of(step, quantity) for step, _ in steps]
+    sweep = sweep_of(surface, layer=layer, **asked)
+    pairs = []
+    for value, (step, pressure) in zip(values, steps, strict=True):
+        found = sweep.solve(Prescribed(quantity, value))
+        assert found.contact.outcome.status == "converged"
+        points = 1.001 / found.contact.N if quantity == "a_r" else 0.0
+        assert abs(quantity_of(found, quantity) - value) <= max(1e-3 * value, points)
+        assert found.contact.p == pytest.approx(step.contact.p, rel=1e-2)
+        assert relative(field(found, "pressure"), pressure) < 1e-2
+        pairs.append(found.pairs)
+    assert pairs[0] <= 2.5 * steps[0][0].pairs
+    assert sum(pairs[1:]) <= (1.5 if quantity != "a_r" else 1.8) * sum(step.pairs for step, _ in steps[1:])
+
+
+@pytest.mark.parametrize("name", solver_names())
+@pytest.mark.parametrize("quantity", ["gap_mean", "a_r"])
+def test_every_solver(name, quantity):
+    wanted = sweep_of(rough((2, 8, 2)), **EXACT).solve(0.1)
+    sweep = sweep_of(rough((2, 8, 2)), name=name, accuracy=1e-4, precision="double")
+    found = sweep.solve(Prescribed(quantity, quantity_of(wanted, quantity)))
+    assert found.contact.outcome.status == "converged"
+    assert quantity_of(found, quantity) == pytest.approx(quantity_of(wanted, quantity), abs=1.001 / 1024 if quantity == "a_r" else None,
+                                                         rel=1e-4)
+    assert found.contact.p == pytest.approx(0.1, rel=5e-3)
+
+
+@pytest.mark.parametrize("solver", [{"precision": "single"}, {"precision": "single", "low_memory": True}, {"residual": 1e-9}], ids=str)
+@pytest.mark.parametrize("quantity", ["gap_mean", "a_r"])
+def test_every_way(solver, quantity):
+    surface = rough((2, 16, 4))
+    accuracy = {} if "residual" in solver else {"accuracy": 2e-3}
+    wanted = sweep_of(surface, accuracy=1e-5, precision="double").solve(0.1)
+    value = quantity_of(wanted, quantity)
+    sweep = sweep_of(surface, **accuracy, **solver)
+    for target in (1.5 * value, value):
+        found = sweep.solve(Prescribed(quantity, target))
+        assert found.contact.outcome.status == "converged"
+        assert quantity_of(found, quantity) == pytest.approx(target, rel=2e-3)
+    assert found.contact.p == pytest.approx(0.1, rel=6e-3)
+
+
+def test_hertz_by_approach():
+    """delta = a^2/R, F = 4 E* a^3/(3 R)."""
+    a, R = 0.25, 10.0
+    sphere = {"kind": "sphere", "radius": R, "n": [128, 128], "boundary": "free"}
+    step = sweep_of(sphere, accuracy=1e-3, precision="double").solve(Prescribed("approach", a * a / R))
+    assert step.contact.approach == pytest.approx(a * a / R, rel=1e-3)
+    assert step.contact.p == pytest.approx(4 * a**3 / (3 * R), rel=3e-3)
+
+
+@pytest.mark.parametrize("layer", [None, LAYER], ids=["half-space", "layer"])
+@pytest.mark.parametrize("load", [{"gap_mean": 0}, {"gap_over_h_rms": [0.0]}, {"a_r": 1}], ids=str)
+def test_the_least_pressure_that_closes_the_gap(load, layer):
+    sweep = sweep_of(rough((2, 8, 2)), layer=layer, **EXACT)
+    step = sweep.solve(*sweep.pressures(Load(**load)))
+    p = field(step, "pressure")
+    assert step.contact.contact_points == step.contact.N
+    assert step.contact.gap_mean == 0
+    assert 0 < p.min() < 1e-9 * p.max()
+    assert p.mean() == pytest.approx(step.contact.p, rel=1e-9)
+
+
+def test_an_area_that_jumps():
+    """Four equal peaks touch all at once, and later sixteen others: what is nearer is taken, and that is said."""
+    z = np.full((16, 16), -1.0)
+    z[::8, ::8], z[4::8, ::8] = 0.0, -0.01
+    for wanted, points in ((5.5 / 256, 4), (6.5 / 256, 8)):
+        step = sweep_over(z, accuracy=1e-3, precision="double").solve(Prescribed("a_r", wanted))
+        assert step.contact.outcome.status == "converged"
+        assert step.contact.contact_points == points
+        assert "a_r jumps from 0.01562 to 0.03125 at this pressure" in step.contact.note
+
+
+@pytest.mark.parametrize("free", [(False, False), (True, True)], ids=str)
+def test_hardly_touching(free):
+    """A mean gap that is but a little less than where the highest peak touches."""
+    z = random_heights((16, 16), seed=3)
+    gap = (z.max() - z).mean() * (1 - 1e-4)
+    step = sweep_over(z, free, accuracy=1e-6, precision="double").solve(Prescribed("gap_mean", gap))
+    assert step.contact.gap_mean == pytest.approx(gap, rel=1e-6)
+    assert step.contact.outcome.status == "converged"
+
+
+def test_what_the_load_is_in_the_units_of_the_scene():
+    sweep = sweep_of(rough((2, 8, 2), physical_sizes=[3.0, 3.0], boundary="free"), E_star=5.0, accuracy=1e-3)
+    assert sweep.pressures(Load(force=[9.0, 18.0])) == (1.0, 2.0)
+    h_rms = sweep.surface.h_rms
+    loads = [*sweep.pressures(Load(gap_mean=0.5 * h_rms)), *sweep.pressures(Load(gap_over_h_rms=0.5))]
+    first, second = (sweep.solve(load).contact.p for load in loads)
+    assert sweep.solve(loads[0]).contact.gap_mean == pytest.approx(0.5 * h_rms, rel=1e-3)
+    assert first == pytest.approx(second, rel=1e-2)
+
+
+@pytest.mark.parametrize(("load", "words"), [
+    ({"gap_mean": 100.0}, "load.gap_mean: found 100, allowed: below "), ({"gap_over_h_rms": [0.1, 9]}, "load.gap_over_h_rms: found 9, "),
+    ({"a_r": 1e-6}, "load.a_r: found 1e-06, less than half of one of 256 points, allowed: 0.00391 to 1"),
+])
+def test_what_cannot_be_had(load, words):
+    with pytest.raises(SceneError) as caught:
+        sweep_of(rough((2, 4, 2)), **EXACT).pressures(Load(**load))
+    assert str(caught.value).startswith(words)
+
+
+@pytest.mark.parametrize(("z", "free", "load", "words"), [
+    (np.zeros((8, 8)), (False, False), {"a_r": 0.5}, "load.a_r: found a flat surface"),
+    (np.zeros((8, 8)), (True, True), {"gap_mean": 0.5}, "load.gap_mean: found a flat surface"),
+    (random_heights((8, 8)), (True, True), {"gap_mean": 0.0}, "load.gap_mean: found 0 with free boundaries"),
+])
+def test_nor_on_such_a_surface(z, free, load, words):
+    with pytest.raises(SceneError, match=words):
+        sweep_over(z, free).pressures(Load(**load))
