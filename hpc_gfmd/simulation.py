@@ -151,9 +151,9 @@ def _require_same_heights(file, surface):
 def _require_storable(output, surface, pressures):
     """Raise SceneError where a field that is asked for in single precision does not fit into it."""
     for name in output.fields if output.dtype == "single" else ():
-        for p in pressures:
-            if field_dtype(name, np.float32, p, surface) != np.float32:
-                raise SceneError(f'output.dtype: found "single", which cannot hold the {name} at a mean pressure of {p:g} '
+        for p_mean in pressures:
+            if field_dtype(name, np.float32, p_mean, surface) != np.float32:
+                raise SceneError(f'output.dtype: found "single", which cannot hold the {name} at a mean pressure of {p_mean:g} '
                                  f'(one unit of height: {surface.height_unit:g}), allowed: "double"')
 
 
@@ -276,7 +276,7 @@ class _Run:
             return status
         if index not in self.file.finished:
             if isinstance(load, Prescribed):
-                _require_storable(self.scene.output, self.sweep.surface, [step.contact.p])
+                _require_storable(self.scene.output, self.sweep.surface, [step.contact.p_mean])
             self._write(index, step, time.monotonic() - begun)
         stop, _ = self.interrupt.poll()
         if index + 1 < len(loads) and (stop or self.interrupt.cheap()):
@@ -300,7 +300,7 @@ class _Run:
         for name, found in distributions_named(self.distributions, contact).items():
             numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
         area, gap, pressure = contact.outcome.errors
-        attributes = {"p": contact.p, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
+        attributes = {"p": contact.p_mean, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
                       "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area,
                       "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure,
                       "precision": contact.g.dtype.name, "residual": contact.certificate.residual, "note": contact.note}

@@ -11,7 +11,7 @@ from ..problem import Problem
 from ..registry import solver_class
 from ..units import require_range, single_solves
 from .certificate import Certificate, certify, rounding_error
-from .drive import Course, Outcome, Target, drive
+from .drive import LoopState, Outcome, Target, drive
 from .nested import Nested, cold_gap, mean_height
 from .prescribed import Curve, Prescribed, Search, prescribed
 
@@ -80,9 +80,10 @@ class Sweep:
         pressures = load.p0(self.E_star, g_rms, float(np.prod(self.surface.sizes)))
         require_range(self.E_star, self.surface, pressures)
         if self.settings.precision == "single" and g_rms > 0:
-            for p in pressures:
-                if not single_solves(p / (self.E_star * g_rms), self.surface.grid.N):
-                    raise SceneError(f'solver.precision: found "single", too little for a pressure of {p:g}, allowed: "auto", "double"')
+            for p_mean in pressures:
+                if not single_solves(p_mean / (self.E_star * g_rms), self.surface.grid.N):
+                    raise SceneError(f'solver.precision: found "single", too little for a pressure of {p_mean:g}, '
+                                     'allowed: "auto", "double"')
         return pressures or prescribed(name, values, self.surface, self._top, closes=self.closes)
 
     def solve(self, load, watch=None, midway=False):
@@ -92,6 +93,8 @@ class Sweep:
         """
         if self._is_flat:
             return self._flat(load)
+        if midway and isinstance(load, Prescribed) and self._search is None:
+            load = self.solver.p0 * self.E_star * self.surface.slope
         if not midway:
             self._spent, self._search = 0.0, None
             if isinstance(load, Prescribed) and load.closes and self.closes:
@@ -124,7 +127,7 @@ class Sweep:
             arrays, own = self.solver.state()
             numbers |= {"p0": self.solver.p0, "own": own}
         if upcoming is None:
-            numbers |= {"course": asdict(self.course), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs,
+            numbers |= {"course": self.loop.stored(), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs,
                         "search": self._search and asdict(self._search)}
         return arrays, numbers
 
@@ -140,7 +143,7 @@ class Sweep:
             self._spent = numbers.get("spent", 0.0)
             self._search = Search(**numbers["search"]) if numbers.get("search") else None
             p0 = numbers["p0"]
-            if "course" in numbers and self._search is None:  # in the middle of this load; at its beginning it is that of one before
+            if "course" in numbers and not isinstance(load, Prescribed):  # in the middle of this load, not at its beginning
                 p0 = self._p_star(load)
                 if not abs(p0 / numbers["p0"] - 1) < SAME_LOAD:
                     raise SceneError(f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is asked for")
@@ -171,16 +174,16 @@ class Sweep:
             if promote and self._search is not None and self._too_little(self._search.p0):
                 return None
         solver = self.solver
-        outcome = drive(solver, self.target, watch, self.course, self._search)
+        outcome = drive(solver, self.target, watch, self.loop, self._search)
         pairs = self._spent + (solver.pairs - self._first_pairs) + outcome.check_pairs
-        p = load if self._search is None else solver.p0 * self.E_star * self.surface.slope
-        return self._step(p, solver.g, solver.p, outcome, solver.iterations, pairs)
+        p_mean = load if self._search is None else solver.p0 * self.E_star * self.surface.slope
+        return self._step(p_mean, solver.g, solver.p, outcome, solver.iterations, pairs)
 
-    def _step(self, p, g, q, outcome, iterations, pairs):
-        note = self._search.note if self._search is not None else None
-        contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.settings.accuracy or self.settings.residual, self.lam_s,
-                          self.body, note)
-        self._curve.add(np.log(p / (self.E_star * self.surface.slope)), contact, self._search)
+    def _step(self, p_mean, g, p, outcome, iterations, pairs):
+        accuracy = self.settings.accuracy or self.settings.residual
+        remark = self._search.note if self._search is not None else None
+        contact = Contact(self.surface, self.E_star, p_mean, g, p, outcome, accuracy, self.lam_s, self.body, remark)
+        self._curve.add(np.log(p_mean / (self.E_star * self.surface.slope)), contact, self._search)
         return Step(contact, iterations, float(pairs))
 
     def _begin(self, problem, arrays=None, numbers=None):
@@ -212,11 +215,11 @@ class Sweep:
 
     def _count(self):
         """A load begins."""
-        self._first_pairs, self.solver.iterations, self.course = self.solver.pairs, 0, Course()
+        self._first_pairs, self.solver.iterations, self.loop = self.solver.pairs, 0, LoopState()
 
     def _go_on(self, arrays, numbers):
         self.solver.load_state(arrays(self.surface.grid), numbers["own"])
-        self.course = Course(**numbers.get("course", {}))
+        self.loop = LoopState.restored(numbers.get("course", {}))
         self._first_pairs -= numbers.get("pairs", 0.0)
 
     def _starting_gap(self, problem, into):
@@ -243,10 +246,10 @@ class Sweep:
     def _closing_pressure(self):
         """The least mean pressure (unit of E_star) at which u = -h is the solution: none is in tension. One FFT pair."""
         problem = self._problem(1.0)
-        g, q = np.zeros_like(problem.h), np.empty_like(problem.h)
-        self._spent += certify(problem, g, q, dtype=self.target.judged_in).pairs
-        tension, largest = problem.grid.comm.max([-float(q.min()), float(np.abs(q).max())])
-        return (1 + tension + CLOSED * float(np.finfo(q.dtype).eps) * largest) * self.E_star * self.surface.slope
+        g, p = np.zeros_like(problem.h), np.empty_like(problem.h)
+        self._spent += certify(problem, g, p, dtype=self.target.certificate_dtype).pairs
+        tension, largest = problem.grid.comm.max([-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))])
+        return (1 + tension + CLOSED * float(np.finfo(p.dtype).eps) * largest) * self.E_star * self.surface.slope
 
     def _full_contact(self, problem):
         """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and the pairs spent on finding out."""
@@ -255,13 +258,13 @@ class Sweep:
         likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
         if not likely:
             return None, pairs
-        g, q = np.zeros_like(problem.h), np.empty_like(problem.h)
-        certificate = certify(problem, g, q, dtype=self.target.judged_in, dual=self.target.duality)
+        g, p = np.zeros_like(problem.h), np.empty_like(problem.h)
+        certificate = certify(problem, g, p, dtype=self.target.certificate_dtype, dual=self.target.duality)
         pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
             return None, pairs
         exact = replace(certificate, errors=(0.0, 0.0, rounding_error(problem, certificate.contact, problem.p0)))
-        return (g, q, Outcome("converged", exact, 0.0)), pairs
+        return (g, p, Outcome("converged", exact, 0.0)), pairs
 
     def _to(self, dtype):
         """Make the surface in this precision and plan all transforms that its contacts need."""
@@ -285,9 +288,9 @@ class Sweep:
         """Whether all points touch at any load: at its end a flat surface is a punch."""
         return self.surface.g_rms == 0 and not self.surface.grid.padded
 
-    def _flat(self, p):
+    def _flat(self, p_mean):
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
         certificate = Certificate(contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0)
-        return self._step(p, g, np.full_like(g, p / self.E_star), Outcome("converged", certificate, 0.0), 0, 0.0)
+        return self._step(p_mean, g, np.full_like(g, p_mean / self.E_star), Outcome("converged", certificate, 0.0), 0, 0.0)
 
