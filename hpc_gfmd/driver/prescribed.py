@@ -20,12 +20,13 @@ SHARE = 0.9  # of the tolerance: what is met better needs no correction
 # area is known a little better than the pressure field, whose error stands for its own
 TRUST = {"gap_mean": 5.0, "a_r": 1.5, "approach": 5.0}
 KNOWN = 8.0  # times better than they differ must two points be known for the slope between them
-COARSE = {"gap_mean": 0.005, "a_r": 0.02, "approach": 0.005}  # tolerance on coarser grids
+COARSE = {"gap_mean": 0.005, "a_r": 0.03, "approach": 0.005}  # tolerance on coarser grids
 TREND = {"gap_mean": 0.3, "a_r": 0.7, "approach": 0.3}  # of the last change of log p0 from grid to grid: the next one
+DOUBT = 0.5  # share of the estimated error that has to be as small, on coarser grids
 SLOPE = {"gap_mean": 0.6, "a_r": 1.0, "approach": 0.8}  # before anything is known
 SLOPES = 0.05, 20.0  # that are believed
 STEP, COARSE_STEP = log(2.0), log(4.0)  # the longest, in log p0
-SECANTS, MOST = 6, 100  # corrections of a load on a grid: then by bisection, and at most
+SECANTS, MOST = 6, 100  # corrections of a load on a grid: from then on by bisection, of what is known for sure, and at most
 RANGE = log(1e-99), log(1e99)  # of p0
 POINT = 1.001  # by which the area may be missed
 
@@ -111,7 +112,7 @@ class Search:
         elif self.grids > 1:
             self.x += TREND[self.quantity] * (self.x - coarser)
         self.grids, self.points, self.top = self.grids + 1, points, top
-        self.low = self.high = self.known = None
+        self.low = self.high = self.known = self.side = self.note = None
         self.corrections, self.looked = 0, -1
         return self.p0
 
@@ -126,11 +127,11 @@ class Search:
 
     def near(self, solver, progress):
         """Whether a solution on a coarser grid is as near as it need be; if not, its load may be changed."""
-        if not isfinite(self._straight(self.target)) or self.corrections == MOST:
+        if not isfinite(self._straight(self.target)) or self.corrections == MOST or self.note is not None:
             return True
         y, error = self._state(solver, progress)
         tolerance = COARSE[self.quantity]
-        return not self._correct(solver, y, error, tolerance, COARSE_STEP) and max(self._miss(y), error) <= tolerance
+        return not self._correct(solver, y, error, tolerance, COARSE_STEP) and max(self._miss(y), DOUBT * error) <= tolerance
 
     def adjust(self, solver, progress):
         """Change the load of the solver where its own numbers say that it is wrong; returns whether."""
@@ -206,7 +207,8 @@ class Search:
 
     def _correct(self, solver, y, error, tolerance, longest):
         miss = self._miss(y)
-        if miss <= SHARE * tolerance or not miss > TRUST[self.quantity] * error or self.note or self.corrections == MOST:
+        known = error < tolerance if self.corrections > SECANTS else miss > TRUST[self.quantity] * error
+        if miss <= SHARE * tolerance or not known or self.note or self.corrections == MOST:
             return False
         self.corrections += 1
         x, f, wanted = self.x, self._straight(y), self._straight(self.target)
