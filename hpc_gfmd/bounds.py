@@ -9,8 +9,10 @@ pressure v of zero mean, <v, e> is at most |v|_S |e|_K; two of them give mean(e)
   which is far smaller where little is out of contact. Here p* is p^ but for a part that is at most half of the bound |v|_S sqrt(2 G)/N,
   because 1/2 <e, K e> is nearly all of G; and <v, S (p - p^)> is known.
 
-Where the surface ends within the cell these are bounds of the mean of e over the cell. That over the surface alone is different by
-<v, e>/N, v = 1 on the surface (less its mean): |v|_S is known beforehand, it is the self-energy of the nominal area.
+Where the surface ends within the cell the first is a bound of the mean of e over the cell. That over the surface alone is different by
+<v, e>/N, v = 1 on the surface (less its mean): |v|_S is known beforehand, it is the self-energy of the nominal area. The second v is -1
+on the surface out of contact, constant in contact and 0 beyond. Restricted to a level it is t N/n - s, t and s being the indicators of
+the n points in contact and of the surface; <v, v> is taken as <t, t> (N/n)^2 - <s, s>, as if contact were as likely near the edges.
 """
 
 import numpy as np
@@ -34,11 +36,11 @@ def field_errors(energy, uKu, closed, contact, N, p0, gap, compliance, response,
     """Relative errors of the mean gap and of the pressure field (L2).
 
     energy: 2 G; uKu: <u, K u>; closed: sum of p^2 in contact; contact: points in contact; N: points; gap: its mean; compliance:
-    1/K of the shortest waves, Body.typical; response: |v|_S, aligned: <v, S (p - p^)>, both by sums over levels; surface: |v|_S of the
-    nominal area, 0 where that is all.
+    1/K of the shortest waves, Body.typical; response: |v|_S, aligned: <v, S (p - p^)>, both by sums over levels; surface: the
+    self-energy of the nominal area, 0 where that is all.
     """
     e = np.sqrt(max(energy, 0.0))
-    shift = (min(e * (np.sqrt(max(uKu, 0.0)) + e) / p0, UNKNOWN * response * e + ALIGNED * abs(aligned)) + surface * e) / N
+    shift = min(e * (np.sqrt(max(uKu, 0.0)) + e) / p0 + surface * e, UNKNOWN * response * e + ALIGNED * abs(aligned)) / N
     mean_gap = shift / (gap - shift) if shift < gap else (0.0 if shift == 0 else np.inf)
     return float(mean_gap), float(PRESSURE * (1 + TINY / np.sqrt(N) + LONE / contact) * e / np.sqrt(compliance * closed))
 

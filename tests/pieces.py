@@ -85,7 +85,8 @@ class Pieces:
 
 
 def scene(solver, loads=LOADS, fields=("gap", "pressure"), boundary="periodic", **settings):
-    """A small rough contact in double precision."""
+    """A small rough contact in double precision; loads: p*, or a table [load]."""
     solver = {"name": solver, "accuracy": 1e-2, "precision": "double"} | settings
-    return Scene.from_dict({"surface": rough((2, 8, 2), boundary=boundary), "load": {"p_star": loads}, "solver": solver,
+    load = loads if isinstance(loads, dict) else {"p_star": loads}
+    return Scene.from_dict({"surface": rough((2, 8, 2), boundary=boundary), "load": load, "solver": solver,
                             "output": {"fields": list(fields)}})

@@ -117,9 +117,9 @@ def _errors(problem, levels, g, p, sums, uKu):
     excess = 1 - N * p0 / sums.closed_p  # p - p^ is p out of contact, and so much of it in contact
     levels.restrict(g, p, excess)
     rr, tt, rt = grid.comm.sum(levels.sweep()[2:])
-    share, mean = contact / N, contact / grid.cell_points
+    share = contact / N
     energy = EQUIVALENCE * compliance * (sums.open_pp + excess**2 * closed_pp + rr)
-    response = np.sqrt(compliance * max(levels.without_mean(contact + tt, mean * mean), 0.0)) / share
+    response = np.sqrt(compliance * max(contact + tt - share**2 * levels.surface_norm, 0.0)) / share
     aligned = compliance * (excess * sums.closed_p + rt) / share
     typical = 1.0 / problem.body.typical(grid)
     mean_gap, pressure = field_errors(energy, uKu, closed_pp, contact, N, p0, gap / N, typical, response, aligned, problem.self_energy)

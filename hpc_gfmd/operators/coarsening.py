@@ -46,6 +46,12 @@ def axis_tables(n, m, dtype):
     return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
 
 
+def restrict_axis(x, m):
+    """A field of one axis on the next coarser level, of m points."""
+    J0, f = axis_tables(len(x), m, np.float64)
+    return (np.bincount(J0, (1 - f) * x, m) + np.bincount((J0 + 1) % m, f * x, m)) * (m / len(x))
+
+
 def axis_mode(n, m):
     """How the column axis is coarsened: 0 not at all, 1 exactly halved, 2 anything else."""
     return 0 if n == m else (1 if n == 2 * m and n > 2 else 2)

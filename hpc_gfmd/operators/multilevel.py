@@ -11,13 +11,15 @@ from it. Levels whose rows are spread over the ranks exchange halo rows; once a 
 which then sweeps the rest alone.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
 from ..kernels.bpx import UpdateSums, update_state
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_whole
 from ..parallel import halo
-from .coarsening import Transfer, levels
+from .coarsening import Transfer, levels, restrict_axis
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
 COUPLING = 1.05  # of what comes from the coarser levels
@@ -122,6 +124,18 @@ class Multilevel:
         """sum over levels of softness <r, t> for r and t less their means; squares: that of r and t themselves, of all levels and
         ranks; mean2: product of the means."""
         return float(squares - self.grid.cell_points * mean2 * np.sum(self.softness))
+
+    @cached_property
+    def surface_norm(self):
+        """sum over levels of softness <s, s> N/N_l for s = 1 on the surface, 0 beyond, restricted to the level."""
+        ones = [np.arange(n) < m for n, m in zip(self.grid.n, self.grid.nominal)]
+        total = 0.0
+        for level, softness, coarser in zip(self.levels, self.softness, [*self.levels[1:], None]):
+            share = self.grid.cell_points / (level.n[0] * level.n[1])
+            total += softness * share * float(np.prod([np.dot(s, s) for s in ones]))
+            if coarser is not None:
+                ones = [restrict_axis(s, m) for s, m in zip(ones, coarser.n)]
+        return total
 
     def restrict(self, g, p, excess):
         """From a state that no step has led to, what the update passes restrict; returns UpdateSums. excess: see kernels/bpx.py."""

@@ -172,7 +172,7 @@ class Bpx(Solver):
         self.rr, self.pp = sums.rr, sums.pp
         mean, share, product = self.levels.mean, sums.contact / self.grid.cell_points, self.levels.without_mean
         self.r_norm = max(product(sums.rr + r1, mean * mean), 0.0)
-        self.t_norm = max(product(sums.contact + t1, share * share), 0.0)
+        self.t_norm = max(sums.contact + t1 - (sums.contact / self.N) ** 2 * self.levels.surface_norm, 0.0)
         self.aligned = product(rt1, mean * share)
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)

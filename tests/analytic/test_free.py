@@ -8,6 +8,7 @@ import pytest
 from contacts import EXACT, field, random_heights, relative, rough, sweep_of
 
 from hpc_gfmd.bodies.free import Free
+from hpc_gfmd.driver.certificate import certify
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import all_observables, solver_names
@@ -224,3 +225,25 @@ def test_gradient_between_neighbours():
         made = surface_from_rows((12, 20), (12.0, 20.0), lambda a, b: (0.3 * x + 0.1 * y)[a:b], SerialComm(), np.float64, 1, free)
         assert made.g_rms == pytest.approx(sqrt(squares))
         assert made.h_rms == pytest.approx(np.std(0.3 * x + 0.1 * y))
+
+
+@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"]], ids=str)
+def test_the_gap_is_known_as_well_as_on_a_periodic_surface(boundary):
+    """By the estimates of the certificate: what surrounds the surface does not make them loose."""
+    over = {}
+    for ends in (boundary, "periodic"):
+        surface = rough((2, 16, 4), boundary=ends)
+        wanted = sweep_of(surface, **EXACT).solve(0.3).contact.certificate.gap_mean
+        sweep, ratios = sweep_of(surface, accuracy=1e-5, precision="double"), []
+
+        def watch(*_, sweep=sweep, ratios=ratios, wanted=wanted):
+            solver = sweep.solver
+            found = certify(solver.problem_now, solver.g, np.empty_like(solver.p), solver.levels)
+            solver.resume()
+            if 1e-6 < (miss := abs(found.gap_mean / wanted - 1)) < 0.1:
+                ratios.append(found.errors[1] / miss)
+
+        sweep.solve(0.3, watch)
+        assert min(ratios) > 1
+        over[str(ends)] = np.median(ratios)
+    assert over[str(boundary)] < 4 * over["periodic"]

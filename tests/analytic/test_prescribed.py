@@ -62,7 +62,7 @@ def test_every_solver(name, quantity):
     assert found.contact.outcome.status == "converged"
     assert quantity_of(found, quantity) == pytest.approx(quantity_of(wanted, quantity), abs=1.001 / 1024 if quantity == "a_r" else None,
                                                          rel=1e-4)
-    assert found.contact.p_mean == pytest.approx(0.1, rel=5e-3)
+    assert found.contact.p_mean == pytest.approx(0.1, rel=2e-3 if quantity == "gap_mean" else 2e-2)  # a point more or less
 
 
 @pytest.mark.parametrize("solver", [{"precision": "single"}, {"precision": "single", "low_memory": True}, {"residual": 1e-9}], ids=str)

@@ -49,11 +49,13 @@ def test_time_limit_and_restart(comm, shared_path):
 
 
 # tests/unit/test_restart.py has all solvers, on one process
-@pytest.mark.parametrize(("solver", "boundary"), [("bpx", "periodic"), ("ccg", "periodic"), ("bpx", "free")])
-def test_bit_identical(comm, shared_path, monkeypatch, solver, boundary):
+@pytest.mark.parametrize(("solver", "boundary", "loads"), [
+    ("bpx", "periodic", [0.1, 0.11, 0.12]), ("ccg", "periodic", [0.1, 0.11, 0.12]), ("bpx", "free", [0.1, 0.11, 0.12]),
+    ("bpx", "free", {"approach": [0.1, 0.02, 0.03]})], ids=str)
+def test_bit_identical(comm, shared_path, monkeypatch, solver, boundary, loads):
     """On as many ranks: stopped in the first load and at the end of the second, then dead without a word."""
     pieces = Pieces(monkeypatch, comm, shared_path)
-    asked = small(solver, [0.1, 0.11, 0.12], boundary=boundary)
+    asked = small(solver, loads, boundary=boundary)
     part = pieces.undisturbed(asked) // 3
     pieces.run(asked, (part // 2, False, ()), (part + part // 2, False, ()), (part // 2, True, ()))
     pieces.compare()

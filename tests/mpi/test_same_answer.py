@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from contacts import EXACT, field, heights_of, random_heights, rough, solve_scene, sweep_of
 
+from hpc_gfmd.driver.prescribed import Prescribed
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
@@ -51,6 +52,19 @@ def test_any_grid(comm, n):
                       Solver(**EXACT))
         steps.append(sweep.solve(0.1 * sweep.surface.g_rms))
     assert_same(comm, *steps)
+
+
+@pytest.mark.parametrize(("quantity", "value"), [("gap_mean", 0.02), ("a_r", 0.3), ("approach", 0.05)])
+@pytest.mark.parametrize("low_memory", [False, True])
+def test_prescribed(comm, quantity, value, low_memory):
+    """The search for a load takes the same steps on any number of ranks."""
+    surface = rough((2, 32, 4), boundary="free" if quantity == "approach" else "periodic", h_rms=0.05)
+    solver = {"accuracy": 1e-3, "precision": "double", "low_memory": low_memory}
+    found, wanted = (sweep_of(surface, comm=world, **solver) for world in (comm, SerialComm()))
+    for factor in (1.0, 0.8):
+        steps = [sweep.solve(Prescribed(quantity, factor * value)) for sweep in (found, wanted)]
+        assert steps[0].contact.p_mean == pytest.approx(steps[1].contact.p_mean, rel=1e-6)
+        assert_same(comm, *steps, tolerance=1e-5)
 
 
 @pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)

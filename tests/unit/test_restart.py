@@ -30,6 +30,8 @@ def test_bit_identical(pieces, solver):
 
 SWEEPS = {"each load": scene("auto"),
           "low memory": scene("bpx", [0.05, 0.06, 0.3], ["gap"], low_memory=True),
+          "prescribed": scene("auto", {"gap_over_h_rms": [0.3, 0.32, 1.2, 0.0, 0.4]}),
+          "prescribed areas": scene("bpx", {"a_r": [0.1, 0.5]}, ["gap"], low_memory=True),
           "single until a load with few points": scene("auto", [0.3, 1e-4, 1.2e-4, 1.3e-4], precision="auto", accuracy=1e-3)}
 
 
