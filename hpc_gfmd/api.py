@@ -98,7 +98,7 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
     >>> for solution in hpc_gfmd.solve(wall, p_star=[0.01, 0.1]):
     ...     print(solution.a_r, solution.pressure.max())
     """
-    started, comm = datetime.now(UTC).isoformat(timespec="seconds"), comm_of(comm)
+    started, begun, comm = datetime.now(UTC).isoformat(timespec="seconds"), time.monotonic(), comm_of(comm)
     loads = {"pressure": pressure, "p_star": p_star, "gap_mean": gap_mean, "gap_over_h_rms": gap_over_h_rms, "a_r": a_r, "force": force,
              "approach": approach}
     given = {"E_star": E_star, "physical_sizes": physical_sizes, "accuracy": accuracy, "nu1": nu, "thickness": thickness, "base": base,
@@ -121,6 +121,7 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         unit = known.unit if known else ""
         made = surface_from_rows(heights.shape, sizes, rows_of, comm, dtype, threads, scene.surface.free, Checksum(), unit)
         head["heights"] = made.checksum
+        head.setdefault("setup_seconds", time.monotonic() - begun)
         measured = hasattr(scene.surface, "path")
         return replace(made, prepared=known.prepared if known else (), doubts=doubts, checksum=made.checksum if measured else None)
 

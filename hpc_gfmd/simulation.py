@@ -1,8 +1,11 @@
 """From a scene to its result file: the composition, top to bottom."""
 
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -34,17 +37,38 @@ class RunResult:
     """path: the result file; steps: attributes of every load step; status: the worst of them; exit_code: of the command line."""
 
     path: Path
-    steps: list
+    steps: list[dict]
     status: str
     exit_code: int
 
 
-def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=False, comm=None):
-    """Solve a scene (path of a TOML file, or scene.Scene) and write its result file. Collective.
+def run_scene(scene: str | PathLike | Scene, overrides: Iterable[str] = (), out: str | PathLike | None = None, resume: bool = False,
+              force: bool = False, quiet: bool = False, comm: Any = None) -> RunResult:
+    """Solve a scene and write its result file, as `hpc-gfmd run` does. Collective.
 
-    overrides: "table.key=value" texts; out: path of the result instead of the scene's; resume: keep the finished steps and the
-    checkpoint of an interrupted run; force: overwrite the result of another scene. Raises SceneError on all ranks for a wrong scene,
-    GfmdError for what failed while running.
+    Parameters
+    ----------
+    scene
+        Path of a TOML file, or a scene.Scene.
+    overrides
+        Texts "table.key=value".
+    out
+        Path of the result instead of the scene's.
+    resume
+        Keep the finished steps and the checkpoint of an interrupted run.
+    force
+        Overwrite the result of another scene.
+    quiet
+        Print nothing.
+    comm
+        A communicator of parallel.comm; default: all processes that the MPI launcher started.
+
+    Raises
+    ------
+    SceneError
+        On all ranks, for a wrong scene.
+    GfmdError
+        For what failed while running.
     """
     begun = time.monotonic()
     comm = comm or world()

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from .parallel.comm import SerialComm
 from .registry import all_distributions, all_observables, distribution_names, names_together, observable_names
 from .restored import LOST, restored_contact, whole
 from .scene.explain import nearest
+
+if TYPE_CHECKING:
+    from .plotting.style import Figure
 
 
 class Solution:
@@ -211,6 +214,13 @@ class Solution:
         """Write a result file, as `hpc-gfmd run` does; see Solutions.save."""
         return _save(self, path, force)
 
+    def plot(self, what: str | None = None, **how: Any) -> "Figure":
+        """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept), "distributions" or "curves".
+
+        how: further arguments of plotting.figures. Raises SceneError where there is no such picture, or fields are spread over ranks.
+        """
+        return _plot(self, what, how)
+
     def __repr__(self) -> str:
         return f"<Solution: {summary(self._step, self.result.surface)}>"
 
@@ -294,6 +304,13 @@ class Solutions(Sequence):
         """
         return _save(self, path, force)
 
+    def plot(self, what: str = "curves", **how: Any) -> "Figure":
+        """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads), "maps" or "distributions" (of some loads).
+
+        how: further arguments of plotting.figures. Raises SceneError where there is no such picture, or fields are spread over ranks.
+        """
+        return _plot(self, what, how)
+
     def __repr__(self) -> str:
         lines = [f"<{len(self)} solution{'s' * (len(self) != 1)}: {surface_line(self.result.surface)}, {self.status}"]
         lines += [f"  {k}: {summary(step, self.result.surface)}" for k, step in zip(self.result.indices, self.result.steps)]
@@ -312,6 +329,19 @@ def solutions_of(result: Result, contacts=None, rows=None, comm=None) -> Solutio
     singles = [replace(result, steps=[step], indices=[index], fields=[fields], status=step["status"])
                for step, index, fields in zip(result.steps, result.indices, result.fields, strict=True)]
     return Solutions([Solution(single, contact, rows, comm) for single, contact in zip(singles, contacts, strict=True)], result)
+
+
+def _plot(solved, what, how):
+    from .plotting import figures
+
+    one = solved if isinstance(solved, Solution) else solved[0]
+    if one.comm.size > 1:
+        raise SceneError(f"plot: found fields that are spread over {one.comm.size} ranks, allowed: save, and plot the file")
+    drawn = figures(solved.result, **how)
+    what = what or next(iter(drawn))
+    if what not in drawn:
+        raise SceneError(f"what: found {what!r}, allowed: {', '.join(drawn)}")
+    return drawn[what]
 
 
 def _save(solved, path, force):
