@@ -12,7 +12,7 @@ LEGEND = "+-: estimated error of the solver on this grid; grid: estimated error 
 COLUMNS = (
     ("p_star", "p*", "", None),
     ("p", "p", "[unit of E*]", None),
-    ("a_r", "a_r", "[+- solver]", "a_r_error"),
+    ("a_r", "a_r", "[% +- solver]", "a_r_error"),
     ("a_r_discretisation", "grid", "[%]", None),
     ("kappa", "kappa", "", None),
     ("kappa_corrected", "edge-corr.", "", None),
@@ -75,11 +75,12 @@ def summary(step: dict, surface: dict) -> str:
 
 
 def _scales(steps, surface):
-    """{attribute: (scale, heading)} of what has a unit, with the prefix that suits its largest value."""
+    """{attribute: (scale, heading)} of a_r in per cent, and of what has a unit, with the prefix that suits its largest value."""
     length, pressure = surface.get("unit", ""), surface.get("pressure_unit", "")
     units = {"p": pressure, "gap_mean": length, "approach": length, "stiffness": f"{pressure}/{length}" if pressure and length else ""}
     found = {key: prefixed([step[key] for step in steps if step.get(key) is not None], unit) for key, unit in units.items() if unit}
-    return {key: (scale, f"[{unit}]") for key, (scale, unit) in found.items()}
+    per_cent = {key: (0.01, heading) for key, _, heading, _ in COLUMNS if key == "a_r"}
+    return per_cent | {key: (scale, f"[{unit}]") for key, (scale, unit) in found.items()}
 
 
 def converged(step: dict) -> bool:
