@@ -173,18 +173,18 @@ def _pressed(comm, scene, make_surface, progress):
     sweep, steps, contacts = sweep_of(scene, make_surface), [], []
     say = Reporter(comm, scene.solver, quiet=not progress, bar=progress)
     pressures = sweep.pressures(scene.load)
-    for index, p in enumerate(pressures):
+    for index, p_mean in enumerate(pressures):
         begun = time.monotonic()
-        say.step(index, len(pressures), p / (sweep.E_star * sweep.surface.slope))
+        say.step(index, len(pressures), p_mean / (sweep.E_star * sweep.surface.slope))
         try:
-            step = sweep.solve(p, say.watch)
+            step = sweep.solve(p_mean, say.watch)
         finally:
             say.done()
         contact = step.contact
         cheap = {name: f(contact) for name, f in observables_named(None).items()}
-        steps.append(cheap | step_attributes(scene.output, p, step, time.monotonic() - begun))
+        steps.append(cheap | step_attributes(scene.output, step, time.monotonic() - begun))
         if index + 1 < len(pressures):  # the next load overwrites these
-            contact = replace(contact, g=contact.g.copy(), q=contact.q.copy()) if scene.output.fields else None
+            contact = replace(contact, g=contact.g.copy(), p=contact.p.copy()) if scene.output.fields else None
         contacts.append(contact if scene.output.fields else None)
     for grid in {id(one.surface.grid): one.surface.grid for one in contacts if one is not None}.values():
         for fft in grid.planned():

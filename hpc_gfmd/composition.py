@@ -60,15 +60,15 @@ def surface_attributes(scene, surface):
             **numbers, **shape}
 
 
-def step_attributes(output, p, step, seconds):
-    """What is said of a solved load (driver.sweep.Step) at mean pressure p, by the names of the result file; None for what has no
+def step_attributes(output, step, seconds):
+    """What is said of a solved load (driver.sweep.Step), by the names of the result file; None for what has no
     value. output: scene.Output; seconds: spent on it. Collective."""
     contact = step.contact
     numbers = {name: f(contact) for name, f in observables_named(output.observables).items()}
     for name, found in distributions_named(output.distributions, contact).items():
         numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
     area, gap, pressure = contact.outcome.errors
-    attributes = {"p": p, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
+    attributes = {"p": contact.p_mean, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
                   "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area,
                   "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure,
                   "precision": contact.g.dtype.name, "residual": contact.certificate.residual, "note": contact.note}

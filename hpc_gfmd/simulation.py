@@ -152,9 +152,9 @@ def _require_same_heights(file, surface):
 def _require_storable(output, surface, pressures):
     """Raise SceneError where a field that is asked for in single precision does not fit into it."""
     for name in output.fields if output.dtype == "single" else ():
-        for p in pressures:
-            if field_dtype(name, np.float32, p, surface) != np.float32:
-                raise SceneError(f'output.dtype: found "single", which cannot hold the {name} at a mean pressure of {p:g} '
+        for p_mean in pressures:
+            if field_dtype(name, np.float32, p_mean, surface) != np.float32:
+                raise SceneError(f'output.dtype: found "single", which cannot hold the {name} at a mean pressure of {p_mean:g} '
                                  f'(one unit of height: {surface.height_unit:g}), allowed: "double"')
 
 
@@ -227,8 +227,8 @@ class _Run:
 
     def _one_step(self, index, pressures, midway):
         begun = time.monotonic() - (midway.seconds if midway else 0.0)
-        p = pressures[index]
-        p_star = p / (self.sweep.E_star * self.sweep.surface.g_rms) if self.sweep.surface.g_rms else float("nan")
+        p_mean = pressures[index]
+        p_star = p_mean / (self.sweep.E_star * self.sweep.surface.g_rms) if self.sweep.surface.g_rms else float("nan")
         self.say.step(index, len(pressures), p_star)
 
         def watch(iterations, progress):
@@ -239,14 +239,14 @@ class _Run:
             return stop
 
         try:
-            step = self.sweep.solve(p, watch, midway is not None)
+            step = self.sweep.solve(p_mean, watch, midway is not None)
         finally:
             self.say.done()
         status = step.contact.outcome.status
         if status == "interrupted":
             return status
         if index not in self.file.finished:
-            self._write(index, p, step, time.monotonic() - begun)
+            self._write(index, step, time.monotonic() - begun)
         stop, _ = self.interrupt.poll()
         if index + 1 < len(pressures) and (stop or self.interrupt.cheap()):
             self._save(index + 1, lambda: self.sweep.state(pressures[index + 1]))
@@ -262,8 +262,8 @@ class _Run:
                              self.scene.identity())
             self.interrupt.saved(begun)
 
-    def _write(self, index, p, step, seconds):
+    def _write(self, index, step, seconds):
         """A finished load into the file."""
-        attributes = step_attributes(self.scene.output, p, step, seconds)
+        attributes = step_attributes(self.scene.output, step, seconds)
         fields = {name: step.contact.field(name) for name in self.scene.output.fields if name in FIELDS}
         self.file.write_step(index, attributes, fields)
