@@ -18,16 +18,20 @@ from ..errors import SceneError
 SHARE = 0.9  # of the tolerance: what is met better needs no correction
 # times the estimated error of the quantity: what is missed by less is not known. That of the mean gap is about the true one, and the
 # area is known a little better than the pressure field, whose error stands for its own
-TRUST = {"gap_mean": 5.0, "a_r": 1.5, "approach": 5.0}
+TRUST = {"gap_mean": 5.0, "a_r": 1.5, "approach": 2.0}
+FIELD = 0.1  # of the error of the pressure field, beside that of the mean gap: the error of the approach
 KNOWN = 8.0  # times better than they differ must two points be known for the slope between them
 COARSE = {"gap_mean": 0.005, "a_r": 0.03, "approach": 0.005}  # tolerance on coarser grids
 TREND = {"gap_mean": 0.3, "a_r": 0.7, "approach": 0.3}  # of the last change of log p0 from grid to grid: the next one
 DOUBT = 0.5  # share of the estimated error that has to be as small, on coarser grids
 SLOPE = {"gap_mean": 0.6, "a_r": 1.0, "approach": 0.8}  # before anything is known
+FAR = log(3.0)  # log p0 of two loads, that have to do with each other no more
+BEND = 0.3  # by which a slope may differ from that of the last secant, relative
 SLOPES = 0.05, 20.0  # that are believed
 STEP, COARSE_STEP = log(2.0), log(4.0)  # the longest, in log p0
 SECANTS, MOST = 6, 100  # corrections of a load on a grid: from then on by bisection, of what is known for sure, and at most
 RANGE = log(1e-99), log(1e99)  # of p0
+SHARP = 0.1  # times the tolerance: no curve but that of the area rises within such an interval of log p0
 POINT = 1.001  # by which the area may be missed
 
 
@@ -156,8 +160,8 @@ class Search:
 
     def correct(self, solver, certificate, sure):
         """Change the load of the solver where the certificate says that it is wrong; returns whether. sure: whatever its errors."""
-        y, (area_error, gap_error, _) = self._of(solver, certificate), certificate.errors
-        error = 0.0 if sure else self._error(y, certificate.gap_mean * solver.grid.a, area_error, gap_error)
+        y = self._of(solver, certificate)
+        error = 0.0 if sure else self._error(y, certificate.gap_mean * solver.grid.a, *certificate.errors)
         return self._correct(solver, y, error, self.tolerance, STEP)
 
     # -- what is known ---------------------------------------------------------------------------------------------------------
@@ -189,7 +193,7 @@ class Search:
             rising = grid.comm.sum([solver.g.sum(dtype=float)])[0] / grid.cell_points if grid.padded else gap
             y = solver.p_cell / solver.elastic.multipliers.uniform * grid.a - rising * grid.a + self.top * grid.N / grid.cell_points
         gap_error, pressure_error = progress.estimates
-        return y, self._error(y, gap * grid.a, pressure_error, gap_error)
+        return y, self._error(y, gap * grid.a, pressure_error, gap_error, pressure_error)
 
     def _of(self, solver, certificate):
         """The quantity, as the certificate finds it."""
@@ -197,10 +201,10 @@ class Search:
             return certificate.contact / solver.N
         return (certificate.approach if self.quantity == "approach" else certificate.gap_mean) * solver.grid.a
 
-    def _error(self, y, gap, area_error, gap_error):
-        """Relative, of the quantity; that of the approach is about the same length as that of the mean gap."""
+    def _error(self, y, gap, area_error, gap_error, pressure_error):
+        """Relative, of the quantity."""
         if self.quantity == "approach":
-            return gap_error * gap / y if y > 0 else inf
+            return gap_error * gap / y + FIELD * pressure_error if y > 0 else inf
         return area_error if self.quantity == "a_r" else gap_error
 
     # -- corrections -----------------------------------------------------------------------------------------------------------
@@ -221,6 +225,8 @@ class Search:
             if self.quantity == "a_r" and high - low < tolerance:
                 x, self.side = min(self.low, self.high, key=lambda end: abs(end[1] - self.target))
                 self.note = f"a_r jumps from {self.low[1]:.4g} to {self.high[1]:.4g} at this pressure: the nearer to what was asked for"
+            elif high - low < SHARP * tolerance:  # the older bound was none
+                self.low, self.high = (None, self.high) if f > wanted else (self.low, None)
             elif not low < x < high or self.corrections > SECANTS:
                 x = 0.5 * (low + high)
         self.x = min(max(x, RANGE[0]), RANGE[1])
@@ -246,33 +252,41 @@ class Search:
 
 
 class Curve:
-    """What a sweep remembers of the loads before, for a first guess: points, the last two of {"x": log p0, quantity: value}, and
-    offsets, {quantity: Search.found_offset}."""
+    """What a sweep knows of the loads before, for a first guess: points, the last three of {"x": log p0, quantity: value}; slopes and
+    offsets, {quantity: Search.slope and found_offset}."""
 
-    def __init__(self, points=(), offsets=None):
-        self.points, self.offsets = list(points), dict(offsets or {})
+    def __init__(self, points=(), slopes=None, offsets=None):
+        self.points, self.slopes, self.offsets = list(points), dict(slopes or {}), dict(offsets or {})
 
     def add(self, x, contact, search=None):
         """A load that was solved: log p0, its Contact, and the Search where that found it."""
         certificate, a = contact.certificate, contact.surface.grid.a
-        self.points = [*self.points[-1:], {"x": x, "a_r": contact.contact_points / contact.N, "gap_mean": certificate.gap_mean * a,
+        self.points = [*self.points[-2:], {"x": x, "a_r": contact.contact_points / contact.N, "gap_mean": certificate.gap_mean * a,
                                            "approach": certificate.approach * a}]
-        if search is not None and search.found_offset is not None:
-            self.offsets[search.quantity] = search.found_offset
+        if search is not None:
+            self.slopes[search.quantity] = search.slope
+            if search.found_offset is not None:
+                self.offsets[search.quantity] = search.found_offset
 
     def search(self, load, surface, top, tolerance):
         """The Search for a Prescribed load on a surface.Surface; top: see Search."""
         kind, area = load.quantity, load.quantity == "a_r"
         target = load.value if area else load.value / surface.slope
-        search = Search(kind, target, tolerance, 0.0, SLOPE[kind], surface.grid.N, top, self.offsets.get(kind))
+        slope = self.slopes.get(kind, SLOPE[kind])
+        search = Search(kind, target, tolerance, 0.0, slope, surface.grid.N, top, self.offsets.get(kind))
         known = [(point["x"], f) for point in self.points if isfinite(f := search._straight(point[kind]))]
         if not known:
             search.x = log(target / 2) if area else log(target / max(surface.sizes))
             if kind == "gap_mean":
                 search.x = -1 - 3 * load.value / surface.h_rms  # self-affine walls
             return search
-        (x0, f0), (x1, f1) = known[0], known[-1]
-        if x0 != x1 and SLOPES[0] < (f1 - f0) / (x1 - x0) < SLOPES[1]:
-            search.slope = (f1 - f0) / (x1 - x0)
-        search.x = x1 + (search._straight(target) - f1) / search.slope
+        wanted, (x, f) = search._straight(target), known[-1]
+        near = [point for point in known if abs(point[0] - x) < FAR or kind not in self.slopes]  # slopes elsewhere are of no use
+        secants = [((x0 + x1) / 2, (f1 - f0) / (x1 - x0)) for (x0, f0), (x1, f1) in zip(near, near[1:]) if x0 != x1]
+        if secants and SLOPES[0] < secants[-1][1] < SLOPES[1]:
+            middle, search.slope = secants[-1]
+            bend = (search.slope - secants[0][1]) / (middle - secants[0][0]) if len(secants) > 1 and middle != secants[0][0] else 0.0
+            change = bend * (x + 0.5 * (wanted - f) / search.slope - middle)
+            search.slope *= 1 + min(max(change / search.slope, -BEND), BEND)
+        search.x = x + (wanted - f) / search.slope
         return search
