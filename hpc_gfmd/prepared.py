@@ -1,5 +1,6 @@
 """A surface for a notebook or a script: read and prepared, or made, as a scene would, on one process."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
@@ -58,13 +59,14 @@ class PreparedSurface:
         return f"<surface: {', '.join([*said, *self.prepared])}{doubts}>"
 
 
-def read_surface(path: str | PathLike, **keys: Any) -> PreparedSurface:
+def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -> PreparedSurface:
     """Read a height map of any format and prepare it, on one process.
 
     Parameters
     ----------
     path
-        A .npy, .npz, .txt, .csv, HDF5 or NetCDF file, or what SurfaceTopography reads (.x3p, .gwy, .spm, ...).
+        A .npy, .npz, .txt, .csv, HDF5 or NetCDF file, or what SurfaceTopography reads (.x3p, .gwy, .spm, ...); a list of two: their
+        sum, of two rough bodies.
     **keys
         Those of the scene's [surface] with kind = "file", such as physical_sizes=("10 um", "8 um"), unit="nm", detrend="tilt",
         fill="harmonic", crop=(x0, y0, x1, y1), mirror=True, window="hann", refine=2, downsample=2, flip=True, boundary="free",
@@ -80,7 +82,8 @@ def read_surface(path: str | PathLike, **keys: Any) -> PreparedSurface:
     SceneError
         For what cannot be read, or has no sizes, no unit, no heights at some points, or edges that do not fit together.
     """
-    scene, table = _scene({"kind": "file", "path": str(path)} | keys, "hpc_gfmd.read_surface")
+    path = [str(one) for one in path] if isinstance(path, list | tuple) else str(path)
+    scene, table = _scene({"kind": "file", "path": path} | keys, "hpc_gfmd.read_surface")
     spec = scene.surface
     found, done, notes = prepare(open_topography(spec), spec, SerialComm())
     return _known(PreparedSurface(found.rows(0, found.n[0]), found.sizes, found.unit, done, notes, spec.free), table)

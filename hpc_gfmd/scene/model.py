@@ -85,6 +85,8 @@ class Scene(Table):
             path = surface.get("path")
             if path and isinstance(path, str):
                 data = data | {"surface": surface | {"path": str(Path(folder).absolute() / path)}}
+            elif path and isinstance(path, list) and all(one and isinstance(one, str) for one in path):
+                data = data | {"surface": surface | {"path": [str(Path(folder).absolute() / one) for one in path]}}
         try:
             return cls.model_validate(data)
         except ValidationError as error:

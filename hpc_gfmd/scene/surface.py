@@ -17,6 +17,7 @@ from .table import (
     Length,
     LengthUnit,
     Modes,
+    Paths,
     Points,
     Positive,
     Ratio,
@@ -173,8 +174,9 @@ class File(Surface):
     keys say otherwise."""
 
     kind: Literal["file"]
-    path: PathText = key("a relative one counts from the folder of the scene",
-                         "the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...)", example="map.npy")
+    path: Paths = key("a relative one counts from the folder of the scene; of two rough bodies both maps, as seen from the same side, "
+                      "peaks away from their bodies: their sum is pressed",
+                      "the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...), or a list of two", example="map.npy")
     dataset: PathText = key("which one, where the file has several", "the name of a data set (HDF5, NetCDF, .npz) or of a channel", ANY)
     physical_sizes: Sizes | None = key("lengths of the map", f"{SIZES}; plain ones are in surface.unit", None, unit="length",
                                        example=["10 um", "8 um"], said="what the file says")
@@ -204,7 +206,7 @@ class File(Surface):
 
     @property
     def format(self) -> str:
-        """"npy", "npz", "text", "hdf5", "netcdf" or "other", by the extension."""
+        """Of one map: "npy", "npz", "text", "hdf5", "netcdf" or "other", by the extension."""
         return FORMATS.get(PurePath(self.path).suffix.lower(), "other")
 
     @property

@@ -68,6 +68,7 @@ Ratio = Annotated[float, Field(ge=1, le=LARGEST)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
 Path = Annotated[Text, Field(min_length=1)]
+Paths = Annotated[Path | tuple[Path, Path], BeforeValidator(_tuple)]
 Corners = Annotated[tuple[(_quantity("length", Annotated[float, Field(ge=0, le=LARGEST)]),) * 4], BeforeValidator(_tuple)]
 Sizes = Annotated[tuple[Length, Length], BeforeValidator(_tuple)]
 Points = Annotated[tuple[Annotated[int, Field(ge=1, le=MAX_N)], Annotated[int, Field(ge=1, le=MAX_N)]],

@@ -1,12 +1,13 @@
 """Heights with their sizes, whatever file they come from: what the file says, unless the scene says otherwise."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..errors import SceneError
 from ..quantity import Quantity, factor
 from .files import HeightMap
 from .heights import checked
 
+ALIKE = 1e-6  # relative difference of lengths that are the same
 UNITS = 'a unit of length, such as surface.unit = "nm"'
 
 
@@ -34,7 +35,25 @@ class Topography:
 
 
 def open_topography(spec):
-    """The Topography of a scene's height map, of which no height is read yet. Raises SceneError."""
+    """The Topography of a scene's height map, or of the sum of two, of which no height is read yet. Raises SceneError."""
+    if isinstance(spec.path, str):
+        return _open_one(spec)
+    first, second = (_open_one(spec.model_copy(update={"path": path})) for path in spec.path)
+    for what, found, other in (("points", first.n, second.n), ("lengths", first.sizes, second.sizes),
+                               ("the unit", first.unit or "none", second.unit or "none")):
+        same = all(abs(a - b) <= ALIKE * b for a, b in zip(found, other)) if what == "lengths" else found == other
+        if not same:
+            raise SceneError(f"surface.path: found {what} {_shown(found)} in {first.path} and {_shown(other)} in {second.path}, "
+                             "allowed: two maps of the same points, lengths and unit")
+    periodic = None if None in (first.periodic, second.periodic) else first.periodic and second.periodic
+    return replace(first, rows=lambda start, stop: first.rows(start, stop) + second.rows(start, stop), periodic=periodic)
+
+
+def _shown(found):
+    return found if isinstance(found, str) else " x ".join(f"{length:.6g}" for length in found)
+
+
+def _open_one(spec):
     found = HeightMap(spec)
     said, given = found.said, spec.physical_sizes
     unit = spec.unit or said.unit
