@@ -114,8 +114,7 @@ class Load(Table):
                             "a number above 0 and up to 1, or a list of them", None, example=[0.01, 0.1])
     force: Forces | None = key("forces on a surface that ends", 'a number greater than 0, plain or as "5 mN", or a list of them', None,
                                unit="force", example="5 mN")
-    approach: Lengths | None = key("how far the bodies have come together since they touched undeformed, on a surface that ends along "
-                                   "both axes or a layer; the pressures are found",
+    approach: Lengths | None = key("how far the bodies come together after they touch (free boundaries along both axes, or a layer)",
                                    'a number greater than 0, plain or as "10 nm", or a list of them', None, unit="length",
                                    example="10 nm")
 

@@ -170,12 +170,11 @@ class Sphere(Surface):
 
 
 class File(Surface):
-    """A measured or computed height map; the grid is the shape of the map. What the file says of sizes and units holds unless these
-    keys say otherwise."""
+    """A measured or computed height map, or the sum of two, x and y of which are the same directions in space; the grid is its shape.
+    What the file says of sizes and units holds unless these keys say otherwise."""
 
     kind: Literal["file"]
-    path: Paths = key("a relative one counts from the folder of the scene; of two rough bodies both maps, as seen from the same side, "
-                      "peaks away from their bodies: their sum is pressed",
+    path: Paths = key("a relative one counts from the folder of the scene; two maps, of two rough bodies, are added",
                       "the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...), or a list of two", example="map.npy")
     dataset: PathText = key("which one, where the file has several", "the name of a data set (HDF5, NetCDF, .npz) or of a channel", ANY)
     physical_sizes: Sizes | None = key("lengths of the map", f"{SIZES}; plain ones are in surface.unit", None, unit="length",

@@ -54,7 +54,8 @@ def test_any_grid(comm, n):
     assert_same(comm, *steps)
 
 
-@pytest.mark.parametrize(("quantity", "value", "low_memory"), [("gap_mean", 0.02, False), ("a_r", 0.3, True), ("approach", 0.05, False)])
+@pytest.mark.parametrize(("quantity", "value", "low_memory"),
+                         [("gap_mean", 0.02, False), ("a_r", 0.3, True), ("approach", 0.05, False)])
 def test_prescribed(comm, quantity, value, low_memory):
     """The search for a load takes the same steps on any number of ranks."""
     surface = rough((2, 16, 4), boundary="free" if quantity == "approach" else "periodic", h_rms=0.05)
