@@ -75,7 +75,7 @@ class Sweep:
         """
         name, values = load.given
         flat, g_rms = self.surface.g_rms == 0, self.surface.g_rms
-        if flat and name in FLAT_HAS_NONE:
+        if flat and (name in FLAT_HAS_NONE or (name == "approach" and self._is_flat)):
             raise SceneError(f"load.{name}: found a flat surface (g_rms = 0), allowed: load.pressure")
         pressures = load.p0(self.E_star, g_rms, float(np.prod(self.surface.sizes)))
         require_range(self.E_star, self.surface, pressures)

@@ -157,6 +157,7 @@ def test_what_cannot_be_had(load, words):
 @pytest.mark.parametrize(("z", "free", "load", "words"), [
     (np.zeros((8, 8)), (False, False), {"a_r": 0.5}, "load.a_r: found a flat surface"),
     (np.zeros((8, 8)), (True, True), {"gap_mean": 0.5}, "load.gap_mean: found a flat surface"),
+    (np.zeros((8, 8)), (False, False), {"approach": 0.5}, "load.approach: found a flat surface"),
     (random_heights((8, 8)), (True, True), {"gap_mean": 0.0}, "load.gap_mean: found 0 with free boundaries"),
 ])
 def test_nor_on_such_a_surface(z, free, load, words):
