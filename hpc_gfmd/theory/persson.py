@@ -97,7 +97,7 @@ def elastic_energy(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float =
     return np.where(np.asarray(p_star) > 0, share / (2 * profile.h_rms), 0.0)[()]
 
 
-def mean_gap_spectrum(q, C, p0: ArrayLike, E_star: float = 1.0, gamma: float = GAMMA, printed: bool = False,
+def mean_gap_spectrum(q: ArrayLike, C: ArrayLike, p0: ArrayLike, E_star: float = 1.0, gamma: float = GAMMA, printed: bool = False,
                       area: float = 1.0) -> np.ndarray:
     """Mean gap, in the unit of 1/q, of a surface with an arbitrary isotropic spectrum under the pressure p0.
 
@@ -133,14 +133,14 @@ def curve(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, p
     return found
 
 
-def _gap(profile, p_star, gamma, printed):
+def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
     """Gap in units of g_rms/q_min."""
     gamma = _gamma(gamma)
     gap = profile.integrate(p_star, lambda x: kernels.gap_kernel(x, gamma, printed), power=1) / np.sqrt(2 * np.pi)
     return np.where(p_star > 0, gap, np.inf)[()]
 
 
-def _length(profile, eps_f, unit):
+def _length(profile: SlopeProfile, eps_f: float, unit: str) -> float:
     if unit == "h_rms":
         return profile.h_rms
     if unit == "g_rms_lam_s":
@@ -148,13 +148,13 @@ def _length(profile, eps_f, unit):
     raise SceneError(f"unit: found {unit!r}, allowed: 'h_rms', 'g_rms_lam_s'")
 
 
-def _pressure(p_star, name="p_star"):
+def _pressure(p_star: ArrayLike, name: str = "p_star") -> np.ndarray:
     return within(name, p_star, 0, np.inf)
 
 
-def _positive(name, value):
+def _positive(name: str, value: ArrayLike) -> float:
     return float(within(name, value, 0, np.inf, open_low=True))
 
 
-def _gamma(gamma):
+def _gamma(gamma: ArrayLike) -> float:
     return float(within("gamma", gamma, 0, 1.5))
