@@ -32,8 +32,19 @@ Table = dict[str, Any]  # as in the data files
 
 @dataclass(frozen=True)
 class Correction:
-    """t, f, c: the three terms of eq. tfc; sigma: the uncertainty of their sum from the table, None if it has none; p_star: the
-    tabulated pressure that was used; notes: what to keep in mind, one line each."""
+    """What a finite simulation is off by.
+
+    Attributes
+    ----------
+    t, f, c : float
+        The three terms of eq. tfc.
+    sigma : float or None
+        The uncertainty of their sum from the table, None if it has none.
+    p_star : float
+        The tabulated pressure that was used.
+    notes : tuple of str
+        What to keep in mind, a line each.
+    """
 
     t: float
     f: float
@@ -99,8 +110,27 @@ def correction(observable: str, hurst: float, p_star: float, eps_t: float, eps_f
                table: Table | None = None) -> Correction:
     """The terms to subtract from a simulated value.
 
-    table: as of paper_table (default) or read_table. Only at a tabulated pressure (within 5 %) and between the tabulated H (0.3 to 0.8
-    in the paper; linear in H for every term). Raises SceneError elsewhere.
+    Parameters
+    ----------
+    observable : str
+        As the table names it: "kappa", "gap_over_h_rms", ...
+    hurst : float
+        Hurst exponent between the tabulated ones (0.3 to 0.8 in the paper); every term is linear in it.
+    p_star : float
+        p0/(E* g_rms), within 5 % of a tabulated one.
+    eps_t, eps_f, eps_c : float
+        lam_l/L, lam_s/lam_l and a/lam_s of the simulation, from 0 to 1.
+    table : dict
+        As of `paper_table` (default) or `read_table`.
+
+    Returns
+    -------
+    Correction
+
+    Raises
+    ------
+    SceneError
+        Outside of what is tabulated.
     """
     table = table or paper_table()
     part = _part(table, observable, float(within("p_star", p_star, 0, np.inf, True)))
@@ -121,9 +151,28 @@ def correction(observable: str, hurst: float, p_star: float, eps_t: float, eps_f
 
 def extrapolate(value: float, observable: str, hurst: float, p_star: float, eps_t: float, eps_f: float, eps_c: float,
                 sigma: float | None = None, table: Table | None = None) -> tuple[float, float | None, Correction]:
-    """A simulated value taken to the TFC limit: (extrapolated, its sigma or None, the Correction).
+    """A simulated value taken to the TFC limit.
 
-    sigma: uncertainty of the value; the result adds the table's in squares, None if neither is known. Raises SceneError as correction.
+    Parameters
+    ----------
+    value : float
+        The simulated one.
+    observable, hurst, p_star, eps_t, eps_f, eps_c, table
+        As of `correction`.
+    sigma : float, optional
+        Uncertainty of the value.
+
+    Returns
+    -------
+    extrapolated : float
+    sigma : float or None
+        That of the value and that of the table in squares; None if neither is known.
+    correction : Correction
+
+    Raises
+    ------
+    SceneError
+        As `correction`.
     """
     value = float(within("value", value, -np.inf, np.inf))
     terms = correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table)
