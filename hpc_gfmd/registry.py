@@ -69,6 +69,11 @@ def observable_names() -> set[str]:
     return {*all_observables(), *_merged("TOGETHER")}
 
 
+def names_together(name: str) -> tuple[str, ...]:
+    """The observables that a name stands for where it stands for several, otherwise none."""
+    return _merged("TOGETHER").get(name, ())
+
+
 def observables_named(names: Iterable[str] | None) -> dict[str, Observable]:
     """{name: function of a Contact} of the observables that these names stand for; None: of the default ones."""
     together = _merged("TOGETHER")
