@@ -20,7 +20,7 @@ from .restored import LOST, restored_contact, whole
 from .scene.explain import nearest
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from .plotting.style import Figure
 
 
 class Solution:
