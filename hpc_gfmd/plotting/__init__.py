@@ -1,5 +1,5 @@
 """Pictures of results. Nothing here needs MPI, and no field is ever read whole."""
 
-from .pictures import plot_result
+from .pictures import figures, plot_result
 
-__all__ = ["plot_result"]
+__all__ = ["figures", "plot_result"]

@@ -8,7 +8,7 @@ from .style import COLOURS, THEORY, WARNING, figure
 from .units import gap_unit, good, self_affine
 
 
-def curves(path, result) -> None:
+def curves(path, result):
     """a_r, kappa and mean gap of all steps."""
     steps = [step for step in result.steps if good(step.get("p_star")) or good(step.get("p"))]
     against = "p_star" if steps and all(good(step.get("p_star")) for step in steps) else "p"
@@ -26,6 +26,7 @@ def curves(path, result) -> None:
         labels = ("$a_r$", r"$\kappa = a_r/p^*$", f"mean gap $/{unit}$" if unit else "mean gap")
         for ax, label, log in ((area, labels[0], True), (kappa, labels[1], False), (gap, labels[2], True)):
             _axes(ax, r"$p^* = p_0/(E^* \bar{g})$" if against == "p_star" else "$p_0$", label, log)
+    return fig
 
 
 def _points(ax, steps, against, key, error_key, colour, marker, label) -> None:

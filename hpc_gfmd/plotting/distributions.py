@@ -8,7 +8,7 @@ from .style import COLOURS, THEORY, figure
 from .units import gap_unit, good, over, pressure_unit
 
 
-def distributions(path, result, chosen, surveys) -> None:
+def distributions(path, result, chosen, surveys):
     """chosen: indices into result.steps; surveys: one Survey for each."""
     has_gap = surveys[0].gap_density is not None
     has_pressure = surveys[0].pressure_density is not None
@@ -18,6 +18,7 @@ def distributions(path, result, chosen, surveys) -> None:
             _pressures(axes.pop(0), result, chosen, [found.pressure_density for found in surveys])
         if has_gap:
             _gaps(axes.pop(0), result, chosen, [found.gap_density for found in surveys])
+    return fig
 
 
 def _pressures(ax, result, chosen, densities) -> None:

@@ -8,7 +8,7 @@ from .style import CONTACT_MAP, GAP_MAP, PRESSURE_MAP, WARNING, figure
 from .units import gap_unit, over, pressure_unit
 
 
-def contact_maps(path, result, chosen, surveys) -> None:
+def contact_maps(path, result, chosen, surveys):
     """chosen: indices into result.steps; surveys: one Survey for each."""
     width, height = result.surface.get("physical_sizes", (1.0, 1.0))
     columns = [name for name in ("contact", "pressure", "gap") if getattr(surveys[0], name) is not None]
@@ -26,6 +26,7 @@ def contact_maps(path, result, chosen, surveys) -> None:
                 ax.set_aspect("equal")
             row[0].set_ylabel("$y$")
             row[0].set_title(_title(step), loc="left", color="black" if converged(step) else WARNING)
+    return fig
 
 
 def _title(step) -> str:

@@ -41,11 +41,24 @@ def plot_result(file, folder=None) -> list[Path]:
         raise GfmdError(f"drawing {result.path}: {one_line(error)}") from error
 
 
-def _draw(result, folder, prefix) -> list[Path]:
-    names = []
+def figures(result) -> dict:
+    """{name: matplotlib figure} of all that a Result has to show, not saved."""
+    chosen = _chosen(result)
+    surveys = [_survey(result, k) for k in chosen]
+    of_fields = {draw.__name__: draw(None, result, chosen, surveys) for draw in (contact_maps, distributions)} if chosen else {}
+    return of_fields | {"curves": curves(None, result)}
+
+
+def _chosen(result):
+    """Indices of the steps whose fields are drawn."""
     stored = [DRAWN & set(fields) for fields in result.fields]
     most = max(stored, key=len)
-    chosen = _evenly([k for k, names_there in enumerate(stored) if most and names_there == most])
+    return _evenly([k for k, names_there in enumerate(stored) if most and names_there == most])
+
+
+def _draw(result, folder, prefix) -> list[Path]:
+    names = []
+    chosen = _chosen(result)
     if chosen:
         surveys = [_survey(result, k) for k in chosen]
         for draw in (contact_maps, distributions):

@@ -32,10 +32,12 @@ RC = {
 
 @contextmanager
 def figure(path: Path, width: float, height: float):
-    """`with figure(path, width, height) as fig`: drawn by Agg and saved under path in one move; inches."""
+    """`with figure(path, width, height) as fig`: drawn by Agg and saved under path in one move, unless that is None; inches."""
     with matplotlib.rc_context(RC):
         fig = Figure(figsize=(width, height), layout="constrained")
         yield fig
+        if path is None:
+            return
         tmp = path.with_name(f".{path.name}.tmp")
         try:
             fig.savefig(tmp, format="png")
