@@ -5,7 +5,7 @@
 package neither starts MPI nor compiles anything.
 """
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 __all__ = ["read_surface", "run", "solve"]
 
 
