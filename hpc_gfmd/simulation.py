@@ -63,6 +63,11 @@ def run_scene(scene: str | PathLike | Scene, overrides: Iterable[str] = (), out:
     comm
         A communicator of parallel.comm; default: all processes that the MPI launcher started.
 
+    Returns
+    -------
+    RunResult
+        What was written, and how it went.
+
     Raises
     ------
     SceneError

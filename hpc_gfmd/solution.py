@@ -36,7 +36,7 @@ class Solution:
     def __init__(self, result: Result, contact: Contact | None = None, rows: tuple[int, int] | None = None, comm: Any = None):
         self.result, self.comm, self._contact = result, comm or SerialComm(), contact
         self.rows = rows or (0, int(result.surface["n"][0]))
-        self._arrays = {}
+        self._arrays: dict[str, np.ndarray] = {}
 
     # numbers
 
@@ -93,7 +93,7 @@ class Solution:
 
     @property
     def h_rms(self) -> float:
-        """rms height."""
+        """Realised rms of the heights, in their unit."""
         return self.result.surface["h_rms"]
 
     @property
@@ -188,10 +188,11 @@ class Solution:
         "pressure", "gap", "patches": {"edges": (k + 1,), "density": (k,)}; "heights_spectrum": {"q", "power"}; ... None where there is
         nothing to count. Collective. Raises SceneError as `observable`.
         """
-        free = [word == "free" for word in self.result.surface.get("boundary", "").split(", ")]
-        if name not in distribution_names(free):
-            raise SceneError(f'distribution: found {name!r}, nearest: "{nearest(str(name), distribution_names(free))}", '
-                             f"allowed: {', '.join(sorted(distribution_names(free)))}")
+        along_x, _, along_y = self.result.surface.get("boundary", "").partition(", ")
+        names = distribution_names((along_x == "free", along_y == "free"))
+        if name not in names:
+            raise SceneError(f'distribution: found {name!r}, nearest: "{nearest(str(name), names)}", '
+                             f"allowed: {', '.join(sorted(names))}")
         if not self._stored_distribution(name):
             contact = self._whole_contact()
             if name.startswith("heights") and contact.surface.h is None:
@@ -272,7 +273,7 @@ class Solutions(Sequence):
     def __getitem__(self, index: int) -> Solution: ...
     @overload
     def __getitem__(self, index: slice) -> "Solutions": ...
-    def __getitem__(self, index):
+    def __getitem__(self, index: int | slice) -> "Solution | Solutions":
         if not isinstance(index, slice):
             return self._all[index]
         picked = {key: getattr(self.result, key)[index] for key in ("steps", "indices", "fields")}
@@ -323,7 +324,8 @@ class Solutions(Sequence):
         return solutions_of, (_in_memory(self.result),)
 
 
-def solutions_of(result: Result, contacts=None, rows=None, comm=None) -> Solutions:
+def solutions_of(result: Result, contacts: Sequence[Contact | None] | None = None, rows: tuple[int, int] | None = None,
+                 comm: Any = None) -> Solutions:
     """The Solutions of a Result; contacts: one contact.Contact, or None, for each load."""
     contacts = contacts or [None] * len(result.steps)
     singles = [replace(result, steps=[step], indices=[index], fields=[fields], status=step["status"])
