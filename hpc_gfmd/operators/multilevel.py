@@ -7,25 +7,60 @@ contact. Damping each level by it is what keeps the spectrum of M K on the free 
 tune.
 
 The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the indicator of A, and x) and interpolate
-from it. Levels whose rows are spread over the ranks exchange halo rows; once a level is small or thin it is summed onto every rank,
-which then sweeps the rest alone.
+from it. Every rank restricts to the window of coarse rows that its fine rows touch; windows are added up on the ranks that own the
+rows: those beside the fine rows, or fewer and fewer of them as levels get small (coarsening.py). The rest of the levels is small enough
+for rank 0 alone.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
 from ..kernels.contact import update
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_whole
-from ..parallel import halo
-from .coarsening import Transfer, levels
+from ..parallel.halo import Windows
+from .coarsening import Transfer, gathered, levels
 
 DAMPING = 4.0  # c
 COUPLING = 1.05  # w
-WHOLE_POINTS = 128 * 128  # levels of at most this many points are swept by every rank
-THIN_ROWS = 2  # and so are levels of which some rank has fewer rows than this
+WHOLE_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
+RANK_POINTS = 2048  # of a level on one rank, at least: fewer take less time than a message
 # <r, S r> of a field of zero mean is at most so many times kap times the sum over levels of <r, r>/weight. On all kinds of grids
 # the largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
 EQUIVALENCE = 1.8
+
+
+@dataclass(frozen=True)
+class Step:
+    """From one level to the next coarser one, as one rank sees it. starts: first row of every rank on the coarse level, and their
+    number; windows: between the rows that ranks write to and those that they own."""
+
+    transfer: Transfer
+    starts: np.ndarray
+    windows: Windows
+
+    @property
+    def owned(self):
+        """Number of coarse rows that this rank owns."""
+        return int(self.starts[self.windows.rank + 1] - self.starts[self.windows.rank])
+
+
+def steps_of(grid, dtype, whole_points=None):
+    """The Steps down to the first level that rank 0 has alone, and the levels, of the rank that grid.comm says. No memory."""
+    hierarchy, rank = levels(grid), grid.comm.rank
+    if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
+        hierarchy = hierarchy * 2
+    steps, starts = [], grid.starts
+    for fine, coarse in zip(hierarchy, hierarchy[1:]):
+        transfer = Transfer(fine.n, coarse.n, starts, rank, dtype)
+        points = coarse.n[0] * coarse.n[1]
+        last = points <= (WHOLE_POINTS if whole_points is None else whole_points) or coarse is hierarchy[-1]
+        starts = gathered(transfer.coarse_starts, points, points if last else RANK_POINTS)
+        steps.append(Step(transfer, starts, Windows(rank, starts, transfer.lo, transfer.hi)))
+        if last:
+            break
+    return steps, hierarchy
 
 
 class Multilevel:
@@ -34,25 +69,19 @@ class Multilevel:
     def __init__(self, grid, body, dtype, longest, whole_points=None):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
         self.c, self.w = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
-        hierarchy, weights, softness = levels(grid), body.weights(grid), body.softness(grid)
-        if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
-            hierarchy, weights, softness = hierarchy * 2, [*weights] * 2, [*softness] * 2
-        self.levels, self.weights, self.softness = hierarchy, np.asarray(weights, self.dtype), np.asarray(softness)
+        self.steps, self.levels = steps_of(grid, self.dtype, whole_points)
+        weights, softness = body.weights(grid), body.softness(grid)
+        if len(weights) == 1:
+            weights, softness = [*weights] * 2, [*softness] * 2
+        self.weights, self.softness = np.asarray(weights, self.dtype), np.asarray(softness)
 
-        self.transfers, self.spread = [], []
-        starts = grid.starts
-        for fine, coarse in zip(hierarchy, hierarchy[1:]):
-            transfer = Transfer(fine.n, coarse.n, starts, self.comm.rank, self.dtype)
-            self.transfers.append(transfer)
-            starts = transfer.coarse_starts
-            thin = np.diff(starts).min() < THIN_ROWS
-            small = coarse.n[0] * coarse.n[1] <= (WHOLE_POINTS if whole_points is None else whole_points)
-            if (thin and self.comm.size > 1) or small or coarse is hierarchy[-1]:
-                break
-            self.spread.append(coarse)
-        # Level 1 is in the rank's own rows in any case: that is what the solver's passes write to and read from.
-        self.fields = [np.zeros((3 if k == 0 else 2, t.rows + 2, t.m[1]), self.dtype) for k, t in enumerate(self.transfers)]
-        self.whole = _Whole(hierarchy[len(self.spread) + 1:], self.weights[len(self.spread) + 1:], self.softness[len(self.spread) + 1:])
+        self.spread = len(self.steps) - 1  # coarse levels that more than one rank may have
+        # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write to and read from.
+        self.fields = [np.zeros((3 if k == 0 else 2, step.transfer.window_rows, step.transfer.m[1]), self.dtype)
+                       for k, step in enumerate(self.steps)]
+        self.owned = [self._owned(step, field) for step, field in zip(self.steps[:-1], self.fields)]
+        whole = slice(len(self.steps), None)
+        self.whole = _Whole(self.levels[whole], self.weights[whole], self.softness[whole]) if self.comm.rank == 0 else None
 
         first = self.transfers[0]
         self.passes = first.passes(longest)
@@ -62,10 +91,22 @@ class Multilevel:
         self.in_order = grid.threads == 1
         self.edges = np.zeros((1 if self.in_order else len(self.passes), 2, 3, first.m[1]), self.dtype)
 
+    def _owned(self, step, field):
+        """Memory for the rows of a level that this rank owns, with a row before and after: the window where that is the same."""
+        if step.windows.in_place:
+            return field
+        return np.zeros((field.shape[0], step.owned + 2 if step.owned else 0, field.shape[2]), self.dtype)
+
+    @property
+    def transfers(self):
+        """The Transfer of every step."""
+        return [step.transfer for step in self.steps]
+
     @property
     def nbytes(self):
         """Bytes held on this rank."""
-        return sum(a.nbytes for a in self.fields) + self.edges.nbytes + self.whole.nbytes
+        gathered_rows = [a for a, field in zip(self.owned, self.fields) if a is not field]
+        return sum(a.nbytes for a in [*self.fields, *gathered_rows, self.edges]) + (self.whole.nbytes if self.whole else 0)
 
     def update_rows(self, k, g, p, d, x, s, rows, closed=0.0):
         """Pass k of the solver's update of its state, see kernels/contact.py; returns its sums."""
@@ -96,8 +137,8 @@ class Multilevel:
         """From what the update passes restricted to level 1, make z on level 1 (own rows and halo).
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
-        finest level; and of the sums over these levels of softness times <r, r>, <t, t> and <r, t>, r and t being p on F and the
-        indicator of A restricted to the level, times N/N_l.
+        finest level; of the sums over these levels of softness times <r, r>, <t, t> and <r, t>, r and t being p on F and the
+        indicator of A restricted to the level, times N/N_l; and of the mean of p on F.
         """
         if not self.passes:
             self.fields[0][...] = 0
@@ -107,20 +148,30 @@ class Multilevel:
         return self.sweep_levels()
 
     def sweep_levels(self):
-        """`sweep` of what fields[0] holds, its halo rows still to be added to the neighbours' rows."""
-        first = self.transfers[0]
-        for k in range(len(self.spread)):
-            halo.accumulate(self.comm, self.fields[k])
-            t = self.transfers[k + 1]
-            restrict_level(self.fields[k][:2], self.fields[k + 1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
-        rz, xz, *squares = self._sweep_whole()
-        for k in reversed(range(len(self.spread))):
+        """`sweep` of what fields[0] holds, which is still to be added up."""
+        for k in range(self.spread):
+            fine, t = self.owned[k], self.steps[k + 1].transfer
+            self._add_up(k, fine[:, 1:-1])
+            restrict_level(fine[:2], self.fields[k + 1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
+        rz, xz, *squares, mean = self._sweep_whole()
+        for k in reversed(range(self.spread)):
             rz, xz, *here = self._smooth(k)
             share = self.softness[k + 1] * self.grid.cell_points / (self.levels[k + 1].n[0] * self.levels[k + 1].n[1])
             squares = [a + b * share for a, b in zip(squares, here)]
-            halo.fill(self.comm, self.fields[k][0])
+            self._hand_out(k, self.owned[k][:1, 1:-1])
+        first = self.steps[0].transfer
         ratio = self.grid.cell_points / (first.m[0] * first.m[1])
-        return rz * ratio, xz * ratio, *squares
+        return rz * ratio, xz * ratio, *squares, mean
+
+    def _add_up(self, k, rows):
+        """The rows of level k + 1 that this rank owns, (fields, rows, m): the sum over all windows."""
+        if not np.may_share_memory(rows, self.fields[k]):
+            rows[...] = 0
+        self.steps[k].windows.add(self.comm, self.fields[k][:len(rows)], rows)
+
+    def _hand_out(self, k, z):
+        """z on this rank's rows of level k + 1, (1, rows, m), into all windows."""
+        self.steps[k].windows.fill(self.comm, z, self.fields[k][:1])
 
     def without_mean(self, squares, mean2):
         """sum over levels of softness <r, t> for r and t less their means; squares: that of r and t themselves, of all levels and
@@ -136,20 +187,22 @@ class Multilevel:
         return np.sum(np.reshape(sums, (-1, 9)), axis=0)
 
     def _sweep_whole(self):
-        """Sum the last level that is spread onto every rank, sweep the rest, take back this rank's rows."""
-        t = self.transfers[-1]
-        a = self.fields[-1]
-        whole = halo.sum_to_all(self.comm, a, t.start, t.m[0])
-        z, squares, self.mean = self.whole.sweep(whole[0], whole[1])
-        halo.take_rows(z, t.start, a[0])
-        if self.comm.rank:  # rank 0 alone contributes what all have
-            return 0.0, 0.0, 0.0, 0.0, 0.0
-        ratio = self.grid.cell_points / (t.m[0] * t.m[1])
-        products = (0.0, 0.0) if self.spread else (_dot(whole[0], z), _dot(whole[2], z))  # where level 1 itself is whole
-        return *products, *(a * ratio for a in squares)
+        """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these levels."""
+        last, step = len(self.steps) - 1, self.steps[-1]
+        n, m = step.transfer.m
+        rows = np.empty((len(self.fields[last]), n if self.whole else 0, m), self.dtype)
+        self._add_up(last, rows)
+        if not self.whole:
+            self._hand_out(last, rows[:1])
+            return (0.0,) * 6
+        z, squares, mean = self.whole.sweep(rows[0], rows[1])
+        self._hand_out(last, z[None])
+        ratio = self.grid.cell_points / (n * m)
+        products = (0.0, 0.0) if self.spread else (_dot(rows[0], z), _dot(rows[2], z))  # where level 1 itself is whole
+        return *products, *(a * ratio for a in squares), mean
 
     def _smooth(self, k):
-        a, t, z = self.fields[k], self.transfers[k + 1], self.fields[k + 1][0]
+        a, t, z = self.owned[k], self.steps[k + 1].transfer, self.fields[k + 1][0]
         return smooth_level(a, z, a[0], self.weights[k + 1], self.c, self.w, t.k0, t.f_x, t.mode, t.j0, t.f)
 
 
@@ -159,7 +212,7 @@ def _dot(a, b):
 
 
 class _Whole:
-    """The coarse levels that every rank sweeps alone, in one call."""
+    """The coarse levels that one rank sweeps alone, in one call."""
 
     def __init__(self, levels, weights, softness):
         dtype = weights.dtype

@@ -3,6 +3,7 @@
 import os
 import sys
 import time
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -42,22 +43,62 @@ class SerialComm:
         """The list of what every rank had for this one; objects: one for each rank."""
         return objects
 
+    def counts(self, number):
+        """Every rank's whole number, an array."""
+        return np.array([number])
+
+    def share(self, values):
+        """Rank 0's numbers, an array of float64; the others give as many."""
+        return np.asarray(values, dtype=np.float64)
+
+    def exchange(self, send, receive):
+        """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled from it; contiguous arrays."""
+
+    def pass_on(self, obj, ranks, source):
+        """The object of rank `source`; ranks: those that want the object of this one."""
+        return obj
+
+    def among(self, ranks):
+        """The communicator of these ranks alone, rank 0 first; None on others."""
+        return self
+
     def barrier(self):
         """Wait for all ranks."""
 
 
-class MpiComm:
-    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`."""
+@dataclass
+class Traffic:
+    """What this rank has sent to others: bytes and messages. A reduction is counted as log2(ranks) messages, as in a tree."""
 
-    def __init__(self, mpi):
+    bytes: int = 0
+    messages: int = 0
+
+    def add(self, nbytes, messages=1):
+        """Count messages of so many bytes together."""
+        self.bytes += int(nbytes)
+        self.messages += int(messages)
+
+
+def stages(size):
+    """How many messages a rank sends in a reduction over so many ranks, by recursive doubling."""
+    return (size - 1).bit_length()
+
+
+class MpiComm:
+    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`; sent: its Traffic."""
+
+    def __init__(self, mpi, sent=None):
         self.mpi = mpi
         self.rank = mpi.Get_rank()
         self.size = mpi.Get_size()
+        self.sent = sent or Traffic()
+        self._among = {}
 
     def _reduce(self, values, op):
         send = np.ascontiguousarray(values, dtype=np.float64)
         recv = np.empty_like(send)
         self.mpi.Allreduce(send, recv, op=op)
+        self.sent.add(send.nbytes * stages(self.size), stages(self.size))
         return recv
 
     def sum(self, values):
@@ -93,6 +134,55 @@ class MpiComm:
     def alltoall(self, objects):
         """The list of what every rank had for this one; objects: one for each rank."""
         return self.mpi.alltoall(objects)
+
+    def counts(self, number):
+        """Every rank's whole number, an array."""
+        found = np.empty(self.size, np.int64)
+        self.mpi.Allgather(np.array([number], np.int64), found)
+        return found
+
+    def share(self, values):
+        """Rank 0's numbers, an array of float64; the others give as many."""
+        values = np.array(values, dtype=np.float64)
+        self.mpi.Bcast(values, root=0)
+        return values
+
+    def exchange(self, send, receive):
+        """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled from it; contiguous arrays."""
+        from mpi4py import MPI
+
+        requests = [self.mpi.Irecv(a, source=rank) for rank, a in receive.items()]
+        requests += [self.mpi.Isend(a, dest=rank) for rank, a in send.items()]
+        self.sent.add(sum(a.nbytes for a in send.values()), len(send))
+        MPI.Request.Waitall(requests)
+
+    def alltoall_bytes(self, send, receive):
+        """send, receive: (array, bytes for or from each rank, their offsets)."""
+        from mpi4py import MPI
+
+        self.mpi.Alltoallv([send[0].view(np.uint8), *send[1:], MPI.BYTE], [receive[0].view(np.uint8), *receive[1:], MPI.BYTE])
+        self.sent.add(sum(send[1]) - send[1][self.rank], np.count_nonzero(send[1]) - (send[1][self.rank] > 0))
+
+    def pass_on(self, obj, ranks, source):
+        """The object of rank `source`; ranks: those that want the object of this one."""
+        requests = [self.mpi.isend(obj, dest=rank) for rank in ranks]
+        found = self.mpi.recv(source=source)
+        for request in requests:
+            request.wait()
+        return found
+
+    def among(self, ranks):
+        """The communicator of these ranks alone, rank 0 first; None on others. Made once: MPI has few of them. Collective."""
+        from mpi4py import MPI
+
+        ranks = tuple(map(int, ranks))
+        if len(ranks) == self.size:
+            return self
+        if ranks not in self._among:
+            mpi = self.mpi.Split(0 if self.rank in ranks else MPI.UNDEFINED, self.rank)
+            made = None if mpi == MPI.COMM_NULL else SerialComm() if len(ranks) == 1 else MpiComm(mpi, self.sent)
+            self._among[ranks] = made
+        return self._among[ranks]
 
     def barrier(self):
         """Wait for all ranks."""

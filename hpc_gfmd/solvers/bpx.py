@@ -36,7 +36,7 @@ class Bpx(Solver):
     takes_gap = True
     state_names = ("g", "p", "d")
     scalar_names = ("s", "rayleigh", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "uKu", "r_norm", "t_norm",
-                    "aligned", "changing", "iterations")
+                    "mean", "aligned", "changing", "iterations")
 
     def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
@@ -163,7 +163,8 @@ class Bpx(Solver):
 
     def _measure(self, sums):
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""
-        rr, pp, pd, dx, px, contact, gap, opening, closing, rz1, xz1, r1, t1, rt1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
+        rr, pp, pd, dx, px, contact, gap, opening, closing, rz1, xz1, r1, t1, rt1, self.mean = self.grid.comm.sum(
+            [*sums, *self.levels.sweep()])
         self.changing = max(opening, closing)
         s, kap = self.s, self.kap
         self.rz = kap * (rr + COUPLING * rz1)  # <p, z> on F
@@ -171,10 +172,10 @@ class Bpx(Solver):
         self.zq = s * kap * (px + COUPLING * xz1)  # <z, K d>
         self.dq = s * s * dx  # <d, K d>
         self.rr, self.pp = rr, pp
-        mean, share, product = self.levels.mean, contact / self.grid.cell_points, self.levels.without_mean
-        self.r_norm = max(product(rr + r1, mean * mean), 0.0)
+        share, product = contact / self.grid.cell_points, self.levels.without_mean
+        self.r_norm = max(product(rr + r1, self.mean**2), 0.0)
         self.t_norm = max(product(contact + t1, share * share), 0.0)
-        self.aligned = product(rt1, mean * share)
+        self.aligned = product(rt1, self.mean * share)
         self.contact, self.gap_mean = contact, gap / self.N
 
     # -- how far -------------------------------------------------------------------------------------------------------------
@@ -191,7 +192,7 @@ class Bpx(Solver):
         With r = p on F and the contact's load too small by the factor scale: p^ - p = -r + (scale - 1) (p - r), and |p|_S = |u|_K.
         """
         closed = self.pp - self.rr
-        load = self.p_cell - self.levels.mean
+        load = self.p_cell - self.mean
         if self.contact == 0 or closed <= 0 or load <= 0:
             return np.inf, np.inf
         off = abs(self.p_cell / load - 1)
