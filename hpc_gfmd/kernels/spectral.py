@@ -12,27 +12,26 @@ PIECE = 1024  # numbers that are summed up in their own precision
 
 
 @kernel
-def to_blocks(rows, blocks, i0, count):
-    """Copy `count` transformed rows, shape (R, n_c), to rows i0.. of the blocks, shape (M, n_loc, W)."""
-    M, _, W = blocks.shape
-    n_c = rows.shape[1]
-    for m in range(M):
-        width = min(W, n_c - m * W)
+def to_blocks(rows, blocks, edges, n_loc, i0, count):
+    """Copy `count` transformed rows, shape (R, n_c), to rows i0.. of n_loc of the blocks, which lie one after another; edges: first
+    column of each of them, and n_c."""
+    for m in range(edges.shape[0] - 1):
+        j0, width = edges[m], edges[m + 1] - edges[m]
+        start = n_loc * j0 + i0 * width
         for r in range(count):
             for w in range(width):
-                blocks[m, i0 + r, w] = rows[r, m * W + w]
+                blocks[start + r * width + w] = rows[r, j0 + w]
 
 
 @kernel
-def from_blocks(blocks, rows, i0, count):
+def from_blocks(blocks, rows, edges, n_loc, i0, count):
     """The inverse of `to_blocks`."""
-    M, _, W = blocks.shape
-    n_c = rows.shape[1]
-    for m in range(M):
-        width = min(W, n_c - m * W)
+    for m in range(edges.shape[0] - 1):
+        j0, width = edges[m], edges[m + 1] - edges[m]
+        start = n_loc * j0 + i0 * width
         for r in range(count):
             for w in range(width):
-                rows[r, m * W + w] = blocks[m, i0 + r, w]
+                rows[r, j0 + w] = blocks[start + r * width + w]
 
 
 @kernel

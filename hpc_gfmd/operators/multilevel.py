@@ -45,6 +45,11 @@ class Step:
         """Number of coarse rows that this rank owns."""
         return int(self.starts[self.windows.rank + 1] - self.starts[self.windows.rank])
 
+    def traffic(self, fields):
+        """(bytes for an itemsize of 1, messages) that this rank sends in a sweep, of so many fields down and one up."""
+        down, up = self.windows.sent_rows(True), self.windows.sent_rows(False)
+        return (fields * sum(down.values()) + sum(up.values())) * self.transfer.m[1], len(down) + len(up)
+
 
 def steps_of(grid, dtype, whole_points=None):
     """The Steps down to the first level that rank 0 has alone, and the levels, of the rank that grid.comm says. No memory."""
@@ -63,6 +68,15 @@ def steps_of(grid, dtype, whole_points=None):
     return steps, hierarchy
 
 
+FIELDS = 3, 2  # of the first step, which has x besides p on F and the indicator of A, and of all others
+
+
+def traffic_of(steps, itemsize):
+    """(bytes, messages) that a rank sends in a sweep."""
+    parts = np.array([step.traffic(FIELDS[min(k, 1)]) for k, step in enumerate(steps)])
+    return int(parts[:, 0].sum()) * itemsize, int(parts[:, 1].sum())
+
+
 class Multilevel:
     """The sweep for one grid and body in one precision. longest: rows per pass of the solver; whole_points: see WHOLE_POINTS."""
 
@@ -77,7 +91,7 @@ class Multilevel:
 
         self.spread = len(self.steps) - 1  # coarse levels that more than one rank may have
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write to and read from.
-        self.fields = [np.zeros((3 if k == 0 else 2, step.transfer.window_rows, step.transfer.m[1]), self.dtype)
+        self.fields = [np.zeros((FIELDS[min(k, 1)], step.transfer.window_rows, step.transfer.m[1]), self.dtype)
                        for k, step in enumerate(self.steps)]
         self.owned = [self._owned(step, field) for step, field in zip(self.steps[:-1], self.fields)]
         whole = slice(len(self.steps), None)
