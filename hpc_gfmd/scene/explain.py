@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pydantic import BaseModel, ValidationError
 
 from ..errors import one_line
+from ..not_modelled import ONLY, is_not_modelled
 
 _short = reprlib.Repr()
 _short.maxstring = _short.maxother = _short.maxlong = 60
@@ -94,6 +95,8 @@ def _unknown(name: str, model: Model | None, table: str, scene: Model, kinds: di
                  for field in _model(scene, key).model_fields}
     elsewhere |= {field: f"surface.{field}" for kind in kinds.values() for field in kind.model_fields}
     path, prefix = (f"{table}.{printable(name)}", f"{table}.") if model else (table, "")
+    if is_not_modelled(name):
+        return f"{path}: {ONLY}, allowed: {', '.join(here)}"
     guess = prefix + nearest(name, here)
     other = name if name in scene.model_fields else elsewhere.get(name, path)
     if other != path:

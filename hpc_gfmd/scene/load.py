@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import SceneError
+from ..not_modelled import ONLY, is_not_modelled
 from .explain import nearest, printable, shown
 from .model import Scene, parse_toml
 
@@ -47,7 +48,7 @@ def check_names(scene: Scene, solvers: Iterable[str], observables: Iterable[str]
                               ("output.distributions", scene.output.distributions, set(distributions))):
         for name in found:
             if name not in known:
-                guess = f'nearest: "{nearest(name, known)}", ' if known else ""
+                guess = f"{ONLY}, " if is_not_modelled(name) else f'nearest: "{nearest(name, known)}", ' if known else ""
                 allowed = ", ".join(sorted(known)) or "none"
                 raise SceneError(f"{key}: found {shown(name)}, {guess}allowed: {allowed}")
 

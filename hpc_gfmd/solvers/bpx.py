@@ -26,7 +26,7 @@ DESCENT = 0.2  # share of the predicted descent that clipping must leave
 CLIPPED = 0.02  # share of it up to which a step counts as not clipped
 SHORT = 0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
 
-EXPECTED = 0.92  # of the bound from its parts: asked too early the certificate costs a pair, too late an iteration
+EXPECTED = 0.92  # of the errors from their parts: asked too early the certificate costs a pair, too late an iteration
 
 
 class Bpx(Solver):
@@ -208,4 +208,4 @@ class Bpx(Solver):
         squares, fourth = self.grid.comm.sum(open_moments(self.g[:rows, :m], self.p[:rows, :m]))
         spread = spread_of(squares, fourth, self.contact, self.N)
         wrong = points_on_wrong_side(self.problem, self.g, self.p, self.kap, pressure**2 * (self.pp - self.rr), spread)
-        return relative_area(max(wrong, self.changing), self.contact)
+        return EXPECTED * relative_area(max(wrong, self.changing), self.contact)
