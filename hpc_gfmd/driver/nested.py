@@ -162,7 +162,7 @@ def _roughly_solved(problem, make_solver, g):
 
 
 def _prolong(problem, step, coarse, solver, full, into):
-    """The gap on the grid of `problem` from a solver's on the coarse one, whose gap is lost; coarse and solver: the coarse problem, None
+    """The gap on the grid of `problem` from a solver on the coarse one, whose gap is lost; coarse and solver: the coarse problem, None
     where this rank has no part in it. into: memory for the gap, or None."""
     fine, real = problem.grid, problem.dtype.type
     out = fine.empty(problem.dtype) if into is None else into
