@@ -78,8 +78,8 @@ def main(args) -> int:
     # More ranks than there are cores will run on other machines: then one rank has to fit into one like this.
     here = args.ranks if args.ranks * threads <= cores else 1
     if memory.total * here > there:
-        raise SceneError(f"surface: {n[0]} x {n[1]} points need {memory.total * here:.2f} GiB on {here} of {args.ranks} ranks, this machine "
-                         f"has {there:.2f} GiB: use more machines, fewer points or single precision")
+        raise SceneError(f"surface: {n[0]} x {n[1]} points need {memory.total * here:.2f} GiB on {here} of {args.ranks} ranks, this "
+                         f"machine has {there:.2f} GiB: use more machines, fewer points or single precision")
     return 0
 
 
