@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from ..grid import Grid
-from ..operators.multilevel import steps_of, traffic_of
+from ..operators.multilevel import FIELDS, steps_of, traffic_of
 from ..parallel.comm import stages
 from ..parallel.fft import Layout
 from ..parallel.imagined import Imagined
@@ -48,22 +48,32 @@ class Share:
         return found
 
     @cached_property
-    def _steps(self):
+    def _hierarchy(self):
         return steps_of(self.grid, self.dtype)
+
+    @property
+    def steps(self):
+        """The steps of the preconditioner that are distributed, and the first one that is not."""
+        return self._hierarchy[0]
+
+    @property
+    def levels(self):
+        """All levels of the preconditioner."""
+        return self._hierarchy[1]
 
     @property
     def level_points(self):
         """Points of all coarse levels of the preconditioner, halo rows not counted."""
-        steps, levels = self._steps
-        alone = sum(level.n[0] * level.n[1] for level in levels[len(steps) + 1:]) if self.grid.comm.rank == 0 else 0
-        return sum(step.owned * step.transfer.m[1] for step in steps) + alone
+        alone = sum(level.n[0] * level.n[1] for level in self.levels[len(self.steps) + 1:]) if self.grid.comm.rank == 0 else 0
+        return sum(step.owned * step.transfer.m[1] for step in self.steps) + alone
 
     @property
     def level_bytes(self):
         """What the preconditioner holds, windows counted, too."""
-        steps, levels = self._steps
-        numbers = sum((3 if k == 0 else 2) * step.transfer.window_rows * step.transfer.m[1] for k, step in enumerate(steps))
-        numbers += sum(2 * (step.owned + 2) * step.transfer.m[1] for step in steps[:-1] if step.owned and not step.windows.in_place)
+        steps, levels = self._hierarchy
+        numbers = sum(FIELDS[min(k, 1)] * step.transfer.window_rows * step.transfer.m[1] for k, step in enumerate(steps))
+        numbers += sum(FIELDS[min(k, 1)] * (step.owned + 2) * step.transfer.m[1] for k, step in enumerate(steps[:-1])
+                       if step.owned and not step.windows.in_place)
         if self.grid.comm.rank == 0:
             numbers += 2 * sum(level.n[0] * level.n[1] for level in levels[len(steps):])
         return numbers * self.dtype.itemsize
@@ -86,7 +96,7 @@ class Share:
     @cached_property
     def level_traffic(self):
         """(bytes, messages) that it sends in a sweep over the levels."""
-        return traffic_of(self._steps[0], self.dtype.itemsize)
+        return traffic_of(self.steps, self.dtype.itemsize)
 
     @property
     def reduction_traffic(self):

@@ -20,7 +20,7 @@ from .certificate import certify
 COARSEST = 32  # points along an axis below which there is no coarser grid
 RESIDUAL = 0.2  # of the coarse solutions
 ITERATIONS = 60  # at most, on a coarse grid
-RANK_POINTS = 128 * 128  # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
+RANK_POINTS = 2**13  # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
 TENSION = 0.02  # share of points under tension in a closed coarse contact up to which the fine one may be without any
 FLAT_START = 0.099  # p* below which the flat start rests on the heights above mean + rms; not a round number: p* has rounding errors
 
