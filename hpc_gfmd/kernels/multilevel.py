@@ -192,7 +192,7 @@ def smooth_level(rt, z_coarse, out, weight, c, w, k0, f_x, mode, j0, f):
 
 
 @kernel
-def sweep_whole(r, t, shapes, offsets, weights, softness, c, w):
+def sweep_coarsest(r, t, shapes, offsets, weights, softness, c, w):
     """The sweep over the levels that one rank holds completely, in place: r of the finest of them becomes z.
 
     r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of level 0 are given. Returns the
@@ -206,8 +206,8 @@ def sweep_whole(r, t, shapes, offsets, weights, softness, c, w):
         n_x, n_y = shapes[k]
         m_x, m_y = shapes[k + 1]
         a, b = offsets[k], offsets[k + 1]
-        _restrict_whole(r[a:a + n_x * n_y].reshape(n_x, n_y), r[b:b + m_x * m_y].reshape(m_x, m_y))
-        _restrict_whole(t[a:a + n_x * n_y].reshape(n_x, n_y), t[b:b + m_x * m_y].reshape(m_x, m_y))
+        _restrict(r[a:a + n_x * n_y].reshape(n_x, n_y), r[b:b + m_x * m_y].reshape(m_x, m_y))
+        _restrict(t[a:a + n_x * n_y].reshape(n_x, n_y), t[b:b + m_x * m_y].reshape(m_x, m_y))
     for k in range(levels - 1, -1, -1):
         n_x, n_y = shapes[k]
         a = offsets[k]
@@ -227,7 +227,7 @@ def sweep_whole(r, t, shapes, offsets, weights, softness, c, w):
         if k < levels - 1:
             m_x, m_y = shapes[k + 1]
             b = offsets[k + 1]
-            _interpolate_whole(r[b:b + m_x * m_y].reshape(m_x, m_y), r[a:a + n_x * n_y].reshape(n_x, n_y), w)
+            _interpolate(r[b:b + m_x * m_y].reshape(m_x, m_y), r[a:a + n_x * n_y].reshape(n_x, n_y), w)
     return rr, tt, rt, mean
 
 
@@ -244,7 +244,7 @@ def _axis(n, m, dtype_of):
 
 
 @inline
-def _restrict_whole(fine, coarse):
+def _restrict(fine, coarse):
     n_x, n_y = fine.shape
     m_x, m_y = coarse.shape
     mode, j0, f = _axis(n_y, m_y, fine)
@@ -266,7 +266,7 @@ def _restrict_whole(fine, coarse):
 
 
 @inline
-def _interpolate_whole(coarse, fine, w):
+def _interpolate(coarse, fine, w):
     """fine += w P coarse."""
     one = fine.dtype.type(1)
     n_x, n_y = fine.shape

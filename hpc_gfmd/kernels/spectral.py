@@ -1,4 +1,4 @@
-"""Kernels on spectra: blocks of W columns as rows of the transform leave them, (n_x, W), and turned, (W, n_x), to be transformed.
+"""Kernels on spectra: blocks of W columns as rows of the transform leave them, (n_x, W), and transposed, (W, n_x), to be transformed.
 
 |q| is computed on the fly, other stiffnesses stand in tables that are even in q_x: (W, n_x//2 + 1).
 """
@@ -35,7 +35,7 @@ def from_blocks(blocks, rows, edges, n_loc, i0, count):
 
 
 @kernel
-def turn(block, columns):
+def transpose(block, columns):
     """columns (W, n_x) = block (n_x, W) transposed, a cache line of either at a time."""
     n_x, W = block.shape
     whole = n_x - n_x % TILE
@@ -49,8 +49,8 @@ def turn(block, columns):
 
 
 @kernel
-def turn_back(columns, block):
-    """The inverse of `turn`."""
+def transpose_back(columns, block):
+    """The inverse of `transpose`."""
     n_x, W = block.shape
     whole = n_x - n_x % TILE
     for i in range(0, whole, TILE):

@@ -18,13 +18,13 @@ import numpy as np
 
 from ..aligned import LINE, zeros_aligned
 from ..kernels.contact import update
-from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_whole
+from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_coarsest
 from ..parallel.halo import Windows
 from .coarsening import Transfer, gathered, levels
 
 DAMPING = 4.0  # c
 COUPLING = 1.05  # w
-WHOLE_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
+COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
 RANK_POINTS = 2048  # of a level on one rank, at least: fewer take less time than a message
 # <r, S r> of a field of zero mean is at most so many times kap times the sum over levels of <r, r>/weight. On all kinds of grids
 # the largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
@@ -51,7 +51,7 @@ class Step:
         return (fields * sum(down.values()) + sum(up.values())) * self.transfer.m[1], len(down) + len(up)
 
 
-def steps_of(grid, dtype, whole_points=None):
+def steps_of(grid, dtype, coarsest_points=None):
     """The Steps down to the first level that rank 0 has alone, and the levels, of the rank that grid.comm says. No memory."""
     hierarchy, rank = levels(grid), grid.comm.rank
     if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
@@ -60,7 +60,7 @@ def steps_of(grid, dtype, whole_points=None):
     for fine, coarse in zip(hierarchy, hierarchy[1:]):
         transfer = Transfer(fine.n, coarse.n, starts, rank, dtype)
         points = coarse.n[0] * coarse.n[1]
-        last = points <= (WHOLE_POINTS if whole_points is None else whole_points) or coarse is hierarchy[-1]
+        last = points <= (COARSEST_POINTS if coarsest_points is None else coarsest_points) or coarse is hierarchy[-1]
         starts = gathered(transfer.coarse_starts, points, points if last else RANK_POINTS)
         steps.append(Step(transfer, starts, Windows(rank, starts, transfer.lo, transfer.hi)))
         if last:
@@ -78,24 +78,24 @@ def traffic_of(steps, itemsize):
 
 
 class Multilevel:
-    """The sweep for one grid and body in one precision. longest: rows per pass of the solver; whole_points: see WHOLE_POINTS."""
+    """The sweep for one grid and body in one precision. longest: rows per pass of the solver; coarsest_points: see COARSEST_POINTS."""
 
-    def __init__(self, grid, body, dtype, longest, whole_points=None):
+    def __init__(self, grid, body, dtype, longest, coarsest_points=None):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
         self.c, self.w = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
-        self.steps, self.levels = steps_of(grid, self.dtype, whole_points)
+        self.steps, self.levels = steps_of(grid, self.dtype, coarsest_points)
         weights, softness = body.weights(grid), body.softness(grid)
         if len(weights) == 1:
             weights, softness = [*weights] * 2, [*softness] * 2
         self.weights, self.softness = np.asarray(weights, self.dtype), np.asarray(softness)
 
-        self.spread = len(self.steps) - 1  # coarse levels that more than one rank may have
+        self.distributed = len(self.steps) - 1  # coarse levels that more than one rank may have
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write to and read from.
         self.fields = [np.zeros((FIELDS[min(k, 1)], step.transfer.window_rows, step.transfer.m[1]), self.dtype)
                        for k, step in enumerate(self.steps)]
         self.owned = [self._owned(step, field) for step, field in zip(self.steps[:-1], self.fields)]
-        whole = slice(len(self.steps), None)
-        self.whole = _Whole(self.levels[whole], self.weights[whole], self.softness[whole]) if self.comm.rank == 0 else None
+        last = slice(len(self.steps), None)
+        self.coarsest = CoarsestLevels(self.levels[last], self.weights[last], self.softness[last]) if self.comm.rank == 0 else None
 
         first = self.transfers[0]
         self.passes = first.passes(longest)
@@ -120,7 +120,7 @@ class Multilevel:
     def nbytes(self):
         """Bytes held on this rank."""
         gathered_rows = [a for a, field in zip(self.owned, self.fields) if a is not field]
-        return sum(a.nbytes for a in [*self.fields, *gathered_rows, self.edges]) + (self.whole.nbytes if self.whole else 0)
+        return sum(a.nbytes for a in [*self.fields, *gathered_rows, self.edges]) + (self.coarsest.nbytes if self.coarsest else 0)
 
     def update_rows(self, k, g, p, d, x, s, rows, closed=0.0):
         """Pass k of the solver's update of its state, see kernels/contact.py; returns its sums."""
@@ -163,12 +163,12 @@ class Multilevel:
 
     def sweep_levels(self):
         """`sweep` of what fields[0] holds, which is still to be added up."""
-        for k in range(self.spread):
+        for k in range(self.distributed):
             fine, t = self.owned[k], self.steps[k + 1].transfer
             self._add_up(k, fine[:, 1:-1])
             restrict_level(fine[:2], self.fields[k + 1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
-        rz, xz, *squares, mean = self._sweep_whole()
-        for k in reversed(range(self.spread)):
+        rz, xz, *squares, mean = self._sweep_coarsest()
+        for k in reversed(range(self.distributed)):
             rz, xz, *here = self._smooth(k)
             share = self.softness[k + 1] * self.grid.cell_points / (self.levels[k + 1].n[0] * self.levels[k + 1].n[1])
             squares = [a + b * share for a, b in zip(squares, here)]
@@ -200,19 +200,19 @@ class Multilevel:
         sums = [self.update_rows(k, g, p, g, still, self.dtype.type(0), rows, closed) for k in range(len(self.passes))]
         return np.sum(np.reshape(sums, (-1, 9)), axis=0)
 
-    def _sweep_whole(self):
+    def _sweep_coarsest(self):
         """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these levels."""
         last, step = len(self.steps) - 1, self.steps[-1]
         n, m = step.transfer.m
-        rows = np.empty((len(self.fields[last]), n if self.whole else 0, m), self.dtype)
+        rows = np.empty((len(self.fields[last]), n if self.coarsest else 0, m), self.dtype)
         self._add_up(last, rows)
-        if not self.whole:
+        if not self.coarsest:
             self._hand_out(last, rows[:1])
             return (0.0,) * 6
-        z, squares, mean = self.whole.sweep(rows[0], rows[1])
+        z, squares, mean = self.coarsest.sweep(rows[0], rows[1])
         self._hand_out(last, z[None])
         ratio = self.grid.cell_points / (n * m)
-        products = (0.0, 0.0) if self.spread else (_dot(rows[0], z), _dot(rows[2], z))  # where level 1 itself is whole
+        products = (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))  # where level 1 itself is one of them
         return *products, *(a * ratio for a in squares), mean
 
     def _smooth(self, k):
@@ -225,7 +225,7 @@ def _dot(a, b):
     return float(np.einsum("ij,ij->", a, b))
 
 
-class _Whole:
+class CoarsestLevels:
     """The coarse levels that one rank sweeps alone, in one call."""
 
     def __init__(self, levels, weights, softness):
@@ -245,5 +245,5 @@ class _Whole:
         n = r.size
         self.r[:n] = r.ravel()
         self.t[:n] = t.ravel()
-        *squares, mean = sweep_whole(self.r, self.t, self.shapes, self.offsets, self.weights, self.softness, self.c, self.w)
+        *squares, mean = sweep_coarsest(self.r, self.t, self.shapes, self.offsets, self.weights, self.softness, self.c, self.w)
         return self.r[:n].reshape(r.shape), squares, mean

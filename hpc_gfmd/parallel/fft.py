@@ -5,7 +5,7 @@ make or use a few rows at a time (they stay in cache between the caller's arithm
 work on a few complete columns of the spectrum (likewise). One field of complex numbers is all the memory a convolution needs:
 
     forward_rows(fill)    fill(i0, i1, x) makes rows i0..i1 of the real field -> row spectra
-    columns(apply)        all-to-all of a block of columns, turn, transform, apply(block, m), transform back, turn back, all-to-all
+    columns(apply)        all-to-all of a block of columns, transpose, transform, apply(block, m), and all of it back
     backward_rows(use)    use(i0, i1, x) gets rows i0..i1 of the convolved field
 
 The columns are cut into M blocks of nearly the same width; block m = k P + r belongs to rank r. The row spectra are stored block by
@@ -21,11 +21,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from ..aligned import zeros_aligned
-from ..kernels.spectral import from_blocks, to_blocks, turn, turn_back
+from ..kernels.spectral import from_blocks, to_blocks, transpose, transpose_back
 from .plans import Plans
 from .wisdom import planned
 
-COLUMN_BYTES = 256 * 1024  # of a block of columns, which is turned in the second-level cache
+COLUMN_BYTES = 256 * 1024  # of a block of columns, which is transposed in the second-level cache
 ROW_BYTES = 256 * 1024  # of the spectra of one pass of rows: these share the second-level cache with the rows of the caller's fields
 MIN_WIDTH, MAX_WIDTH = 8, 64
 
@@ -135,9 +135,10 @@ class SlabFFT(Layout):
             received = (n_x * self.W,) if comm.size > 1 else (0,)
             self._scratch.append((zeros_aligned((self.R, n_y), self.dtype), zeros_aligned((self.R, self.n_c), complex_dtype),
                                   zeros_aligned((self.W, n_x), complex_dtype), zeros_aligned(received, complex_dtype)))
-        real, half, turned, _ = self._scratch[0]
-        self.plans = planned(comm, self.dtype, lambda: Plans(real, half, [turned[:w] for w in self.widths]))
-        for a in (real, half, turned):
+        real, half, columns, _ = self._scratch[0]
+        self._rounds = [(self.sent(k), self.received(k)) for k in range(self.K)]
+        self.plans = planned(comm, self.dtype, lambda: Plans(real, half, [columns[:w] for w in self.widths]))
+        for a in (real, half, columns):
             a[...] = 0  # planning has left noise
 
     @property
@@ -155,7 +156,7 @@ class SlabFFT(Layout):
         return [(i, min(i + self.R, self.n_loc)) for i in range(0, self.n_loc, self.R)]
 
     def forward_rows(self, fill, passes=None):
-        """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill returned, in the order of the passes."""
+        """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill recolumns, in the order of the passes."""
 
         def one(i0, i1, scratch):
             real, half = scratch[:2]
@@ -167,7 +168,7 @@ class SlabFFT(Layout):
         return self._map(one, passes or self.passes())
 
     def backward_rows(self, use, passes=None):
-        """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use returned, in order."""
+        """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use recolumns, in order."""
 
         def one(i0, i1, scratch):
             real, half = scratch[:2]
@@ -195,23 +196,23 @@ class SlabFFT(Layout):
         """The memory of some blocks of this rank's rows."""
         return self.blocks[self.n_loc * self.edges[first]:self.n_loc * self.edges[last]]
 
-    def _one_block(self, block, turned, m, apply, forward, backward):
+    def _one_block(self, block, columns, m, apply, forward, backward):
         """block: complete columns as they are stored, rows of them one after another."""
         j0, j1 = self.columns_of(m)
         width = j1 - j0
         block = block[:width * self.n[0]].reshape(self.n[0], width)
-        work = turned[:next(w for w in self.widths if w >= width)]  # as many as there is a plan for
-        columns = work[:width]
+        for_plan = columns[:next(w for w in self.widths if w >= width)]  # as many as there is a plan for
+        columns = for_plan[:width]
         if forward:
-            work[width:] = 0
-            turn(_moved(block), _moved(columns))
-            self.plans.columns_forward(work)
+            for_plan[width:] = 0
+            transpose(_moved(block), _moved(columns))
+            self.plans.columns_forward(for_plan)
         else:
-            work[...] = 0
+            for_plan[...] = 0
         result = apply(columns, m)
         if backward:
-            self.plans.columns_backward(work)
-            turn_back(_moved(columns), _moved(block))
+            self.plans.columns_backward(for_plan)
+            transpose_back(_moved(columns), _moved(block))
         return result
 
     def _columns_mpi(self, apply, forward, backward):
@@ -220,16 +221,18 @@ class SlabFFT(Layout):
             group = range(k0, min(k0 + self.threads, self.K))
             for k, scratch in zip(group, self._scratch):
                 if forward:
-                    self.comm.alltoall_bytes((self._round(k), *self.sent(k)), (scratch[3], *self.received(k)))
+                    sent, received = self._rounds[k]
+                    self.comm.alltoall_bytes((self._round(k), *sent), (scratch[3], *received))
 
             def one(k, first, _):
-                _, _, turned, block = self._scratch[k - first]
-                return self._one_block(block, turned, k * self.size + self.rank, apply, forward, backward)
+                _, _, columns, block = self._scratch[k - first]
+                return self._one_block(block, columns, k * self.size + self.rank, apply, forward, backward)
 
-            results += self._map(one, [(k, k0) for k in group if self.received(k)[0].any()])
+            results += self._map(one, [(k, k0) for k in group if self._rounds[k][1][0].any()])
             for k, scratch in zip(group, self._scratch):
                 if backward:
-                    self.comm.alltoall_bytes((scratch[3], *self.received(k)), (self._round(k), *self.sent(k)))
+                    sent, received = self._rounds[k]
+                    self.comm.alltoall_bytes((scratch[3], *received), (self._round(k), *sent))
         return results
 
     def _round(self, k):

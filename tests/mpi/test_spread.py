@@ -15,7 +15,7 @@ LARGE = rough((2, 300, 2), seed=5)  # 1200 x 1200
 
 def spread_levels(sweep):
     """Levels of the preconditioner and grids of the nested start, beside the finest, that no rank holds as a whole."""
-    return sweep.solver.levels.spread, len([coarse for coarse in sweep.nested.grids if coarse.comm.size > 1])
+    return sweep.solver.levels.distributed, len([coarse for coarse in sweep.nested.grids if coarse.comm.size > 1])
 
 
 def compare(comm, surface, loads, fields, **solver):
@@ -47,7 +47,7 @@ def test_large_grid(comm):
     ids=["64x64", "62x62", "48x24"])
 def test_small_limits(comm, surface, monkeypatch):
     """The same paths on small grids, where answers can be exact."""
-    monkeypatch.setattr(multilevel, "WHOLE_POINTS", 16)
+    monkeypatch.setattr(multilevel, "COARSEST_POINTS", 16)
     monkeypatch.setattr(multilevel, "RANK_POINTS", 64)
     monkeypatch.setattr(nested, "RANK_POINTS", 64)
     monkeypatch.setattr(nested, "COARSEST", 8)

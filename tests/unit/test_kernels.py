@@ -44,11 +44,11 @@ def test_blocks(random, edges):
 
 
 @pytest.mark.parametrize("shape", [(24, 8), (13, 5), (7, 3)])
-def test_turn(random, shape):
+def test_transpose(random, shape):
     block, columns, back = random.standard_normal(shape), np.empty(shape[::-1]), np.empty(shape)
-    spectral.turn(block, columns)
+    spectral.transpose(block, columns)
     assert np.array_equal(columns, block.T)
-    spectral.turn_back(columns, back)
+    spectral.transpose_back(columns, back)
     assert np.array_equal(back, block)
 
 
