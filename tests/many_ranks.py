@@ -1,5 +1,5 @@
-"""Run under mpirun: python many_ranks.py LAM_L_OVER_LAM_S FOLDER. Solves a rough contact on all ranks, compares it with the one that one
-rank alone left in the folder, and counts the messages of one more iteration. Rank 0 prints what it found as JSON."""
+"""Run under mpirun: python many_ranks.py LAM_L_OVER_LAM_S FOLDER. Solves a rough contact on all ranks, compares it with the one that
+one rank alone left in the folder, and counts the messages of one more iteration. Rank 0 prints what it found as JSON."""
 
 import json
 import sys

@@ -176,10 +176,10 @@ def _prolong(problem, step, coarse, solver, full, into):
         u[:rows, :points] -= coarse.h
         u *= real(coarse.grid.a / fine.a)
     before, after = _heights_around(problem)
-    step_x, step_y = step.steps
-    first = int(step.beside[fine.comm.rank])
-    prolong_gap(*step.around(u), *step.around(p), before, problem.h, after, out, fine.rows[0], first, fine.n[0], step.n[0], step_x,
-                step_y == 2, real(1 / problem.body.scale(fine)), problem.body.near(fine).astype(problem.dtype), fine.nominal)
+    heights, rows, coarse_rows = (before, problem.h, after), (fine.rows[0], fine.n[0]), (int(step.beside[fine.comm.rank]), step.n[0])
+    halved = tuple(k == 2 for k in step.steps)
+    prolong_gap(step.around(u), step.around(p), heights, out, rows, coarse_rows, halved, real(1 / problem.body.scale(fine)),
+                problem.body.near(fine).astype(problem.dtype), fine.nominal)
     return out
 
 

@@ -97,6 +97,11 @@ class Transfer:
         self.firsts = np.flatnonzero(np.diff(J0[start:stop], prepend=-2))  # local rows that open a coarse row
 
     @property
+    def tables(self):
+        """What kernels take as `transfer`: a plain tuple, which numba is called with as fast as with its parts."""
+        return self.k0, self.f_x, self.mode, self.j0, self.f, self.factor
+
+    @property
     def window_rows(self):
         """Number of coarse rows in this rank's window."""
         return int(self.hi[self.rank] - self.lo[self.rank])

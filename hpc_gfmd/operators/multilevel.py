@@ -1,6 +1,6 @@
 """The locally damped multilevel (BPX) preconditioner, distributed over slabs.
 
-    M r = sum over levels of P ... P (weight_l + c theta_l)^-1 R ... R r
+    M r = sum over levels of P ... P (weight_l + DAMPING theta_l)^-1 R ... R r
 
 weight_l is the body's stiffness on that level (bodies/base.py), theta_l the local contact fraction: the restricted indicator of the
 contact. Damping each level by it is what keeps the spectrum of M K on the free points narrow at every load, without a parameter to
@@ -17,17 +17,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
-from ..kernels.contact import update
+from ..kernels.bpx import UpdateSums, update_state
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_coarsest
 from ..parallel.halo import Windows
 from .coarsening import Transfer, gathered, levels
 
-DAMPING = 4.0  # c
-COUPLING = 1.05  # w
+DAMPING = 4.0  # of a level by the contact on it, over its stiffness
+COUPLING = 1.05  # of what comes from the coarser levels
 COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
 RANK_POINTS = 2048  # of a level on one rank, at least: fewer take less time than a message
-# <r, S r> of a field of zero mean is at most so many times kap times the sum over levels of <r, r>/weight. On all kinds of grids
-# the largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
+# <r, S r> of a field of zero mean is at most so many times the compliance of the shortest wave times the sum over levels of
+# <r, r>/weight. On all kinds of grids the largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
 EQUIVALENCE = 1.8
 
 
@@ -82,7 +82,7 @@ class Multilevel:
 
     def __init__(self, grid, body, dtype, longest, coarsest_points=None):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
-        self.c, self.w = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
+        self.damping, self.coupling = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
         self.steps, self.levels = steps_of(grid, self.dtype, coarsest_points)
         weights, softness = body.weights(grid), body.softness(grid)
         if len(weights) == 1:
@@ -122,14 +122,11 @@ class Multilevel:
         gathered_rows = [a for a, field in zip(self.owned, self.fields) if a is not field]
         return sum(a.nbytes for a in [*self.fields, *gathered_rows, self.edges]) + (self.coarsest.nbytes if self.coarsest else 0)
 
-    def update_rows(self, k, g, p, d, x, s, rows, closed=0.0):
-        """Pass k of the solver's update of its state, see kernels/contact.py; returns its sums."""
-        i0, i1 = self.passes[k]
-        t = self.transfers[0]
+    def update_rows(self, k, g, p, d, x, s, scratch, excess=0.0):
+        """Pass k of the solver's update of its state, see kernels/bpx.py; returns its UpdateSums as a plain tuple."""
         edges = self.edges[0 if self.in_order else k]
-        closed = self.dtype.type(closed)
-        sums = update(g, p, d, x, s, closed, i0, i1, self.fields[0], edges[0], edges[1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f,
-                      self.grid.inside, rows)
+        sums = update_state(g, p, d, x, s, self.dtype.type(excess), self.passes[k], self.fields[0], edges, self.transfers[0].tables,
+                            self.grid.inside, scratch)
         if self.in_order:
             self._join(k)
         return sums
@@ -164,9 +161,9 @@ class Multilevel:
     def sweep_levels(self):
         """`sweep` of what fields[0] holds, which is still to be added up."""
         for k in range(self.distributed):
-            fine, t = self.owned[k], self.steps[k + 1].transfer
-            self._add_up(k, fine[:, 1:-1])
-            restrict_level(fine[:2], self.fields[k + 1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
+            own = self.owned[k]
+            self._add_up(k, own[:, 1:-1])
+            restrict_level(own[:2], self.fields[k + 1], self.transfers[k + 1].tables)
         rz, xz, *squares, mean = self._sweep_coarsest()
         for k in reversed(range(self.distributed)):
             rz, xz, *here = self._smooth(k)
@@ -192,13 +189,13 @@ class Multilevel:
         ranks; mean2: product of the means."""
         return float(squares - self.grid.cell_points * mean2 * np.sum(self.softness))
 
-    def restrict(self, g, p, closed):
-        """From a state that no step has led to, what the update passes restrict; returns their sums. closed: see kernels/contact.py."""
+    def restrict(self, g, p, excess):
+        """From a state that no step has led to, what the update passes restrict; returns UpdateSums. excess: see kernels/bpx.py."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
-        rows = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
-        sums = [self.update_rows(k, g, p, g, still, self.dtype.type(0), rows, closed) for k in range(len(self.passes))]
-        return np.sum(np.reshape(sums, (-1, 9)), axis=0)
+        scratch = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
+        sums = [self.update_rows(k, g, p, g, still, self.dtype.type(0), scratch, excess) for k in range(len(self.passes))]
+        return UpdateSums.total(sums)
 
     def _sweep_coarsest(self):
         """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these levels."""
@@ -216,8 +213,8 @@ class Multilevel:
         return *products, *(a * ratio for a in squares), mean
 
     def _smooth(self, k):
-        a, t, z = self.owned[k], self.steps[k + 1].transfer, self.fields[k + 1][0]
-        return smooth_level(a, z, a[0], self.weights[k + 1], self.c, self.w, t.k0, t.f_x, t.mode, t.j0, t.f)
+        a, z = self.owned[k], self.fields[k + 1][0]
+        return smooth_level(a, z, a[0], self.weights[k + 1], self.damping, self.coupling, self.transfers[k + 1].tables)
 
 
 def _dot(a, b):
@@ -235,7 +232,7 @@ class CoarsestLevels:
         self.offsets = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
         self.weights, self.softness = weights, softness
         self.r, self.t = np.zeros(sizes.sum(), dtype), np.zeros(sizes.sum(), dtype)
-        self.c, self.w = dtype.type(DAMPING), dtype.type(COUPLING)
+        self.damping, self.coupling = dtype.type(DAMPING), dtype.type(COUPLING)
 
     @property
     def nbytes(self):
@@ -245,5 +242,6 @@ class CoarsestLevels:
         n = r.size
         self.r[:n] = r.ravel()
         self.t[:n] = t.ravel()
-        *squares, mean = sweep_coarsest(self.r, self.t, self.shapes, self.offsets, self.weights, self.softness, self.c, self.w)
+        *squares, mean = sweep_coarsest(self.r, self.t, self.shapes, self.offsets, self.weights, self.softness,
+                                          self.damping, self.coupling)
         return self.r[:n].reshape(r.shape), squares, mean

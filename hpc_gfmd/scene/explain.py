@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from ..errors import one_line
 from ..not_modelled import ONLY, is_not_modelled
+from .table import LARGEST, SMALLEST, allowed
 
 _short = reprlib.Repr()
 _short.maxstring = _short.maxother = _short.maxlong = 60
@@ -70,7 +71,7 @@ def _line(item: dict, scene: Model, kinds: dict, data: dict) -> tuple[tuple, str
         if item["type"] == "value_error" and model:     # a rule on the whole table brings its own words
             return key, f"{path}: {item['ctx']['error']}"
         found = shown(data[name]) if name in data else "nothing"
-        return key, f"{path}: found {found}, allowed: {scene.model_fields[name].description}"
+        return key, f"{path}: found {found}, allowed: {allowed(scene.model_fields[name])}"
     field, value = rest[0], data[name].get(rest[0])
     path += f".{field}"
     found = shown(value)
@@ -80,7 +81,13 @@ def _line(item: dict, scene: Model, kinds: dict, data: dict) -> tuple[tuple, str
         path, found = f"{path}[{rest[1]}]", shown(value[rest[1]])
     elif rest[1:] and isinstance(value, dict) and rest[1] in value:
         path, found = f"{path}.{printable(rest[1])}", shown(value[rest[1]])
-    return key, f"{path}: found {found}, allowed: {model.model_fields[field].description}"
+    return key, f"{path}: found {found}, allowed: {allowed(model.model_fields[field])}{_limits(item)}"
+
+
+def _limits(item: dict) -> str:
+    """Of all numbers, where one that makes sense is beyond them."""
+    beyond = {"greater_than_equal": "ge", "less_than_equal": "le"}.get(item["type"])
+    return f", from {SMALLEST:g} to {LARGEST:g}" if beyond and item["ctx"][beyond] in (SMALLEST, LARGEST) and item["input"] > 0 else ""
 
 
 def _model(scene: Model, table: str) -> Model | None:

@@ -22,7 +22,7 @@ def load_scene(path: str | Path, overrides: Iterable[str] = ()) -> Scene:
     origin = printable(str(path))
     data = parse_toml(_read(path, origin), origin)
     for override in overrides:
-        _apply(data, override)
+        apply_override(data, override)
     return Scene.from_dict(data, origin, Path(path).parent)
 
 
@@ -32,7 +32,7 @@ def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
     for override in overrides:
         if not override.strip().startswith(f"{table}."):
             raise SceneError(f"--set: found {shown(override)}, allowed: {table}.key=value")
-        _apply(data, override)
+        apply_override(data, override)
     return Scene.from_dict(data, "--set") if overrides else scene
 
 
@@ -76,7 +76,8 @@ def _read(path: str | Path, origin: str) -> str:
     return text
 
 
-def _apply(data: dict[str, Any], override: str) -> None:
+def apply_override(data: dict[str, Any], override: str) -> None:
+    """Change the tables by "table.key=value". Raises SceneError for another text."""
     key, equals, value = override.partition("=")
     path = [part.strip() for part in key.split(".")]
     if not equals or not all(path):
