@@ -33,7 +33,7 @@ class TimedSolver:
         self.start = np.maximum(surface.h - surface.h.dtype.type(surface.h.mean()), 0)
         self.spent = {}
         solver = self.solver
-        self._time(solver, "_propose", "propose + rows")
+        self._time(solver, "_search", "search + rows")
         self._time(solver.elastic, "pressure_columns", "columns")
         self._time(solver, "_update", "update + rows")
         self._time(solver.levels, "sweep", "sweep")
