@@ -14,6 +14,7 @@ import numpy as np
 from ..grid import Grid
 from ..kernels.prolong import HALO, SWEEPS, prolong_gap
 from ..operators.coarsening import gathered, levels
+from ..parallel import interrupt
 from ..parallel.halo import Windows, neighbours, rows_of
 from .certificate import certify
 
@@ -119,20 +120,26 @@ class Nested:
     def start(self, problem, make_solver, into=None):
         """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in pairs of that grid.
 
-        into: memory for the gap; may be that of problem.h, which is then lost.
+        into: memory for the gap; may be that of problem.h, which is then lost. Raises Stopped on all ranks when the run is to stop.
         """
         if self.step is None:
             g = cold_gap(problem)
             if into is not None:
                 into[...] = g
             return (g if into is None else into), 0.0
-        coarse, solver, full, pairs = self.step.problem(problem), None, False, 0.0
+        coarse, solver = self.step.problem(problem), None
+        full = pairs = stopped = 0.0
         if coarse is not None:
-            g, pairs = self.coarser.start(coarse, make_solver)
-            solver = _roughly_solved(coarse, make_solver, g)
-            pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
-            full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
-        full, pairs = problem.grid.comm.share([full, pairs])
+            try:
+                g, pairs = self.coarser.start(coarse, make_solver)
+                solver = _roughly_solved(coarse, make_solver, g)
+                pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
+                full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
+            except interrupt.Stopped as found:
+                stopped = found.number
+        full, pairs, stopped = problem.grid.comm.share([full, pairs, stopped])  # rank 0 has a part in all grids
+        if stopped:
+            interrupt.stop(int(stopped))
         return _prolong(problem, self.step, coarse, solver, bool(full), into), float(pairs)
 
     def may_be_full(self, problem):
@@ -154,6 +161,7 @@ def _roughly_solved(problem, make_solver, g):
     solver = make_solver(problem)
     solver.start(g)
     for _ in range(ITERATIONS):
+        interrupt.check(problem.grid.comm)
         progress = solver.progress()
         if progress.residual < RESIDUAL or not progress.finite:
             break

@@ -13,13 +13,17 @@ from ..streams import unfailing
 # Set by mpirun (Open MPI, MPICH, Intel MPI) and by srun --mpi=pmix/pmi2 for every process that they start.
 LAUNCHER_SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS")
 THREADS_PER_CORE = 8  # more are a mistake
-LAUNCHER_RANK = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK")
+LAUNCHER_RANK = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK", "PALS_RANKID")
+LAUNCHER = "HPC_GFMD_LAUNCHER"  # "mpi" or "none", where these variables mislead: of another launcher, or left over from one around
 
 
 class SerialComm:
-    """One process: every reduction is the identity."""
+    """One process: every reduction is the identity. parent: the communicator that this is a part of."""
 
     rank, size, mpi = 0, 1, None
+
+    def __init__(self, parent=None):
+        self.parent = parent
 
     def sum(self, values):
         """Sum over ranks of each number; returns an array of float64."""
@@ -85,13 +89,14 @@ def stages(size):
 
 
 class MpiComm:
-    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`; sent: its Traffic."""
+    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`; sent: its Traffic, that of parts
+    of it counted."""
 
-    def __init__(self, mpi, sent=None):
-        self.mpi = mpi
+    def __init__(self, mpi, parent=None):
+        self.mpi, self.parent = mpi, parent
         self.rank = mpi.Get_rank()
         self.size = mpi.Get_size()
-        self.sent = sent or Traffic()
+        self.sent = parent.sent if parent else Traffic()
         self._among = {}
 
     def _reduce(self, values, op):
@@ -180,7 +185,7 @@ class MpiComm:
             return self
         if ranks not in self._among:
             mpi = self.mpi.Split(0 if self.rank in ranks else MPI.UNDEFINED, self.rank)
-            made = None if mpi == MPI.COMM_NULL else SerialComm() if len(ranks) == 1 else MpiComm(mpi, self.sent)
+            made = None if mpi == MPI.COMM_NULL else SerialComm(self) if len(ranks) == 1 else MpiComm(mpi, self)
             self._among[ranks] = made
         return self._among[ranks]
 
@@ -190,9 +195,15 @@ class MpiComm:
 
 
 def launched():
-    """Whether an MPI launcher started this process, and the number of processes if the launcher tells it (else None)."""
+    """Whether an MPI launcher started this process, and the number of processes if the launcher tells it (else None).
+
+    The variable HPC_GFMD_LAUNCHER says "mpi" or "none" where that cannot be seen.
+    """
+    said = os.environ.get(LAUNCHER)
+    if said == "none":
+        return False, None
     size = next((int(os.environ[k]) for k in LAUNCHER_SIZE if os.environ.get(k, "").isdigit()), None)
-    by_launcher = size is not None or any(k in os.environ for k in LAUNCHER_RANK)
+    by_launcher = said == "mpi" or size is not None or any(k in os.environ for k in LAUNCHER_RANK)
     if by_launcher and size is None:
         size = _srun_size()  # PMIx tells processes their rank only
     return by_launcher, size
@@ -206,6 +217,8 @@ def _srun_size():
 
 def launcher_rank():
     """This process's number as the launcher tells it; 0 without a launcher."""
+    if os.environ.get(LAUNCHER) == "none":
+        return 0
     return next((int(os.environ[k]) for k in (*LAUNCHER_RANK, "SLURM_PROCID") if os.environ.get(k, "").isdigit()), 0)
 
 
@@ -215,14 +228,17 @@ _world = None
 def world():
     """The communicator of all processes of this run.
 
-    Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all do the same work.
+    Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all do the same work; SceneError for
+    a HPC_GFMD_LAUNCHER that means nothing.
     """
     global _world
     if _world is None:
+        if os.environ.get(LAUNCHER, "") not in ("", "mpi", "none"):
+            raise SceneError(f'{LAUNCHER}: found "{os.environ[LAUNCHER]}", allowed: "mpi", "none"')
         by_launcher, size = launched()
-        if not by_launcher and (_srun_size() or 1) > 1:
+        if not by_launcher and (_srun_size() or 1) > 1 and not os.environ.get(LAUNCHER):
             raise GfmdError(f"srun started {_srun_size()} processes without MPI, allowed: srun --mpi=pmix, or mpirun (where each is "
-                            f"to run on its own: unset SLURM_STEP_NUM_TASKS)")
+                            f"to run on its own: {LAUNCHER}=none)")
         _world = SerialComm()
         if by_launcher and size != 1:
             try:
@@ -244,7 +260,8 @@ def world():
 
 
 def threads_of(comm, wanted):
-    """Threads for each rank: a number as it is; "auto": the cores that this rank may use, shared with the ranks beside it.
+    """Threads for each rank: a number as it is; "auto": what Slurm was asked for (--cpus-per-task), else the cores that this rank may
+    use, shared with the ranks beside it.
 
     Raises SceneError on all ranks for more than some machine can bear: every thread takes memory of its own. Collective.
     """
@@ -255,6 +272,9 @@ def threads_of(comm, wanted):
             raise SceneError(f"machine.threads: found {wanted}, allowed on this machine: up to {most} ({THREADS_PER_CORE} per core)")
         return wanted
     cores = sorted(os.sched_getaffinity(0))
+    of_slurm = os.environ.get("SLURM_CPUS_PER_TASK", "")
+    if comm.min([of_slurm.isdigit() and int(of_slurm)])[0] > 0:
+        return min(int(of_slurm), len(cores))
     here = comm.allgather((os.uname().nodename, cores))
     beside = sum(other == here[comm.rank] for other in here)  # ranks that are bound elsewhere do not share our cores
     return max(1, len(cores) // beside)
@@ -301,8 +321,8 @@ def agree(comm, error):
         if error is not None:
             raise error
         return
+    if not comm.max([error is not None])[0]:
+        return
     failed = comm.allgather(None if error is None else (type(error), str(error)))
-    first = next((f for f in failed if f is not None), None)
-    if first is not None:
-        kind, text = first
-        raise error if error is not None else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))
+    kind, text = next(f for f in failed if f is not None)
+    raise error if error is not None else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))

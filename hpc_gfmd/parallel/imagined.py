@@ -6,7 +6,7 @@ import numpy as np
 class Imagined:
     """Rank `rank` of `size`, as a communicator that cannot send."""
 
-    mpi = None
+    mpi = parent = None
 
     def __init__(self, rank, size):
         self.rank, self.size = rank, size
