@@ -12,7 +12,7 @@ from ..parallel.fft import Layout
 from ..parallel.imagined import Imagined
 from .nested import Decimation
 
-REDUCTIONS = 2, 15  # numbers that a step of bpx sums over all ranks, for each reduction
+REDUCTIONS = 1, 2, 15  # numbers that a step of bpx sums over all ranks, for each reduction
 
 
 @dataclass(frozen=True)
