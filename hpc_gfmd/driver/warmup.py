@@ -53,4 +53,4 @@ def _tiny_contact_in(precision, settings, boundary, material, observe):
     for function in observe:
         function(contact)
     grid, dtype = sweep.surface.grid, sweep.dtype
-    Multilevel(grid, HALF_SPACE, dtype, grid.n[0], whole_points=0).sweep()  # levels that only larger grids spread
+    Multilevel(grid, HALF_SPACE, dtype, grid.n[0], coarsest_points=0).sweep()  # levels that only larger grids spread
