@@ -57,6 +57,11 @@ def observable_names():
     return {*all_observables(), *_merged("TOGETHER")}
 
 
+def names_together(name):
+    """The observables that a name stands for where it stands for several, otherwise none."""
+    return _merged("TOGETHER").get(name, ())
+
+
 def observables_named(names):
     """{name: function of a Contact} of the observables that these names stand for; None: of the default ones."""
     together = _merged("TOGETHER")

@@ -153,6 +153,15 @@ def world():
     return _world
 
 
+def comm_of(given):
+    """The communicator that a caller means: None for this process alone, one of mpi4py, or one of this file. Raises SceneError."""
+    if given is None or isinstance(given, SerialComm | MpiComm):
+        return given or SerialComm()
+    if not hasattr(given, "Allreduce"):
+        raise SceneError(f"comm: found {type(given).__name__}, allowed: a communicator of mpi4py, such as MPI.COMM_WORLD")
+    return MpiComm(given) if given.Get_size() > 1 else SerialComm()
+
+
 def threads_of(comm, wanted):
     """Threads for each rank: a number as it is; "auto": the cores that this rank may use, shared with the ranks beside it.
 

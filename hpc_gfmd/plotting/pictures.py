@@ -52,15 +52,16 @@ class Drawn:
         return f"step {index}: {self.units.pressures([step['p']]).value('p_0', step['p'])}" if good(step.get("p")) else f"step {index}"
 
 
-def plot(result, what="maps", step=None, window=None, dpi=None, dimensionless=False) -> Picture:
+def plot(result, what=None, step=None, window=None, dpi=None, dimensionless=False) -> Picture:
     """One picture of a result.
 
     Parameters
     ----------
     result : Result or path
         What `output.read.read_result` gives, or its file.
-    what : str
-        "maps" (contact, pressure, gap), one of these or "heights", "displacement"; "distributions", "spectra", "curves" over the load.
+    what : str, optional
+        "maps" (contact, pressure, gap), one of these or "heights", "displacement"; "distributions", "spectra", "curves" over the load;
+        by default the first of them that there is.
     step : int or list of int, optional
         The numbers of load steps; by default all for curves, otherwise at most four, first and last among them.
     window : (x0, x1, y0, y1), optional
@@ -78,6 +79,7 @@ def plot(result, what="maps", step=None, window=None, dpi=None, dimensionless=Fa
     """
     result = result if isinstance(result, Result) else read_result(result)
     there = _there(result)
+    what = what or next(iter(there), "maps")
     if what not in there:
         allowed = ", ".join(there) or "nothing, it has no finished load step"
         raise SceneError(f"--what: found {what}, allowed for {result.path}: {allowed}" + ("" if len(there) > 1 else
