@@ -215,10 +215,11 @@ class Solution:
         return _save(self, path, force)
 
     def plot(self, what: str | None = None, **how: Any) -> "Figure":
-        """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept), "distributions", "spectra", "curves",
-        or one field.
+        """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept), "distributions", "spectra",
+        "curves" or one field.
 
-        how: window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such picture, or fields are spread over ranks.
+        how: window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such picture, or fields are spread over
+        ranks.
         """
         return _plot(self, what, how)
 
@@ -308,7 +309,8 @@ class Solutions(Sequence):
     def plot(self, what: str = "curves", **how: Any) -> "Figure":
         """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads), "maps", "distributions", "spectra" or one field.
 
-        how: step (which loads), window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such picture, or fields are spread over ranks.
+        how: step (which loads), window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such picture, or
+        fields are spread over ranks.
         """
         return _plot(self, what, how)
 

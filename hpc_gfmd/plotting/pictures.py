@@ -2,6 +2,7 @@
 
 import textwrap
 import tomllib
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -82,7 +83,7 @@ def plot(result, what=None, step=None, window=None, dpi=None, dimensionless=Fals
     what = what or next(iter(there), "maps")
     if what not in there:
         allowed = ", ".join(there) or "nothing, it has no finished load step"
-        raise SceneError(f"--what: found {what}, allowed for {result.path}: {allowed}" + ("" if len(there) > 1 else
+        raise SceneError(f"what: found {what!r}, allowed: {allowed}" + ("" if len(there) > 1 else
                          " (maps and distributions need output.fields, spectra output.distributions)"))
     with styled():
         fig = Picture(layout="constrained" if what in ("distributions", "spectra", "curves") else "compressed")
@@ -105,8 +106,9 @@ def figures(result, what=None, **how) -> dict[str, Picture]:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
     wanted = [what] if isinstance(what, str) else what
     if not wanted:
-        there = _there(result)
-        wanted = ["maps"] if how.get("window") else [name for name in WHAT[:4] if name in there]
+        there = [name for name in _there(result) if name in WHAT[:4]]
+        alone = len(result.steps) == 1 and len(there) > 1
+        wanted = ["maps"] if how.get("window") else [name for name in there if name != "curves" or not alone]
     return {name: plot(result, name, **how) for name in wanted}
 
 
@@ -146,7 +148,7 @@ def chosen_steps(result, what, step=None) -> list[int]:
         numbers = [int(number) for number in np.atleast_1d(step)]
         unknown = [number for number in numbers if number not in result.indices]
         if unknown:
-            raise SceneError(f"--step: found {unknown[0]}, allowed for {result.path}: {', '.join(map(str, result.indices))}")
+            raise SceneError(f"step: found {unknown[0]}, allowed: {', '.join(map(str, result.indices))}")
         return [result.indices.index(number) for number in numbers]
     able = [k for k in range(len(result.steps)) if _shows(result, k, what)]
     if what == "heights":
@@ -169,15 +171,13 @@ def _shows(result, k, what):
 
 def _there(result):
     """Names of the pictures that this result has."""
-    found = [what for what in WHAT if any(_shows(result, k, what) for k in range(len(result.steps)))]
-    return found if len(result.steps) != 1 or found == ["curves"] else [what for what in found if what != "curves"]
+    return [what for what in WHAT if any(_shows(result, k, what) for k in range(len(result.steps)))]
 
 
 def _title(result, drawn, what):
-    try:
-        title = tomllib.loads(result.scene_toml).get("title") or result.path.stem
-    except tomllib.TOMLDecodeError:
-        title = result.path.stem
+    title = result.path.stem if result.path else "contact"
+    with suppress(tomllib.TOMLDecodeError):
+        title = tomllib.loads(result.scene_toml).get("title") or title
     left = len(result.steps) - len(drawn.chosen) if what != "heights" else 0
     out = f"; {left} of {len(result.steps)} loads not shown" if left else ""
     surface = surface_line({key: value for key, value in result.surface.items() if key in ("n", "physical_sizes", "h_rms", "unit")})

@@ -22,7 +22,7 @@ def window_of(surface, window=None):
     if not inside:
         found = one_line(" ".join(map(str, window)) if isinstance(window, list | tuple) else str(window))
         low, high = (f"{size:g} {surface.get('unit', '')}".rstrip() for size in sizes)
-        raise SceneError(f"--window: found {found}, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= {low} and 0 <= y0 < y1 <= {high}, plain "
+        raise SceneError(f"window: found {found}, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= {low} and 0 <= y0 < y1 <= {high}, plain "
                          'or as "2um"')
     i0, i1 = _points(x0, x1, sizes[0], n[0])
     j0, j1 = _points(y0, y1, sizes[1], n[1])

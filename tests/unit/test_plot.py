@@ -4,6 +4,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+from hpc_gfmd import make_surface
 from hpc_gfmd.cli import main
 from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.read import read_result
@@ -193,7 +194,7 @@ def test_a_window_is_drawn_with_all_its_points(tmp_path):
         gap = read_result(file).fields[1]["gap"].read(0, 32)[8:16, :8]  # up to 3 m
         assert np.allclose(np.ma.filled(image.get_array(), 0), gap.T)
     for wrong in ((0, 1, 0, 1), (3e-6, 1e-6, 0, 1e-6), ("a", 1, 0, 1), (0, 1e-6, 0)):
-        with pytest.raises(SceneError, match=r"--window: found .*, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= 1e-05 m"):
+        with pytest.raises(SceneError, match=r"^window: found .*, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= 1e-05 m"):
             plot(file, window=wrong)
 
 
@@ -208,8 +209,8 @@ def test_what_is_left_out_is_said(tmp_path, capsys):
 
 def test_what_there_is_not_is_refused(tmp_path):
     file = write(tmp_path / "run.h5", n=(8, 6), fields=())
-    for how, words in (({"what": "map"}, "--what: found map, allowed for .*: curves"), ({"what": "maps"}, "need output.fields"),
-                       ({"what": "curves", "step": 7}, "--step: found 7, allowed for .*: 0, 1")):
+    for how, words in (({"what": "map"}, "what: found 'map', allowed: curves"), ({"what": "maps"}, "need output.fields"),
+                       ({"what": "curves", "step": 7}, "step: found 7, allowed: 0, 1")):
         with pytest.raises(SceneError, match=words):
             plot(file, **how)
 
@@ -219,6 +220,8 @@ def test_heights_of_an_array():
     fig = height_map(heights, (3e-6, 2e-6), "m", "a scan")
     assert all(words in texts(fig) for words in ("a scan: 30 × 20 points", "$z$ (nm)", "$x$ (µm)"))
     assert fig._repr_png_().startswith(b"\x89PNG")
+    surface = make_surface("wave", amplitude="20 nm", n=[16, 8], physical_sizes=["2 um", "1 um"])
+    assert "$z$ (nm)" in texts(surface.plot())
 
 
 def test_spectra_are_drawn_where_they_are_stored(tmp_path):
