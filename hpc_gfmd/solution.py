@@ -215,9 +215,11 @@ class Solution:
         return _save(self, path, force)
 
     def plot(self, what: str | None = None, **how: Any) -> "Figure":
-        """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept), "distributions" or "curves".
+        """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept), "distributions", "spectra",
+        "curves" or one field.
 
-        how: further arguments of plotting.figures. Raises SceneError where there is no such picture, or fields are spread over ranks.
+        how: window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such picture, or fields are spread over
+        ranks.
         """
         return _plot(self, what, how)
 
@@ -305,9 +307,10 @@ class Solutions(Sequence):
         return _save(self, path, force)
 
     def plot(self, what: str = "curves", **how: Any) -> "Figure":
-        """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads), "maps" or "distributions" (of some loads).
+        """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads), "maps", "distributions", "spectra" or one field.
 
-        how: further arguments of plotting.figures. Raises SceneError where there is no such picture, or fields are spread over ranks.
+        how: step (which loads), window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such picture, or
+        fields are spread over ranks.
         """
         return _plot(self, what, how)
 
@@ -332,16 +335,12 @@ def solutions_of(result: Result, contacts=None, rows=None, comm=None) -> Solutio
 
 
 def _plot(solved, what, how):
-    from .plotting import figures
+    from .plotting import plot
 
     one = solved if isinstance(solved, Solution) else solved[0]
     if one.comm.size > 1:
         raise SceneError(f"plot: found fields that are spread over {one.comm.size} ranks, allowed: save, and plot the file")
-    drawn = figures(solved.result, **how)
-    what = what or next(iter(drawn))
-    if what not in drawn:
-        raise SceneError(f"what: found {what!r}, allowed: {', '.join(drawn)}")
-    return drawn[what]
+    return plot(solved.result, what, **how)
 
 
 def _save(solved, path, force):
