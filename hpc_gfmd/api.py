@@ -6,25 +6,26 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
-from os import PathLike
 from typing import Any
 
 import numpy as np
 
 from .composition import check, step_attributes, surface_attributes, sweep_of, worst
-from .contact import FIELDS, heights_of
+from .contact import heights_of
 from .driver.warmup import compile_once
 from .errors import NotConverged, SceneError, one_line
+from .fields import FIELDS
 from .kernels.cache import sound
-from .keywords import loads_of, missing_loads, scene_of_keywords
-from .output.read import Result, read_result
+from .keywords import loads_of, scene_of_keywords
+from .output.read import Result
 from .parallel.comm import comm_of, threads_of
 from .parallel.guard import guarded
 from .parallel.h5 import Slab
 from .prepared import PreparedSurface
 from .progress import Reporter
 from .registry import observables_named
-from .solution import Solution, Solutions, solutions_of
+from .solution import Solution
+from .solutions import Solutions, solutions_of
 from .surface.build import surface_from_rows
 from .surface.doubts import Looks
 from .surface.heights import Checksum, checked
@@ -140,32 +141,6 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
     found = solutions_of(result, contacts, rows, comm)
     _warn(comm, steps)
     return found if loads_of(loads) else found[0]
-
-
-def load(path: str | PathLike) -> Solutions:
-    """The solutions in a result file, those of an interrupted run included.
-
-    Parameters
-    ----------
-    path
-        A result file, or where an interrupted (or running) run would write it.
-
-    Returns
-    -------
-    Solutions
-        Also of a single load. Fields are read when they are first asked for; `notes` and a warning tell which loads are missing.
-
-    Raises
-    ------
-    SceneError
-        If there is no result, or the file is damaged, foreign or of another version.
-    """
-    result = read_result(path)
-    if result.folder is not None:
-        note = f"the run is {result.status}: {missing_loads(result)}"
-        result = replace(result, notes=(*result.notes, note))
-        warnings.warn(f"{result.path}: {note}", stacklevel=2)
-    return solutions_of(result)
 
 
 def _pressed(comm, scene, make_surface, progress):
