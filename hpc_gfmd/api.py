@@ -1,11 +1,13 @@
 """Contacts in memory, for notebooks and scripts: the same composition as a run, without files."""
 
 import json
+import sys
 import time
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,7 @@ from .contact import heights_of
 from .driver.warmup import compile_once
 from .errors import NotConverged, SceneError, one_line
 from .fields import FIELDS
-from .kernels.cache import sound
+from .kernels.cache import announced, sound
 from .keywords import loads_of, scene_of_keywords
 from .output.read import Result
 from .parallel.comm import comm_of, threads_of
@@ -130,7 +132,8 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
         steps, contacts, surface = _pressed(comm, scene, make_surface, progress)
     else:
-        steps, contacts, surface = sound(lambda: _pressed(comm, scene, make_surface, progress))
+        with announced(partial(print, file=sys.stderr) if progress else None):
+            steps, contacts, surface = sound(lambda: _pressed(comm, scene, make_surface, progress))
     head |= {"scene": scene.to_toml(), "identity": scene.identity(), "versions": json.dumps(versions()), "start_time": started}
     if known is None or known.table is None:
         head["identity"] += f" of {head['heights']}"
