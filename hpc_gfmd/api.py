@@ -1,30 +1,33 @@
 """Contacts in memory, for notebooks and scripts: the same composition as a run, without files."""
 
 import json
+import sys
 import time
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
-from os import PathLike
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from .composition import check, step_attributes, surface_attributes, sweep_of, worst
-from .contact import FIELDS, heights_of
+from .contact import heights_of
 from .driver.warmup import compile_once
 from .errors import NotConverged, SceneError, one_line
-from .kernels.cache import sound
-from .keywords import loads_of, missing_loads, scene_of_keywords
-from .output.read import Result, read_result
+from .fields import FIELDS
+from .kernels.cache import announced, sound
+from .keywords import loads_of, scene_of_keywords
+from .output.read import Result
 from .parallel.comm import comm_of, threads_of
 from .parallel.guard import guarded
 from .parallel.h5 import Slab
 from .prepared import PreparedSurface
 from .progress import Reporter
 from .registry import observables_named
-from .solution import Solution, Solutions, solutions_of
+from .solution import Solution
+from .solutions import Solutions, solutions_of
 from .surface.build import surface_from_rows
 from .surface.doubts import Looks
 from .surface.heights import Checksum, checked
@@ -129,7 +132,8 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
         steps, contacts, surface = _pressed(comm, scene, make_surface, progress)
     else:
-        steps, contacts, surface = sound(lambda: _pressed(comm, scene, make_surface, progress))
+        with announced(partial(print, file=sys.stderr) if progress else None):
+            steps, contacts, surface = sound(lambda: _pressed(comm, scene, make_surface, progress))
     head |= {"scene": scene.to_toml(), "identity": scene.identity(), "versions": json.dumps(versions()), "start_time": started}
     if known is None or known.table is None:
         head["identity"] += f" of {head['heights']}"
@@ -140,32 +144,6 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
     found = solutions_of(result, contacts, rows, comm)
     _warn(comm, steps)
     return found if loads_of(loads) else found[0]
-
-
-def load(path: str | PathLike) -> Solutions:
-    """The solutions in a result file, those of an interrupted run included.
-
-    Parameters
-    ----------
-    path
-        A result file, or where an interrupted (or running) run would write it.
-
-    Returns
-    -------
-    Solutions
-        Also of a single load. Fields are read when they are first asked for; `notes` and a warning tell which loads are missing.
-
-    Raises
-    ------
-    SceneError
-        If there is no result, or the file is damaged, foreign or of another version.
-    """
-    result = read_result(path)
-    if result.folder is not None:
-        note = f"the run is {result.status}: {missing_loads(result)}"
-        result = replace(result, notes=(*result.notes, note))
-        warnings.warn(f"{result.path}: {note}", stacklevel=2)
-    return solutions_of(result)
 
 
 def _pressed(comm, scene, make_surface, progress):

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .bodies.halfspace import HALF_SPACE
 from .errors import SceneError
+from .fields import FIELDS, LazyField
 from .units import field_dtype
 
 if TYPE_CHECKING:
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
     from .parallel.clusters import Clusters
     from .surface import Surface
 
-FIELDS = ("pressure", "gap", "displacement")
-STORABLE = (*FIELDS, "heights")  # the last one once for all loads
-LAZY_ROWS = 64  # of a field that are computed at a time
 FEW_POINTS = 100  # fewer contact points than this say little about a rough contact
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
 
@@ -251,26 +249,3 @@ def _on_the_whole_grid(surface: Surface, values: Callable[[slice], np.ndarray], 
         return found if left_out is None else np.broadcast_to(found, (i1 - i0, surface.n[1]))
 
     return LazyField(rows, (surface.rows[1] - surface.rows[0], surface.n[1]), dtype)
-
-
-class LazyField:
-    """A local slab that is computed a few rows at a time when it is sliced; np.asarray makes all of it."""
-
-    ndim = 2
-
-    def __init__(self, rows: Callable[[int, int], np.ndarray], shape: tuple[int, int], dtype: np.dtype):
-        self.rows, self.shape, self.dtype = rows, shape, np.dtype(dtype)
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, rows: slice) -> np.ndarray:
-        i0, i1, _ = rows.indices(self.shape[0])
-        out = np.empty((max(i1 - i0, 0), self.shape[1]), self.dtype)
-        for i in range(i0, i1, LAZY_ROWS):
-            j = min(i + LAZY_ROWS, i1)
-            out[i - i0:j - i0] = self.rows(i, j)
-        return out
-
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
-        return np.array(self[:], dtype=dtype)

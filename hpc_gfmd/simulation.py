@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 
 from .composition import asked, check, step_attributes, surface_attributes, sweep_of, worst
-from .contact import FIELDS, heights_of
+from .contact import heights_of
 from .driver.memory import require_memory
 from .driver.sweep import first_precision
 from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
+from .fields import FIELDS
 from .output.checkpoint import read_checkpoint, write_checkpoint
 from .output.read import partial_folder, read_partial
 from .output.record import RunFile, tidy
-from .output.table import table
+from .output.table import surface_line, table
 from .parallel import wisdom
 from .parallel.comm import threads_of, world
 from .parallel.guard import guarded
@@ -108,7 +109,7 @@ def _solve(comm, scene, file, say, interrupt, how):
     n, threads, begun, resume = how
     if resume and comm.rank == 0:
         wisdom.take_from(file.partial)
-    compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material, asked(scene.output))
+    compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material, asked(scene.output), say.say)
     low = scene.solver.low_memory
     sweep = sweep_of(scene, lambda dtype: build_surface(scene.surface, comm, dtype, threads, low))
     pressures = sweep.pressures(scene.load)
@@ -191,9 +192,10 @@ def _require_storable(output, surface, pressures):
 def _headline(scene, surface, n, comm, seconds):
     wanted = f"accuracy {scene.solver.accuracy:g}" if scene.solver.accuracy else f"residual {scene.solver.residual:g}"
     one_d = "" if surface.reduced_axis is None else ", varies along one axis only"
-    return (f"{scene.title or scene.surface.kind}: {n[0]} x {n[1]} points{one_d}, {comm.size} rank{'s' * (comm.size > 1)}, "
-            f"{_precision(scene.solver)}, {wanted}; h_rms = {surface.h_rms:.4g}, g_rms = {surface.g_rms:.4g}; "
-            f"ready after {seconds:.1f} s")
+    known = {"n": n, "physical_sizes": surface.sizes, "h_rms": surface.h_rms, "g_rms": surface.g_rms,
+             "unit": surface.unit or scene.length_unit}
+    return (f"{scene.title or scene.surface.kind}: {surface_line(known)}{one_d}; {comm.size} rank{'s' * (comm.size > 1)}, "
+            f"{_precision(scene.solver)}, {wanted}; ready after {seconds:.1f} s")
 
 
 def _precision(settings):

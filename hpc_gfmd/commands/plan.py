@@ -19,11 +19,11 @@ def add_parser(subparsers):
 
 def main(args) -> int:
     """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
-    from ..contact import STORABLE
     from ..driver.decomposition import busiest
     from ..driver.memory import GIB, available_gib, largest_precision, memory_of
     from ..driver.timing import expected_seconds
     from ..errors import SceneError
+    from ..fields import STORABLE
     from ..registry import distribution_names, observable_names, solver_names
     from ..scene import check_names, load_scene
     from ..surface import cell_of, surface_size

@@ -13,9 +13,9 @@ import hpc_gfmd
 from hpc_gfmd import SceneError
 from hpc_gfmd.output.read import partial_folder, read_result
 from hpc_gfmd.registry import all_distributions, all_observables, distribution_names, observable_names
-from hpc_gfmd.restored import LOST
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene
+from hpc_gfmd.solution import LOST
 
 N, SIZES = (24, 20), ("12 um", "10 um")
 Z = 2e-8 * random_heights(N, 3)
@@ -259,6 +259,12 @@ def test_import_is_lazy_and_reference_is_there():
     assert all(getattr(hpc_gfmd, name) is not None for name in hpc_gfmd.__all__)
     with pytest.raises(AttributeError):
         _ = hpc_gfmd.nothing
+
+
+def test_reading_a_file_compiles_nothing(saved):
+    code = "import sys, hpc_gfmd; one = hpc_gfmd.load(sys.argv[1])[0]; print(one.a_r, one.pressure.max(), 'numba' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code, str(saved.result.path)], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [str(saved[0].a_r), str(saved[0].pressure.max()), "False"]
 
 
 @pytest.mark.parametrize("name", [name for name in hpc_gfmd.__all__ if name not in ("reference",)])

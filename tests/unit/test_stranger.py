@@ -15,7 +15,7 @@ import hpc_gfmd
 scan = hpc_gfmd.read_surface("scan.x3p", detrend="tilt", boundary="free")
 solution = hpc_gfmd.solve(scan, "20 MPa", "2 GPa")
 print(f"a_r = {100 * solution.a_r:.2f} %")
-solution.plot().savefig("pressure.png")
+solution.plot("pressure").savefig("pressure.png")
 print(solution.distribution("patches"))
 """
 EIGHT_LINES = """\
@@ -57,6 +57,9 @@ def test_six_lines_of_python(folder):
     assert 1 < 100 * solution.a_r < 50
     assert all(word in "".join(rest) for word in ("edges", "density"))
     assert (folder / "pressure.png").read_bytes().startswith(b"\x89PNG")
+    labels = [text.get_text() for axes in solution.plot("pressure").axes for text in (axes.xaxis.label, axes.yaxis.label)]
+    assert any("MPa" in label for label in labels)
+    assert sum("um" in label or "µm" in label for label in labels) >= 2
     sizes = solution.distribution("patches")
     assert 0 < sizes["edges"][0] <= sizes["edges"][-1] < SIZE**2
     assert np.diff(sizes["edges"]) @ sizes["density"] == pytest.approx(1)
