@@ -11,7 +11,7 @@
 nor compiles anything; its parts are imported when they are first used.
 """
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -1,11 +1,13 @@
 """Contacts in memory, for notebooks and scripts: the same composition as a run, without files."""
 
 import json
+import sys
 import time
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,7 @@ from .contact import heights_of
 from .driver.warmup import compile_once
 from .errors import NotConverged, SceneError, one_line
 from .fields import FIELDS
-from .kernels.cache import sound
+from .kernels.cache import announced, sound
 from .keywords import loads_of, scene_of_keywords
 from .output.read import Result
 from .parallel.comm import comm_of, threads_of
@@ -108,19 +110,19 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         known = heights if isinstance(heights, PreparedSurface) else None
         scene = scene_of_keywords(loads | given, more, known)
         check(scene)
-        heights = _checked(heights if known is None else known.heights)
-    _require_the_same(comm, scene, heights.shape)
+        z = _checked(heights if known is None else known.heights)
+    _require_the_same(comm, scene, z.shape)
     threads, head = threads_of(comm, scene.machine.threads), {}
-    sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes))
+    sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
 
     def rows_of(start, stop):
-        return np.asarray(heights[start:stop], dtype=np.float64)
+        return np.asarray(z[start:stop], dtype=np.float64)
 
-    doubts = known.notes if known else _doubts(comm, heights.shape, sizes, rows_of) if boundary is None else ()
+    doubts = known.notes if known else _doubts(comm, z.shape, sizes, rows_of) if boundary is None else ()
 
     def make_surface(dtype):
         unit = known.unit if known else ""
-        made = surface_from_rows(heights.shape, sizes, rows_of, comm, dtype, threads, scene.surface.free, Checksum(), unit)
+        made = surface_from_rows(z.shape, sizes, rows_of, comm, dtype, threads, scene.surface.free, Checksum(), unit)
         head["heights"] = made.checksum
         head.setdefault("setup_seconds", time.monotonic() - begun)
         measured = hasattr(scene.surface, "path")
@@ -130,7 +132,8 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
         steps, contacts, surface = _pressed(comm, scene, make_surface, progress)
     else:
-        steps, contacts, surface = sound(lambda: _pressed(comm, scene, make_surface, progress))
+        with announced(partial(print, file=sys.stderr) if progress else None):
+            steps, contacts, surface = sound(lambda: _pressed(comm, scene, make_surface, progress))
     head |= {"scene": scene.to_toml(), "identity": scene.identity(), "versions": json.dumps(versions()), "start_time": started}
     if known is None or known.table is None:
         head["identity"] += f" of {head['heights']}"
@@ -172,7 +175,8 @@ def _fields(names, contact):
     if contact is None:
         return {}
     start, n = contact.surface.rows[0], tuple(contact.surface.n)
-    return {name: Slab(contact.field(name) if name in FIELDS else heights_of(contact.surface), start, n) for name in names}
+    found: dict[str, Any] = {name: contact.field(name) if name in FIELDS else heights_of(contact.surface) for name in names}
+    return {name: Slab(lazy, start, n) for name, lazy in found.items()}
 
 
 def _doubts(comm, n, sizes, rows):

@@ -103,7 +103,7 @@ class Contact:
 
     @property
     def gap_mean(self) -> float:
-        """Mean gap."""
+        """Mean gap over the nominal area."""
         return self.certificate.gap_mean * self.surface.height_unit
 
     @property

@@ -45,7 +45,10 @@ def body_classes() -> dict[str, type[Body]]:
 
 
 def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
-    """The elastic body of scene.Material; free: whether the surface ends along x, along y. Raises SceneError if there is none."""
+    """The elastic body that a material (scene.Material) means; free: whether the surface ends along x, along y.
+
+    Raises SceneError if there is none.
+    """
     wanted = material.thickness, material.nu1, material.base, tuple(free)
     bodies_ = [body for cls in body_classes().values() if (body := cls.of(*wanted)) is not None]
     if not bodies_:

@@ -35,7 +35,7 @@ class Solution:
     def __init__(self, result: Result, contact: "Contact | None" = None, rows: tuple[int, int] | None = None, comm: Any = None):
         self.result, self.comm, self._contact = result, comm or SerialComm(), contact
         self.rows = rows or (0, int(result.surface["n"][0]))
-        self._arrays = {}
+        self._arrays: dict[str, np.ndarray] = {}
 
     # numbers
 
@@ -92,7 +92,7 @@ class Solution:
 
     @property
     def h_rms(self) -> float:
-        """rms height."""
+        """Realised rms of the heights, in their unit."""
         return self.result.surface["h_rms"]
 
     @property
@@ -187,10 +187,11 @@ class Solution:
         "pressure", "gap", "patches": {"edges": (k + 1,), "density": (k,)}; "heights_spectrum": {"q", "power"}; ... None where there is
         nothing to count. Collective. Raises SceneError as `observable`.
         """
-        free = [word == "free" for word in self.result.surface.get("boundary", "").split(", ")]
-        if name not in distribution_names(free):
-            raise SceneError(f'distribution: found {name!r}, nearest: "{nearest(str(name), distribution_names(free))}", '
-                             f"allowed: {', '.join(sorted(distribution_names(free)))}")
+        along_x, _, along_y = self.result.surface.get("boundary", "").partition(", ")
+        names = distribution_names((along_x == "free", along_y == "free"))
+        if name not in names:
+            raise SceneError(f'distribution: found {name!r}, nearest: "{nearest(str(name), names)}", '
+                             f"allowed: {', '.join(sorted(names))}")
         if not self._stored_distribution(name):
             contact = self._whole_contact()
             if name.startswith("heights") and contact.surface.h is None:

@@ -33,7 +33,7 @@ class Solutions(Sequence):
     def __getitem__(self, index: int) -> Solution: ...
     @overload
     def __getitem__(self, index: slice) -> "Solutions": ...
-    def __getitem__(self, index):
+    def __getitem__(self, index: int | slice) -> "Solution | Solutions":
         if not isinstance(index, slice):
             return self._all[index]
         picked = {key: getattr(self.result, key)[index] for key in ("steps", "indices", "fields")}
@@ -81,11 +81,12 @@ class Solutions(Sequence):
     def _repr_html_(self) -> str:
         return html_table(self.result.steps, self.result.surface, self.result.indices, self.notes)
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return solutions_of, (in_memory(self.result),)
 
 
-def solutions_of(result: Result, contacts=None, rows=None, comm=None) -> Solutions:
+def solutions_of(result: Result, contacts: Sequence[Any] | None = None, rows: tuple[int, int] | None = None,
+                 comm: Any = None) -> Solutions:
     """The Solutions of a Result; contacts: one contact.Contact, or None, for each load."""
     contacts = contacts or [None] * len(result.steps)
     singles = [replace(result, steps=[step], indices=[index], fields=[fields], status=step["status"])

@@ -116,7 +116,7 @@ class Reference:
 
 
 def load(path: str | Path | None = None) -> Reference:
-    """The Reference of a data file; None: the one shipped with the package. Raises SceneError if it is not one."""
+    """The Reference of the data file at path; None: the one shipped with the package. Raises SceneError if it is not one."""
     return _shipped() if path is None else _read(Path(path))
 
 

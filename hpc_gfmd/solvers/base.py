@@ -120,7 +120,7 @@ class Solver:
         """self.p has just been computed anew from self.g, and self.levels used by somebody else: go on as if nothing had happened."""
 
     def step(self) -> None:
-        """One iteration."""
+        """One iteration: new g and p."""
         raise NotImplementedError
 
     def progress(self) -> Progress:

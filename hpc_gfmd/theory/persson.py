@@ -82,7 +82,7 @@ def pressure_distribution(p: ArrayLike, p0: ArrayLike, g_rms: float = 1.0, E_sta
 
 
 def g_rms_lam_s_over_h_rms(hurst: float, eps_f: float) -> float:
-    """g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs."""
+    """g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs; hurst, eps_f: as of `mean_gap`."""
     return 2 * np.pi * float(eps_f) / SlopeProfile.self_affine(hurst, eps_f).h_rms
 
 

@@ -83,7 +83,7 @@ def table_of(name: str) -> Table:
 
 
 def read_table(path: str | Traversable) -> Table:
-    """A table of the same form from a JSON file; SceneError if it is not one."""
+    """A table of the same form from the JSON file at path; SceneError if it is not one."""
     try:
         path = Path(path) if isinstance(path, str) else path
         table = json.loads(path.read_text(encoding="utf-8"))
