@@ -94,10 +94,8 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
         _require_storable(scene.output, sweep.surface, pressures)
         _require_like_units(scene, sweep.surface)
         attributes = _surface_attributes(scene, sweep.surface, n)
-        file.update_surface(**attributes)
-        file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
-        if "heights" in scene.output.fields:
-            file.write_heights(heights_of(sweep.surface))
+        stored = heights_of(sweep.surface) if "heights" in scene.output.fields else None
+        file.update(attributes, stored, heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
         for line in sweep.surface.notes:
             say.say(f"note: {line}")
         say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
@@ -207,7 +205,6 @@ class _Run:
             status = self._one_step(index, pressures, midway if index == first else None)
             if status == "interrupted":
                 self.say.say(f"stopped; continue with: hpc-gfmd restart {self.file.path}")
-                self.file.update_head(status="interrupted")
                 return RunResult(self.file.path, self._done(), "interrupted", self.interrupt.exit_code)
         steps = self._done()
         status = max((s["status"] for s in steps), key=STATUS_ORDER.index)

@@ -11,9 +11,6 @@ from ..errors import GfmdError, SceneError
 from ..output.describe import coordinates, image, name_it, point_data
 from ..output.read import Result, read_result
 from ..parallel.guard import one_line
-from ..parallel.h5_sum import Checked
-
-PIECE_BYTES = 2**26  # of a field in memory
 
 
 def add_parser(subparsers):
@@ -143,10 +140,8 @@ def _shape(result):
 def _pieces(result, name):
     """(step, first row, rows) of a field, a piece of memory at a time; raises GfmdError where it is damaged."""
     for k, fields in enumerate(result.fields):
-        field = Checked(fields[name])
-        step = max(1, PIECE_BYTES // (field.shape[1] * field.stored.itemsize))
-        for start in range(0, field.shape[0], step):
-            yield k, start, field.read(start, min(start + step, field.shape[0]))
+        for start, rows in fields[name].pieces():
+            yield k, start, rows
 
 
 def _fill(dataset, result, name) -> None:

@@ -7,7 +7,6 @@ import numpy as np
 from ..errors import GfmdError, SceneError
 from ..output.read import Result, read_result
 from ..parallel.guard import one_line
-from ..parallel.h5_sum import Checked
 from .curves import curves
 from .distributions import distributions
 from .maps import contact_maps
@@ -58,8 +57,7 @@ def _draw(result, folder, prefix) -> list[Path]:
 
 def _survey(result, k):
     p_unit, _ = pressure_unit(result.steps[k])
-    fields = {name: Checked(field) for name, field in result.fields[k].items()}
-    return survey(fields, p_unit, gap_unit(result.surface)[0])
+    return survey(result.fields[k], p_unit, gap_unit(result.surface)[0])
 
 
 def _evenly(indices):

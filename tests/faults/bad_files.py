@@ -9,7 +9,6 @@ import numpy as np
 from fuzz.seeds import FIELD, seeds
 
 from hpc_gfmd.output.read import FORMAT_VERSION
-from hpc_gfmd.parallel.h5_sum import sealed
 
 Z = np.arange(48.0).reshape(8, 6)
 
