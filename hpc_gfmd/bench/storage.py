@@ -10,7 +10,7 @@ import numpy as np
 
 from ..parallel.comm import world
 from ..parallel.fft import row_starts
-from ..parallel.h5 import CHECKSUM, Slab, Stored, io_way, write_file
+from ..parallel.h5 import CHECKSUM, Stored, io_way, write_file
 from .report import Report
 from .timing import Clock, Sample, ratio
 
@@ -56,7 +56,7 @@ def _measure(comm, clock, place, n, repeats):
         os.close(descriptor)
 
     def write():
-        write_file(comm, result, {"field": Slab(data, start, (n, n))})
+        write_file(comm, result, (n, n), (start, stop), {"field": data})
 
     runs = {"raw": lambda: write_raw(own, 0), ONE: lambda: write_raw(one, 4 * n * start), f"result file, {io_way(comm)}": write}
     seconds = {way: [] for way in runs}

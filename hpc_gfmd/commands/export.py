@@ -130,7 +130,7 @@ def _numbers(result) -> dict[str, np.ndarray]:
 def _fields(result) -> dict[str, np.dtype]:
     """Fields that all steps have, and the widest type of each."""
     names = [name for name in result.fields[0] if all(name in fields for fields in result.fields)]
-    return {name: np.result_type(*(fields[name].stored for fields in result.fields)) for name in names}
+    return {name: np.result_type(*(fields[name].dtype for fields in result.fields)) for name in names}
 
 
 def _shape(result):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..errors import SceneError
 from ..parallel.guard import guarded
-from ..parallel.h5 import Slab, Stored, write_file
+from ..parallel.h5 import Stored, write_file
 from .attributes import attributes_of, set_attributes
 from .read import FORMAT, FORMAT_VERSION, fields_of, reading
 
@@ -39,8 +39,7 @@ def write_checkpoint(comm, path, grid, step, solver, state, seconds=None, identi
     arrays, numbers = state
     head = {"format": KIND, "format_version": FORMAT_VERSION, "step": step, "midway": seconds is not None, "seconds": seconds or 0.0,
             "solver": solver, "identity": identity, "n": list(grid.n), "numbers": numbers}
-    fields = {name: Slab(data, grid.rows[0], tuple(grid.n)) for name, data in arrays.items()}
-    write_file(comm, path, fields, lambda file: set_attributes(file, head))
+    write_file(comm, path, grid.n, grid.rows, arrays, lambda file: set_attributes(file, head))
 
 
 def read_checkpoint(comm, path, solver, identity=""):

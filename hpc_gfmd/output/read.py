@@ -1,6 +1,5 @@
 """Reading result files: whole ones, and what an interrupted run left. Executes nothing, needs no MPI."""
 
-import json
 import os
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -40,11 +39,6 @@ class Result:
     def scene_toml(self) -> str:
         """The scene as it was run."""
         return str(self.head.get("scene", ""))
-
-    @property
-    def versions(self) -> dict:
-        """Of the program and its libraries."""
-        return json.loads(self.head.get("versions", "{}"))
 
 
 def followed(path) -> Path:

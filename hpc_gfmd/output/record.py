@@ -7,13 +7,12 @@ it becomes OUT.h5 in one rename. So nothing finished is lost, and nothing half-w
 import os
 import re
 from contextlib import suppress
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 from ..errors import GfmdError, SceneError
 from ..parallel.guard import guarded, one_line
-from ..parallel.h5 import Slab, io_way, write_file
+from ..parallel.h5 import io_way, write_file
 from . import lock
 from .attributes import set_attributes
 from .describe import SIGNS, describe
@@ -60,7 +59,7 @@ class RunFile:
         """Add attributes of the surface, root attributes, and the local slab of the heights, kept once for all load steps."""
         self._surface |= surface or {}
         self._head |= head
-        self._write(self.partial / HEAD, "running", {}, {} if height_field is None else {"surface/heights": self._slab(height_field)})
+        self._write(self.partial / HEAD, "running", {}, {} if height_field is None else {"surface/heights": height_field})
 
     def write_step(self, index: int, attributes: dict, fields=None) -> None:
         """One finished load step: numbers and {name: local slab, shape (rows, n_y)} of the fields asked for.
@@ -68,7 +67,7 @@ class RunFile:
         Raises GfmdError on every rank if it cannot be written; steps written before stay as they are.
         """
         name = f"steps/{index:04d}"
-        slabs = {f"{name}/{key}": self._slab(data) for key, data in (fields or {}).items()}
+        slabs = {f"{name}/{key}": data for key, data in (fields or {}).items()}
         self._write(self.partial / f"step-{index:04d}.h5", "running", {name: attributes}, slabs)
         self.finished = sorted({*self.finished, index})
 
@@ -84,7 +83,7 @@ class RunFile:
                 found = self._collect()
         steps, fields = self.comm.bcast(found)
         try:
-            self._write(self.path, status, steps, {name: replace(field, span=self.rows) for name, field in fields.items()})
+            self._write(self.path, status, steps, fields)
         except GfmdError as error:
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
         with guarded(self.comm, f"removing {self.partial}"):
@@ -128,14 +127,11 @@ class RunFile:
         if resume and left is not None:
             if not ours:
                 raise SceneError(f"{self.partial}: belongs to another scene; remove it or change output.path")
-            done = [index for index, step in zip(left.indices, left.steps) if step.get("status") != "interrupted"]
             kept = {name: left.head[name] for name in ("start_time", "heights") if name in left.head}
-            return done, [*notes, f"resuming: {len(done)} finished load steps found in {self.partial}"], kept
-        if left is not None:
-            kind = "the same" if ours else "another"
-            notes += [f"removed an interrupted run of {kind} scene ({len(left.steps)} finished load steps)"]
-        elif files:
-            notes += [f"removed an interrupted run that cannot be read ({len(files)} files of load steps)"]
+            return left.indices, [*notes, f"resuming: {len(left.steps)} finished load steps found in {self.partial}"], kept
+        if left is not None or files:
+            kind = "that cannot be read" if left is None else "of the same scene" if ours else "of another scene"
+            notes += [f"removed an interrupted run {kind} ({len(files)} files of load steps)"]
         _clear(self.partial, keep_lock=True)
         return [], notes, {}
 
@@ -162,16 +158,13 @@ class RunFile:
         fields = {field.dataset: field for group in (heights, *done.fields) for field in group.values()}
         return {f"steps/{index:04d}": step for index, step in zip(done.indices, done.steps, strict=True)}, fields
 
-    def _slab(self, data) -> Slab:
-        return Slab(data, self.rows[0], self.n, self._dtype)
-
     def _write(self, path, status, steps, fields) -> None:
         def fill(file):
             for name, attributes in {"/": self._head | {"status": status}, "surface": self._surface, **steps}.items():
                 set_attributes(file.require_group(name), attributes)
             describe(file)
 
-        write_file(self.comm, path, fields, fill, self._compressed)
+        write_file(self.comm, path, self.n, self.rows, fields, fill, self._compressed, self._dtype)
 
 
 def tidy(path) -> None:

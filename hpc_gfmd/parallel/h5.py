@@ -1,4 +1,4 @@
-"""HDF5 files with two-dimensional fields that are spread over the ranks as slabs of rows: by collective MPI-IO where there are several.
+"""HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows: by MPI-IO where there are several.
 
 A file is written in three moves: rank 0 puts its layout (attributes, empty datasets), made in memory, into NAME.tmp and takes the disk
 space for all of it; all ranks fill in their rows; once that is on the disk rank 0 renames it to NAME. Whatever dies in between, NAME
@@ -9,7 +9,7 @@ seen to report success on one.
 import io
 import os
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -26,52 +26,26 @@ _SLACK, _PER_CHUNK = 2**16, 64  # bytes, generous; what is not needed is given b
 
 
 @dataclass(frozen=True)
-class Slab:
-    """The rows of a field that this rank has.
-
-    data: gives local rows when it is sliced (an array, or what computes them), may be empty; start: global index of its first row;
-    shape: global (rows, m); dtype: as stored (default: that of data).
-    """
-
-    data: object
-    start: int
-    shape: tuple[int, int]
-    dtype: np.dtype | str | None = None
-
-    @property
-    def stored(self) -> np.dtype:
-        return np.dtype(self.dtype or self.data.dtype)
-
-    def pieces(self, comm, doing):
-        """(start, rows), ... of this rank, as many on every rank. Collective; what fails on one rank is raised on all."""
-        span = self.start, self.start + len(self.data)
-        for start, stop in _cuts(comm, span, self):
-            with guarded(comm, doing):
-                if self.data.shape[1:] != self.shape[1:] or not 0 <= start <= stop <= self.shape[0]:
-                    raise ValueError(f"rows {span[0]}:{span[1]} of shape {self.data.shape} do not fit into {self.shape}")
-                rows = np.ascontiguousarray(self.data[start - self.start : stop - self.start], dtype=self.stored)
-            yield start, rows
-
-
-@dataclass(frozen=True)
 class Stored:
-    """A field in a file. checksum: of all its numbers; span: the rows that this rank takes care of (default: all)."""
+    """A field in a file; shape: (n_x, n_y); checksum: of all its numbers."""
 
     path: Path
     dataset: str
     shape: tuple[int, int]
-    stored: np.dtype
+    dtype: np.dtype
     checksum: int
-    span: tuple[int, int] | None = None
 
-    def pieces(self, comm=None, doing=None, rows=None):
-        """As Slab.pieces, by default of one process; rows: at once. Raises GfmdError after the last one where the field, every row of
-        which has one rank, is damaged."""
+    def pieces(self, comm=None, rows=None, at_once=None):
+        """(start, rows from there on), ... as many on every rank; rows: (start, stop) of this one (default: all of one process).
+
+        Collective; raises GfmdError, after the last one where it is the numbers of the field, every row of which has one rank, that are
+        damaged.
+        """
         comm, found, doing = comm or SerialComm(), 0, f"reading {self.path}"
         with opened(comm, self.path, "r", doing) as file:
-            for start, stop in _cuts(comm, self.span or (0, self.shape[0]), self, rows):
+            for start, stop in _cuts(comm, rows or (0, self.shape[0]), self.shape[1] * self.dtype.itemsize, at_once):
                 with guarded(comm, doing):
-                    part = np.empty((stop - start, self.shape[1]), self.stored)
+                    part = np.empty((stop - start, self.shape[1]), self.dtype)
                     _transfer(file[self.dataset], start, part, "read")
                 found += _checksum(part, start)
                 yield start, part
@@ -82,8 +56,8 @@ class Stored:
         """This rank's rows (start, stop) in one array. Collective; raises GfmdError as `pieces`."""
         found = None
         with guarded(comm, f"reading {self.path}"):
-            found = np.empty((rows[1] - rows[0], self.shape[1]), self.stored)
-        for start, part in replace(self, span=rows).pieces(comm):
+            found = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
+        for start, part in self.pieces(comm, rows):
             found[start - rows[0] : start - rows[0] + len(part)] = part
         return found
 
@@ -104,32 +78,34 @@ def driver(comm) -> dict:
     return {"driver": "mpio", "comm": comm.mpi} if io_way(comm) == "mpio" else {"locking": False}
 
 
-def write_file(comm, path, fields, describe=lambda file: None, compressed=False) -> None:
+def write_file(comm, path, n, rows, fields, describe=lambda file: None, compressed=False, dtype=None) -> None:
     """Write one HDF5 file, all of it or nothing. Collective.
 
-    fields: {dataset: Slab or Stored}, the same names on every rank; describe(file): called by rank 0 when the datasets are there, still
-    empty; compressed: rows are chunks (so that none belongs to two ranks), shuffled and packed.
+    n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; fields: {dataset: local slab, which is only sliced, or Stored}, with
+    the same names on every rank; describe(file): called by rank 0 when the datasets are there, still empty; compressed: rows are
+    chunks (so that none belongs to two ranks), shuffled and packed; dtype: as stored (default: as they come).
     Raises GfmdError on every rank when any of them fails (disk full, folder gone, field of a wrong shape, Stored one damaged).
     """
     path = Path(path)
     tmp, doing, together = path.with_name(path.name + ".tmp"), f"writing {path}", io_way(comm) == "mpio"
+    types = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}
     try:
         with guarded(comm, doing):
             if comm.rank == 0:
-                _lay_out(tmp, fields, describe, compressed)
+                _lay_out(tmp, n, types, describe, compressed)
         if fields:
             with opened(comm, tmp, "r+", doing) as file:
                 for name, field in fields.items():
-                    found = 0
-                    for start, rows in field.pieces(comm, doing):
-                        found += _checksum(rows, start)
-                        parts = [(start, rows)] if together else comm.gather((start, rows))
+                    found, stored = 0, isinstance(field, Stored)
+                    for start, part in field.pieces(comm, rows) if stored else _pieces(comm, field, types[name], n, rows, doing):
+                        found += _checksum(part, start)
+                        parts = [(start, part)] if together else comm.gather((start, part))
                         with guarded(comm, doing):
-                            for part in parts or ():
-                                _transfer(file[name], *part, "write")
-                    found = _total(comm, found)
+                            for one in parts or ():
+                                _transfer(file[name], *one, "write")
+                    found = np.uint64(_total(comm, found))
                     if file is not None:
-                        file[name].attrs.modify(CHECKSUM, np.uint64(found))
+                        file[name].attrs.modify(CHECKSUM, found)
         with guarded(comm, doing):
             if comm.rank == 0 or together:
                 sync(tmp)
@@ -188,33 +164,43 @@ def inside(group, name):
     return found
 
 
-def _lay_out(path, fields, describe, compressed) -> None:
+def _lay_out(path, n, types, describe, compressed) -> None:
     """The file without the numbers of the fields, and the disk space for all of it. One process only."""
     import h5py
 
-    image, space = io.BytesIO(), _SLACK
+    image, space = io.BytesIO(), _SLACK * bool(types)
     with h5py.File(image, "w", libver=VERSIONS) as file:
-        for name, field in fields.items():
-            how = PACKED | {"chunks": (1, field.shape[1])} if compressed else {}
-            file.create_dataset(name, field.shape, field.stored, fill_time="never", **how).attrs.create(CHECKSUM, 0, dtype="uint64")
-            numbers = field.shape[0] * field.shape[1] * field.stored.itemsize
-            space += numbers + compressed * (numbers // 500 + _PER_CHUNK * field.shape[0])
+        for name, dtype in types.items():
+            how = PACKED | {"chunks": (1, n[1])} if compressed else {}
+            file.create_dataset(name, n, dtype, fill_time="never", **how).attrs.create(CHECKSUM, 0, dtype="uint64")
+            numbers = n[0] * n[1] * dtype.itemsize
+            space += numbers + compressed * (numbers // 500 + _PER_CHUNK * n[0])
         describe(file)
     with open(path, "wb") as file:
-        file.write(image.getbuffer())
+        space += file.write(image.getbuffer())
         file.flush()
         try:
-            os.posix_fallocate(file.fileno(), 0, image.tell() + space if fields else image.tell())
+            os.posix_fallocate(file.fileno(), 0, space)
         except OSError as error:
             raise OSError(error.errno, f"{error.strerror} ({space / 1e6:.4g} MB needed)") from None
 
 
-def _cuts(comm, span, field, rows=None):
-    """[(start, stop), ...] of this rank's rows, as many on every rank; rows: at once."""
+def _pieces(comm, field, dtype, n, rows, doing):
+    """As Stored.pieces, of a local slab."""
+    for start, stop in _cuts(comm, rows, n[1] * dtype.itemsize):
+        with guarded(comm, doing):
+            part = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
+            if part.shape != (stop - start, n[1]) or stop > n[0]:
+                raise ValueError(f"{part.shape} points in rows {start}:{stop} of {tuple(n)}")
+        yield start, part
+
+
+def _cuts(comm, rows, row_bytes, at_once=None):
+    """[(start, stop), ...] of this rank's rows, as many on every rank; at_once: how many rows."""
     ranks = comm.size if io_way(comm) == "serial" else 1  # of which rank 0 has a piece each
-    step = rows or max(1, PIECE_BYTES // (field.shape[1] * field.stored.itemsize * ranks))
-    edges = [min(span[0] + step * k, span[1]) for k in range(int(comm.max([-(-(span[1] - span[0]) // step)])[0]) + 1)]
-    return list(zip(edges[:-1], edges[1:]))
+    step = at_once or max(1, PIECE_BYTES // (row_bytes * ranks))
+    calls = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
+    return [tuple(min(rows[0] + k * step, rows[1]) for k in (call, call + 1)) for call in range(calls)]
 
 
 def _transfer(dataset, start, rows, what) -> None:

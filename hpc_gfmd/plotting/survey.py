@@ -34,7 +34,7 @@ def survey(fields: dict, p_unit: float, gap_unit: float) -> Survey:
     edges = np.logspace(*_DECADES, (_DECADES[1] - _DECADES[0]) * PER_DECADE + 1)
     maps = {"contact": [], **{name: [] for name in units}}
     counts = {name: np.zeros(len(edges) - 1) for name in units}
-    for parts in zip(*(fields[name].pieces(rows=rows) for name in units), strict=True):
+    for parts in zip(*(fields[name].pieces(at_once=rows) for name in units), strict=True):
         slab = {name: part / unit for (name, unit), (_, part) in zip(units.items(), parts, strict=True)}
         contact = slab["gap"] <= 0 if "gap" in slab else slab["pressure"] > 0
         where = {"pressure": contact, "gap": ~contact}

@@ -77,8 +77,6 @@ def check_result(content, folder):
     kinds = set(content["fields"].values())
     if kinds & {"external", "virtual", "external link", "complex", "text", "field"} and not content["left_out"]:
         assert found == "refused", kinds  # a field without its checksum, too
-    if set(content["head"]) - {"scene", "status"}:  # numbers that are not what they were, or new ones
-        assert found == "refused"
     return found
 
 

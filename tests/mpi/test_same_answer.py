@@ -151,6 +151,7 @@ def test_height_map_in_hdf5_is_read_by_mpi_io(comm, shared_path, monkeypatch):
     assert {driver for driver, *_ in asked} == {"mpio" if comm.size > 1 else "sec2"}
     assert (asked[0][1], asked[-1][2]) == (first, last)
     assert np.allclose(made.h * made.height_unit, z.max() - z[first:last], atol=1e-12)
+    assert opened
     assert not any(file.id.valid for file in opened)
     comm.barrier()
 

@@ -94,11 +94,11 @@ def test_nothing_to_draw_or_nowhere_to_put_it(tmp_path):
 def test_damaged_fields_are_an_error_in_one_line(tmp_path, monkeypatch):
     file = write(tmp_path / "run.h5", steps=1, fields=("gap",))
 
-    def read(*_):
+    def transfer(*_):
         raise OSError("bad chunk")
 
-    monkeypatch.setattr("hpc_gfmd.parallel.h5.Stored.read", read)
-    with pytest.raises(GfmdError, match=r"drawing .*run\.h5: bad chunk"):
+    monkeypatch.setattr("hpc_gfmd.parallel.h5._transfer", transfer)
+    with pytest.raises(GfmdError, match=r"reading .*run\.h5: bad chunk"):
         plot_result(file)
 
 
@@ -108,9 +108,9 @@ class Whole:
     def __init__(self, values):
         self.values, self.shape, self.most = values, values.shape, 0
 
-    def read(self, start, stop):
-        self.most = max(self.most, stop - start)
-        return self.values[start:stop]
+    def pieces(self, at_once):
+        self.most = at_once
+        return [(i, self.values[i : i + at_once]) for i in range(0, len(self.values), at_once)]
 
 
 def test_survey_reads_slabs_and_keeps_means(monkeypatch):
