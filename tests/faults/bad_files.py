@@ -118,7 +118,7 @@ HEIGHT_MAPS = {
     "external link": (".h5", lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("elsewhere.h5", "/surface"))), "link to another"),
     "soft link out of the file": (".h5", lambda p: h5(p, soft_way_out), "link to another file"),
     "links in a circle": (".h5", lambda p: h5(p, lambda f: linked(f, h5py.SoftLink("/surface"))), "too many links"),
-    "link to a device": (".h5", lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("/dev/zero", "/x"))), "unable to open external file"),
+    "link to a device": (".h5", lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("/dev/zero", "/x"))), "unable to open external"),
     "virtual data set": (".h5", lambda p: h5(p, virtual), "lie in another file"),
     "external data set": (".h5", lambda p: h5(p, lambda f: f.create_dataset("surface", (2, 2), "f8", external=[("/etc/hosts", 0, 32)])),
                           "lie in another file"),

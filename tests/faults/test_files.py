@@ -63,8 +63,8 @@ def test_result_file(fault, tmp_path, refused):
     code, line = refused("show", "out.h5")
     assert code == 2
     assert words in line
-    assert refused("plot", "out.h5")[0] == 2
-    assert refused("restart", "out.h5")[0] == 2
+    for command in (["plot", "out.h5"], ["restart", "out.h5"], ["export", "out.h5", "--to", "npz"]):
+        assert refused(*command)[0] == 2
 
 
 def test_one_bit_of_a_field(tmp_path, refused):
