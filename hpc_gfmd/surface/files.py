@@ -25,7 +25,7 @@ class HeightMap:
 
     def __init__(self, spec):
         self.path = Path(spec.path)
-        self.said, self._data = Said(), None
+        self.said, self._file = Said(), None
         if not self.path.is_file():
             raise SceneError(f"surface.path: found {self.path}, which is no file, allowed: the path of a height map")
         opener = {"npy": self._npy, "npz": self._npz, "hdf5": self._hdf5, "netcdf": self._netcdf}.get(spec.format, self._whole)
@@ -55,14 +55,14 @@ class HeightMap:
 
     def read_together(self, comm):
         """From here to `close` an HDF5 file is read by MPI-IO where there are several ranks, each of its own rows. Collective."""
-        if self._data is not None and io_way(comm) == "mpio":
+        if self._file is not None and io_way(comm) == "mpio":
             self.close()
-            self._data = self._open(driver(comm))
+            self._open_by(driver(comm))
 
     def close(self):
         """Of an HDF5 file; collective after read_together."""
-        if self._data is not None:
-            self._data.file.close()
+        if self._file is not None:
+            self._file.close()
 
     def _npy(self, spec):
         with open(self.path, "rb") as file:
@@ -96,8 +96,13 @@ class HeightMap:
             band = data.chunks[0] * data.shape[1] * data.dtype.itemsize if data.chunks and data.ndim == 2 else 0
         # chunks that the next rows need as well are kept while the data set is open: unpacking a large one each time takes for ever
         cache = {"rdcc_nbytes": max(2 * band, 2**20), "rdcc_nslots": 10007}
-        self._open = lambda how: h5py.File(self.path, "r", **how, **cache)[name]
-        self._data = self._open({"locking": False})
+
+        def open_by(how):
+            self._file = h5py.File(self.path, "r", **how, **cache)
+            self._data = self._file[name]
+
+        self._open_by = open_by
+        open_by({"locking": False})
         return lambda rows, columns: packing.unpacked(self._data[rows, columns])
 
     def _netcdf(self, spec):
