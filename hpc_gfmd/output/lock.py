@@ -4,6 +4,7 @@ import errno
 import fcntl
 import os
 import socket
+from contextlib import suppress
 from pathlib import Path
 
 from ..errors import SceneError
@@ -26,8 +27,9 @@ def acquire(folder: Path) -> int:
             raise SceneError(f"{folder.with_suffix('')}: another run is writing this file ({holder})")
         # the holder before us may have removed the folder between our open and our lock
         if (folder / NAME).exists() and os.path.samestat(os.fstat(descriptor), os.stat(folder / NAME)):
-            os.ftruncate(descriptor, 0)
-            os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
+            with suppress(OSError):  # a full disk is noticed soon
+                os.ftruncate(descriptor, 0)
+                os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
             return descriptor
         os.close(descriptor)
 
