@@ -1,5 +1,6 @@
 """Reading result files: whole ones, and what an interrupted run left. Executes nothing, needs no MPI."""
 
+import json
 import os
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -20,25 +21,23 @@ HEAD = "head.h5"  # of a partial folder
 class Result:
     """What a result file says.
 
-    head: root attributes; surface: those of the surface; steps: those of each load step, indices: their numbers; fields: per step
-    {name: Stored}, heights among them; status: of the whole run ("running" or "interrupted" if the file was never finished); folder:
-    of the unfinished run, otherwise None; notes: what else a reader should know, one line each.
+    path: of the file, None in memory; surface: attributes of the surface; steps: one dict of attributes per load step, indices: their
+    numbers; status: of the whole run ("running" or "interrupted" if the file was never finished);
+    head: all root attributes; fields: per step {name: Stored}, to be read slab by slab;
+    folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line each.
     """
 
-    path: Path
-    head: dict
+    path: Path | None
     surface: dict
     steps: list[dict]
     indices: list[int]
-    fields: list[dict[str, Stored]] = field(repr=False)
     status: str
+    scene_toml: str
+    versions: dict
+    head: dict
+    fields: list[dict[str, Stored]] = field(repr=False)
     folder: Path | None = None
     notes: tuple[str, ...] = ()
-
-    @property
-    def scene_toml(self) -> str:
-        """The scene as it was run."""
-        return str(self.head.get("scene", ""))
 
 
 def followed(path) -> Path:
@@ -154,4 +153,5 @@ def _content(path) -> tuple[dict, dict, dict]:
 
 def _result(path, head, surface, steps, status, folder, notes) -> Result:
     attributes, fields = zip(*steps.values(), strict=True) if steps else ((), ())
-    return Result(path, head, surface, list(attributes), list(steps), list(fields), status, folder, notes)
+    scene, versions = str(head.get("scene", "")), json.loads(head.get("versions", "{}"))
+    return Result(path, surface, list(attributes), list(steps), status, scene, versions, head, list(fields), folder, notes)

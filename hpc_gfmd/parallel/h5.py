@@ -11,6 +11,7 @@ import os
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -61,9 +62,50 @@ class Stored:
             found[start - rows[0] : start - rows[0] + len(part)] = part
         return found
 
-    def read(self, start=0, stop=None) -> np.ndarray:
-        """Rows start <= i < stop on one process; raises GfmdError as `pieces`, wherever the damage is."""
-        return self.slab(SerialComm(), (0, self.shape[0]))[start:stop]
+    def read(self, start, stop) -> np.ndarray:
+        """Rows start <= i < stop, unchecked. Not collective: every rank may read what it needs."""
+        import h5py
+
+        with h5py.File(self.path, "r", locking=False) as file:
+            return file[self.dataset][start:stop]
+
+
+@dataclass(frozen=True)
+class Slab:
+    """As Stored, of a field in memory; data: the rows of this rank, start: the global index of its first one."""
+
+    data: Any
+    start: int
+    shape: tuple[int, int]
+    checksum = None
+
+    @property
+    def dtype(self) -> np.dtype:
+        return np.dtype(self.data.dtype)
+
+    @property
+    def span(self) -> tuple[int, int]:
+        return self.start, self.start + len(self.data)
+
+    def read(self, start, stop) -> np.ndarray:
+        """Rows start <= i < stop, which must be among those of this rank."""
+        return np.ascontiguousarray(self.data[start - self.start : stop - self.start])
+
+
+class Checked:
+    """Rows of a field, a few at a time; raises GfmdError with the last of all where these are damaged."""
+
+    def __init__(self, field):
+        self.field, self.shape, self.dtype, self._found, self._next = field, field.shape, field.dtype, 0, 0
+
+    def read(self, start, stop) -> np.ndarray:
+        """Rows start <= i < stop."""
+        rows = self.field.read(start, stop)
+        if start == self._next and self.field.checksum is not None:  # otherwise it is no pass over all of them
+            self._found, self._next = self._found + _checksum(rows, start), stop
+            if stop == self.shape[0] and self._found % 2**64 != self.field.checksum:
+                raise GfmdError(f"{self.field.path}: the numbers of {self.field.dataset} are damaged")
+        return rows
 
 
 def io_way(comm) -> str:

@@ -368,7 +368,7 @@ def test_table_marks_what_did_not_converge():
     header, units, first, second, *remarks = text.splitlines()
     assert header.split() == ["step", "p*", "p", "a_r", "iter.", "status"]
     assert "[unit of E*]" in units
-    assert first.split() == ["0", "0.1", "0.1", "0.2500", "+-", "0.0003", "7", "converged"]
+    assert first.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "7", "converged"]
     assert second.split()[:2] == ["!", "1"]
     assert remarks == [
         "! step 1: NOT CONVERGED (stagnated), less accurate than asked",
@@ -420,9 +420,8 @@ def test_show_tells_an_interrupted_run(path, capsys):
 def test_reading_starts_neither_mpi_nor_numba(path):
     complete(path)
     code = (
-        "import sys; from argparse import Namespace; from hpc_gfmd.commands import plot, show; "
-        f"show.main(Namespace(file={str(path)!r}, json=False, tfc=None)); "
-        f"plot.main(Namespace(file={str(path)!r}, output=None)); "
+        "import sys; from hpc_gfmd.cli import main; "
+        f"assert main(['show', {str(path)!r}]) == main(['plot', {str(path)!r}]) == 0; "
         "assert not {'mpi4py', 'numba'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)
