@@ -10,68 +10,71 @@ import numpy as np
 
 from ..errors import SceneError
 
-FORMAT = "hpc-gfmd reference"
-QUANTITIES = ("a_r", "a_r_edge", "gap_over_h_rms", "gap_over_g_rms_lam_s")
-
-
-@dataclass(frozen=True)
-class Curve:
-    """One hurst and eps_f (at the eps_t, eps_c and n used): arrays over p_star, means over n_seeds surfaces.
-
-    a_r: relative contact area, a_r_edge: edge-corrected; gap_over_h_rms, gap_over_g_rms_lam_s: mean gap. sigma: {quantity: standard
-    uncertainty of the mean}, from the scatter between realisations and the estimated errors of the solutions; that of eps_t and
-    eps_c being finite is not in it.
-    """
-
-    hurst: float
-    eps_t: float
-    eps_f: float
-    eps_c: float
-    n: int
-    seeds: tuple[int, ...]
-    p_star: np.ndarray
-    a_r: np.ndarray
-    a_r_edge: np.ndarray
-    gap_over_h_rms: np.ndarray
-    gap_over_g_rms_lam_s: np.ndarray
-    sigma: dict[str, np.ndarray]
-
-    def at(self, p_star, quantity):
-        """(value, uncertainty) of one of QUANTITIES at p_star (number or array): monotone interpolation of its logarithm over that
-        of p_star. Raises SceneError outside the range of p_star and for other quantities."""
-        from scipy.interpolate import PchipInterpolator
-
-        if quantity not in QUANTITIES:
-            raise SceneError(f"quantity: found {quantity!r}, allowed: {', '.join(QUANTITIES)}")
-        values = getattr(self, quantity)
-        there = values > 0  # at full contact the gap has no logarithm
-        x, y = np.log(self.p_star[there]), np.log(values[there])
-        wanted = np.asarray(p_star, dtype=np.float64)
-        low, high = self.p_star[there][[0, -1]]
-        if not np.all((wanted >= low * (1 - 1e-9)) & (wanted <= high * (1 + 1e-9))):
-            raise SceneError(f"p_star: found {p_star}, allowed: from {low:g} to {high:g}")
-        at = np.clip(np.log(wanted), x[0], x[-1])
-        relative = np.interp(at, x, self.sigma[quantity][there] / values[there])
-        value = np.exp(PchipInterpolator(x, y)(at))
-        return (value, value * relative) if value.ndim else (float(value), float(value * relative))
+FORMAT = "hpc-gfmd reference 2"
+QUANTITIES = ("a_r", "gap_over_h_rms")
+ROUNDING = 1e-9  # relative, by which a number may miss the end of its range
 
 
 @dataclass(frozen=True)
 class Reference:
-    """curves: all of them; provenance: versions, accuracy, level, date and command of the runs behind them."""
+    """Contact area and mean gap of self-affine surfaces in large cells and on fine grids.
 
-    curves: tuple[Curve, ...]
+    hurst (m,), eps_f (k,): those that were solved; p_star: {quantity: (loads,)}; value, sigma: {quantity: (m, k, loads)}, means and
+    their relative standard uncertainties; provenance: what it was made of.
+    """
+
+    hurst: np.ndarray
+    eps_f: np.ndarray
+    p_star: dict[str, np.ndarray]
+    value: dict[str, np.ndarray]
+    sigma: dict[str, np.ndarray]
     provenance: dict
 
-    def curve(self, hurst, eps_f):
-        """The curve of this H and eps_f. Raises SceneError for others than the tabulated ones."""
-        for curve in self.curves:
-            if np.isclose(curve.hurst, hurst, rtol=0, atol=1e-9) and np.isclose(curve.eps_f, eps_f, rtol=1e-6, atol=0):
-                return curve
-        at_hurst = sorted({f"1/{1 / c.eps_f:g}" for c in self.curves if np.isclose(c.hurst, hurst, rtol=0, atol=1e-9)})
-        if at_hurst:
-            raise SceneError(f"eps_f: found {eps_f:g}, allowed for hurst = {hurst:g}: {', '.join(at_hurst)}")
-        raise SceneError(f"hurst: found {hurst:g}, allowed: {', '.join(sorted({f'{c.hurst:g}' for c in self.curves}))}")
+    def at(self, quantity, p_star, hurst, eps_f):
+        """(value, standard uncertainty) of one of QUANTITIES at p_star (number or array), hurst and eps_f (numbers).
+
+        Interpolated is the logarithm of the ratio to Persson's theory, which varies little: by splines along ln p_star and hurst and a
+        parabola along ln eps_f. The uncertainty is that of the points in between which it lies. Raises SceneError outside their ranges.
+        """
+        from scipy.interpolate import make_interp_spline
+
+        if quantity not in QUANTITIES:
+            raise SceneError(f"quantity: found {quantity!r}, allowed: {', '.join(QUANTITIES)}")
+        loads, wanted = self.p_star[quantity], np.asarray(p_star, dtype=np.float64)
+        wanted = _within("p_star", wanted, loads)
+        weights = np.outer(_weights(_within("hurst", hurst, self.hurst), self.hurst),
+                           _weights(np.log(_within("eps_f", eps_f, self.eps_f)), np.log(self.eps_f)))
+        ratio = [[np.log(value / _persson(quantity, loads, H, f)) for f, value in zip(self.eps_f, values, strict=True)]
+                 for H, values in zip(self.hurst, self.value[quantity], strict=True)]
+        ratio, sigma = np.einsum("hf,hfp->p", weights, ratio), np.einsum("hf,hfp->p", np.abs(weights), self.sigma[quantity])
+        x = np.log(loads)
+        value = np.exp(make_interp_spline(x, ratio, k=min(3, len(x) - 1))(np.log(wanted))) * _persson(quantity, wanted, hurst, eps_f)
+        error = value * np.interp(np.log(wanted), x, sigma)
+        return (value, error) if wanted.ndim else (float(value), float(error))
+
+
+def _within(name, wanted, known):
+    low, high = float(np.min(known)), float(np.max(known))
+    wanted = np.asarray(wanted, dtype=np.float64)
+    if not np.all((wanted >= low * (1 - ROUNDING)) & (wanted <= high * (1 + ROUNDING))):
+        raise SceneError(f"{name}: found {wanted.tolist()}, allowed: from {low:g} to {high:g}")
+    return np.clip(wanted, low, high)
+
+
+def _weights(x, known):
+    """How much of each known point the spline (at most of degree 3) through them has at x."""
+    from scipy.interpolate import make_interp_spline
+
+    order = np.argsort(known)
+    found = np.empty(len(known))
+    found[order] = make_interp_spline(known[order], np.eye(len(known)), k=min(3, len(known) - 1))(x) if len(known) > 1 else 1.0
+    return found
+
+
+def _persson(quantity, p_star, hurst, eps_f):
+    from ..theory import persson
+
+    return persson.contact_area(p_star) if quantity == "a_r" else persson.mean_gap(p_star, float(hurst), float(eps_f))
 
 
 def load(path=None):
@@ -89,17 +92,19 @@ def _read(path):
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["format"] != FORMAT:
             raise ValueError(f"format {data['format']!r}")
-        return Reference(tuple(_curve(c) for c in data["curves"]), data["provenance"])
+        axes = [_array(data[name]) for name in ("hurst", "eps_f")]
+        tables = [{name: _array(data[name][kind]) for name in QUANTITIES} for kind in ("p_star", "value", "sigma")]
+        for name in QUANTITIES:
+            shape = (*(len(axis) for axis in axes), len(tables[0][name]))
+            if not tables[1][name].shape == tables[2][name].shape == shape or not (tables[1][name] > 0).all():
+                raise ValueError("arrays of different lengths, or values that are not positive")
+        return Reference(*axes, *tables, data["provenance"])
     except (OSError, ValueError, KeyError, TypeError) as error:
-        allowed = "a JSON file written by hpc-gfmd study --reference"
+        allowed = "a JSON file written by hpc-gfmd study curves --reference"
         raise SceneError(f"reference: found {str(path)!r} ({error}), allowed: {allowed}") from None
 
 
-def _curve(data):
-    numbers = {name: np.array(data[name], dtype=np.float64) for name in ("p_star", *QUANTITIES)}
-    sigma = {name: np.array(data["sigma"][name], dtype=np.float64) for name in QUANTITIES}
-    for array in (*numbers.values(), *sigma.values()):
-        if array.shape != numbers["p_star"].shape or not len(array):
-            raise ValueError("arrays of different lengths")
-        array.setflags(write=False)  # shared by all who load it
-    return Curve(data["hurst"], data["eps_t"], data["eps_f"], data["eps_c"], data["n"], tuple(data["seeds"]), **numbers, sigma=sigma)
+def _array(numbers):
+    array = np.array(numbers, dtype=np.float64)
+    array.setflags(write=False)  # shared by all who load it
+    return array

@@ -107,7 +107,7 @@ def test_parts_are_read_together_and_once(tmp_path):
     Store(tmp_path, 2).append(run_of(SMALL, 0.35))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["runs-1.jsonl", "runs-2.jsonl", "runs.jsonl"]
     assert sorted(run["p_star"] for run in Store(tmp_path).load()) == [0.05, 0.35]
-    assert missing(SMALL, {key_of(run) for run in Store(tmp_path, 1).load()}) is None
+    assert missing(SMALL, {key_of(run): set(run) for run in Store(tmp_path, 1).load()}) is None
 
 
 @pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGINT])
