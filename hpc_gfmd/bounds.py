@@ -1,24 +1,24 @@
 """Errors of the solution from the error of its energy, without knowing the solution.
 
 With e = u - u* the distance from the solution, E(u) - E* = <p*, g> + 1/2 <e, K e> <= G, the duality gap of any admissible pressure.
-So <e, K e> <= 2 G, which bounds the pressure: |p - p*|^2 = |K e|^2 <= K_max <e, K e>. The mean gap is wrong by mean(e). For a pressure
-w of zero mean, <w, e> is at most |w|_S |e|_K; two of them give mean(e):
+So <e, K e> <= 2 G, which bounds the pressure: |p - p*|^2 = |K e|^2 <= K_max <e, K e>. The mean gap is wrong by mean(e). For a test
+pressure v of zero mean, <v, e> is at most |v|_S |e|_K; two of them give mean(e):
 
-- w = p* - p0: <p*, e> = <p*, g> is between 0 and G - 1/2 <e, K e>, so |mean(e)| <= |u*|_K sqrt(2 G)/(N p0), a bound;
-- w = -1 out of contact and constant in contact, where e vanishes but at points that change sides: |mean(e)| = |<w, S (p - p*)>|/N,
-  which is far smaller where little is out of contact. Here p* is p^ but for a part that is at most half of the bound |w|_S sqrt(2 G)/N,
-  because 1/2 <e, K e> is nearly all of G; and <w, S (p - p^)> is known.
+- v = p* - p0: <p*, e> = <p*, g> is between 0 and G - 1/2 <e, K e>, so |mean(e)| <= |u*|_K sqrt(2 G)/(N p0), a bound;
+- v = -1 out of contact and constant in contact, where e vanishes but at points that change sides: |mean(e)| = |<v, S (p - p*)>|/N,
+  which is far smaller where little is out of contact. Here p* is p^ but for a part that is at most half of the bound |v|_S sqrt(2 G)/N,
+  because 1/2 <e, K e> is nearly all of G; and <v, S (p - p^)> is known.
 
 Where the surface ends within the cell these are bounds of the mean of e over the cell. That over the surface alone is different by
-<w, e>/N, w = 1 on the surface (less its mean): |w|_S is known beforehand, it is the self-energy of the nominal area.
+<v, e>/N, v = 1 on the surface (less its mean): |v|_S is known beforehand, it is the self-energy of the nominal area.
 """
 
 import numpy as np
 
-from .kernels.certify import BINS, PER_OCTAVE, undecided
+from .kernels.certify import BINS, PER_OCTAVE, count_uncertain
 
-# The error of the pressure over the bound with kap in place of 1/K_max; more on small grids, by TINY over the root of their points, and
-# with few points in contact, by LONE over their number
+# The error of the pressure over the bound with the compliance in place of 1/K_max; more on small grids, by TINY over the root of their
+# points, and with few points in contact, by LONE over their number
 PRESSURE, TINY, LONE = 0.55, 5.0, 1.0
 UNKNOWN, ALIGNED = 0.3, 1.2  # in the second expression for the mean gap: share of the bound; S over the sum over levels for long waves
 
@@ -30,29 +30,30 @@ SHARE, ASPERITY = 0.08, 10
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 
 
-def field_errors(energy, uKu, closed, contact, N, p0, gap, kap, response, aligned, surface):
+def field_errors(energy, uKu, closed, contact, N, p0, gap, compliance, response, aligned, surface):
     """Relative errors of the mean gap and of the pressure field (L2).
 
-    energy: 2 G; uKu: <u, K u>; closed: sum of p^2 in contact; contact: points in contact; N: points; gap: its mean; kap: 1/K of the
-    shortest waves, as bodies/base.py has it; response: |w|_S, aligned: <w, S (p - p^)>, both by sums over levels; surface: |w|_S of
-    the nominal area, 0 where that is all.
+    energy: 2 G; uKu: <u, K u>; closed: sum of p^2 in contact; contact: points in contact; N: points; gap: its mean; compliance:
+    1/K of the shortest waves, Body.typical; response: |v|_S, aligned: <v, S (p - p^)>, both by sums over levels; surface: |v|_S of the
+    nominal area, 0 where that is all.
     """
     e = np.sqrt(max(energy, 0.0))
     shift = (min(e * (np.sqrt(max(uKu, 0.0)) + e) / p0, UNKNOWN * response * e + ALIGNED * abs(aligned)) + surface * e) / N
     mean_gap = shift / (gap - shift) if shift < gap else (0.0 if shift == 0 else np.inf)
-    return float(mean_gap), float(PRESSURE * (1 + TINY / np.sqrt(N) + LONE / contact) * e / np.sqrt(kap * closed))
+    return float(mean_gap), float(PRESSURE * (1 + TINY / np.sqrt(N) + LONE / contact) * e / np.sqrt(compliance * closed))
 
 
-def spread_of(squares, fourth, contact, N):
+def participation_number(squares, fourth, contact, N):
     """Over how many points the error of the pressure is spread: as what is left out of contact (sums of p^2 and p^4), and over no more
     points than there are in contact, or out of it."""
     return max(min(squares**2 / fourth if fourth > 0 else 1.0, contact, N - contact), 1.0)
 
 
-def points_on_wrong_side(problem, g, p, kap, squares, spread):
-    """How many points may be on the wrong side; squares: sum of squares of the error of the pressure, spread: over how many points.
+def misclassified_points(problem, g, p, compliance, squares, spread):
+    """How many points may be in the wrong set, in contact or out of it; squares: sum of squares of the error of the pressure, spread:
+    its participation number; compliance: of the shortest wave. Collective.
 
-    No more than it takes to use `squares` up, the easiest first. Of the points that are near few are on the wrong side if they differ;
+    No more than it takes to use `squares` up, the easiest first. Of the points that are near few are in the wrong set if they differ;
     of those that are alike, as in ordered walls, all may be. Closed and open points are counted apart: they change the area in
     opposite ways.
     """
@@ -63,7 +64,7 @@ def points_on_wrong_side(problem, g, p, kap, squares, spread):
         return 0.0
     counts = np.zeros((2, BINS))
     rows, m = problem.grid.inside
-    undecided(g[:rows, :m], p[:rows, :m], kap, TIE * rounding if double else 0.0, sure, largest, counts)
+    count_uncertain(g[:rows, :m], p[:rows, :m], compliance, TIE * rounding if double else 0.0, sure, largest, counts)
     counts = problem.grid.comm.sum(counts.ravel()).reshape(counts.shape)
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
@@ -71,9 +72,9 @@ def points_on_wrong_side(problem, g, p, kap, squares, spread):
     near = takes < squares * NEAR**2 / spread
     for points in counts:
         easiest = np.cumsum((points * takes)[::-1]) <= squares
-        close = points * near
-        together = max((close[1:] + close[:-1]).max(), min(close.sum(), ASPERITY), min(points.sum(), EDGE))
-        likely = max(SHARE * close.sum() + together, close[takes < squares * CLOSE**2 / spread].sum())
+        easy = points * near
+        together = max((easy[1:] + easy[:-1]).max(), min(easy.sum(), ASPERITY), min(points.sum(), EDGE))
+        likely = max(SHARE * easy.sum() + together, easy[takes < squares * CLOSE**2 / spread].sum())
         wrong = max(wrong, min(likely, points[::-1][easiest].sum()))
     return wrong
 

@@ -12,7 +12,11 @@ from .errors import GfmdError, SceneError, one_line
 from .streams import unfailing_output
 
 ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
-COMMANDS = ("run", "plan", "show", "plot", "export", "persson", "tfc", "study", "bench", "info")
+COMMANDS = ("init", "help", "run", "plan", "show", "plot", "export", "persson", "tfc", "study", "bench", "info")
+DESCRIPTION = (
+    "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml; hpc-gfmd plot contact.h5. "
+    "With a measured map: hpc-gfmd init scan.x3p. Every key of a scene: hpc-gfmd help scene."
+)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -24,7 +28,7 @@ class _Parser(argparse.ArgumentParser):
 
 def build_parser(commands=COMMANDS):
     """The parser with these commands, as far as they are there."""
-    parser = _Parser(prog="hpc-gfmd", description="Elastic contact of rough surfaces. Start with: hpc-gfmd run SCENE.toml")
+    parser = _Parser(prog="hpc-gfmd", description=DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {__version__}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_Parser)
     for name in commands:

@@ -18,14 +18,14 @@ ROUNDING = 16  # times the rounding error of the heights: a mean gap below that 
 
 @dataclass(frozen=True)
 class Contact:
-    """surface: surface.Surface; g, q: gap and pressure of the solution in the program's units, local slabs; p: mean pressure in the
-    unit of E_star; outcome: see driver/; accuracy: relative, of what observables still have to solve for; lam_s: or None."""
+    """surface: surface.Surface; p_mean: mean pressure in the unit of E_star; g, p: gap and pressure of the solution in the program's
+    units, local slabs; outcome: see driver/; accuracy: relative, of what observables still have to solve for; lam_s: or None."""
 
     surface: object
     E_star: float
-    p: float
+    p_mean: float
     g: np.ndarray
-    q: np.ndarray
+    p: np.ndarray
     outcome: object
     accuracy: float
     lam_s: float | None = None
@@ -33,7 +33,7 @@ class Contact:
 
     @property
     def certificate(self):
-        """The judgement of this solution."""
+        """The independent check of this solution."""
         return self.outcome.certificate
 
     @property
@@ -53,13 +53,13 @@ class Contact:
 
     @property
     def pressure_unit(self):
-        """What one unit of q is in the unit of E_star."""
+        """What one unit of p is in the unit of E_star."""
         return self.E_star * self.surface.slope
 
     @property
     def p_star(self):
-        """p/(E* g_rms); nan on a flat surface."""
-        return self.p / self.pressure_unit if self.g_rms > 0 else float("nan")
+        """p_mean/(E* g_rms); nan on a flat surface."""
+        return self.p_mean / self.pressure_unit if self.g_rms > 0 else float("nan")
 
     @property
     def approach(self):
@@ -133,7 +133,7 @@ class Contact:
     def touching(self, i0, i1):
         """Which points touch in the rows i0 <= i < i1 of this rank's part of the surface, as it was solved."""
         points = self.surface.grid.nominal[1]
-        return (self.g[i0:i1, :points] <= 0) & (self.q[i0:i1, :points] > 0)
+        return (self.g[i0:i1, :points] <= 0) & (self.p[i0:i1, :points] > 0)
 
     def clusters(self, of_contact=True, corners=False):
         """The parallel.clusters.Clusters of the points that touch, or of those that do not, found once. Collective.
@@ -165,12 +165,12 @@ class Contact:
         if grid.N == 1:
             return 0, 0
         rows, points = grid.inside
-        g, q = self.g[:rows, :points], self.q[:rows, :points]
-        below = halo.next_row(grid.comm, np.stack([g[:1], q[:1]]))
+        g, p = self.g[:rows, :points], self.p[:rows, :points]
+        below = halo.next_row(grid.comm, np.stack([g[:1], p[:1]]))
         around_x, around_y = self.periodic
         if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
-            below = g[-1], q[-1]
-        along_x, along_y = grid.comm.sum(contact_edges(g, q, below[0], below[1], around_y))
+            below = g[-1], p[-1]
+        along_x, along_y = grid.comm.sum(contact_edges(g, p, below[0], below[1], around_y))
         return int(along_x), int(along_y)
 
     @property
@@ -190,14 +190,14 @@ class Contact:
         """
         if name not in FIELDS:
             raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")
-        dtype = field_dtype(name, self.g.dtype, self.p, self.surface)
+        dtype = field_dtype(name, self.g.dtype, self.p_mean, self.surface)
         real = dtype.type
 
         def values(take):
             points = self.surface.grid.nominal[1]
-            g, q = self.g[take, :points], self.q[take, :points]
+            g, p = self.g[take, :points], self.p[take, :points]
             if name == "pressure":
-                return np.where((g <= 0) & (q > 0), q, 0) * real(self.pressure_unit)
+                return np.where((g <= 0) & (p > 0), p, 0) * real(self.pressure_unit)
             return (g if name == "gap" else g - self.surface.h[take]) * real(self.surface.height_unit)
 
         return _on_the_whole_grid(self.surface, values, dtype)

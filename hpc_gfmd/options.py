@@ -1,6 +1,7 @@
 """The solvers' own parameters, [solver.options] of a scene."""
 
 from .errors import SceneError
+from .not_modelled import ONLY, is_not_modelled
 
 
 def read_options(solver, options, allowed):
@@ -11,7 +12,8 @@ def read_options(solver, options, allowed):
     for name, value in options.items():
         if name not in allowed:
             known = ", ".join(allowed) or "none"
-            raise SceneError(f"solver.options: found {name!r}, allowed for the solver {solver!r}: {known}")
+            found = f"{name!r}, {ONLY}" if is_not_modelled(name) else repr(name)
+            raise SceneError(f"solver.options: found {found}, allowed for the solver {solver!r}: {known}")
         low, high = allowed[name]
         if not low <= value <= high:
             raise SceneError(f"solver.options.{name}: found {value!r}, allowed: a number from {low:g} to {high:g}")

@@ -52,7 +52,7 @@ class Problem:
 
     @property
     def self_energy(self):
-        """sqrt(<w, S w>) of w = 1 on a surface that ends, 0 beyond, less its mean, at most; 0 where the surface is all there is.
+        """sqrt(<v, S v>) of v = 1 on a surface that ends, 0 beyond, less its mean, at most; 0 where the surface is all there is.
 
         Of all shapes of the same area a disc has the most, 0.958 area^(3/2); a strip that is periodic along its length
         (4/pi^3) 1.05 area times its width, times 2 for the mean of S, which is left open there.

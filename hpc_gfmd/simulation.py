@@ -150,9 +150,9 @@ def _require_same_heights(file, surface):
 def _require_storable(output, surface, pressures):
     """Raise SceneError where a field that is asked for in single precision does not fit into it."""
     for name in output.fields if output.dtype == "single" else ():
-        for p in pressures:
-            if field_dtype(name, np.float32, p, surface) != np.float32:
-                raise SceneError(f'output.dtype: found "single", which cannot hold the {name} at a mean pressure of {p:g} '
+        for p_mean in pressures:
+            if field_dtype(name, np.float32, p_mean, surface) != np.float32:
+                raise SceneError(f'output.dtype: found "single", which cannot hold the {name} at a mean pressure of {p_mean:g} '
                                  f'(one unit of height: {surface.height_unit:g}), allowed: "double"')
 
 
@@ -247,8 +247,8 @@ class _Run:
 
     def _one_step(self, index, pressures, midway):
         begun = time.monotonic() - (midway.seconds if midway else 0.0)
-        p = pressures[index]
-        p_star = p / (self.sweep.E_star * self.sweep.surface.g_rms) if self.sweep.surface.g_rms else float("nan")
+        p_mean = pressures[index]
+        p_star = p_mean / (self.sweep.E_star * self.sweep.surface.g_rms) if self.sweep.surface.g_rms else float("nan")
         self.say.step(index, len(pressures), p_star)
 
         def watch(iterations, progress):
@@ -259,14 +259,14 @@ class _Run:
             return stop
 
         try:
-            step = self.sweep.solve(p, watch, midway is not None)
+            step = self.sweep.solve(p_mean, watch, midway is not None)
         finally:
             self.say.done()
         status = step.contact.outcome.status
         if status == "interrupted":
             return status
         if index not in self.file.finished:
-            self._write(index, p, step, time.monotonic() - begun)
+            self._write(index, p_mean, step, time.monotonic() - begun)
         stop, _ = self.interrupt.poll()
         if index + 1 < len(pressures) and (stop or self.interrupt.cheap()):
             self._save(index + 1, lambda: self.sweep.state(pressures[index + 1]))
@@ -282,14 +282,14 @@ class _Run:
                              self.scene.identity())
             self.interrupt.saved(begun)
 
-    def _write(self, index, p, step, seconds):
+    def _write(self, index, p_mean, step, seconds):
         """A finished load into the file."""
         contact = step.contact
         numbers = {name: f(contact) for name, f in self.observables.items()}
         for name, found in distributions_named(self.distributions, contact).items():
             numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
         area, gap, pressure = contact.outcome.errors
-        attributes = {"p": p, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
+        attributes = {"p": p_mean, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
                       "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area,
                       "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure,
                       "precision": contact.g.dtype.name, "residual": contact.certificate.residual, "note": contact.note}

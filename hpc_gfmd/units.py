@@ -19,20 +19,20 @@ def fits(dtype, smallest, largest):
     return float(info.tiny) < smallest and largest < float(info.max)
 
 
-def field_range(name, p, surface):
-    """(smallest, largest) magnitude that matters in a field at mean pressure p, without looking at it; surface: surface.Surface.
+def field_range(name, p_mean, surface):
+    """(smallest, largest) magnitude that matters in a field at mean pressure p_mean, without looking at it; surface: surface.Surface.
 
-    No point carries more than all N p, and heights that have rms slope 1 per point rise by less than N; a displacement is less than
-    N times that. What is smaller than the rounding errors of single precision does not matter.
+    No point carries more than all N p_mean, and heights that have rms slope 1 per point rise by less than N; a displacement is
+    less than N times that. What is smaller than the rounding errors of single precision does not matter.
     """
     N = surface.grid.N
-    typical, largest = (p, N * p) if name == "pressure" else (surface.height_unit, N**2 * surface.height_unit)
+    typical, largest = (p_mean, N * p_mean) if name == "pressure" else (surface.height_unit, N**2 * surface.height_unit)
     return float(np.finfo(np.float32).eps) * typical, largest
 
 
-def field_dtype(name, dtype, p, surface):
+def field_dtype(name, dtype, p_mean, surface):
     """The precision for a field, solved in `dtype`, in the scene's units."""
-    return np.dtype(dtype) if fits(dtype, *field_range(name, p, surface)) else np.dtype(np.float64)
+    return np.dtype(dtype) if fits(dtype, *field_range(name, p_mean, surface)) else np.dtype(np.float64)
 
 
 def single_solves(p_star, N):
@@ -44,9 +44,10 @@ def require_range(E_star, surface, pressures):
     """Raises SceneError where a number of the contacts is beyond double precision; surface: surface.Surface."""
     unit = E_star * surface.g_rms if surface.g_rms > 0 else 1.0
     for what, value in [("E_star*g_rms", unit), ("g_rms*a (height per point)", surface.height_unit),
-                        ("E_star*g_rms^2*a (energy)", unit * surface.height_unit), *(("a mean pressure", p) for p in pressures)]:
+                        ("E_star*g_rms^2*a (energy)", unit * surface.height_unit),
+                        *(("a mean pressure", p_mean) for p_mean in pressures)]:
         if not SMALLEST <= value <= LARGEST:
             raise SceneError(f"surface, material, load: found {what} = {value:g}, allowed: {SMALLEST:g} to {LARGEST:g}, in other units")
-    for p in pressures:
-        if surface.g_rms > 0 and not P_STAR[0] <= p / unit <= P_STAR[1]:
-            raise SceneError(f"load: found p* = {p / unit:g}, allowed: {P_STAR[0]:g} to {P_STAR[1]:g}")
+    for p_mean in pressures:
+        if surface.g_rms > 0 and not P_STAR[0] <= p_mean / unit <= P_STAR[1]:
+            raise SceneError(f"load: found p* = {p_mean / unit:g}, allowed: {P_STAR[0]:g} to {P_STAR[1]:g}")

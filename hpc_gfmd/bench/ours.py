@@ -32,7 +32,7 @@ class Ours:
 
     def __init__(self, case, precision="double"):
         self.sweep = Sweep(case.surface, Solver(precision=precision, nested=True))
-        self.p = case.p_star * self.sweep.surface.g_rms
+        self.p_mean = case.p_star * self.sweep.surface.g_rms
         self.nested = self.sweep.nested
 
     def solve(self, accuracy, solver="bpx", nested=True, max_iterations=100_000, residual=None, budget=np.inf):
@@ -46,7 +46,7 @@ class Ours:
         sweep.solver_class, sweep.nested = solver_class(solver), self.nested if nested else None
         sweep.solver = None  # nothing is left of the solve before
         begun, cpu = time.perf_counter(), time.process_time()
-        step = sweep.solve(self.p, lambda iterations, progress: time.perf_counter() - begun > budget)
+        step = sweep.solve(self.p_mean, lambda iterations, progress: time.perf_counter() - begun > budget)
         contact = step.contact
         pressure = np.asarray(contact.field("pressure"))
         seconds, cpu_seconds = time.perf_counter() - begun, time.process_time() - cpu

@@ -92,8 +92,8 @@ class _Space:
         largest = np.hypot(*half)
         self.width = max(WIDTH * largest, FEWEST * max(spacings))
         radius = largest + TAILS * self.width
-        x, w = roots_hermite(NODES)
-        self.radii, self.shares = radius + np.sqrt(2) * self.width * x, w / np.sqrt(np.pi)
+        x, weights = roots_hermite(NODES)
+        self.radii, self.shares = radius + np.sqrt(2) * self.width * x, weights / np.sqrt(np.pi)
         reach = radius + TAILS * self.width
         if not all(free):  # and the waves along the other axis
             reach = max(reach, DECAY / (2 * np.pi / (grid.sizes[free.index(False)] / grid.a)))

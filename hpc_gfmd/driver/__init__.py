@@ -1,1 +1,1 @@
-"""From a surface and a load to a judged contact: start, loop, certificate, load sweep."""
+"""From a surface and a load to a certified contact: start, loop, certificate, load sweep."""

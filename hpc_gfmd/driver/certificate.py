@@ -1,4 +1,4 @@
-"""The independent judgement of a solution: from the returned displacement alone, by a fresh application of the operator.
+"""The independent check (of the KKT conditions) of a solution: from the displacement alone, by a fresh application of the operator.
 
 p = p0 + K u is computed anew in double precision; what it violates of u >= -h, p >= 0, p g = 0, mean(p) = p0 is the certificate. How
 far that is from the solution follows from the duality gap, which bounds the error of the energy without any knowledge of the solution:
@@ -7,7 +7,7 @@ far that is from the solution follows from the duality gap, which bounds the err
 
 for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled. The norm S of p^ - p is bounded without a
 transform by sums of squares on the levels of the multilevel operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap
-and of the pressure (bounds.py), and from that of the pressure how many points may be on the wrong side.
+and of the pressure (bounds.py), and from that of the pressure how many points may be in the wrong set, in contact or out of it.
 
 In low memory all of it is in single precision: what is smaller than the rounding errors of the heights, which count towards the errors,
 cannot be seen then.
@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bounds import field_errors, points_on_wrong_side, relative_area, spread_of
-from ..kernels.certify import dual_rows, judge
+from ..bounds import field_errors, misclassified_points, participation_number, relative_area
+from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import EQUIVALENCE
 
@@ -63,7 +63,7 @@ class Certificate:
 
 
 def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
-    """Judge the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local slab). One pair, half more if dual.
+    """Certify the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local slab). One pair, half more if dual.
 
     levels: the Multilevel of the grid, whose fields are overwritten: without it there are no errors. Collective.
     """
@@ -74,11 +74,11 @@ def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
 
     elastic.pressure_rows(problem.displacement_rows(g), passes)
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
-    parts = elastic.use_rows(lambda i0, i1, x: judge(g, p, x, problem.p_cell, grid.inside, i0, i1), passes)
-    parts = np.reshape(parts, (-1, 9)) if parts else np.zeros((1, 9))
-    *sums, mean = grid.comm.sum([*parts[:, :7].sum(axis=0), uKu, elastic.mean])
-    open_pp, _, _, closed_p, pg, contact, gap, uKu = sums
-    penetration, tension = grid.comm.max(parts[:, 7:].max(axis=0))
+    parts = elastic.use_rows(lambda i0, i1, x: kkt_residuals(g, p, x, problem.p_cell, grid.inside, i0, i1), passes)
+    sums, extremes = zip(*parts) if parts else ([KktSums(*[0.0] * 7)], [KktExtremes(0.0, 0.0)])
+    *sums, uKu, mean = grid.comm.sum([*np.sum(sums, axis=0), uKu, elastic.mean])
+    sums, extremes = KktSums(*sums), KktExtremes(*grid.comm.max(np.max(extremes, axis=0)))
+    closed_p, contact, gap = sums.closed_p, sums.contact, sums.gap
     work = p0 * gap
 
     duality_gap = None
@@ -95,35 +95,37 @@ def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
     errors = None
     if levels is not None:
         with np.errstate(invalid="ignore", over="ignore"):
-            errors = _errors(problem, levels, g, p, *sums)
+            errors = _errors(problem, levels, g, p, sums, uKu)
     with np.errstate(invalid="ignore", over="ignore"):
         return Certificate(
-            penetration=float(penetration), tension=float(tension / p0), complementarity=float(pg / work) if gap > 0 else 0.0,
-            load_balance=float(abs(closed_p / N - p0) / p0), duality_gap=duality_gap, residual=float(np.sqrt(open_pp / N) / p0),
+            penetration=float(extremes.penetration), tension=float(extremes.tension / p0),
+            complementarity=float(sums.pg / work) if gap > 0 else 0.0,
+            load_balance=float(abs(closed_p / N - p0) / p0), duality_gap=duality_gap, residual=float(np.sqrt(sums.open_pp / N) / p0),
             errors=errors, energy=float(0.5 * uKu / N + rest), uKu=float(uKu),
             approach=float(problem.p_cell / uniform - mean) if uniform else np.nan,
             contact=int(contact) if np.isfinite(contact) else 0, gap_mean=float(gap / N), pairs=elastic.pairs,
             precision=np.dtype(dtype).name)
 
 
-def _errors(problem, levels, g, p, open_pp, open_p4, closed_pp, closed_p, _, contact, gap, uKu):
-    """Relative errors of area, mean gap and pressure field; the sums are those of `judge`."""
+def _errors(problem, levels, g, p, sums, uKu):
+    """Relative errors of area, mean gap and pressure field; sums: KktSums of all ranks."""
     grid, N, p0 = problem.grid, problem.grid.N, float(problem.p0)
-    if not (contact > 0 and np.isfinite([open_pp, closed_pp, gap, uKu]).all()):
+    contact, gap, closed_pp = sums.contact, sums.gap, sums.closed_pp
+    if not (contact > 0 and np.isfinite([sums.open_pp, closed_pp, gap, uKu]).all()):
         return np.inf, np.inf, np.inf
-    kap = 1.0 / problem.body.scale(grid)
-    excess = 1 - N * p0 / closed_p  # p - p^ is p out of contact, and so much of it in contact
+    compliance = 1.0 / problem.body.scale(grid)
+    excess = 1 - N * p0 / sums.closed_p  # p - p^ is p out of contact, and so much of it in contact
     levels.restrict(g, p, excess)
     rr, tt, rt = grid.comm.sum(levels.sweep()[2:])
     share, mean = contact / N, contact / grid.cell_points
-    energy = EQUIVALENCE * kap * (open_pp + excess**2 * closed_pp + rr)
-    response = np.sqrt(kap * max(levels.without_mean(contact + tt, mean * mean), 0.0)) / share
-    aligned = kap * (excess * closed_p + rt) / share
+    energy = EQUIVALENCE * compliance * (sums.open_pp + excess**2 * closed_pp + rr)
+    response = np.sqrt(compliance * max(levels.without_mean(contact + tt, mean * mean), 0.0)) / share
+    aligned = compliance * (excess * sums.closed_p + rt) / share
     typical = 1.0 / problem.body.typical(grid)
     mean_gap, pressure = field_errors(energy, uKu, closed_pp, contact, N, p0, gap / N, typical, response, aligned, problem.self_energy)
 
-    spread = spread_of(open_pp, open_p4, contact, N)
-    wrong = points_on_wrong_side(problem, g, p, kap, pressure**2 * closed_pp, spread)
+    spread = participation_number(sums.open_pp, sums.open_p4, contact, N)
+    wrong = misclassified_points(problem, g, p, compliance, pressure**2 * closed_pp, spread)
     if gap > 0:
         mean_gap += problem.rounding * (N - contact) / gap + STORED * float(np.finfo(problem.dtype).eps)
     pressure = np.hypot(pressure, rounding_error(problem, contact, np.sqrt(closed_pp / contact)))

@@ -1,47 +1,58 @@
-"""The only loop: iterate a solver until its target, its limits or a request to stop, and judge what it returns."""
+"""The only loop: iterate a solver until its target, its limits or a request to stop, and certify what it returns."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from .certificate import Certificate, certify
 
-CHECK_FROM, CHECK_GROWTH = 10, 1.25  # iterations at which a solver without error estimates is judged: each 1.25 times later
+CHECK_FROM, CHECK_GROWTH = 10, 1.25  # iterations at which a solver without error estimates is certified: each 1.25 times later
 REFUSALS = 5  # times that the certificate may refuse without having come nearer, before the solver counts as stagnated
-AGAIN = 0.9  # a solver that was refused is judged again where its own numbers promise so much of what is asked
+AGAIN = 0.9  # a solver that was refused is certified again where its own numbers promise so much of what is asked
 DRIFT = 0.01  # of the residual, relative: above, the solver goes on from the fresh pressure
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
 UNKNOWN = 1.0
+STORED_AS = {"threshold": "demand"}  # names in a checkpoint that are not those here
 
 
 @dataclass(frozen=True)
 class Target:
-    """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per load; judged_in: precision of the
-    certificate; duality: whether it has to give the duality gap."""
+    """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per load; certificate_dtype: precision
+    of the certificate; duality: whether it has to give the duality gap."""
 
     accuracy: float | None = None
     residual: float | None = None
     max_iterations: int = 100_000
-    judged_in: type = np.float64
+    certificate_dtype: type = np.float64
     duality: bool = False
 
 
 @dataclass
-class Course:
+class LoopState:
     """What the loop remembers of a load beside the solver's state: both make a checkpoint."""
 
-    checks: float = 0.0  # FFT pairs that judging took
+    checks: float = 0.0  # FFT pairs that certificates took
     refusals: int = 0
     refused: float = np.inf  # the smallest error of the pressure that the certificate refused
-    demand: float = 1.0  # the solver's own error measure at which it is asked
+    threshold: float = 1.0  # the solver's own error measure at which it is asked
     next_check: float = CHECK_FROM
     best: float = np.inf  # error measure, and the iteration that reached it
     best_at: int = 0
 
+    def stored(self):
+        """As numbers of a checkpoint."""
+        return {STORED_AS.get(name, name): value for name, value in asdict(self).items()}
+
+    @classmethod
+    def restored(cls, numbers):
+        """The inverse of `stored`; where there is nothing, the beginning."""
+        names = {stored: name for name, stored in STORED_AS.items()}
+        return cls(**{names.get(name, name): value for name, value in numbers.items()})
+
 
 @dataclass(frozen=True)
 class Outcome:
-    """status: converged, stagnated, max_iterations, nonfinite, interrupted; check_pairs: FFT pairs that judging took."""
+    """status: converged, stagnated, max_iterations, nonfinite, interrupted; check_pairs: FFT pairs that certificates took."""
 
     status: str
     certificate: Certificate
@@ -53,13 +64,13 @@ class Outcome:
         return self.certificate.errors
 
 
-def drive(solver, target, watch=None, course=None):
+def drive(solver, target, watch=None, loop=None):
     """Iterate. watch(iterations, progress), if given, is called after every step and returns a true value to stop.
 
-    course: the Course of this load where its beginning was before a checkpoint; it is kept up to date.
+    loop: the LoopState of this load where its beginning was before a checkpoint; it is kept up to date.
     On return solver.p is the fresh pressure of the certificate, in the solver's precision.
     """
-    course = course or Course(best_at=solver.iterations)
+    loop = loop or LoopState(best_at=solver.iterations)
     progress = solver.progress()
     while True:
         status = None
@@ -67,46 +78,46 @@ def drive(solver, target, watch=None, course=None):
         measure = _measure(progress, target)
         unknown = progress.estimates is None and target.residual is None
         falling = progress.residual if measure == UNKNOWN else measure
-        if falling < IMPROVEMENT * course.best:
-            course.best, course.best_at = falling, done
+        if falling < IMPROVEMENT * loop.best:
+            loop.best, loop.best_at = falling, done
         if not progress.finite:
             status = "nonfinite"
-        elif (measure < course.demand and _area_may_be_known(solver, progress, target)) or (unknown and done >= course.next_check):
-            certificate = _judged(solver, target)
-            course.checks += certificate.pairs
+        elif (measure < loop.threshold and _area_may_be_known(solver, progress, target)) or (unknown and done >= loop.next_check):
+            certificate = _certificate(solver, target)
+            loop.checks += certificate.pairs
             left = _left(target, certificate)
             if left < 1:
-                return Outcome("converged", certificate, course.checks)
-            if measure < course.demand:
+                return Outcome("converged", certificate, loop.checks)
+            if measure < loop.threshold:
                 error = certificate.errors[2] if target.residual is None else certificate.residual
-                course.refusals = course.refusals + 1 if not error < IMPROVEMENT * course.refused else 0
-                if course.refusals > REFUSALS:
-                    return Outcome("stagnated", certificate, course.checks)
-                course.demand = AGAIN * measure / left if np.isfinite(left) else AGAIN * measure
-                course.refused = min(error, course.refused)
+                loop.refusals = loop.refusals + 1 if not error < IMPROVEMENT * loop.refused else 0
+                if loop.refusals > REFUSALS:
+                    return Outcome("stagnated", certificate, loop.checks)
+                loop.threshold = AGAIN * measure / left if np.isfinite(left) else AGAIN * measure
+                loop.refused = min(error, loop.refused)
             if abs(progress.residual - certificate.residual) > DRIFT * certificate.residual and progress.estimates is not None:
                 solver.refresh(certificate.uKu)
             else:
                 solver.resume()
-            course.next_check = CHECK_GROWTH * done + 1
+            loop.next_check = CHECK_GROWTH * done + 1
         elif done >= target.max_iterations:
             status = "max_iterations"
-        elif done - course.best_at > solver.patience:
+        elif done - loop.best_at > solver.patience:
             status = "stagnated"
         elif watch is not None and watch(done, progress):
             status = "interrupted"
         if status is not None:
-            certificate = _judged(solver, target)
+            certificate = _certificate(solver, target)
             if status not in ("nonfinite", "interrupted") and _left(target, certificate) < 1:
                 status = "converged"
-            return Outcome(status, certificate, course.checks + certificate.pairs)
+            return Outcome(status, certificate, loop.checks + certificate.pairs)
         solver.step()
         progress = solver.progress()
 
 
-def _judged(solver, target):
+def _certificate(solver, target):
     """The certificate of the solver's state."""
-    return certify(solver.problem_now, solver.g, solver.p, solver.levels, target.judged_in, target.duality)
+    return certify(solver.problem_now, solver.g, solver.p, solver.levels, target.certificate_dtype, target.duality)
 
 
 def _measure(progress, target):

@@ -19,7 +19,7 @@ class LowMemorySweep(Sweep):
 
     def _to(self, dtype):
         self.dtype = np.dtype(dtype)
-        self.target = replace(self.target, judged_in=self.dtype.type)
+        self.target = replace(self.target, certificate_dtype=self.dtype.type)
         self.solver = None
         self.surface = self.make_surface(self.dtype)
         if (self.surface.add_spectrum is None and not self.surface.grid.padded) or self.solver_class.name != "bpx":

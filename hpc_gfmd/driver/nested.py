@@ -129,8 +129,8 @@ def _prolong(problem, coarse, solver, full, into):
     u[:rows, :points] -= coarse.h
     u *= real(coarse.grid.a / fine.a)
     start, stop = fine.rows
-    step_x = 2 if coarse.grid.n[0] != fine.n[0] else 1
-    first, last = -(-start // step_x), -(-stop // step_x)
+    halved = tuple(m != n for m, n in zip(coarse.grid.n, fine.n))
+    first, last = (-(-i // 2) if halved[0] else i for i in (start, stop))
     spread = coarse.grid.comm.size == fine.comm.size
 
     def with_halo(a):
@@ -141,9 +141,9 @@ def _prolong(problem, coarse, solver, full, into):
         return a[take[:HALO]], a[first:last], a[take[len(take) - HALO:]]
 
     before, after = _heights_around(problem)
-    prolong_gap(*with_halo(u), *with_halo(solver.p), before, problem.h, after, out, start, first, fine.n[0], coarse.grid.n[0], step_x,
-                coarse.grid.n[1] != fine.n[1], real(1 / problem.body.scale(fine)), problem.body.near(fine).astype(problem.dtype),
-                fine.nominal)
+    heights, rows, coarse_rows = (before, problem.h, after), (start, fine.n[0]), (first, coarse.grid.n[0])
+    prolong_gap(with_halo(u), with_halo(solver.p), heights, out, rows, coarse_rows, halved, real(1 / problem.body.scale(fine)),
+                problem.body.near(fine).astype(problem.dtype), fine.nominal)
     return out
 
 

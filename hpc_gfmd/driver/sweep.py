@@ -1,6 +1,6 @@
 """One load after another on one surface: which precision, which start, and what comes out."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from ..problem import Problem
 from ..registry import solver_class
 from ..units import require_range, single_solves
 from .certificate import Certificate, certify, rounding_error
-from .drive import Course, Outcome, Target, drive
+from .drive import LoopState, Outcome, Target, drive
 from .nested import Nested, cold_gap
 
 SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
@@ -75,30 +75,31 @@ class Sweep:
         pressures, g_rms = load.p0(self.E_star, self.surface.g_rms), self.surface.g_rms
         require_range(self.E_star, self.surface, pressures)
         if self.settings.precision == "single" and g_rms > 0:
-            for p in pressures:
-                if not single_solves(p / (self.E_star * g_rms), self.surface.grid.N):
-                    raise SceneError(f'solver.precision: found "single", too little for a pressure of {p:g}, allowed: "auto", "double"')
+            for p_mean in pressures:
+                if not single_solves(p_mean / (self.E_star * g_rms), self.surface.grid.N):
+                    raise SceneError(f'solver.precision: found "single", too little for a pressure of {p_mean:g}, '
+                                     'allowed: "auto", "double"')
         return pressures
 
-    def solve(self, p, watch=None, midway=False):
-        """The contact at mean pressure p (unit of E_star).
+    def solve(self, p_mean, watch=None, midway=False):
+        """The contact at mean pressure p_mean (unit of E_star).
 
         watch(iterations, progress) is called after every iteration, a true value stops. midway: go on where `restore` went back to.
         """
         if self._is_flat:
-            return self._flat(p)
+            return self._flat(p_mean)
         if not midway:
             self._spent = 0.0
         promote = self.settings.precision == "auto" and self.dtype == np.float32
-        p_star, N = p / (self.E_star * self.surface.slope), self.surface.grid.N
+        p_star, N = p_mean / (self.E_star * self.surface.slope), self.surface.grid.N
         if promote and not midway and (few_points(N, p_star, self.settings.accuracy) or not single_solves(p_star, N)):
             self._to(np.float64)
             promote = False
-        step = self._solve(p, watch, midway)
+        step = self._solve(p_mean, watch, midway)
         if promote and step.contact.outcome.status in ("stagnated", "nonfinite"):
             self._to(np.float64)
             self._spent = step.fft_pairs
-            step = self._solve(p, watch, False)
+            step = self._solve(p_mean, watch, False)
         if step.contact.outcome.status == "nonfinite":
             self.solver = None  # nothing starts from that
         return step
@@ -111,11 +112,11 @@ class Sweep:
             arrays, own = self.solver.state()
             numbers |= {"p0": self.solver.p0, "own": own}
         if upcoming is None:
-            numbers |= {"course": asdict(self.course), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs}
+            numbers |= {"course": self.loop.stored(), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs}
         return arrays, numbers
 
-    def restore(self, arrays, numbers, p):
-        """Go back to a `state`, perhaps of another number of ranks; p: the mean pressure that is asked for at that load.
+    def restore(self, arrays, numbers, p_mean):
+        """Go back to a `state`, perhaps of another number of ranks; p_mean: the mean pressure that is asked for at that load.
 
         Collective. arrays: function of the grid, gives local slabs. Raises SceneError for the state of another load.
         """
@@ -125,7 +126,7 @@ class Sweep:
             self._spent = numbers.get("spent", 0.0)
             p0 = numbers["p0"]
             if "course" in numbers:  # in the middle of this load; a state at its beginning is that of a load before
-                p0 = p / (self.E_star * self.surface.slope)
+                p0 = p_mean / (self.E_star * self.surface.slope)
                 if not abs(p0 / numbers["p0"] - 1) < SAME_LOAD:
                     raise SceneError(f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is asked for")
             self._begin(self._problem(p0), arrays, numbers)
@@ -133,28 +134,28 @@ class Sweep:
     def _problem(self, p_star):
         return Problem(self.surface.grid, self.surface.h, p_star, body=self.body)
 
-    def _may_start_here(self, p):
-        """Whether the load p, or one that follows it if p closes the gap at once, may start from the present state."""
-        p_star = p / (self.E_star * self.surface.slope)
+    def _may_start_here(self, p_mean):
+        """Whether the load p_mean, or one that follows it if that closes the gap at once, may start from the present state."""
+        p_star = p_mean / (self.E_star * self.surface.slope)
         return self.solver is not None and (self._near(p_star) or p_star >= self.body.full_p_star)
 
-    def _solve(self, p, watch, midway):
-        p_star = p / (self.E_star * self.surface.slope)
+    def _solve(self, p_mean, watch, midway):
+        p_star = p_mean / (self.E_star * self.surface.slope)
         if not midway:
             problem = self._problem(p_star)
             full, pairs = self._full_contact(problem)
             self._spent += pairs
             if full is not None:
-                return self._step(p, *full, iterations=0, pairs=self._spent)
+                return self._step(p_mean, *full, iterations=0, pairs=self._spent)
             self._begin(problem)
         solver = self.solver
-        outcome = drive(solver, self.target, watch, self.course)
+        outcome = drive(solver, self.target, watch, self.loop)
         pairs = self._spent + (solver.pairs - self._first_pairs) + outcome.check_pairs
-        return self._step(p, solver.g, solver.p, outcome, solver.iterations, pairs)
+        return self._step(p_mean, solver.g, solver.p, outcome, solver.iterations, pairs)
 
-    def _step(self, p, g, q, outcome, iterations, pairs):
-        contact = Contact(self.surface, self.E_star, p, g, q, outcome, self.settings.accuracy or self.settings.residual, self.lam_s,
-                          self.body)
+    def _step(self, p_mean, g, p, outcome, iterations, pairs):
+        accuracy = self.settings.accuracy or self.settings.residual
+        contact = Contact(self.surface, self.E_star, p_mean, g, p, outcome, accuracy, self.lam_s, self.body)
         return Step(contact, iterations, float(pairs))
 
     def _begin(self, problem, arrays=None, numbers=None):
@@ -184,11 +185,11 @@ class Sweep:
 
     def _count(self):
         """A load begins."""
-        self._first_pairs, self.solver.iterations, self.course = self.solver.pairs, 0, Course()
+        self._first_pairs, self.solver.iterations, self.loop = self.solver.pairs, 0, LoopState()
 
     def _go_on(self, arrays, numbers):
         self.solver.load_state(arrays(self.surface.grid), numbers["own"])
-        self.course = Course(**numbers.get("course", {}))
+        self.loop = LoopState.restored(numbers.get("course", {}))
         self._first_pairs -= numbers.get("pairs", 0.0)
 
     def _starting_gap(self, problem, into):
@@ -214,13 +215,13 @@ class Sweep:
         likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
         if not likely:
             return None, pairs
-        g, q = np.zeros_like(problem.h), np.empty_like(problem.h)
-        certificate = certify(problem, g, q, dtype=self.target.judged_in, dual=self.target.duality)
+        g, p = np.zeros_like(problem.h), np.empty_like(problem.h)
+        certificate = certify(problem, g, p, dtype=self.target.certificate_dtype, dual=self.target.duality)
         pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
             return None, pairs
         exact = replace(certificate, errors=(0.0, 0.0, rounding_error(problem, certificate.contact, problem.p0)))
-        return (g, q, Outcome("converged", exact, 0.0)), pairs
+        return (g, p, Outcome("converged", exact, 0.0)), pairs
 
     def _to(self, dtype):
         """Make the surface in this precision and plan all transforms that its contacts need."""
@@ -243,9 +244,9 @@ class Sweep:
         """Whether all points touch at any load: at its end a flat surface is a punch."""
         return self.surface.g_rms == 0 and not self.surface.grid.padded
 
-    def _flat(self, p):
+    def _flat(self, p_mean):
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
         certificate = Certificate(contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0)
-        return self._step(p, g, np.full_like(g, p / self.E_star), Outcome("converged", certificate, 0.0), 0, 0.0)
+        return self._step(p_mean, g, np.full_like(g, p_mean / self.E_star), Outcome("converged", certificate, 0.0), 0, 0.0)
 

@@ -1,5 +1,7 @@
 """Kernels of the certificate and of the cheap observables. Sums are in double precision whatever the fields are."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from .jit import kernel
@@ -7,7 +9,26 @@ from .jit import kernel
 BINS, PER_OCTAVE = 160, 4  # of squares: down to 2^-40 of the largest
 
 # Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a slab); beyond
-# it g is the displacement u itself, and nothing is closed. `contact_edges` and `undecided` get that part alone.
+# it g is the displacement u itself, and nothing is closed. `contact_edges` and `count_uncertain` get that part alone.
+
+
+class KktSums(NamedTuple):
+    """Sums over points: p^2 and p^4 out of contact, p^2 and p in contact, |p| g, points in contact, gap."""
+
+    open_pp: float
+    open_p4: float
+    closed_pp: float
+    closed_p: float
+    pg: float
+    contact: float
+    gap: float
+
+
+class KktExtremes(NamedTuple):
+    """The largest -g, and the largest -p where g <= 0."""
+
+    penetration: float
+    tension: float
 
 
 @kernel
@@ -22,40 +43,36 @@ def displacement_rows(g, h, x, i0, i1):
 
 
 @kernel
-def judge(g, p, x, p0, inside, i0, i1):
-    """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0.
-
-    Returns sums: p^2 and p^4 off contact, p^2 in contact, p in contact, |p| g, points in contact, gap; and the largest -g and -p where
-    g <= 0.
-    """
+def kkt_residuals(g, p, x, p0, inside, i0, i1):
+    """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0; returns KktSums and KktExtremes."""
     open_pp = open_p4 = closed_pp = closed_p = pg = gap = contact = 0.0
     worst = np.zeros((2, g.shape[1]))  # row after row: one maximum over all points would not use vectors
     for i in range(i0, i1):
         m = inside[1] if i < inside[0] else 0
         for j in range(m, g.shape[1]):
-            q = p0 + x[i - i0, j]
-            p[i, j] = q
-            open_pp += q * q
-            open_p4 += (q * q) * (q * q)
+            p_new = p0 + x[i - i0, j]
+            p[i, j] = p_new
+            open_pp += p_new * p_new
+            open_p4 += (p_new * p_new) * (p_new * p_new)
         for j in range(m):  # products and selections instead of branches: those keep the compiler from using vectors
-            q = p0 + x[i - i0, j]
-            d = 1.0 * g[i, j]
-            p[i, j] = q
-            closed = 1.0 if d <= 0 else 0.0
-            t = closed if q > 0 else 0.0
-            qt = t * q
-            qo = q - qt
-            open_pp += qo * qo
-            open_p4 += (qo * qo) * (qo * qo)
-            closed_pp += qt * qt
-            closed_p += qt
+            p_new = p0 + x[i - i0, j]
+            gij = 1.0 * g[i, j]
+            p[i, j] = p_new
+            closed = 1.0 if gij <= 0 else 0.0
+            t = closed if p_new > 0 else 0.0
+            p_closed = t * p_new
+            p_open = p_new - p_closed
+            open_pp += p_open * p_open
+            open_p4 += (p_open * p_open) * (p_open * p_open)
+            closed_pp += p_closed * p_closed
+            closed_p += p_closed
             contact += t
-            pg += abs(q) * d
-            gap += d
-            pull = closed * -q
-            worst[0, j] = -d if -d > worst[0, j] else worst[0, j]
-            worst[1, j] = pull if pull > worst[1, j] else worst[1, j]
-    return open_pp, open_p4, closed_pp, closed_p, pg, contact, gap, worst[0].max(), worst[1].max()
+            pg += abs(p_new) * gij
+            gap += gij
+            tension = closed * -p_new
+            worst[0, j] = -gij if -gij > worst[0, j] else worst[0, j]
+            worst[1, j] = tension if tension > worst[1, j] else worst[1, j]
+    return KktSums(open_pp, open_p4, closed_pp, closed_p, pg, contact, gap), KktExtremes(worst[0].max(), worst[1].max())
 
 
 @kernel
@@ -64,24 +81,24 @@ def open_moments(g, p):
     squares = fourth = 0.0
     for i in range(g.shape[0]):
         for j in range(g.shape[1]):
-            q = 0.0 if g[i, j] <= 0 and p[i, j] > 0 else 1.0 * p[i, j]
-            squares += q * q
-            fourth += (q * q) * (q * q)
+            p_open = 0.0 if g[i, j] <= 0 and p[i, j] > 0 else 1.0 * p[i, j]
+            squares += p_open * p_open
+            fourth += (p_open * p_open) * (p_open * p_open)
     return squares, fourth
 
 
 @kernel
-def undecided(g, p, kap, tie, sure, largest, counts):
-    """Count the points that errors of the pressure might move to the other side, by the square of what that takes.
+def count_uncertain(g, p, compliance, tie, sure, largest, counts):
+    """Count the points that errors of the pressure might move into contact or out of it, by the square of what that takes.
 
-    It takes |p| where g <= 0, g/kap elsewhere. counts (2, BINS), closed and open ones: bin k holds squares from
+    It takes |p| where g <= 0, g/compliance elsewhere. counts (2, BINS), closed and open ones: bin k holds squares from
     largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones. Less than tie: on either side right, not counted; less than sure:
     takes nothing.
     """
     for i in range(g.shape[0]):
         for j in range(g.shape[1]):
             opened = g[i, j] > 0
-            t = g[i, j] / kap if opened else abs(p[i, j])
+            t = g[i, j] / compliance if opened else abs(p[i, j])
             if t * t <= largest and t >= tie:
                 k = BINS - 1
                 if t > sure:
@@ -98,11 +115,11 @@ def dual_rows(g, p, x, scale, inside, i0, i1):
         for j in range(m, g.shape[1]):
             x[i - i0, j] = -x.dtype.type(p[i, j])
         for j in range(m):
-            q = x.dtype.type(p[i, j])
-            touching = g[i, j] <= 0 and q > 0
-            a = scale * q if touching else 0.0
-            x[i - i0, j] = a - q
-            total += a * g[i, j]
+            pij = x.dtype.type(p[i, j])
+            touching = g[i, j] <= 0 and pij > 0
+            admissible = scale * pij if touching else 0.0
+            x[i - i0, j] = admissible - pij
+            total += admissible * g[i, j]
     return total
 
 

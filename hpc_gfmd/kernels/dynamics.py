@@ -5,11 +5,25 @@ F = the rest; beyond a surface that ends, outside of `inside`, there is no wall,
 are in the precision of the fields, over rows in double precision.
 """
 
+from typing import NamedTuple
+
 from .jit import kernel
 
 
+class DynamicsSums(NamedTuple):
+    """Sums over points: p^2 on F, p^2, p d, d^2, d x, points in contact, gap."""
+
+    rr: float
+    pp: float
+    pd: float
+    dd: float
+    dx: float
+    contact: float
+    gap: float
+
+
 @kernel
-def move(g, p, d, x, i0, i1, a, b, inside):
+def verlet_step(g, p, d, x, i0, i1, a, b, inside):
     """One time step d <- b d - a p, g <- g + d, on rows i0..i1; x (scratch, rows from 0): the change of g.
 
     The constraint g >= 0 stops what hits the wall (zero restitution): there g = 0 and d = 0, but x is how far it still went.
@@ -20,10 +34,10 @@ def move(g, p, d, x, i0, i1, a, b, inside):
         inner = inside[1] if i < inside[0] else 0
         for j in range(inner):
             v = b * di[j] - a * pi[j]
-            new = gi[j] + v
-            hit = new <= zero
+            g_new = gi[j] + v
+            hit = g_new <= zero
             xi[j] = -gi[j] if hit else v
-            gi[j] = zero if hit else new
+            gi[j] = zero if hit else g_new
             di[j] = zero if hit else v
         for j in range(inner, g.shape[1]):
             v = b * di[j] - a * pi[j]
@@ -33,10 +47,10 @@ def move(g, p, d, x, i0, i1, a, b, inside):
 
 
 @kernel
-def settle(g, p, d, x, i0, i1, inside):
+def update_pressure(g, p, d, x, i0, i1, inside):
     """p <- p + x on rows i0..i1, x (scratch, rows from 0): K times the change of g.
 
-    Returns sums: p^2 on F, p^2, p d, d^2, d x, points in contact, gap.
+    Returns DynamicsSums.
     """
     zero = g.dtype.type(0)
     RR = PP = PD = DD = DX = CONTACT = GAP = 0.0
@@ -46,22 +60,22 @@ def settle(g, p, d, x, i0, i1, inside):
         contact = 0
         inner = inside[1] if i < inside[0] else 0
         for j in range(inner):
-            q = pi[j] + xi[j]
-            pi[j] = q
-            touching = gi[j] <= zero and q > zero
-            pp += q * q
-            rr += zero if touching else q * q
-            pd += q * di[j]
+            p_new = pi[j] + xi[j]
+            pi[j] = p_new
+            touching = gi[j] <= zero and p_new > zero
+            pp += p_new * p_new
+            rr += zero if touching else p_new * p_new
+            pd += p_new * di[j]
             dd += di[j] * di[j]
             dx += di[j] * xi[j]
             gap += gi[j]
             contact += 1 if touching else 0
         for j in range(inner, g.shape[1]):
-            q = pi[j] + xi[j]
-            pi[j] = q
-            pp += q * q
-            rr += q * q
-            pd += q * di[j]
+            p_new = pi[j] + xi[j]
+            pi[j] = p_new
+            pp += p_new * p_new
+            rr += p_new * p_new
+            pd += p_new * di[j]
             dd += di[j] * di[j]
             dx += di[j] * xi[j]
         RR += rr
@@ -71,4 +85,4 @@ def settle(g, p, d, x, i0, i1, inside):
         DX += dx
         GAP += gap
         CONTACT += contact
-    return RR, PP, PD, DD, DX, CONTACT, GAP
+    return DynamicsSums(RR, PP, PD, DD, DX, CONTACT, GAP)

@@ -3,7 +3,8 @@
 Along an axis of n points that is coarsened to m = ceil(n/2), coarse point J sits at fine position J n/m: fine point i lies between
 J0 = floor(i m/n) and J0 + 1 with weight f = i m/n - J0 of the latter. P is linear interpolation, R = (m/n)^2 P^T (full weighting).
 
-mode of the column axis: 0 not coarsened, 1 even n (f = 0, 1/2, 0, ...), 2 general (tables j0, f).
+`transfer` is the tuple of tables that Transfer.tables has (operators/coarsening.py): k0, f_x: coarse row (halo counted) and weight f of
+each own fine row; mode of the column axis: 0 not coarsened, 1 even n (f = 0, 1/2, 0, ...), 2 general (tables j0, f); factor (m/n)^2.
 Arrays with halo rows have one row before and one after the rank's own rows.
 """
 
@@ -85,7 +86,7 @@ def combine_rows(coarse, k, f, out):
 
 @kernel
 def join_edges(coarse, edges, lo, hi, shared):
-    """Put down the first and the last row of one pass, edges (2, c, m), as rows lo and hi of coarse (c, rows + 2, m).
+    """Store the first and the last row of one pass, edges (2, c, m), as rows lo and hi of coarse (c, rows + 2, m).
 
     shared: whether the pass before ended in row lo; passes are joined in their order.
     """
@@ -100,12 +101,12 @@ def join_edges(coarse, edges, lo, hi, shared):
 
 
 @kernel
-def restrict_level(fine, coarse, k0, f_x, factor, mode, j0, f):
+def restrict_level(fine, coarse, transfer):
     """coarse = factor P^T fine for all fields: fine (c, rows + 2, n) with valid own rows; coarse (c, rows' + 2, m), halo included.
 
-    k0, f_x: coarse row (halo counted) and weight of each own fine row. Rows are added up first: that is contiguous, and leaves
-    half as many rows to restrict along the other axis.
+    Rows are added up first: that is contiguous, and leaves half as many rows to restrict along the other axis.
     """
+    k0, f_x, mode, j0, f, factor = transfer
     c, rows, n = fine.shape
     coarse[...] = 0
     here = np.empty(n, fine.dtype)
@@ -135,29 +136,30 @@ def gather_rows(fine, k0, f_x, i, here, after):
     one = here.dtype.type(1)
     if end == i + 2:
         a, b = fine[i], fine[i + 1]
-        v, w = f_x[i], f_x[i + 1]
+        fa, fb = f_x[i], f_x[i + 1]
         for j in range(n):
-            here[j] = after[j] + (one - v) * a[j] + (one - w) * b[j]
-            after[j] = v * a[j] + w * b[j]
+            here[j] = after[j] + (one - fa) * a[j] + (one - fb) * b[j]
+            after[j] = fa * a[j] + fb * b[j]
         return end
     for j in range(n):
         here[j] = after[j]
         after[j] = here.dtype.type(0)
     for r in range(i, end):
-        a, w = fine[r], f_x[r]
+        a, fa = fine[r], f_x[r]
         for j in range(n):
-            here[j] += (one - w) * a[j]
-            after[j] += w * a[j]
+            here[j] += (one - fa) * a[j]
+            after[j] += fa * a[j]
     return end
 
 
 @kernel
-def smooth_level(rt, z_coarse, out, weight, c, w, k0, f_x, mode, j0, f):
-    """out = r/(weight + c t) + w P z_coarse on own rows; rt: (>=2, rows + 2, n). Returns <r, out>, <x, out>, <r, r>,
+def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer):
+    """out = r/(weight + damping t) + coupling P z_coarse on own rows; rt: (>=2, rows + 2, n). Returns <r, out>, <x, out>, <r, r>,
     <t, t> and <r, t>.
 
     x is the third field of rt if there is one. out may be rt[0].
     """
+    k0, f_x, mode, j0, f, _ = transfer
     n = rt.shape[2]
     has_x = rt.shape[0] > 2
     m = z_coarse.shape[1]
@@ -168,24 +170,24 @@ def smooth_level(rt, z_coarse, out, weight, c, w, k0, f_x, mode, j0, f):
     for h in range(1, rt.shape[1] - 1):
         combine_rows(z_coarse, k0[h - 1], f_x[h - 1], row)
         interpolate_row(row, fine, mode, j0, f)
-        s = q = u = v = zero
+        out_r = r_r = t_t = r_t = zero
         for j in range(n):
             r, t = rt[0, h, j], rt[1, h, j]
-            z = r / (weight + c * t) + w * fine[j]
-            s += r * z
-            q += r * r
-            u += t * t
-            v += r * t
+            z = r / (weight + damping * t) + coupling * fine[j]
+            out_r += r * z
+            r_r += r * r
+            t_t += t * t
+            r_t += r * t
             fine[j] = z
-        rz += s
-        rr += q
-        tt += u
-        cross += v
+        rz += out_r
+        rr += r_r
+        tt += t_t
+        cross += r_t
         if has_x:
-            s = zero
+            out_x = zero
             for j in range(n):
-                s += rt[2, h, j] * fine[j]
-            xz += s
+                out_x += rt[2, h, j] * fine[j]
+            xz += out_x
         for j in range(n):
             out[h, j] = fine[j]
     return rz, xz, rr, tt, cross

@@ -3,7 +3,7 @@
 The displacement is interpolated; where the finer grid's heights poke through it, the solution differs from the interpolation nearby.
 That difference v = u - P u_c is found without an FFT, by a few projected gradient steps with the part of K that couples neighbours:
 
-    v <- max(v - kap (P p_c + K_near v), -w),    w = P u_c + h,    g = w + v.
+    v <- max(v - compliance (P p_c + K_near v), -g_c),    g_c = P u_c + h,    g = g_c + v.
 
 Beyond the surface, where the grid goes on, nothing pokes through: h = 0 and v = 0 there, g = u.
 """
@@ -18,22 +18,29 @@ RING = SWEEPS + 1  # rows of every quantity that are kept
 
 
 @kernel
-def prolong_gap(u_before, u, u_after, p_before, p, p_after, h_before, h, h_after, g, start, first, n_x, m_x, step_x, halve_y,
-                kap, stencil, nominal):
-    """The gap g on this rank's rows, the first being row `start` of n_x.
+def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil, nominal):
+    """The gap g on this rank's rows; fine_rows: the first of them and how many there are on all ranks, coarse_rows: likewise.
 
-    u, p: displacement and pressure of the coarse solution, rows from `first` of m_x, with HALO rows before and after; h: initial gap,
-    with SWEEPS rows before and after; nominal: points along each axis that have one. stencil: K_near for the point itself, its
-    neighbours along x, along y, and the diagonal ones. g may be h. Coarse point J lies on fine point 2 J; points in between get the
-    cubic through the four nearest, (-1, 9, 9, -1)/16, of u, and the mean of two of p.
+    u, p: displacement and pressure of the coarse solution, h: initial gap; each the rows before this rank's own, those, and the rows
+    after: HALO of u and p, SWEEPS of h. halved: whether the coarse grid has half as many points along x, along y; nominal: points along
+    each axis that have an initial gap. stencil: K_near for the point itself, its neighbours along x, along y, and the diagonal ones.
+    g may be h's own rows. Coarse point J lies on fine point 2 J; points in between get the cubic through the four nearest,
+    (-1, 9, 9, -1)/16, of u, and the mean of two of p.
     """
+    u_before, u, u_after = u
+    p_before, p, p_after = p
+    h_before, h, h_after = h
+    start, n_x = fine_rows
+    first, m_x = coarse_rows
+    halve_x, halve_y = halved
+    step_x = 2 if halve_x else 1
     rows, n = g.shape
     one, half = g.dtype.type(1), g.dtype.type(0.5)
     near, far = g.dtype.type(9.0 / 16.0), g.dtype.type(-1.0 / 16.0)
-    s0, s1, s2, s3 = one - kap * stencil[0], -kap * stencil[1], -kap * stencil[2], -kap * stencil[3]
+    s0, s1, s2, s3 = one - compliance * stencil[0], -compliance * stencil[1], -compliance * stencil[2], -compliance * stencil[3]
     m = u.shape[1]
     line = np.empty(m + 3, u.dtype)
-    # Rows in rings: first -w, then kap P p, then v after 0, 1, ... steps with one more point on either side; the last is scratch.
+    # Rows in rings, one more point on either side: first -g_c, then compliance P p, then v after 0, 1, ... steps; the last is scratch.
     t = np.zeros(((SWEEPS + 3) * RING + 1, n + 2), g.dtype)
     for r in range(-SWEEPS, rows + SWEEPS):
         slot = (r + RING) % RING
@@ -44,7 +51,7 @@ def prolong_gap(u_before, u, u_after, p_before, p, p_after, h_before, h, h_after
             x, shift = x - n_x, first - m_x
         inner = nominal[1] if x < nominal[0] else 0
         k = x // step_x - shift
-        between = step_x == 2 and x % 2 == 1
+        between = halve_x and x % 2 == 1
         if between:
             a, b, c, d = (_row(u_before, u, u_after, k - 1), _row(u_before, u, u_after, k),
                           _row(u_before, u, u_after, k + 1), _row(u_before, u, u_after, k + 2))
@@ -52,14 +59,14 @@ def prolong_gap(u_before, u, u_after, p_before, p, p_after, h_before, h, h_after
                 line[J + 1] = near * (b[J] + c[J]) + far * (a[J] + d[J])
         else:
             line[1:m + 1] = _row(u_before, u, u_after, k)
-        _spread(line, t[slot], halve_y, near, far)
+        _interpolate_row(line, t[slot], halve_y, near, far)
         v = 2 * RING + slot
         if inner > 0:
             a = h_before[r + SWEEPS] if r < 0 else (h[r] if r < rows else h_after[r - rows])
             for j in range(inner):
-                w = t[slot, j + 1] + a[j]
-                t[slot, j + 1] = -w
-                t[v, j + 1] = max(-w, g.dtype.type(0))
+                g_c = t[slot, j + 1] + a[j]
+                t[slot, j + 1] = -g_c
+                t[v, j + 1] = max(-g_c, g.dtype.type(0))
         for j in range(inner, n):
             t[slot, j + 1] = -t[slot, j + 1]
             t[v, j + 1] = g.dtype.type(0)
@@ -67,12 +74,12 @@ def prolong_gap(u_before, u, u_after, p_before, p, p_after, h_before, h, h_after
         if between:
             a, b = _row(p_before, p, p_after, k), _row(p_before, p, p_after, k + 1)
             for J in range(m):
-                line[J + 1] = kap * half * (a[J] + b[J])
+                line[J + 1] = compliance * half * (a[J] + b[J])
         else:
             a = _row(p_before, p, p_after, k)
             for J in range(m):
-                line[J + 1] = kap * a[J]
-        _spread(line, t[RING + slot], halve_y, half, g.dtype.type(0))
+                line[J + 1] = compliance * a[J]
+        _interpolate_row(line, t[RING + slot], halve_y, half, g.dtype.type(0))
         for s in range(1, SWEEPS + 1):
             i = r - s
             if i >= s - SWEEPS:
@@ -80,9 +87,9 @@ def prolong_gap(u_before, u, u_after, p_before, p, p_after, h_before, h, h_after
                 _relax(t, (s + 1) * RING, i, n, nominal[1] if y < nominal[0] else 0, s0, s1, s2, s3)
         i = r - SWEEPS
         if i >= 0:
-            w, v = (i + RING) % RING, (SWEEPS + 2) * RING + (i + RING) % RING
+            lowest, v = (i + RING) % RING, (SWEEPS + 2) * RING + (i + RING) % RING
             for j in range(n):
-                g[i, j] = t[v, j + 1] - t[w, j + 1]
+                g[i, j] = t[v, j + 1] - t[lowest, j + 1]
 
 
 @inline
@@ -96,7 +103,7 @@ def _row(before, own, after, k):
 
 
 @inline
-def _spread(line, fine, halve_y, near, far):
+def _interpolate_row(line, fine, halve_y, near, far):
     """Interpolate coarse points line[1:-2] along the row, fine[1:-1]."""
     n, m = fine.shape[0] - 2, line.shape[0] - 3
     if not halve_y:
@@ -119,12 +126,12 @@ def _wrap(row):
 def _relax(t, v, i, n, inner, s0, s1, s2, s3):
     """One step for row i, of which `inner` points are of the surface: t[v + ...] is the ring of its input."""
     a, b, c = v + (i - 1 + RING) % RING, v + (i + RING) % RING, v + (i + 1 + RING) % RING
-    w, p, out, last = (i + RING) % RING, RING + (i + RING) % RING, v + RING + (i + RING) % RING, t.shape[0] - 1
+    lowest, p, out, last = (i + RING) % RING, RING + (i + RING) % RING, v + RING + (i + RING) % RING, t.shape[0] - 1
     for j in range(n + 2):
         t[last, j] = t[a, j] + t[c, j]
     for j in range(inner + 1, n + 1):
         t[out, j] = t.dtype.type(0)
     for j in range(1, inner + 1):
         y = s0 * t[b, j] + s1 * t[last, j] + s2 * (t[b, j - 1] + t[b, j + 1]) + s3 * (t[last, j - 1] + t[last, j + 1]) - t[p, j]
-        t[out, j] = max(y, t[w, j])
+        t[out, j] = max(y, t[lowest, j])
     _wrap(t[out])

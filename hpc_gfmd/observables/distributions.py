@@ -22,7 +22,7 @@ def pressure(contact):
     comm, (_, points) = contact.surface.grid.comm, contact.surface.grid.inside
 
     def rows(i0, i1):
-        return contact.q[i0:i1, :points][contact.touching(i0, i1)].astype(np.float64)
+        return contact.p[i0:i1, :points][contact.touching(i0, i1)].astype(np.float64)
 
     high, low = comm.max(_over_rows(contact, lambda i0, i1: [rows(i0, i1).max(initial=-np.inf), -rows(i0, i1).min(initial=np.inf)],
                                     np.maximum, [-np.inf, -np.inf])) * (1, -1)

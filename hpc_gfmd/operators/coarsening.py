@@ -75,6 +75,11 @@ class Transfer:
         self.firsts = np.flatnonzero(np.diff(J0[start:stop], prepend=-2))  # local rows that open a coarse row
 
     @property
+    def tables(self):
+        """What kernels take as `transfer`: a plain tuple, which numba is called with as fast as with its parts."""
+        return self.k0, self.f_x, self.mode, self.j0, self.f, self.factor
+
+    @property
     def rows(self):
         """Number of coarse rows that this rank owns."""
         return self.stop - self.start

@@ -1,6 +1,6 @@
 """The locally damped multilevel (BPX) preconditioner, distributed over slabs.
 
-    M r = sum over levels of P ... P (weight_l + c theta_l)^-1 R ... R r
+    M r = sum over levels of P ... P (weight_l + DAMPING theta_l)^-1 R ... R r
 
 weight_l is the body's stiffness on that level (bodies/base.py), theta_l the local contact fraction: the restricted indicator of the
 contact. Damping each level by it is what keeps the spectrum of M K on the free points narrow at every load, without a parameter to
@@ -14,17 +14,17 @@ which then sweeps the rest alone.
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
-from ..kernels.contact import update
+from ..kernels.bpx import UpdateSums, update_state
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_whole
 from ..parallel import halo
 from .coarsening import Transfer, levels
 
-DAMPING = 4.0  # c
-COUPLING = 1.05  # w
+DAMPING = 4.0  # of a level by the contact on it, over its stiffness
+COUPLING = 1.05  # of what comes from the coarser levels
 WHOLE_POINTS = 128 * 128  # levels of at most this many points are swept by every rank
 THIN_ROWS = 2  # and so are levels of which some rank has fewer rows than this
-# <r, S r> of a field of zero mean is at most so many times kap times the sum over levels of <r, r>/weight. On all kinds of grids
-# the largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
+# <r, S r> of a field of zero mean is at most so many times the compliance of the shortest wave times the sum over levels of
+# <r, r>/weight. On all kinds of grids the largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
 EQUIVALENCE = 1.8
 
 
@@ -33,7 +33,7 @@ class Multilevel:
 
     def __init__(self, grid, body, dtype, longest, whole_points=None):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
-        self.c, self.w = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
+        self.damping, self.coupling = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
         hierarchy, weights, softness = levels(grid), body.weights(grid), body.softness(grid)
         if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
             hierarchy, weights, softness = hierarchy * 2, [*weights] * 2, [*softness] * 2
@@ -67,14 +67,11 @@ class Multilevel:
         """Bytes held on this rank."""
         return sum(a.nbytes for a in self.fields) + self.edges.nbytes + self.whole.nbytes
 
-    def update_rows(self, k, g, p, d, x, s, rows, closed=0.0):
-        """Pass k of the solver's update of its state, see kernels/contact.py; returns its sums."""
-        i0, i1 = self.passes[k]
-        t = self.transfers[0]
+    def update_rows(self, k, g, p, d, x, s, scratch, excess=0.0):
+        """Pass k of the solver's update of its state, see kernels/bpx.py; returns its UpdateSums as a plain tuple."""
         edges = self.edges[0 if self.in_order else k]
-        closed = self.dtype.type(closed)
-        sums = update(g, p, d, x, s, closed, i0, i1, self.fields[0], edges[0], edges[1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f,
-                      self.grid.inside, rows)
+        sums = update_state(g, p, d, x, s, self.dtype.type(excess), self.passes[k], self.fields[0], edges, self.transfers[0].tables,
+                            self.grid.inside, scratch)
         if self.in_order:
             self._join(k)
         return sums
@@ -111,8 +108,7 @@ class Multilevel:
         first = self.transfers[0]
         for k in range(len(self.spread)):
             halo.accumulate(self.comm, self.fields[k])
-            t = self.transfers[k + 1]
-            restrict_level(self.fields[k][:2], self.fields[k + 1], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
+            restrict_level(self.fields[k][:2], self.fields[k + 1], self.transfers[k + 1].tables)
         rz, xz, *squares = self._sweep_whole()
         for k in reversed(range(len(self.spread))):
             rz, xz, *here = self._smooth(k)
@@ -127,13 +123,13 @@ class Multilevel:
         ranks; mean2: product of the means."""
         return float(squares - self.grid.cell_points * mean2 * np.sum(self.softness))
 
-    def restrict(self, g, p, closed):
-        """From a state that no step has led to, what the update passes restrict; returns their sums. closed: see kernels/contact.py."""
+    def restrict(self, g, p, excess):
+        """From a state that no step has led to, what the update passes restrict; returns UpdateSums. excess: see kernels/bpx.py."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
-        rows = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
-        sums = [self.update_rows(k, g, p, g, still, self.dtype.type(0), rows, closed) for k in range(len(self.passes))]
-        return np.sum(np.reshape(sums, (-1, 9)), axis=0)
+        scratch = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
+        sums = [self.update_rows(k, g, p, g, still, self.dtype.type(0), scratch, excess) for k in range(len(self.passes))]
+        return UpdateSums.total(sums)
 
     def _sweep_whole(self):
         """Sum the last level that is spread onto every rank, sweep the rest, take back this rank's rows."""
@@ -149,8 +145,8 @@ class Multilevel:
         return *products, *(a * ratio for a in squares)
 
     def _smooth(self, k):
-        a, t, z = self.fields[k], self.transfers[k + 1], self.fields[k + 1][0]
-        return smooth_level(a, z, a[0], self.weights[k + 1], self.c, self.w, t.k0, t.f_x, t.mode, t.j0, t.f)
+        a, z = self.fields[k], self.fields[k + 1][0]
+        return smooth_level(a, z, a[0], self.weights[k + 1], self.damping, self.coupling, self.transfers[k + 1].tables)
 
 
 def _dot(a, b):

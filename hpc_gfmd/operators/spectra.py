@@ -78,7 +78,7 @@ class Spectra:
 
         def fill(i0, i1, out):
             if name == "pressure":
-                out[: i1 - i0] = np.where(contact.touching(i0, i1), contact.q[i0:i1], 0)
+                out[: i1 - i0] = np.where(contact.touching(i0, i1), contact.p[i0:i1], 0)
             else:
                 out[: i1 - i0] = contact.g[i0:i1] if name == "gap" else contact.surface.h[i0:i1]
 

@@ -80,11 +80,10 @@ class _Response:
 
     def _precondition(self):
         """z = M r; returns <r, z>."""
-        levels, t = self.levels, self.levels.transfers[0]
-        restrict_level(self.residual_and_contact, levels.fields[0][:2], t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
+        levels, transfer = self.levels, self.levels.transfers[0].tables
+        restrict_level(self.residual_and_contact, levels.fields[0][:2], transfer)
         levels.sweep_levels()
-        transfer = (t.k0, t.f_x, t.mode, t.j0, t.f)
-        rz, *_ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.c, levels.w, *transfer)
+        rz, *_ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.damping, levels.coupling, transfer)
         return float(self.comm.sum([rz])[0])
 
     def step(self):

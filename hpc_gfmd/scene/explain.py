@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from pydantic import BaseModel, ValidationError
 
 from ..errors import one_line
+from ..not_modelled import ONLY, is_not_modelled
+from .table import LARGEST, SMALLEST, allowed
 
 _short = reprlib.Repr()
 _short.maxstring = _short.maxother = _short.maxlong = 60
@@ -69,7 +71,7 @@ def _line(item: dict, scene: Model, kinds: dict, data: dict) -> tuple[tuple, str
         if item["type"] == "value_error" and model:     # a rule on the whole table brings its own words
             return key, f"{path}: {item['ctx']['error']}"
         found = shown(data[name]) if name in data else "nothing"
-        return key, f"{path}: found {found}, allowed: {scene.model_fields[name].description}"
+        return key, f"{path}: found {found}, allowed: {allowed(scene.model_fields[name])}"
     field, value = rest[0], data[name].get(rest[0])
     path += f".{field}"
     found = shown(value)
@@ -79,7 +81,13 @@ def _line(item: dict, scene: Model, kinds: dict, data: dict) -> tuple[tuple, str
         path, found = f"{path}[{rest[1]}]", shown(value[rest[1]])
     elif rest[1:] and isinstance(value, dict) and rest[1] in value:
         path, found = f"{path}.{printable(rest[1])}", shown(value[rest[1]])
-    return key, f"{path}: found {found}, allowed: {model.model_fields[field].description}"
+    return key, f"{path}: found {found}, allowed: {allowed(model.model_fields[field])}{_limits(item)}"
+
+
+def _limits(item: dict) -> str:
+    """Of all numbers, where one that makes sense is beyond them."""
+    beyond = {"greater_than_equal": "ge", "less_than_equal": "le"}.get(item["type"])
+    return f", from {SMALLEST:g} to {LARGEST:g}" if beyond and item["ctx"][beyond] in (SMALLEST, LARGEST) and item["input"] > 0 else ""
 
 
 def _model(scene: Model, table: str) -> Model | None:
@@ -94,6 +102,8 @@ def _unknown(name: str, model: Model | None, table: str, scene: Model, kinds: di
                  for field in _model(scene, key).model_fields}
     elsewhere |= {field: f"surface.{field}" for kind in kinds.values() for field in kind.model_fields}
     path, prefix = (f"{table}.{printable(name)}", f"{table}.") if model else (table, "")
+    if is_not_modelled(name):
+        return f"{path}: {ONLY}, allowed: {', '.join(here)}"
     guess = prefix + nearest(name, here)
     other = name if name in scene.model_fields else elsewhere.get(name, path)
     if other != path:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import SceneError
+from ..not_modelled import ONLY, is_not_modelled
 from .explain import nearest, printable, shown
 from .model import Scene, parse_toml
 
@@ -21,7 +22,7 @@ def load_scene(path: str | Path, overrides: Iterable[str] = ()) -> Scene:
     origin = printable(str(path))
     data = parse_toml(_read(path, origin), origin)
     for override in overrides:
-        _apply(data, override)
+        apply_override(data, override)
     return Scene.from_dict(data, origin, Path(path).parent)
 
 
@@ -31,7 +32,7 @@ def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
     for override in overrides:
         if not override.strip().startswith(f"{table}."):
             raise SceneError(f"--set: found {shown(override)}, allowed: {table}.key=value")
-        _apply(data, override)
+        apply_override(data, override)
     return Scene.from_dict(data, "--set") if overrides else scene
 
 
@@ -47,7 +48,7 @@ def check_names(scene: Scene, solvers: Iterable[str], observables: Iterable[str]
                               ("output.distributions", scene.output.distributions, set(distributions))):
         for name in found:
             if name not in known:
-                guess = f'nearest: "{nearest(name, known)}", ' if known else ""
+                guess = f"{ONLY}, " if is_not_modelled(name) else f'nearest: "{nearest(name, known)}", ' if known else ""
                 allowed = ", ".join(sorted(known)) or "none"
                 raise SceneError(f"{key}: found {shown(name)}, {guess}allowed: {allowed}")
 
@@ -75,7 +76,8 @@ def _read(path: str | Path, origin: str) -> str:
     return text
 
 
-def _apply(data: dict[str, Any], override: str) -> None:
+def apply_override(data: dict[str, Any], override: str) -> None:
+    """Change the tables by "table.key=value". Raises SceneError for another text."""
     key, equals, value = override.partition("=")
     path = [part.strip() for part in key.split(".")]
     if not equals or not all(path):

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import tomli_w
-from pydantic import Field, ValidationError, model_validator
+from pydantic import ValidationError, model_validator
 
 from ..errors import SceneError, one_line
 from .explain import explain
 from .settings import Load, Machine, Material, Output, Solver
 from .surface import KINDS, AnySurface, File, SelfAffine, Surface, Wave
-from .table import Table, Text, alike, has_unit
+from .table import Table, Text, alike, has_unit, key
 
 LENGTHS = ("physical_sizes", "h_rms", "amplitude", "radius")
 RESOLVED = 8        # points in a wave length; with fewer the contact is one of single points
@@ -23,13 +23,13 @@ TOUCHING = 100      # fewer contact points than this say little about a rough co
 class Scene(Table):
     """What is asked: the surface, the material, the loads, how accurately, and what to keep."""
 
-    title: Text = Field("", description="one line of text")
-    surface: AnySurface = Field(description="a table [surface]")
-    material: Material = Field(Material(), description="a table [material]")
-    load: Load = Field(description="a table [load]")
-    solver: Solver = Field(Solver(), description="a table [solver]")
-    output: Output = Field(Output(), description="a table [output]")
-    machine: Machine = Field(Machine(), description="a table [machine]")
+    title: Text = key("what the result is called", "one line of text", "", said="none")
+    surface: AnySurface = key("the rigid rough wall", "a table [surface]")
+    material: Material = key("the elastic solid that is pressed against it", "a table [material]", Material())
+    load: Load = key("how hard", "a table [load]")
+    solver: Solver = key("which algorithm, and when it may stop", "a table [solver]", Solver())
+    output: Output = key("the result file, and what goes into it", "a table [output]", Output())
+    machine: Machine = key("speed and limits, nothing of which changes the answer", "a table [machine]", Machine())
 
     @model_validator(mode="after")
     def _rough(self):
@@ -93,8 +93,8 @@ class Scene(Table):
         """
         data = self.model_dump(mode="json", exclude={"machine": True, "title": True,
                                                      "output": {"path", "compression"}})
-        for key in ("fields", "observables", "distributions"):
-            data["output"][key] = data["output"][key] and sorted(data["output"][key])
+        for names in ("fields", "observables", "distributions"):
+            data["output"][names] = data["output"][names] and sorted(data["output"][names])
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
     @property
@@ -125,7 +125,7 @@ class Scene(Table):
 class ArrayScene(Scene):
     """The same of heights that are an array in memory: of the surface only its sizes are asked for."""
 
-    surface: Surface = Field(Surface(), description="a table [surface]")
+    surface: Surface = key("the sizes of the heights", "a table [surface]", Surface())
 
     @model_validator(mode="after")
     def _known_by_points(self):

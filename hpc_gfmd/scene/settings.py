@@ -9,6 +9,8 @@ from .table import (
     LENGTH,
     MAX_INT,
     POSITIVE,
+    POSITIVES,
+    SWITCH,
     Fraction,
     Length,
     Loads,
@@ -19,6 +21,7 @@ from .table import (
     Table,
     Text,
     Whole,
+    key,
     names,
     not_both,
 )
@@ -28,7 +31,7 @@ SOLIDS = ("E1", "nu1", "E2", "nu2")
 PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 Parameter = Annotated[int, Field(ge=-MAX_INT, le=MAX_INT)] | float
 POISSON = "a number above -1 and up to 0.5"
-WHOLE = f"a whole number from 1 to {MAX_INT}"
+NAMES = "a list of names, each once"
 
 
 def effective_modulus(E1: float, nu1: float, E2: float = float("inf"), nu2: float = 0.0) -> float:
@@ -45,13 +48,17 @@ class Material(Table):
     """The effective modulus E_star (default 1), one solid that presses against a rigid counterface, or both; `E_star` has the value in
     any case. With a thickness the solid is a layer on a rigid base, and its nu1 counts beside E1 or E_star."""
 
-    E1: Pressure | None = Field(None, description=MODULUS)
-    nu1: PoissonRatio | None = Field(None, description=POISSON)
-    E2: Pressure | None = Field(None, description=MODULUS)
-    nu2: PoissonRatio | None = Field(None, description=POISSON)
-    E_star: Pressure = Field(default_factory=_E_star, description=MODULUS)
-    thickness: Length | None = Field(None, description=LENGTH)
-    base: Literal["bonded", "frictionless"] = Field("bonded", description='"bonded" or "frictionless"')
+    E1: Pressure | None = key("Young's modulus of the elastic solid (alone with nu1: against a rigid one)", MODULUS, None,
+                              unit="pressure", example="50 GPa")
+    nu1: PoissonRatio | None = key("its Poisson ratio", POISSON, None, example=0.3)
+    E2: Pressure | None = key("Young's modulus of the other solid, whose roughness counts to the wall's", MODULUS, None,
+                              unit="pressure", example="2 GPa")
+    nu2: PoissonRatio | None = key("its Poisson ratio", POISSON, None, example=0.4)
+    E_star: Pressure = key("effective modulus, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", MODULUS, default_factory=_E_star,
+                           unit="pressure", example=1.0, said="1, or from E1, nu1, E2, nu2")
+    thickness: Length | None = key("makes the elastic solid a layer of this thickness on a rigid base (needs nu1)", LENGTH, None,
+                                   unit="length", example=0.05, said="a half-space")
+    base: Literal["bonded", "frictionless"] = key("how the layer is held by its base", '"bonded" or "frictionless"', "bonded")
 
     @model_validator(mode="after")
     def _one_way(self):
@@ -91,8 +98,10 @@ class Material(Table):
 class Load(Table):
     """The pressures of a sweep, in order: p_star = p0/(E* g_rms), or absolute in the unit of E_star."""
 
-    p_star: Loads | None = Field(None, description="a positive number or a list of them")
-    pressure: Pressures | None = Field(None, description='a positive number, plain or as "20 MPa", or a list of them')
+    p_star: Loads | None = key("mean pressures p0/(E* g_rms), solved in this order", POSITIVES, None, example=[0.01, 0.1])
+    pressure: Pressures | None = key("mean pressures instead of p_star; they push, so that they are positive",
+                                     'a number greater than 0, plain or as "20 MPa", or a list of them', None,
+                                     unit="pressure", example=["2 MPa", "20 MPa"])
 
     @model_validator(mode="after")
     def _one(self):
@@ -107,17 +116,21 @@ class Load(Table):
 
 
 class Solver(Table):
-    """Which algorithm, and when it may stop. `accuracy` is None where a residual was given."""
+    """Which algorithm, and when it may stop: at an accuracy or at a residual."""
 
-    name: Text = Field("auto", description='"auto" or the name of a solver')
-    residual: Fraction | None = Field(None, description=FRACTION)
-    accuracy: Fraction | None = Field(
-        default_factory=lambda given: 1e-3 if given.get("residual") is None else None, description=FRACTION)
-    precision: Literal["auto", "single", "double"] = Field("auto", description='"auto", "single" or "double"')
-    max_iterations: Whole = Field(100_000, description=WHOLE)
-    nested: Literal["auto"] | bool = Field("auto", description='"auto", true or false')
-    low_memory: bool = Field(False, description="true or false")
-    options: dict[str, Parameter] = Field({}, description="a table of numbers, the solver's own parameters")
+    name: Text = key("the algorithm; gfmd is that of the paper", '"auto" or the name of a solver', "auto")
+    residual: Fraction | None = key("instead of accuracy: rms pressure at points where the gap is open, over the mean pressure",
+                                    FRACTION, None, example=1e-8)
+    accuracy: Fraction | None = key("wanted relative accuracy of contact area, mean gap and pressure field", FRACTION,
+                                    default_factory=lambda given: 1e-3 if given.get("residual") is None else None,
+                                    example=1e-3, said="0.001, unless residual is given")
+    precision: Literal["auto", "single", "double"] = key("of the floating-point numbers; auto: double where a load needs it",
+                                                         '"auto", "single" or "double"', "auto")
+    max_iterations: Whole = key("of one load, after which it ends as not converged", "a whole number from 1", 100_000)
+    nested: Literal["auto"] | bool = key("begin on coarser grids", '"auto", true or false', "auto")
+    low_memory: bool = key("make the heights anew where they are needed (self-affine surfaces only): half the memory, longer", SWITCH,
+                           False)
+    options: dict[str, Parameter] = key("the solver's own parameters", "a table of numbers", {})
 
     @model_validator(mode="after")
     def _one(self):
@@ -128,23 +141,27 @@ class Solver(Table):
 
 
 class Output(Table):
-    """The result file and what goes into it. `observables` is None for all the cheap ones."""
+    """The result file and what goes into it: numbers, maps, distributions."""
 
-    path: Annotated[Path, Field(pattern=r"[^/]\.([hH]5|[hH][dD][fF]5)$")] = Field(
-        "contact.h5", description="a path that ends in .h5 or .hdf5")
-    fields: names(Literal["pressure", "gap", "displacement", "heights"]) = Field(
-        (), description='a list out of "pressure", "gap", "displacement", "heights", each once')
-    observables: names(Path) | None = Field(None, description="a list of names, each once")
-    distributions: names(Path) = Field((), description="a list of names, each once")
-    dtype: Literal["single", "double"] | None = Field(None, description='"single" or "double"')
-    compression: bool = Field(False, description="true or false")
+    path: Annotated[Path, Field(pattern=r"[^/]\.([hH]5|[hH][dD][fF]5)$")] = key(
+        "the result file, in a folder that exists", "a path that ends in .h5 or .hdf5", "contact.h5")
+    fields: names(Literal["pressure", "gap", "displacement", "heights"]) = key(
+        "maps that are kept; pictures of the contact need pressure or gap",
+        'a list out of "pressure", "gap", "displacement", "heights", each once', (), example=["pressure", "gap"], said="none")
+    observables: names(Path) | None = key("numbers of each load", NAMES, None, example=["a_r", "gap_mean"], said="all the cheap ones")
+    distributions: names(Path) = key("histograms and spectra of each load", NAMES, (), example=["pressure", "gap"], said="none")
+    dtype: Literal["single", "double"] | None = key("precision of the stored fields", '"single" or "double"', None, example="single",
+                                                    said="as solved")
+    compression: bool = key("compress the stored fields without loss", SWITCH, False)
 
 
 class Machine(Table):
     """Speed and limits only: nothing here changes the answer."""
 
-    threads: Annotated[int, Field(ge=1, le=65536)] | Literal["auto"] = Field(
-        1, description='a whole number from 1, or "auto"')
-    wall_seconds: Positive | None = Field(None, description=POSITIVE)
-    checkpoint_seconds: Positive = Field(600.0, description=POSITIVE)
-    memory_gib: Positive | None = Field(None, description=POSITIVE)
+    threads: Annotated[int, Field(ge=1, le=65536)] | Literal["auto"] = key(
+        "threads of each rank", 'a whole number from 1 to 65536, or "auto"', 1)
+    wall_seconds: Positive | None = key("stop with a checkpoint after this time", POSITIVE, None, unit="s", example=3600.0,
+                                        said="never")
+    checkpoint_seconds: Positive = key("time between two checkpoints", POSITIVE, 600.0, unit="s")
+    memory_gib: Positive | None = key("memory of each machine that may be used", POSITIVE, None, unit="GiB", example=8.0,
+                                      said="what is free")

@@ -10,6 +10,7 @@ from .table import (
     MAX_INT,
     MAX_N,
     POSITIVE,
+    SWITCH,
     Boundary,
     Corners,
     Height,
@@ -21,22 +22,25 @@ from .table import (
     Ratio,
     Sizes,
     Table,
+    key,
     not_both,
 )
 from .table import Path as PathText
 
-SIZES = "two positive numbers [L_x, L_y]"
+SIZES = 'two numbers greater than 0, [L_x, L_y], plain or as "12.8 um"'
+SIDES = '"periodic", "free" or one of them for each axis'
 POINTS = f"two whole numbers [n_x, n_y] from 1 to {MAX_N}"
 Factor = Annotated[int, Field(ge=1, le=1024)]
 FACTOR = "a whole number from 1 to 1024"
 RATIO = "a number from 1"
+ANY = "surface"  # the data set where the scene names none
 
 
 class Surface(Table):
-    """What every kind has: the cell, in the unit of the heights."""
+    """The rigid rough wall. What every kind has: the cell, in the unit of the heights."""
 
-    physical_sizes: Sizes = Field((1.0, 1.0), description=SIZES)
-    boundary: Boundary = Field("periodic", description='"periodic", "free" or one of them for each axis')
+    physical_sizes: Sizes = key("lengths of the cell", SIZES, (1.0, 1.0), unit="length")
+    boundary: Boundary = key("whether the cell repeats, or ends beside an open space", SIDES, "periodic")
 
     @property
     def free(self) -> tuple[bool, bool]:
@@ -56,16 +60,18 @@ class SelfAffine(Surface):
     """
 
     kind: Literal["self-affine"]
-    hurst: Annotated[float, Field(ge=0, le=1)] = Field(description="a number from 0 to 1")
-    L_over_lam_l: Ratio = Field(description=RATIO)
-    lam_l_over_lam_s: Ratio = Field(description=RATIO)
-    lam_s_over_a: Annotated[float, Field(ge=2, le=1e100)] = Field(
-        description="a number from 2 (the grid does not resolve lam_s < 2 a)")
-    lam_l_over_lam_r: Ratio = Field(1.0, description=RATIO)
-    seed: Annotated[int, Field(ge=0, le=MAX_INT)] = Field(description="a whole number from 0")
-    h_rms: Length | None = Field(None, description=LENGTH)
-    g_rms: Positive | None = Field(default_factory=lambda given: 1.0 if given.get("h_rms") is None else None,
-                                   description=POSITIVE)
+    hurst: Annotated[float, Field(ge=0, le=1)] = key("Hurst exponent H: the spectrum falls as q^(-2 - 2 H)", "a number from 0 to 1",
+                                                     example=0.8)
+    L_over_lam_l: Ratio = key("length of the cell over the longest wave length", RATIO, example=2)
+    lam_l_over_lam_s: Ratio = key("longest over shortest wave length; n = product of the three ratios", RATIO, example=64)
+    lam_s_over_a: Annotated[float, Field(ge=2, le=1e100)] = key(
+        "shortest wave length over the distance of grid points", "a number from 2 (the grid does not resolve lam_s < 2 a)", example=2)
+    lam_l_over_lam_r: Ratio = key("longest wave length over that of the roll-off, between which the spectrum is constant", RATIO, 1.0)
+    seed: Annotated[int, Field(ge=0, le=MAX_INT)] = key("of the random numbers; gives the same surface on any grid",
+                                                        "a whole number from 0", example=1)
+    h_rms: Length | None = key("rms height, instead of g_rms", LENGTH, None, unit="length", example=0.01)
+    g_rms: Positive | None = key("rms slope", POSITIVE, default_factory=lambda given: 1.0 if given.get("h_rms") is None else None,
+                                 example=1.0, said="1, unless h_rms is given")
 
     @model_validator(mode="after")
     def _consistent(self):
@@ -140,9 +146,9 @@ class Wave(Surface):
     """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y): Westergaard with one k = 0, Johnson et al. with both."""
 
     kind: Literal["wave"]
-    amplitude: Height = Field(description='a number, plain or as "100 nm"')
-    n: Points = Field(description=POINTS)
-    periods: Modes = Field((1, 0), description="two whole numbers [k_x, k_y] from 0, not both 0")
+    amplitude: Height = key("A, half of the height from valley to peak", 'a number, plain or as "100 nm"', unit="length", example=0.01)
+    n: Points = key("grid points", POINTS, example=[256, 256])
+    periods: Modes = key("waves along x and y", "two whole numbers [k_x, k_y] from 0, not both 0", (1, 0))
 
     @model_validator(mode="after")
     def _resolved(self):
@@ -158,8 +164,8 @@ class Sphere(Surface):
     """The paraboloid z = -r^2/(2 R) about the centre of the cell."""
 
     kind: Literal["sphere"]
-    radius: Length = Field(description=LENGTH)
-    n: Points = Field(description=POINTS)
+    radius: Length = key("R, of curvature at the summit", LENGTH, unit="length", example=1.0)
+    n: Points = key("grid points", POINTS, example=[256, 256])
 
 
 class File(Surface):
@@ -167,19 +173,26 @@ class File(Surface):
     keys say otherwise."""
 
     kind: Literal["file"]
-    path: PathText = Field(description="the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...)")
-    dataset: PathText = Field("surface", description="the name of a data set (HDF5, NetCDF, .npz) or of a channel")
-    physical_sizes: Sizes | None = Field(None, description=f'{SIZES}, plain in surface.unit or as "12.8 um"')
-    unit: LengthUnit | None = Field(None, description='the unit of the heights, such as "nm"')
-    boundary: Boundary | None = Field(None, description='"periodic", "free" or one of them for each axis')
-    crop: Corners | None = Field(None, description="four numbers [x0, y0, x1, y1], lengths as physical_sizes")
-    detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description='"none", "mean", "tilt" or "curvature"')
-    fill: Literal["none", "harmonic"] = Field("none", description='"none" or "harmonic"')
-    flip: bool = Field(False, description="true or false")
-    mirror: bool = Field(False, description="true or false")
-    window: Literal["none", "hann", "tukey"] = Field("none", description='"none", "hann" or "tukey"')
-    refine: Factor = Field(1, description=FACTOR)
-    downsample: Factor = Field(1, description=FACTOR)
+    path: PathText = key("a relative one counts from the folder of the scene",
+                         "the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...)", example="map.npy")
+    dataset: PathText = key("which one, where the file has several", "the name of a data set (HDF5, NetCDF, .npz) or of a channel", ANY)
+    physical_sizes: Sizes | None = key("lengths of the map", f"{SIZES}; plain ones are in surface.unit", None, unit="length",
+                                       example=["10 um", "8 um"], said="what the file says")
+    unit: LengthUnit | None = key("of the heights, and of plain sizes", 'a unit of length, such as "nm"', None, example="nm",
+                                  said="what the file says")
+    boundary: Boundary | None = key("whether the map repeats, or ends beside an open space", SIDES, None, example="free",
+                                    said="what the file says, else periodic where opposite edges fit together, else it must be given")
+    crop: Corners | None = key("keep this part only", "four numbers [x0, y0, x1, y1], lengths as physical_sizes", None, unit="length",
+                               example=["0 um", "0 um", "5 um", "5 um"], said="all")
+    detrend: Literal["none", "mean", "tilt", "curvature"] = key(
+        "subtract the mean, the best plane, or the best paraboloid", '"none", "mean", "tilt" or "curvature"', "none")
+    fill: Literal["none", "harmonic"] = key("how points without a height get one", '"none" or "harmonic"', "none")
+    flip: bool = key("turn the heights over: valleys become peaks", SWITCH, False)
+    mirror: bool = key("make the map periodic by its mirror images: twice as long along both axes", SWITCH, False)
+    window: Literal["none", "hann", "tukey"] = key("make the map periodic by fading it out towards its edges",
+                                                   '"none", "hann" or "tukey"', "none")
+    refine: Factor = key("this many times as many points along both axes, by Fourier interpolation", FACTOR, 1)
+    downsample: Factor = key("only every so many-th point along both axes, after shorter waves are removed", FACTOR, 1)
 
     @model_validator(mode="after")
     def _one_way_to_be_periodic(self):

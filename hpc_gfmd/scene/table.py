@@ -1,7 +1,4 @@
-"""What all tables of a scene share: strictness, number types, and the rule "exactly one of".
-
-The description of a field is the text after "allowed:" in its error message.
-"""
+"""What all tables of a scene share: strictness, number types, what a key says of itself, and the rule "exactly one of"."""
 
 from typing import Annotated, Any, Literal
 
@@ -20,7 +17,8 @@ class Table(BaseModel):
 
 
 # The bounds keep squares and products of a few such numbers finite in double precision.
-Positive = Annotated[float, Field(ge=1e-100, le=1e100)]
+SMALLEST, LARGEST = 1e-100, 1e100
+Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 
 
 def _tuple(value: Any) -> Any:
@@ -61,16 +59,16 @@ def _distinct(values: tuple) -> tuple:
     return values
 
 
-Height = _quantity("length", Annotated[float, Field(ge=-1e100, le=1e100)])
+Height = _quantity("length", Annotated[float, Field(ge=-LARGEST, le=LARGEST)])
 Length = _quantity("length")
 Pressure = _quantity("pressure")
 LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Fraction = Annotated[float, Field(gt=0, lt=1)]
-Ratio = Annotated[float, Field(ge=1, le=1e100)]
+Ratio = Annotated[float, Field(ge=1, le=LARGEST)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
 Path = Annotated[Text, Field(min_length=1)]
-Corners = Annotated[tuple[(_quantity("length", Annotated[float, Field(ge=0, le=1e100)]),) * 4], BeforeValidator(_tuple)]
+Corners = Annotated[tuple[(_quantity("length", Annotated[float, Field(ge=0, le=LARGEST)]),) * 4], BeforeValidator(_tuple)]
 Sizes = Annotated[tuple[Length, Length], BeforeValidator(_tuple)]
 Points = Annotated[tuple[Annotated[int, Field(ge=1, le=MAX_N)], Annotated[int, Field(ge=1, le=MAX_N)]],
                    BeforeValidator(_tuple)]
@@ -82,9 +80,25 @@ Loads = Annotated[tuple[Positive, ...], Field(min_length=1), BeforeValidator(_on
 Side = Literal["periodic", "free"]
 Boundary = Annotated[Side | tuple[Side, Side], BeforeValidator(_tuple)]
 
-POSITIVE = "a positive number (1e-100 to 1e100)"
+POSITIVE = "a number greater than 0"
+POSITIVES = "a number greater than 0, or a list of them"
 LENGTH = f'{POSITIVE}, plain or as "100 um"'
 FRACTION = "a number above 0 and below 1"
+SWITCH = "true or false"
+
+
+def key(meaning: str, allowed: str, default: Any = ..., *, unit: str = "", example: Any = None, said: str = "", **more: Any) -> Any:
+    """A field of a table, and all that is said of it: `meaning` and `unit` by `hpc-gfmd help scene` and in the scenes of
+    `hpc-gfmd init`, `allowed` there and in error messages. example: a value where there is no default, or none that says how it is
+    written; said: what stands for the default where that depends on other keys; more: of pydantic.Field."""
+    default = {} if "default_factory" in more else {"default": default}
+    return Field(description=meaning, json_schema_extra={"allowed": allowed, "unit": unit, "example": example, "said": said},
+                 **default, **more)
+
+
+def allowed(field: Any) -> str:
+    """What a field made by `key` may be."""
+    return field.json_schema_extra["allowed"]
 
 
 def names(kind: Any) -> Any:

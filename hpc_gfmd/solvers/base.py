@@ -31,6 +31,7 @@ class Solver:
     name = ""
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
+    stored_as: dict[str, str] = {}  # names in a checkpoint that are not those here
     nests = True  # whether a nested start pays
     takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
@@ -96,16 +97,16 @@ class Solver:
 
     def state(self):
         """Everything that a bit-identical continuation needs: local slabs by name, and a dict of numbers."""
-        return ({name: getattr(self, name) for name in self.state_names},
-                {name: getattr(self, name) for name in self.scalar_names})
+        return tuple({self.stored_as.get(name, name): getattr(self, name) for name in names}
+                     for names in (self.state_names, self.scalar_names))
 
     def load_state(self, arrays, numbers):
         """The inverse of `state`."""
         for name in self.state_names:
-            getattr(self, name)[...] = arrays[name]
+            getattr(self, name)[...] = arrays[self.stored_as.get(name, name)]
         self._set_numbers(numbers)
 
     def _set_numbers(self, numbers):
         for name in self.scalar_names:
-            setattr(self, name, numbers[name])
+            setattr(self, name, numbers[self.stored_as.get(name, name)])
 

@@ -5,28 +5,29 @@ preconditioned residual z and the last step d; <z, K z>, which would cost a seco
 the last step. The step is clipped to the feasible set, and the energy along the (feasible) chord is minimised exactly, so it never
 rises. Where clipping spoils the descent the step is replaced by a plain projected gradient step.
 
-One iteration is three passes over memory: `propose` + row transforms, column transforms with K between them, row transforms + `update`.
+One iteration is three passes over memory: `projected_step` + row transforms, column transforms with K between them, row transforms +
+`update_state`.
 The displacement itself never appears: with the gap g = u + h and p = p0 + K u, steps change both by the same d and K d.
 """
 
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
-from ..bounds import field_errors, points_on_wrong_side, relative_area, spread_of
+from ..bounds import field_errors, misclassified_points, participation_number, relative_area
+from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
-from ..kernels.contact import propose
 from ..operators.elastic import Elastic
 from ..operators.multilevel import COUPLING, EQUIVALENCE, Multilevel
 from ..options import read_options
 from .base import Progress, Solver
 
 RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
-GRADIENT = 1.0041  # times the largest K, over kap: a projected gradient step is a little shorter than what K allows
+GRADIENT = 1.0041  # a projected gradient step is so much shorter than what the largest K allows
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
 CLIPPED = 0.02  # share of it up to which a step counts as not clipped
 SHORT = 0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
 
-EXPECTED = 0.92  # of the bound from its parts: asked too early the certificate costs a pair, too late an iteration
+EXPECTED = 0.92  # of the errors from their parts: asked too early the certificate costs a pair, too late an iteration
 
 
 class Bpx(Solver):
@@ -35,8 +36,9 @@ class Bpx(Solver):
     name = "bpx"
     takes_gap = True
     state_names = ("g", "p", "d")
-    scalar_names = ("s", "rayleigh", "contact", "gap_mean", "rz", "rd", "zq", "dq", "rr", "pp", "uKu", "r_norm", "t_norm",
+    scalar_names = ("s", "rayleigh", "contact", "gap_mean", "rz", "rd", "zKd", "dKd", "rr", "pp", "uKu", "r_norm", "t_norm",
                     "aligned", "changing", "iterations")
+    stored_as = {"zKd": "zq", "dKd": "dq"}
 
     def __init__(self, problem, options=None, g=None):
         super().__init__(problem, options)
@@ -48,10 +50,10 @@ class Bpx(Solver):
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(dtype)
-        self.kap = 1.0 / body.scale(grid)
-        self.typical = 1.0 / body.typical(grid)
-        self.gradient = 1.0 / (GRADIENT * self.kap * body.bounds(grid)[1])
-        self._rows = {id(x): zeros_aligned((7, grid.n[1] + LINE // dtype.itemsize), dtype) for x in self.fft.row_scratch}
+        self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
+        self.typical_compliance = 1.0 / body.typical(grid)
+        self.gradient = 1.0 / (GRADIENT * self.compliance * body.bounds(grid)[1])
+        self._scratch = {id(x): zeros_aligned((7, grid.n[1] + LINE // dtype.itemsize), dtype) for x in self.fft.row_scratch}
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
 
     # -- starting ------------------------------------------------------------------------------------------------------------
@@ -86,7 +88,7 @@ class Bpx(Solver):
 
     # -- one iteration -------------------------------------------------------------------------------------------------------
 
-    def _touch(self):
+    def _descend_to_contact(self):
         """Nothing is in contact: come down until something is. A rigid shift costs no elastic energy, but would take many steps.
 
         The descent goes on as it is: the pressure does not change.
@@ -99,14 +101,14 @@ class Bpx(Solver):
 
     def step(self):
         if self.contact == 0:
-            self._touch()
+            self._descend_to_contact()
         a, b = self._coefficients()
-        pd = self._propose(a, b, COUPLING)
+        pd = self._search(a, b, COUPLING)
         descent = a * self.rz + b * self.rd
         plain = not -pd > DESCENT * descent
         if plain:
             a, b = 0.0, 0.0
-            pd = self._propose(self.gradient, 0.0, 0.0)
+            pd = self._search(self.gradient, 0.0, 0.0)
         free = not plain and abs(pd + descent) < CLIPPED * descent
         dKd = self.elastic.pressure_columns()
         dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
@@ -117,7 +119,7 @@ class Bpx(Solver):
         if plain or not a * a * self.rz > 0:
             self.rayleigh = RHO_MAX
         else:
-            zKz = dKd - 2 * a * b * self.zq - b * b * self.dq
+            zKz = dKd - 2 * a * b * self.zKd - b * b * self.dKd
             self.rayleigh = zKz / (a * a * self.rz)
         self._measure(sums)
         self.uKu += 2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd  # K u = p - p_cell
@@ -130,52 +132,50 @@ class Bpx(Solver):
         the step of conjugate gradients.
         """
         rho = min(max(self.rayleigh, RHO_MIN), RHO_MAX)
-        rz, rd, zq, dq = self.rz, self.rd, self.zq, self.dq
-        zz = rho * rz
-        if dq <= 0 or rz <= 0:
-            return (rz / zz if rz > 0 else 0.0), 0.0
-        if zz * dq - zq * zq < 0.1 * zz * dq:
-            zz = zq * zq / (0.9 * dq)
-        det = zz * dq - zq * zq
-        a = (rz * dq - rd * zq) / det
-        b = (zz * rd - zq * rz) / det
+        rz, rd, zKd, dKd = self.rz, self.rd, self.zKd, self.dKd
+        zKz = rho * rz
+        if dKd <= 0 or rz <= 0:
+            return (rz / zKz if rz > 0 else 0.0), 0.0
+        if zKz * dKd - zKd * zKd < 0.1 * zKz * dKd:
+            zKz = zKd * zKd / (0.9 * dKd)
+        det = zKz * dKd - zKd * zKd
+        a = (rz * dKd - rd * zKd) / det
+        b = (zKz * rd - zKd * rz) / det
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
-    def _propose(self, a, b, w):
+    def _search(self, a, b, coupling):
         """First pass: the next step into d and its row spectra; returns <p, d>."""
-        t, real = self.levels.transfers[0], self.problem.dtype.type
-        z = self.levels.z
-        args = (real(self.kap), real(w), real(a), real(b * self.s))
-        inside = self.grid.inside
+        z, transfer, inside = self.levels.z, self.levels.transfers[0].tables, self.grid.inside
+        step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
 
         def fill(i0, i1, x):
-            return propose(self.g, self.p, self.d, x, i0, i1, z, t.k0, t.f_x, t.mode, t.j0, t.f, *args, inside, self._rows[id(x)])
+            return projected_step(self.g, self.p, self.d, x, (i0, i1), z, transfer, step, inside, self._scratch[id(x)])
 
         return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
 
     def _update(self, s):
-        """Last pass: x = K d by rows, new g and p; returns this rank's sums (see kernels/contact.py)."""
-        sums = self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes)
-        return np.sum(np.reshape(sums, (-1, 9)), axis=0)
+        """Last pass: x = K d by rows, new g and p; returns this rank's UpdateSums."""
+        return UpdateSums.total(self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes))
 
     def _update_rows(self, i0, i1, x, s):
-        return self.levels.update_rows(self._number[i0], self.g, self.p, self.d, x, self.problem.dtype.type(s), self._rows[id(x)])
+        return self.levels.update_rows(self._number[i0], self.g, self.p, self.d, x, self.problem.dtype.type(s), self._scratch[id(x)])
 
     def _measure(self, sums):
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""
-        rr, pp, pd, dx, px, contact, gap, opening, closing, rz1, xz1, r1, t1, rt1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
-        self.changing = max(opening, closing)
-        s, kap = self.s, self.kap
-        self.rz = kap * (rr + COUPLING * rz1)  # <p, z> on F
-        self.rd = s * pd  # <p, d>
-        self.zq = s * kap * (px + COUPLING * xz1)  # <z, K d>
-        self.dq = s * s * dx  # <d, K d>
-        self.rr, self.pp = rr, pp
-        mean, share, product = self.levels.mean, contact / self.grid.cell_points, self.levels.without_mean
-        self.r_norm = max(product(rr + r1, mean * mean), 0.0)
-        self.t_norm = max(product(contact + t1, share * share), 0.0)
+        *sums, rz1, xz1, r1, t1, rt1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
+        sums = UpdateSums(*sums)
+        s, compliance = self.s, self.compliance
+        self.rz = compliance * (sums.rr + COUPLING * rz1)  # <p, z> on F
+        self.rd = s * sums.pd  # <p, d>
+        self.zKd = s * compliance * (sums.px + COUPLING * xz1)
+        self.dKd = s * s * sums.dx
+        self.rr, self.pp = sums.rr, sums.pp
+        mean, share, product = self.levels.mean, sums.contact / self.grid.cell_points, self.levels.without_mean
+        self.r_norm = max(product(sums.rr + r1, mean * mean), 0.0)
+        self.t_norm = max(product(sums.contact + t1, share * share), 0.0)
         self.aligned = product(rt1, mean * share)
-        self.contact, self.gap_mean = contact, gap / self.N
+        self.contact, self.gap_mean = sums.contact, sums.gap / self.N
+        self.changing = max(sums.opening, sums.closing)
 
     # -- how far -------------------------------------------------------------------------------------------------------------
 
@@ -195,16 +195,16 @@ class Bpx(Solver):
         if self.contact == 0 or closed <= 0 or load <= 0:
             return np.inf, np.inf
         off = abs(self.p_cell / load - 1)
-        norm = np.sqrt(EQUIVALENCE * self.kap * self.r_norm)
+        norm = np.sqrt(EQUIVALENCE * self.compliance * self.r_norm)
         energy = (EXPECTED * (norm * (1 + off) + off * np.sqrt(max(self.uKu, 0.0)))) ** 2
         share = self.contact / self.N
-        response, aligned = np.sqrt(self.kap * self.t_norm) / share, self.kap * self.aligned / share
-        return field_errors(energy, self.uKu, closed, self.contact, self.N, self.p0, self.gap_mean, self.typical, response, aligned,
-                            self.problem.self_energy)
+        response, aligned = np.sqrt(self.compliance * self.t_norm) / share, self.compliance * self.aligned / share
+        return field_errors(energy, self.uKu, closed, self.contact, self.N, self.p0, self.gap_mean,
+                            self.typical_compliance, response, aligned, self.problem.self_energy)
 
     def expected_area(self, pressure):
         rows, m = self.grid.inside
         squares, fourth = self.grid.comm.sum(open_moments(self.g[:rows, :m], self.p[:rows, :m]))
-        spread = spread_of(squares, fourth, self.contact, self.N)
-        wrong = points_on_wrong_side(self.problem, self.g, self.p, self.kap, pressure**2 * (self.pp - self.rr), spread)
-        return relative_area(max(wrong, self.changing), self.contact)
+        spread = participation_number(squares, fourth, self.contact, self.N)
+        wrong = misclassified_points(self.problem, self.g, self.p, self.compliance, pressure**2 * (self.pp - self.rr), spread)
+        return EXPECTED * relative_area(max(wrong, self.changing), self.contact)

@@ -1,18 +1,18 @@
 """Constrained conjugate gradients on the pressure (Polonsky and Keer, Wear 231, 206, 1999).
 
-Minimises 1/2 <q, S q> + <q, h> over pressures q >= 0 of mean p0, S the inverse of K. In contact, {q > 0}, the gap
-e = S q + h - constant has to vanish; the constant is such that its mean there does. One iteration: conjugate direction t from e, exact
-line search (one convolution with S), q <- max(q - tau t, 0), pressure for points out of contact that penetrate (the direction is then
-forgotten), rescaling of q to the mean p0 (the load balance), and the new gap (a second convolution): two FFT pairs. With the option
+Minimises 1/2 <p, S p> + <p, h> over pressures p >= 0 of mean p0, S the inverse of K. In contact, {p > 0}, the gap
+e = S p + h - constant has to vanish; the constant is such that its mean there does. One iteration: conjugate direction t from e, exact
+line search (one convolution with S), p <- max(p - tau t, 0), pressure for points out of contact that penetrate (the direction is then
+forgotten), rescaling of p to the mean p0 (the load balance), and the new gap (a second convolution): two FFT pairs. With the option
 `preconditioned` the direction is made from K e instead of e, which takes a third.
 
-The gap that is returned is closed, g = 0, wherever q > 0, and max(e, 0) elsewhere.
+The gap that is returned is closed, g = 0, wherever p > 0, and max(e, 0) elsewhere.
 """
 
 import numpy as np
 
 from ..aligned import zeros_aligned
-from ..kernels.pressure import advance, close, conjugate, direct, gradient, press, respace, respond
+from ..kernels import ccg as kernels
 from ..operators.elastic import Elastic, reader
 from ..options import read_options
 from .base import Progress, Solver
@@ -26,7 +26,8 @@ class Ccg(Solver):
 
     name = "ccg"
     nests = False  # a pressure from a coarser grid is a bad start
-    state_names = ("g", "p", "q", "w", "t")
+    state_names = ("g", "p", "iterate", "gap0", "t")
+    stored_as = {"iterate": "q", "gap0": "w"}
     scalar_names = ("offset", "shift", "ee", "below", "contact", "gap", "previous", "fresh", "iterations")
     allowed = {"preconditioned": (0, 1)}
 
@@ -37,7 +38,7 @@ class Ccg(Solver):
         grid, dtype = self.grid, problem.dtype
         self.elastic = Elastic(grid, problem.body, dtype)
         self.real = dtype.type
-        self.g, self.p, self.q, self.w = (grid.empty(dtype) for _ in range(4))
+        self.g, self.p, self.iterate, self.gap0 = (grid.empty(dtype) for _ in range(4))
         self.t = zeros_aligned(grid.shape, dtype)
         self.stiffest = problem.body.bounds(grid)[1]  # the largest eigenvalue of K
         self.patience = 5 * self.patience
@@ -49,12 +50,13 @@ class Ccg(Solver):
         self.g[...] = g
         self.elastic.pressure_rows(self.problem.displacement_rows(self.g))
         self.elastic.pressure_columns()
-        load, = self._sum(self.elastic.use_rows(lambda i0, i1, x: press(self.g, self.q, x, p0, inside, i0, i1)), 1)
+        load, = self._sum(self.elastic.use_rows(
+            lambda i0, i1, x: kernels.start_pressure(self.g, self.iterate, x, p0, inside, i0, i1)), 1)
         if load <= 0:  # nothing is closed yet
-            self.q[: inside[0], : inside[1]] = self.p0
+            self.iterate[: inside[0], : inside[1]] = self.p0
             load = self.N * self.p0
         self.offset = self.shift = 0.0
-        self.elastic.pressure_rows(reader(self.q))
+        self.elastic.pressure_rows(reader(self.iterate))
         self._new_gap(load)
         self.refresh()
 
@@ -62,14 +64,14 @@ class Ccg(Solver):
         scale = self.real(p0 / self.p0)
         self.p0 = float(p0)
         x = np.empty((self.elastic.fft.R, self.grid.n[1]), self.problem.dtype)
-        fill = self.problem.displacement_rows(self.w)
+        fill = self.problem.displacement_rows(self.gap0)
 
         def scaled(i0, i1):
             fill(i0, i1, x)
-            x[: i1 - i0] += self.real(self.offset)  # S q
-            return respace(self.q, self.w, self.problem.h, x, i0, i1, scale, self.real(self.offset))
+            x[: i1 - i0] += self.real(self.offset)  # S p
+            return kernels.new_gap(self.iterate, self.gap0, self.problem.h, x, i0, i1, scale, self.real(self.offset))
 
-        self._close([scaled(i0, i1) for i0, i1 in self.elastic.fft.passes()])
+        self._set_gap([scaled(i0, i1) for i0, i1 in self.elastic.fft.passes()])
         self.refresh()
 
     def refresh(self, uKu=None):
@@ -83,7 +85,7 @@ class Ccg(Solver):
         kick = tau * (TAKEN * self.stiffest if self.preconditioned else 1.0)
         args = self.real(self.shift), self.real(tau), self.real(kick)
         load, taken = self._sum(self.elastic.pressure_rows(
-            lambda i0, i1, x: advance(self.q, self.t, self.w, x, i0, i1, *args, self.grid.inside)), 2)
+            lambda i0, i1, x: kernels.pressure_step(self.iterate, self.t, self.gap0, x, i0, i1, *args, self.grid.inside)), 2)
         self._new_gap(load)
         self.fresh = bool(taken > 0)
         self.iterations += 1
@@ -93,18 +95,19 @@ class Ccg(Solver):
         shift = self.real(self.shift)
         size, a, c = self.ee, 1.0, 0.0
         if self.preconditioned:
-            self.elastic.pressure_rows(lambda i0, i1, x: gradient(self.w, self.q, x, i0, i1, shift))
+            self.elastic.pressure_rows(lambda i0, i1, x: kernels.gap_in_contact(self.gap0, self.iterate, x, i0, i1, shift))
             size = float(self.grid.comm.sum([self.elastic.pressure_columns()])[0])
         b = 0.0 if self.fresh or self.previous <= 0 else size / self.previous
         self.previous = size
         if self.preconditioned:
             b_ = self.real(b)
-            z, n = self._sum(self.elastic.use_rows(lambda i0, i1, x: conjugate(self.t, self.q, x, i0, i1, b_)), 2)
+            z, n = self._sum(self.elastic.use_rows(
+                lambda i0, i1, x: kernels.conjugate_direction(self.t, self.iterate, x, i0, i1, b_)), 2)
             a, b, c = 0.0, 1.0, z / n
         args = shift, self.real(a), self.real(b), self.real(c)
-        et = self.elastic.pressure_rows(lambda i0, i1, x: direct(self.t, self.w, self.q, x, i0, i1, *args))
+        et = self.elastic.pressure_rows(lambda i0, i1, x: kernels.search_direction(self.t, self.gap0, self.iterate, x, i0, i1, *args))
         tSt = self._deflect()
-        r = self.elastic.use_rows(lambda i0, i1, x: respond(self.q, x, i0, i1))
+        r = self.elastic.use_rows(lambda i0, i1, x: kernels.response_sums(self.iterate, x, i0, i1))
         et, t, r, n, tSt = self.grid.comm.sum([*_total(et, 2), *_total(r, 2), tSt])
         curvature = tSt - r * t / n
         # S_CC >= 1/(largest eigenvalue of K), S_CC K_CC >= 1; where nothing is left to do in contact the quotient is noise
@@ -112,23 +115,23 @@ class Ccg(Solver):
         return float(np.clip(et / curvature, 0.0, largest)) if curvature > 0 else largest
 
     def _new_gap(self, load):
-        """Scale q, the rows of which are transformed, to the mean p0, and compute its gap."""
+        """Scale the iterate, the rows of which are transformed, to the mean p0, and compute its gap."""
         scale = self.real(self.N * self.p0 / load)
         self.offset += self.shift
         offset = self.real(self.offset)
         self._deflect()
-        self._close(self.elastic.use_rows(
-            lambda i0, i1, x: respace(self.q, self.w, self.problem.h, x, i0, i1, scale, offset)))
+        self._set_gap(self.elastic.use_rows(
+            lambda i0, i1, x: kernels.new_gap(self.iterate, self.gap0, self.problem.h, x, i0, i1, scale, offset)))
 
     def _deflect(self):
         """S between the row transforms; returns this rank's share of <x, S x>."""
         return self.elastic.displacement_columns()
 
-    def _close(self, parts):
-        """The mean of w in contact, and the state that is returned; parts: what `respace` returned."""
-        w, n = self._sum(parts, 2)
-        self.shift = float(w / n)
-        sums = close(self.q, self.w, self.g, self.p, self.real(self.shift), self.grid.inside)
+    def _set_gap(self, parts):
+        """The mean of gap0 in contact, and the state that is returned; parts: what `new_gap` returned."""
+        total, n = self._sum(parts, 2)
+        self.shift = float(total / n)
+        sums = kernels.feasible_state(self.iterate, self.gap0, self.g, self.p, self.real(self.shift), self.grid.inside)
         self.ee, self.below, self.contact, self.gap = (float(s) for s in self.grid.comm.sum(sums))
 
     def _sum(self, parts, count):

@@ -16,7 +16,7 @@ modes slightly underdamped; whenever the pressure does negative work on the moti
 import numpy as np
 
 from ..aligned import zeros_aligned
-from ..kernels.dynamics import move, settle
+from ..kernels.dynamics import DynamicsSums, update_pressure, verlet_step
 from ..operators.elastic import Elastic
 from ..options import read_options
 from .base import Progress, Solver
@@ -52,14 +52,14 @@ class Gfmd(Solver):
         self.d[...] = 0
         self.elastic.pressure_rows(self.problem.displacement_rows(self.g))
         self.elastic.pressure_columns()
-        self._measure(self.elastic.use_rows(self._settle))
+        self._measure(self.elastic.use_rows(self._update))
         self._begin()
 
     def refresh(self, uKu=None):
         self.d[...] = 0
         fft = self.elastic.fft
         zero = np.zeros((fft.R, self.grid.n[1]), self.problem.dtype)
-        self._measure([self._settle(i0, i1, zero) for i0, i1 in fft.passes()])
+        self._measure([self._update(i0, i1, zero) for i0, i1 in fft.passes()])
         self._begin()
 
     def _begin(self):
@@ -69,9 +69,9 @@ class Gfmd(Solver):
 
     def step(self):
         a, b = (self.problem.dtype.type(c) for c in self._coefficients())
-        self.elastic.pressure_rows(lambda i0, i1, x: move(self.g, self.p, self.d, x, i0, i1, a, b, self.grid.inside))
+        self.elastic.pressure_rows(lambda i0, i1, x: verlet_step(self.g, self.p, self.d, x, i0, i1, a, b, self.grid.inside))
         self.elastic.pressure_columns()
-        self._measure(self.elastic.use_rows(self._settle))
+        self._measure(self.elastic.use_rows(self._update))
         self.iterations += 1
 
     def _coefficients(self):
@@ -86,13 +86,14 @@ class Gfmd(Solver):
         uphill = self.pd > 0 and damping is None
         return a, 0.0 if uphill else ((1 - ratio) / (1 + ratio)) ** 2
 
-    def _settle(self, i0, i1, x):
-        return settle(self.g, self.p, self.d, x, i0, i1, self.grid.inside)
+    def _update(self, i0, i1, x):
+        return update_pressure(self.g, self.p, self.d, x, i0, i1, self.grid.inside)
 
     def _measure(self, parts):
-        """Sum over passes and ranks: p^2 on F, p^2, p d, d^2, d K d, points in contact, gap."""
-        sums = self.grid.comm.sum(np.sum(np.reshape(parts, (-1, 7)), axis=0))
-        self.rr, self.pp, self.pd, self.dd, self.dx, self.contact, self.gap = (float(s) for s in sums)
+        """Sum DynamicsSums over passes and ranks."""
+        sums = self.grid.comm.sum(np.sum(np.reshape(parts, (-1, len(DynamicsSums._fields))), axis=0))
+        for name, value in zip(DynamicsSums._fields, sums, strict=True):
+            setattr(self, name, float(value))
 
     # -- how far -------------------------------------------------------------------------------------------------------------
 

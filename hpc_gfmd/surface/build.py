@@ -94,15 +94,15 @@ def surface_size(spec):
     return tuple(spec.n) if spec.n is not None else prepared_size(open_topography(spec), spec)
 
 
-def build_surface(spec, comm, dtype, threads=1, thrifty=False):
+def build_surface(spec, comm, dtype, threads=1, low_memory=False):
     """Make or read the surface of a scene on all ranks; spec: scene.surface. Raises SceneError on all ranks.
 
-    thrifty: without transforms in double precision, which later ones of the certificate would need anyway.
+    low_memory: without transforms in double precision, which later ones of the certificate would need anyway.
     """
     dtype = np.dtype(dtype)
     if spec.kind == "self-affine":
         grid = grid_of(spec.n, spec.physical_sizes, comm, threads, spec.free)
-        h, h_over_g, add_spectrum = self_affine_gap(spec, _nominal(grid), dtype, dtype if thrifty else np.float64)
+        h, h_over_g, add_spectrum = self_affine_gap(spec, _nominal(grid), dtype, dtype if low_memory else np.float64)
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
         known = None if grid.padded else add_spectrum
         return Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.nominal_rows, known)

@@ -74,6 +74,6 @@ def test_heights_in_single_precision_are_rounded_once():
     spec = Scene.from_dict({"surface": rough((2, 32, 2)), "load": {"p_star": 0.1}}).surface
     exact = build_surface(spec, SerialComm(), np.float64).h
     unit = np.finfo(np.float32).eps * exact
-    once, thrifty = (build_surface(spec, SerialComm(), np.float32, thrifty=thrifty).h for thrifty in (False, True))
+    once, saving = (build_surface(spec, SerialComm(), np.float32, low_memory=low_memory).h for low_memory in (False, True))
     assert (np.abs(once - exact) <= 0.51 * unit).all()
-    assert np.abs(once - exact).max() < np.abs(thrifty - exact).max() < 20 * unit.max()
+    assert np.abs(once - exact).max() < np.abs(saving - exact).max() < 20 * unit.max()

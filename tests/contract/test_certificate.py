@@ -73,9 +73,9 @@ def test_the_errors_hold_on_the_way(surface, name):
 
 @pytest.mark.parametrize(("n", "sizes"), GRIDS, ids=str)
 def test_sums_over_levels_bound_the_norm(n, sizes):
-    """<r, S r> against kap times the sums over levels: random fields of all colours stay below the constant."""
+    """<r, S r> against the compliance of the shortest wave times the sums over levels: below the constant for fields of all colours."""
     grid, random = Grid(n, sizes), np.random.default_rng(3)
-    elastic, kap = Elastic(grid, HALF_SPACE, np.float64), 1 / HALF_SPACE.scale(grid)
+    elastic, compliance = Elastic(grid, HALF_SPACE, np.float64), 1 / HALF_SPACE.scale(grid)
     levels = Multilevel(grid, HALF_SPACE, np.float64, 8)
     q = np.hypot(np.fft.fftfreq(n[0])[:, None], np.fft.fftfreq(n[1]))
     q[0, 0] = 1.0
@@ -88,7 +88,7 @@ def test_sums_over_levels_bound_the_norm(n, sizes):
             sums = levels.restrict(np.ones(n), r, 0.0)
             squares = levels.without_mean(sums[0] + levels.sweep()[2], levels.mean**2)
             elastic.pressure_rows(reader(r))
-            ratios.append(elastic.compliance_columns() / (kap * squares))
+            ratios.append(elastic.compliance_columns() / (compliance * squares))
     assert max(ratios) < EQUIVALENCE
     assert min(ratios) > 0.4
 
@@ -106,7 +106,7 @@ def test_energy_bound_against_the_duality_gap(surface, p_star):
             continue
         closed = np.sum(p[(solver.g <= 0) & (p > 0)] ** 2)
         G = certificate.duality_gap * p_star * certificate.gap_mean * surface.grid.N
-        bound = np.sqrt(2 * G / (solver.kap * closed))  # of the pressure, but for a factor of order one
+        bound = np.sqrt(2 * G / (solver.compliance * closed))  # of the pressure, but for a factor of order one
         assert 0.5 * bound < certificate.errors[2] < 1.5 * bound
 
 

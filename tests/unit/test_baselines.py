@@ -7,8 +7,8 @@ from contacts import random_heights, rough, sweep_of
 from hpc_gfmd.driver.certificate import certify
 from hpc_gfmd.driver.nested import cold_gap
 from hpc_gfmd.errors import SceneError
-from hpc_gfmd.kernels.dynamics import move, settle
-from hpc_gfmd.kernels.pressure import advance, close, direct, press, respace
+from hpc_gfmd.kernels import ccg
+from hpc_gfmd.kernels.dynamics import update_pressure, verlet_step
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.problem import Problem
 from hpc_gfmd.registry import solver_class
@@ -153,55 +153,55 @@ def fields():
     return [np.maximum(f, 0) if k == 0 else f for k, f in enumerate(rng.standard_normal((5, 6, 9)))]
 
 
-def test_move(fields):
+def test_verlet_step(fields):
     g, p, d, x, _ = fields
     v = 0.7 * d - 0.3 * p
     wanted = np.maximum(g + v, 0)
     change, kept = np.where(g + v <= 0, -g, v), np.where(g + v <= 0, 0, v)
-    move(g, p, d, x, 0, 6, 0.3, 0.7, g.shape)
+    verlet_step(g, p, d, x, 0, 6, 0.3, 0.7, g.shape)
     np.testing.assert_allclose(g, wanted, atol=1e-15)
     np.testing.assert_allclose(x, change, atol=1e-15)
     np.testing.assert_allclose(d, kept, atol=1e-15)
 
 
-def test_settle(fields):
+def test_update_pressure(fields):
     g, p, d, x, _ = fields
-    q = p + x
-    free = ~((g <= 0) & (q > 0))
-    sums = settle(g, p, d, x, 0, 6, g.shape)
-    np.testing.assert_allclose(p, q)
-    np.testing.assert_allclose(sums, [(q**2)[free].sum(), (q**2).sum(), (q * d).sum(), (d**2).sum(), (d * x).sum(), (~free).sum(),
-                                      g.sum()])
+    fresh = p + x
+    free = ~((g <= 0) & (fresh > 0))
+    sums = update_pressure(g, p, d, x, 0, 6, g.shape)
+    np.testing.assert_allclose(p, fresh)
+    np.testing.assert_allclose(sums, [(fresh**2)[free].sum(), (fresh**2).sum(), (fresh * d).sum(), (d**2).sum(), (d * x).sum(),
+                                      (~free).sum(), g.sum()])
 
 
 def test_pressure_passes(fields):
-    q, w, t, x, h = fields
-    g = np.where(w > 0, 0, q)
+    p, gap0, t, x, h = fields
+    g = np.where(gap0 > 0, 0, p)
     wanted = np.where(g <= 0, np.maximum(0.2 + x, 0), 0)
-    found = np.empty_like(q)
-    assert press(g, found, x, 0.2, g.shape, 0, 6) == pytest.approx(wanted.sum())
+    found = np.empty_like(p)
+    assert ccg.start_pressure(g, found, x, 0.2, g.shape, 0, 6) == pytest.approx(wanted.sum())
     np.testing.assert_allclose(found, wanted)
 
-    touching, e = q > 0, w - 0.1
+    touching, e = p > 0, gap0 - 0.1
     wanted = np.where(touching, 2 * e + 0.5 * t - 0.3, 0)
-    sums = direct(t, w, q, x, 0, 6, 0.1, 2.0, 0.5, 0.3)
+    sums = ccg.search_direction(t, gap0, p, x, 0, 6, 0.1, 2.0, 0.5, 0.3)
     np.testing.assert_allclose(t, wanted)
     np.testing.assert_allclose(x, wanted)
     np.testing.assert_allclose(sums, [(e * wanted).sum(), wanted.sum()])
 
-    wanted = np.maximum(np.where(touching, q - 0.4 * t, -0.6 * e), 0)
-    sums = advance(q, t, w, x, 0, 6, 0.1, 0.4, 0.6, q.shape)
-    np.testing.assert_allclose(q, wanted)
+    wanted = np.maximum(np.where(touching, p - 0.4 * t, -0.6 * e), 0)
+    sums = ccg.pressure_step(p, t, gap0, x, 0, 6, 0.1, 0.4, 0.6, p.shape)
+    np.testing.assert_allclose(p, wanted)
     np.testing.assert_allclose(sums, [wanted.sum(), (~touching & (wanted > 0)).sum()])
 
     wanted = 3 * x + h - 0.5
-    sums = respace(q, w, h, x, 0, 6, 3.0, 0.5)
-    np.testing.assert_allclose(w, wanted)
-    np.testing.assert_allclose(sums, [wanted[q > 0].sum(), (q > 0).sum()])
+    sums = ccg.new_gap(p, gap0, h, x, 0, 6, 3.0, 0.5)
+    np.testing.assert_allclose(gap0, wanted)
+    np.testing.assert_allclose(sums, [wanted[p > 0].sum(), (p > 0).sum()])
 
-    e, p = w - 0.2, np.empty_like(q)
-    gap = np.where(q > 0, 0, np.maximum(e, 0))
-    sums = close(q, w, g, p, 0.2, g.shape)
+    e, p_out = gap0 - 0.2, np.empty_like(p)
+    gap = np.where(p > 0, 0, np.maximum(e, 0))
+    sums = ccg.feasible_state(p, gap0, g, p_out, 0.2, g.shape)
     np.testing.assert_allclose(g, gap)
-    np.testing.assert_allclose(p, q)
-    np.testing.assert_allclose(sums, [(e[q > 0]**2).sum(), (e[(q <= 0) & (e < 0)]**2).sum(), (q > 0).sum(), gap.sum()])
+    np.testing.assert_allclose(p_out, p)
+    np.testing.assert_allclose(sums, [(e[p > 0]**2).sum(), (e[(p <= 0) & (e < 0)]**2).sum(), (p > 0).sum(), gap.sum()])

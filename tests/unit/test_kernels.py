@@ -5,7 +5,7 @@ import pytest
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.grid import Grid
-from hpc_gfmd.kernels import certify, contact, multilevel, prolong, spectral, surface
+from hpc_gfmd.kernels import bpx, certify, multilevel, prolong, spectral, surface
 from hpc_gfmd.operators.coarsening import Transfer, levels, owned_rows
 from hpc_gfmd.operators.multilevel import COUPLING, DAMPING, Multilevel
 
@@ -123,18 +123,18 @@ def whole(n, dtype=float):
 
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
-@pytest.mark.parametrize("w", [0.0, 1.1])
-def test_propose(random, n, w):
+@pytest.mark.parametrize("coupling", [0.0, 1.1])
+def test_projected_step(random, n, coupling):
     g, p, d = state(random, n)
     t, m, P_x, P_y = whole(n)
     z_coarse = random.standard_normal(m)
     padded = z_coarse[np.arange(-1, m[0] + 1) % m[0]].copy()
-    a, b, kap = 0.7, -0.2, 0.6
-    z = kap * (p + w * P_x @ z_coarse @ P_y.T)
+    a, b, compliance = 0.7, -0.2, 0.6
+    z = compliance * (p + coupling * P_x @ z_coarse @ P_y.T)
     closed = (g <= 0) & (p > 0)
     wanted = np.where(closed, 0, np.maximum(g - a * z - b * d, 0) - g)
     x, work = np.empty(n), np.zeros((2, n[1] + 1))
-    found = contact.propose(g, p, d, x, 0, n[0], padded, t.k0, t.f_x, t.mode, t.j0, t.f, kap, w, a, b, n, work)
+    found = bpx.projected_step(g, p, d, x, (0, n[0]), padded, t.tables, (a, b, coupling, compliance), n, work)
     assert np.allclose(d, wanted, atol=1e-13)
     assert np.array_equal(d, x)
     assert found == pytest.approx(np.vdot(p, wanted), abs=1e-12)
@@ -142,8 +142,8 @@ def test_propose(random, n, w):
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
 @pytest.mark.parametrize("s", [1.0, 0.5, 0.0])
-@pytest.mark.parametrize("kept", [0.0, 0.3])
-def test_update(random, n, s, kept):
+@pytest.mark.parametrize("excess", [0.0, 0.3])
+def test_update(random, n, s, excess):
     """New state, sums, and the restriction of p and x on F, of a part of p on A and of the indicator of A; one or several passes."""
     for longest in (n[0], 2):
         grid = Grid(n)
@@ -156,7 +156,7 @@ def test_update(random, n, s, kept):
         work = np.zeros((7, n[1] + 1))
         sums = []
         for k, (i0, i1) in enumerate(levels_of.passes):
-            sums.append(levels_of.update_rows(k, g, p, d, x[i0:i1].copy(), s, work, kept))
+            sums.append(levels_of.update_rows(k, g, p, d, x[i0:i1].copy(), s, work, excess))
         closed = (new_g <= 0) & (new_p > 0)
         free = ~closed
         assert np.allclose(g, new_g)
@@ -171,7 +171,7 @@ def test_update(random, n, s, kept):
             found[:, (row - 1) % m[0]] += levels_of.fields[0][:, row]
         factor = m[0] * m[1] / (n[0] * n[1])
         P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
-        for field, fine in zip(found, (new_p * (free + kept * closed), 1.0 * closed, x * free), strict=True):
+        for field, fine in zip(found, (new_p * (free + excess * closed), 1.0 * closed, x * free), strict=True):
             assert np.allclose(field, factor * P_x.T @ fine @ P_y, atol=1e-12)
 
 
@@ -185,7 +185,7 @@ def test_transfers_are_adjoint(random, n):
     x, y = random.standard_normal(n), random.standard_normal(m)
     fine, coarse = np.zeros((1, n[0] + 2, n[1])), np.zeros((1, m[0] + 2, m[1]))
     fine[0, 1:-1] = x
-    multilevel.restrict_level(fine, coarse, t.k0, t.f_x, t.factor, t.mode, t.j0, t.f)
+    multilevel.restrict_level(fine, coarse, t.tables)
     R = coarse[0, 1:-1].copy()
     R[0] += coarse[0, -1]
     R[-1] += coarse[0, 0]
@@ -193,7 +193,7 @@ def test_transfers_are_adjoint(random, n):
     assert np.allclose(R, P_x.T @ x @ P_y / ratio, atol=1e-13)
     Py = np.zeros((1, n[0] + 2, n[1]))
     rt = np.zeros((2, n[0] + 2, n[1]))
-    multilevel.smooth_level(rt, y[np.arange(-1, m[0] + 1) % m[0]].copy(), Py[0], 1.0, 4.0, 1.0, t.k0, t.f_x, t.mode, t.j0, t.f)
+    multilevel.smooth_level(rt, y[np.arange(-1, m[0] + 1) % m[0]].copy(), Py[0], 1.0, 4.0, 1.0, t.tables)
     assert np.allclose(Py[0, 1:-1], P_x @ y @ P_y.T, atol=1e-13)
     assert np.vdot(R, y) * ratio == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)
 
@@ -280,7 +280,7 @@ def test_preconditioner_is_symmetric_positive_definite(random, n, sizes):
     assert np.linalg.eigvalsh(M).min() >= 1 - 1e-9
 
 
-def prolonged(u, p, h, kap, stencil, parts=1):
+def prolonged(u, p, h, compliance, stencil, parts=1):
     """prolong_gap of whole coarse fields u, p to the grid of h, in a number of slabs."""
     (n_x, n_y), (m_x, m_y) = h.shape, u.shape
     step = 2 if m_x != n_x else 1
@@ -290,12 +290,12 @@ def prolonged(u, p, h, kap, stencil, parts=1):
         first, last = -(-start // step), -(-stop // step)
 
         def cut(a, i, k, width):
-            return [np.take(a, np.arange(*r), axis=0, mode="wrap") for r in ((i - width, i), (i, k), (k, k + width))]
+            return tuple(np.take(a, np.arange(*r), axis=0, mode="wrap") for r in ((i - width, i), (i, k), (k, k + width)))
 
         g = np.empty((stop - start, n_y))
-        coarse = [row for a in (u, p) for row in cut(a, first, last, prolong.HALO)]
-        prolong.prolong_gap(*coarse, *cut(h, start, stop, prolong.SWEEPS), g, start, first, n_x, m_x, step, m_y != n_y, kap, stencil,
-                            h.shape)
+        coarse = [cut(a, first, last, prolong.HALO) for a in (u, p)]
+        prolong.prolong_gap(*coarse, cut(h, start, stop, prolong.SWEEPS), g, (start, n_x), (first, m_x), (m_x != n_x, m_y != n_y),
+                            compliance, stencil, h.shape)
         out.append(g)
     return np.concatenate(out)
 
@@ -326,20 +326,20 @@ def test_interpolation_of_a_displacement():
 def test_local_relaxation(random, n, m):
     """prolong_gap does what its formula says, in any number of slabs; its gap is never negative, and 0 where heights poke through."""
     u, p, h = random.standard_normal(m), random.standard_normal(m), random.standard_normal(n)
-    stencil, kap = np.array([1.2, -0.3, -0.2, -0.04]), 0.7
+    stencil, compliance = np.array([1.2, -0.3, -0.2, -0.04]), 0.7
     w = interpolated(interpolated(u, n[0], 9 / 16, -1 / 16).T, n[1], 9 / 16, -1 / 16).T + h
     P = interpolated(interpolated(p, n[0], 0.5, 0.0).T, n[1], 0.5, 0.0).T
     v = np.maximum(-w, 0)
     for _ in range(prolong.SWEEPS):
         rows = np.roll(v, 1, 0) + np.roll(v, -1, 0)
         columns = np.roll(v, 1, 1) + np.roll(v, -1, 1)
-        v = np.maximum(v - kap * (P + stencil[0] * v + stencil[1] * rows + stencil[2] * columns
+        v = np.maximum(v - compliance * (P + stencil[0] * v + stencil[1] * rows + stencil[2] * columns
                                   + stencil[3] * (np.roll(rows, 1, 1) + np.roll(rows, -1, 1))), -w)
-    g = prolonged(u, p, h, kap, stencil)
+    g = prolonged(u, p, h, compliance, stencil)
     assert np.allclose(g, w + v, atol=1e-13)
     assert g.min() == 0
     for parts in (2, 3, 5):
-        assert np.array_equal(prolonged(u, p, h, kap, stencil, parts), g)
+        assert np.array_equal(prolonged(u, p, h, compliance, stencil, parts), g)
 
 
 def test_stiffness_between_neighbours():
@@ -353,28 +353,29 @@ def test_stiffness_between_neighbours():
     assert (HalfSpace().near(Grid((2, 64)))[[1, 3]] == 0).all()
 
 
-# ---- judging ---------------------------------------------------------------------------------------------------------------
+# ---- certificate -----------------------------------------------------------------------------------------------------------
 
 
-def test_judge(random):
+def test_kkt_residuals(random):
     g = random.standard_normal((6, 5))
     g[g < 0.3] = np.minimum(g[g < 0.3], 0)
     x, p = random.standard_normal((6, 5)), np.empty((6, 5))
-    sums = certify.judge(g, p, x, 0.2, g.shape, 0, 6)
-    q = 0.2 + x
-    closed = (g <= 0) & (q > 0)
-    wanted = (np.sum(q[~closed] ** 2), np.sum(q[~closed] ** 4), np.sum(q[closed] ** 2), np.sum(q[closed]),
-              np.sum(np.abs(q) * g), closed.sum(), g.sum(), max(-g.min(), 0), max((-q[g <= 0]).max(initial=0), 0))
-    assert np.array_equal(p, q)
+    sums, extremes = certify.kkt_residuals(g, p, x, 0.2, g.shape, 0, 6)
+    fresh = 0.2 + x
+    closed = (g <= 0) & (fresh > 0)
+    wanted = (np.sum(fresh[~closed] ** 2), np.sum(fresh[~closed] ** 4), np.sum(fresh[closed] ** 2), np.sum(fresh[closed]),
+              np.sum(np.abs(fresh) * g), closed.sum(), g.sum())
+    assert np.array_equal(p, fresh)
     assert sums == pytest.approx(wanted, rel=1e-13)
+    assert extremes == pytest.approx((max(-g.min(), 0), max((-fresh[g <= 0]).max(initial=0), 0)), rel=1e-13)
     assert certify.open_moments(g, p) == pytest.approx(wanted[:2], rel=1e-13)
 
 
-def test_undecided(random):
+def test_uncertain_points(random):
     g, p = np.maximum(random.standard_normal((40, 50)), 0), random.standard_normal((40, 50))
     takes = np.where(g > 0, g / 0.7, np.abs(p)) ** 2
     counts = np.zeros((2, certify.BINS))
-    certify.undecided(g, p, 0.7, 0.05, 0.1, 0.5, counts)
+    certify.count_uncertain(g, p, 0.7, 0.05, 0.1, 0.5, counts)
     edges = 0.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)
     for side, found in zip((g <= 0, g > 0), counts, strict=True):
         t = takes[side & (takes >= 0.05**2) & (takes <= 0.5)]

@@ -66,7 +66,7 @@ def test_the_same_answer(tmp_path, capfd):
 
 
 @pytest.mark.parametrize(("data", "words"), [
-    (tables(material={"E_star": "50 um"}), "material.E_star: found '50 um', allowed: a positive number"),
+    (tables(material={"E_star": "50 um"}), "material.E_star: found '50 um', allowed: a number greater than 0"),
     (tables(material={"E_star": "50 GPa"}, load={"pressure": 0.1}), "load.pressure: found 0.1 beside material.E_star = '50 GPa'"),
     (tables(load={"pressure": "2 MPa"}), "material.E_star: found 1 beside load.pressure = '2 MPa', allowed: all pressures with units"),
     (tables({"h_rms": "20 nm"}), "surface.physical_sizes: found 1 beside surface.h_rms = '20 nm'"),

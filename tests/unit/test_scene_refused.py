@@ -6,7 +6,11 @@ import math
 import pytest
 from scene_tables import SURFACE, WAVE, refusal, tables
 
-from hpc_gfmd.scene import Scene
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.not_modelled import is_not_modelled
+from hpc_gfmd.options import read_options
+from hpc_gfmd.registry import distribution_names, observable_names, solver_names
+from hpc_gfmd.scene import File, Load, Machine, Material, Output, Scene, SelfAffine, Solver, Sphere, Wave
 
 BAD = {
     "surface.kind": ["selfaffine", 1],
@@ -113,6 +117,27 @@ def test_an_unknown_key_names_the_nearest_valid_one(data, nearest):
     message = refusal(data)
     assert f"nearest: {nearest}" in message
     assert "allowed: " in message
+
+
+@pytest.mark.parametrize("name", [
+    "adhesion", "friction", "friction_coefficient", "mu", "plasticity", "elastoPlastic", "yield_stress", "viscosity", "viscoelastic",
+    "hardness", "work_of_adhesion", "surface_energy", "gamma", "lubricant", "wear", "wear_rate", "temperature", "T_thermal", "JKR",
+    "Tabor parameter", "shear_stress", "sliding_velocity"])
+def test_what_is_not_modelled_is_said(name):
+    for table in ("surface", "material", "load", "solver", "output", "machine"):
+        message = refusal(tables() | {table: tables().get(table, {}) | {name: 1}})
+        assert message.startswith(f"{table}.{name}: not modelled (elastic, frictionless, non-adhesive contact only), allowed: ")
+    for table in (1, {"coefficient": 0.3}):
+        assert refusal(tables(**{name: table})).startswith(f"{name}: not modelled (elastic")
+    with pytest.raises(SceneError, match=r"solver.options: found .*, not modelled .* allowed for the solver 'gfmd': "):
+        read_options("gfmd", {name: 1.0}, {"mass": (0, 1)})
+
+
+def test_what_is_modelled_is_not_refused():
+    models = (Scene, Load, Machine, Material, Output, Solver, SelfAffine, Wave, Sphere, File)
+    keys = {key for model in models for key in model.model_fields}
+    known = keys | observable_names() | distribution_names() | set(solver_names())
+    assert not [name for name in known | {"frictionless", "shared", "mumble", "gammas", "speedup", "wearable"} if is_not_modelled(name)]
 
 
 @pytest.mark.parametrize(("low", "band"), list(itertools.product([1.0, 1.7, 2.5], [1.0, 1.1, 1.2])))

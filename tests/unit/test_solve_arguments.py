@@ -29,6 +29,8 @@ REFUSED = [
     ({"threads": 65536}, "machine.threads: found 65536, allowed on this machine"), ({"threads": 100_000}, "machine.threads"),
     ({"low_memory": True}, "solver.low_memory"), ({"precison": "single"}, "nearest: solver.precision"),
     ({"name": "gfdm"}, 'nearest: "gfmd"'),
+    ({"adhesion": 0.1}, "solver.adhesion: not modelled (elastic, frictionless, non-adhesive contact only)"),
+    ({"observables": ["wear"]}, "found 'wear', not modelled"),
     ({"observables": "a_r"}, "output.observables"), ({"observables": ["a_rr"]}, 'nearest: "a_r"'),
     ({"pressure": [0.1, 0.2]}, "load.pressure"), ({"pressure": None}, "load.pressure"), ({"pressure": "0.1"}, "load.pressure"),
     ({"pressure": HUGE}, "load.pressure"), ({"pressure": -1}, "load.pressure"), ({"max_iterations": 0}, "solver.max_iterations"),

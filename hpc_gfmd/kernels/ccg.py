@@ -1,51 +1,51 @@
 """Kernels of constrained conjugate gradients on the pressure.
 
-Local slabs: pressure iterate q >= 0, contact = {q > 0}; w = S q + h - offset, the gap up to a constant; t the search direction. The
-constant is the mean of w in contact, `shift`: e = w - shift is the gap, and in contact it is what is left to be done. x is scratch,
-rows from 0. Sums are in double precision over rows. Where the surface ends within the grid, `inside` is the shape of this rank's part
-of it; beyond it q = 0 and w = S q - offset.
+Local slabs: pressure p >= 0 (the iterate), contact = {p > 0}; gap0 = S p + h - offset, the gap up to a constant; t the search
+direction. The constant is the mean of gap0 in contact, `shift`: e = gap0 - shift is the gap, and in contact it is what is left to be
+done. x is scratch, rows from 0. Sums are in double precision over rows. Where the surface ends within the grid, `inside` is the shape
+of this rank's part of it; beyond it p = 0 and gap0 = S p - offset.
 """
 
 from .jit import kernel
 
 
 @kernel
-def press(g, q, x, p0, inside, i0, i1):
-    """q = p0 + x where the gap is closed (x = K u), no tension, 0 elsewhere; returns the sum of q."""
-    zero = q.dtype.type(0)
+def start_pressure(g, p, x, p0, inside, i0, i1):
+    """p = p0 + x where the gap is closed (x = K u), no tension, 0 elsewhere; returns the sum of p."""
+    zero = p.dtype.type(0)
     total = 0.0
     for i in range(i0, i1):
         s = zero
         m = inside[1] if i < inside[0] else 0
-        q[i, m:] = zero
+        p[i, m:] = zero
         for j in range(m):
             v = p0 + x[i - i0, j]
             v = v if g[i, j] <= zero and v > zero else zero
-            q[i, j] = v
+            p[i, j] = v
             s += v
         total += s
     return total
 
 
 @kernel
-def gradient(w, q, x, i0, i1, shift):
+def gap_in_contact(gap0, p, x, i0, i1, shift):
     """x = e in contact, 0 elsewhere."""
-    zero = q.dtype.type(0)
+    zero = p.dtype.type(0)
     for i in range(i0, i1):
-        for j in range(q.shape[1]):
-            x[i - i0, j] = w[i, j] - shift if q[i, j] > zero else zero
+        for j in range(p.shape[1]):
+            x[i - i0, j] = gap0[i, j] - shift if p[i, j] > zero else zero
 
 
 @kernel
-def conjugate(t, q, x, i0, i1, b):
+def conjugate_direction(t, p, x, i0, i1, b):
     """t <- x + b t in contact, 0 elsewhere; returns the sum of x and the number of points in contact."""
-    zero = q.dtype.type(0)
+    zero = p.dtype.type(0)
     total = 0.0
     contact = 0
     for i in range(i0, i1):
         s = zero
-        for j in range(q.shape[1]):
-            touching = q[i, j] > zero
+        for j in range(p.shape[1]):
+            touching = p[i, j] > zero
             t[i, j] = x[i - i0, j] + b * t[i, j] if touching else zero
             s += x[i - i0, j] if touching else zero
             contact += 1 if touching else 0
@@ -54,15 +54,15 @@ def conjugate(t, q, x, i0, i1, b):
 
 
 @kernel
-def direct(t, w, q, x, i0, i1, shift, a, b, c):
+def search_direction(t, gap0, p, x, i0, i1, shift, a, b, c):
     """t <- a e + b t - c in contact, 0 elsewhere, also to x; returns the sums of e t and t."""
-    zero = q.dtype.type(0)
+    zero = p.dtype.type(0)
     ET = T = 0.0
     for i in range(i0, i1):
         et = s = zero
-        for j in range(q.shape[1]):
-            e = w[i, j] - shift
-            v = a * e + b * t[i, j] - c if q[i, j] > zero else zero
+        for j in range(p.shape[1]):
+            e = gap0[i, j] - shift
+            v = a * e + b * t[i, j] - c if p[i, j] > zero else zero
             t[i, j] = v
             x[i - i0, j] = v
             et += e * v
@@ -73,15 +73,15 @@ def direct(t, w, q, x, i0, i1, shift, a, b, c):
 
 
 @kernel
-def respond(q, x, i0, i1):
+def response_sums(p, x, i0, i1):
     """Of x = S t: its sum in contact, and the number of points in contact."""
-    zero = q.dtype.type(0)
+    zero = p.dtype.type(0)
     R = 0.0
     contact = 0
     for i in range(i0, i1):
         s = zero
-        for j in range(q.shape[1]):
-            touching = q[i, j] > zero
+        for j in range(p.shape[1]):
+            touching = p[i, j] > zero
             s += x[i - i0, j] if touching else zero
             contact += 1 if touching else 0
         R += s
@@ -89,12 +89,12 @@ def respond(q, x, i0, i1):
 
 
 @kernel
-def advance(q, t, w, x, i0, i1, shift, tau, kick, inside):
-    """q <- max(q - tau t, 0) in contact; where the gap out of contact is negative, q = -kick e; also to x.
+def pressure_step(p, t, gap0, x, i0, i1, shift, tau, kick, inside):
+    """p <- max(p - tau t, 0) in contact; where the gap out of contact is negative, p = -kick e; also to x.
 
-    Returns the sum of q and the number of points taken into contact.
+    Returns the sum of p and the number of points taken into contact.
     """
-    zero = q.dtype.type(0)
+    zero = p.dtype.type(0)
     total = 0.0
     taken = 0
     for i in range(i0, i1):
@@ -102,12 +102,12 @@ def advance(q, t, w, x, i0, i1, shift, tau, kick, inside):
         m = inside[1] if i < inside[0] else 0
         x[i - i0, m:] = zero
         for j in range(m):
-            e = w[i, j] - shift
-            touching = q[i, j] > zero
-            v = q[i, j] - tau * t[i, j] if touching else -kick * e
+            e = gap0[i, j] - shift
+            touching = p[i, j] > zero
+            v = p[i, j] - tau * t[i, j] if touching else -kick * e
             v = zero if v < zero else v
             taken += 1 if not touching and v > zero else 0
-            q[i, j] = v
+            p[i, j] = v
             x[i - i0, j] = v
             s += v
         total += s
@@ -115,21 +115,21 @@ def advance(q, t, w, x, i0, i1, shift, tau, kick, inside):
 
 
 @kernel
-def respace(q, w, h, x, i0, i1, scale, offset):
-    """q <- scale q and w = scale x + h - offset, x = S q before scaling; returns the sum of w in contact and of contact points."""
-    zero = q.dtype.type(0)
+def new_gap(p, gap0, h, x, i0, i1, scale, offset):
+    """p <- scale p and gap0 = scale x + h - offset, x = S p before scaling; returns the sum of gap0 in contact, contact points."""
+    zero = p.dtype.type(0)
     total = 0.0
     contact = 0
     for i in range(i0, i1):
         s = zero
         m = h.shape[1] if i < h.shape[0] else 0
-        for j in range(m, q.shape[1]):
-            w[i, j] = scale * x[i - i0, j] - offset
+        for j in range(m, p.shape[1]):
+            gap0[i, j] = scale * x[i - i0, j] - offset
         for j in range(m):
-            v = scale * q[i, j]
-            q[i, j] = v
+            v = scale * p[i, j]
+            p[i, j] = v
             r = scale * x[i - i0, j] + h[i, j] - offset
-            w[i, j] = r
+            gap0[i, j] = r
             s += r if v > zero else zero
             contact += 1 if v > zero else 0
         total += s
@@ -137,31 +137,31 @@ def respace(q, w, h, x, i0, i1, scale, offset):
 
 
 @kernel
-def close(q, w, g, p, shift, inside):
-    """The admissible state: p = q, g = 0 in contact and max(e, 0) elsewhere; e itself beyond the surface.
+def feasible_state(p, gap0, g, p_out, shift, inside):
+    """The feasible state: p_out = p, g = 0 in contact and max(e, 0) elsewhere; e itself beyond the surface.
 
     Returns sums: e^2 in contact, e^2 where negative out of contact, points in contact, g.
     """
-    zero = q.dtype.type(0)
+    zero = p.dtype.type(0)
     EE = NEGATIVE = CONTACT = GAP = 0.0
-    for i in range(q.shape[0]):
+    for i in range(p.shape[0]):
         ee = negative = gap = zero
         contact = 0
         m = inside[1] if i < inside[0] else 0
-        for j in range(m, q.shape[1]):
-            g[i, j] = w[i, j] - shift
-            p[i, j] = zero
+        for j in range(m, p.shape[1]):
+            g[i, j] = gap0[i, j] - shift
+            p_out[i, j] = zero
         for j in range(m):
-            e = w[i, j] - shift
-            touching = q[i, j] > zero
+            e = gap0[i, j] - shift
+            touching = p[i, j] > zero
             below = e < zero and not touching
             ee += e * e if touching else zero
             negative += e * e if below else zero
             contact += 1 if touching else 0
-            d = zero if touching or below else e
-            g[i, j] = d
-            p[i, j] = q[i, j]
-            gap += d
+            gij = zero if touching or below else e
+            g[i, j] = gij
+            p_out[i, j] = p[i, j]
+            gap += gij
         EE += ee
         NEGATIVE += negative
         CONTACT += contact

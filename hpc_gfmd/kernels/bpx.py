@@ -1,0 +1,235 @@
+"""Kernels of the projected, preconditioned conjugate gradients: one pass before and one after the Fourier transform.
+
+State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d. Contact A = {g <= 0 and p > 0}, the active set; free F = the
+rest. `rows` = (i0, i1) are the local rows of one pass, x is scratch (>= i1 - i0, n_y) that begins with row i0; `transfer` is the
+tuple of tables that Transfer.tables has (operators/coarsening.py).
+
+Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a slab). Beyond it
+there is no wall: g is the displacement u itself and does not count. So every row has two parts, of which the second is empty on a
+periodic grid; each has a loop of its own, because one for both would not use vectors.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .jit import inline, kernel
+from .multilevel import combine_rows, interpolate_row, restrict_row
+
+
+class UpdateSums(NamedTuple):
+    """What `update_state` adds up over its rows, in its order; the kernel itself returns a plain tuple, which costs nothing to make.
+
+    rr, pp: p^2 on F and everywhere; pd: p d on F; dx, px: d x and p x on F; contact: points; gap; opening, closing: points that would
+    open, and close, if the same step were made again.
+    """
+
+    rr: float
+    pp: float
+    pd: float
+    dx: float
+    px: float
+    contact: float
+    gap: float
+    opening: float
+    closing: float
+
+    @classmethod
+    def total(cls, parts):
+        """The sum of what the passes returned, perhaps none."""
+        return cls(*np.sum(np.reshape(parts, (-1, len(cls._fields))), axis=0))
+
+
+@kernel
+def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
+    """Write the next step to d and x: d = max(g - a z - b d, 0) - g on F, 0 on A. Returns <p, d>.
+
+    step: (a, b, coupling, compliance). z = compliance (p + coupling P z_coarse) is formed on the fly; coupling = 0 gives a plain
+    projected gradient step. scratch: (>= 2, n_y).
+    """
+    i0, i1 = rows
+    k0, f_x, mode, j0, f, _ = transfer
+    a, b, coupling, compliance = step
+    n = g.shape[1]
+    m = z_coarse.shape[1]
+    zero = g.dtype.type(0)
+    row, fine = scratch[0, :m], scratch[1, :n]
+    length = a * compliance
+    one = g.dtype.type(1)
+    total = 0.0
+    for i in range(i0, i1):
+        gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
+        s = zero
+        inner = inside[1] if i < inside[0] else 0
+        if coupling > 0:
+            combine_rows(z_coarse, k0[i], f_x[i], row)
+            interpolate_row(row, fine, mode, j0, f)
+            for j in range(inner):
+                v = gi[j] - length * (pi[j] + coupling * fine[j]) - b * di[j]
+                free = zero if (gi[j] <= zero and pi[j] > zero) else one
+                e = free * (max(v, zero) - gi[j])
+                s += pi[j] * e
+                di[j] = e
+                xi[j] = e
+            for j in range(inner, n):
+                e = -length * (pi[j] + coupling * fine[j]) - b * di[j]
+                s += pi[j] * e
+                di[j] = e
+                xi[j] = e
+        else:
+            for j in range(inner):
+                v = gi[j] - length * pi[j] - b * di[j]
+                free = zero if (gi[j] <= zero and pi[j] > zero) else one
+                e = free * (max(v, zero) - gi[j])
+                s += pi[j] * e
+                di[j] = e
+                xi[j] = e
+            for j in range(inner, n):
+                e = -length * pi[j] - b * di[j]
+                s += pi[j] * e
+                di[j] = e
+                xi[j] = e
+        total += s
+    return total
+
+
+@kernel
+def update_state(g, p, d, x, s, excess, rows, coarse, edges, transfer, inside, scratch):
+    """g += s d, p += s x, and everything that the next step needs of the new state; returns UpdateSums.
+
+    Restricts p on F and excess p on A, the indicator of A, and x on F to the coarser grid: coarse (3, coarse rows + 2, m) with halo
+    gets the rows that belong to this pass alone, edges (2, 3, m) the first and the last, which it shares. scratch: (7, n_y).
+    """
+    i0, i1 = rows
+    k0, f_x, mode, j0, f, factor = transfer
+    first, last = edges[0], edges[1]
+    n = g.shape[1]
+    zero = g.dtype.type(0)
+    one = g.dtype.type(1)
+    RR = PP = PD = DX = PX = CONTACT = GAP = OPENING = CLOSING = 0.0
+    lo = k0[i0]
+    hi = k0[i1 - 1] + 1
+    scratch[3:6] = zero  # 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
+    i = i0
+    while i < i1:
+        K = k0[i]
+        end = i + 1
+        while end < i1 and k0[end] == K:
+            end += 1
+        rr, pp, pd, dx, px, contact, gap, opening, closing = _update_rows(g, p, d, x, s, i0, i, end, inside, zero, one)
+        RR += rr
+        PP += pp
+        PD += pd
+        DX += dx
+        PX += px
+        GAP += gap
+        CONTACT += contact
+        OPENING += opening
+        CLOSING += closing
+        _gather_rows(g, p, x, excess, i0, i, end, f_x, inside, scratch, zero, one)
+        _scatter_row(scratch, 0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
+        i = end
+    _scatter_row(scratch, 3, n, hi, lo, hi, first, last, coarse, factor, mode, j0, f)
+    return RR, PP, PD, DX, PX, CONTACT, GAP, OPENING, CLOSING
+
+
+@inline
+def _update_rows(g, p, d, x, s, i0, start, end, inside, zero, one):
+    """Rows start..end of `update_state`: new g and p, and their sums."""
+    rr = pp = pd = dx = px = contact = gap = opening = closing = zero
+    for i in range(start, end):
+        inner = inside[1] if i < inside[0] else 0
+        for j in range(inner):
+            y = x[i - i0, j]
+            g_new = g[i, j] + s * d[i, j]
+            p_new = p[i, j] + s * y
+            g_next, p_next = g_new + s * d[i, j], p_new + s * y
+            g[i, j] = g_new
+            p[i, j] = p_new
+            closed = one if g_new <= zero else zero
+            t = closed if p_new > zero else zero
+            free = one - t
+            p_free = free * p_new
+            x_free = free * y
+            contact += t
+            opening += t if p_next <= zero else zero
+            closing += (one - closed) if g_next <= zero else zero
+            rr += p_free * p_free
+            pp += p_new * p_new
+            pd += p_free * d[i, j]
+            dx += x_free * d[i, j]
+            px += p_free * x_free
+            gap += g_new
+        for j in range(inner, g.shape[1]):
+            y = x[i - i0, j]
+            p_new = p[i, j] + s * y
+            g[i, j] += s * d[i, j]
+            p[i, j] = p_new
+            rr += p_new * p_new
+            pp += p_new * p_new
+            pd += p_new * d[i, j]
+            dx += y * d[i, j]
+            px += p_new * y
+    return rr, pp, pd, dx, px, contact, gap, opening, closing
+
+
+@inline
+def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows, zero, one):
+    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F and excess p on A, the indicator of A, x on F.
+
+    A loop of its own, and rows of one array: with more pointers than this the compiler gives up on vectors.
+    """
+    n = g.shape[1]
+    if end == start + 2 and start + 1 != inside[0]:  # two rows, both of the surface or both beyond it
+        k = start + 1
+        f0, f1 = f_x[start], f_x[k]
+        inner = inside[1] if k < inside[0] else 0
+        for j in range(inner):
+            t0 = one if (g[start, j] <= zero and p[start, j] > zero) else zero
+            t1 = one if (g[k, j] <= zero and p[k, j] > zero) else zero
+            a0, a1 = (excess * t0 + (one - t0)) * p[start, j], (excess * t1 + (one - t1)) * p[k, j]
+            b0, b1 = (one - t0) * x[start - i0, j], (one - t1) * x[k - i0, j]
+            rows[0, j] = rows[3, j] + (one - f0) * a0 + (one - f1) * a1
+            rows[1, j] = rows[4, j] + (one - f0) * t0 + (one - f1) * t1
+            rows[2, j] = rows[5, j] + (one - f0) * b0 + (one - f1) * b1
+            rows[3, j] = f0 * a0 + f1 * a1
+            rows[4, j] = f0 * t0 + f1 * t1
+            rows[5, j] = f0 * b0 + f1 * b1
+        for j in range(inner, n):
+            rows[0, j] = rows[3, j] + (one - f0) * p[start, j] + (one - f1) * p[k, j]
+            rows[2, j] = rows[5, j] + (one - f0) * x[start - i0, j] + (one - f1) * x[k - i0, j]
+            rows[3, j] = f0 * p[start, j] + f1 * p[k, j]
+            rows[5, j] = f0 * x[start - i0, j] + f1 * x[k - i0, j]
+            rows[1, j] = rows[4, j]
+            rows[4, j] = zero
+        return
+    for c in range(3):
+        for j in range(n):
+            rows[c, j] = rows[c + 3, j]
+            rows[c + 3, j] = zero
+    for i in range(start, end):
+        fi = f_x[i]
+        inner = inside[1] if i < inside[0] else 0
+        for j in range(inner):
+            t = one if (g[i, j] <= zero and p[i, j] > zero) else zero
+            a = (excess * t + (one - t)) * p[i, j]
+            b = (one - t) * x[i - i0, j]
+            rows[0, j] += (one - fi) * a
+            rows[1, j] += (one - fi) * t
+            rows[2, j] += (one - fi) * b
+            rows[3, j] += fi * a
+            rows[4, j] += fi * t
+            rows[5, j] += fi * b
+        for j in range(inner, n):
+            rows[0, j] += (one - fi) * p[i, j]
+            rows[2, j] += (one - fi) * x[i - i0, j]
+            rows[3, j] += fi * p[i, j]
+            rows[5, j] += fi * x[i - i0, j]
+
+
+@inline
+def _scatter_row(rows, c0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f):
+    """Restrict a complete coarse row along the other axis to where it belongs."""
+    for c in range(3):
+        target = first[c] if K == lo else (last[c] if K == hi else coarse[c, K])
+        restrict_row(rows[c0 + c, :n], target, factor, mode, j0, f, rows[6])

@@ -1,0 +1,118 @@
+"""`hpc-gfmd init` writes scenes that run, `hpc-gfmd help scene` says all there is to say of them."""
+
+import re
+import tomllib
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.cli import main
+from hpc_gfmd.commands.init import compose
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.scene import Scene, load_scene
+from hpc_gfmd.scene.reference import markdown, sections, text
+from hpc_gfmd.scene.surface import KINDS
+
+ANALYTIC = [kind for kind in KINDS if kind != "file"]
+
+
+@pytest.mark.parametrize("kind", ANALYTIC)
+def test_a_scene_of_every_kind_runs(tmp_path, kind, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["init", kind, "--set", "surface.lam_l_over_lam_s=8" if kind == "self-affine" else "surface.n=[16, 16]"]) == 0
+    assert main(["run", "scene.toml", "-q"]) == 0
+    assert (tmp_path / "contact.h5").is_file()
+    assert capsys.readouterr().out == "scene.toml: hpc-gfmd run scene.toml\n"
+
+
+@pytest.mark.parametrize("kind", ANALYTIC)
+def test_every_key_stands_in_it_and_is_one(tmp_path, kind):
+    lines = compose(kind, tmp_path / "scene.toml")[0].splitlines()
+    table, known = "", {path for s in sections() if s.kind in ("", kind) for path in (f"{s.table}.{k.name}" for k in s.keys)}
+    for line in lines[1:]:
+        table = (re.match(r"\[(\w+)\]", line) or [None, table])[1]
+        if found := re.match(r"(?:# )?(\w+) = .*  # \S", line):
+            known.remove(f"{table}.{found[1]}")
+            tomllib.loads(line.removeprefix("# "))  # what is commented out may be used as it stands
+    assert not known
+    assert max(map(len, lines)) < 150
+
+
+def tilted(path, sizes, unit):
+    x = np.linspace(0, 1, 24)
+    z = np.random.default_rng(1).normal(size=(24, 16)) + 40 * x[:, None]
+    z[3, 4] = np.nan
+    np.savez(path, z=z, **({"physical_sizes": sizes, "unit": unit} if sizes else {}))
+
+
+def test_a_map_is_read_and_what_it_needs_is_written(tmp_path):
+    tilted(tmp_path / "map.npz", [240.0, 160.0], "nm")
+    written, missing = compose(str(tmp_path / "map.npz"), tmp_path / "scene.toml")
+    assert not missing
+    for line in ("24 x 16 points", 'path = "map.npz"', 'fill = "harmonic"  .*# 1 points', 'detrend = "tilt"  .*# .. % of the variance',
+                 r'# physical_sizes = \["240 nm", "160 nm"\]  .*as the file says', '# unit = "nm"  .*as the file says'):
+        assert re.search(line, written), line
+    (tmp_path / "scene.toml").write_text(written)
+    assert load_scene(tmp_path / "scene.toml").surface.detrend == "tilt"
+
+
+def test_a_map_with_an_edge_is_taken_to_end_there(tmp_path):
+    np.savez(tmp_path / "map.npz", z=np.cumsum(np.ones((20, 20)), axis=0) ** 2, physical_sizes=[1.0, 1.0], unit="um")
+    assert re.search('\nboundary = "free"  .*# opposite edges', compose(str(tmp_path / "map.npz"), tmp_path / "a.toml")[0])
+    mirrored = compose(str(tmp_path / "map.npz"), tmp_path / "a.toml", ["surface.mirror=true"])[0]
+    assert "\nmirror = true" in mirrored
+    assert '\nboundary = "free"' not in mirrored
+
+
+def test_what_nobody_says_is_not_invented(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    tilted(tmp_path / "map.npz", None, None)
+    assert main(["init", "map.npz"]) == 0
+    assert "before it runs it needs surface.physical_sizes and surface.unit" in capsys.readouterr().out
+    assert main(["run", "scene.toml"]) == 2
+    assert "surface.physical_sizes: found nothing" in capsys.readouterr().err
+    assert not compose("map.npz", tmp_path / "a.toml", ['surface.physical_sizes=["3 um", "2 um"]', "surface.unit=nm"])[1]
+
+
+def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text("mine")
+    for arguments, words in ((["init"], "which exists"), (["init", "wave", "-o", "no/a.toml"], "the folder no does not exist"),
+                             (["init", "wav", "-o", "a.toml"], "found wav, allowed: a kind of surface (self-affine, wave, sphere)"),
+                             (["init", "wave", "-o", "a.toml", "--set", "load.presure=3"], "nearest: load.pressure")):
+        assert main(arguments) == 2
+        assert words in capsys.readouterr().err
+    assert (tmp_path / "scene.toml").read_text() == "mine"
+    assert not (tmp_path / "a.toml").exists()
+    assert main(["init", "--force", "--set", "load.pressure=0.1"]) == 0
+    assert load_scene(tmp_path / "scene.toml").load.pressure == (0.1,)
+
+
+def test_help_has_every_key_with_what_it_is():
+    said, page = text(), markdown()
+    for table, field in Scene.model_fields.items():
+        models = KINDS.values() if table == "surface" else [field.annotation]
+        for model in models if table != "title" else ():
+            for key, item in model.model_fields.items():
+                assert f"\n  {key} " in said
+                if key != "kind":
+                    assert f"| `{key}` | {item.description} | " in page
+                    assert item.json_schema_extra["allowed"] in page
+
+
+@pytest.mark.parametrize(("key", "lines"), [("solver.accuracy", 3), ("accuracy", 3), ("physical_sizes", 8)])
+def test_help_on_one_key(key, lines):
+    assert len(text(key).splitlines()) >= lines
+    assert key.rpartition(".")[2] in text(key)
+
+
+def test_help_on_what_there_is_not(capsys):
+    with pytest.raises(SceneError, match=r"nearest: solver\.accuracy"):
+        text("solver.acuracy")
+    assert main(["help", "rum"]) == 2
+    assert "allowed: scene, init" in capsys.readouterr().err
+
+
+def test_help_knows_the_names(capsys):
+    assert main(["help", "scene", "output"]) == 0
+    assert "patch_largest" in capsys.readouterr().out
