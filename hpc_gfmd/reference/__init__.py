@@ -7,20 +7,56 @@ Extrapolated to large cells and fine grids, interpolated along all three. The da
 `hpc-gfmd study curves --level desk --no-run --reference FILE`. Reading it needs neither MPI nor compiled kernels.
 """
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from .data import Reference, load
 
 __all__ = ["Reference", "contact_area", "load", "mean_gap"]
 
 
-def contact_area(p_star, hurst, eps_f):
-    """(relative contact area, its standard uncertainty) at p_star (number or array). Raises SceneError outside the ranges of the data."""
+def contact_area(p_star: ArrayLike, hurst: float, eps_f: float) -> tuple[float | np.ndarray, float | np.ndarray]:
+    """Relative contact area of a self-affine surface, interpolated in the shipped data.
+
+    Parameters
+    ----------
+    p_star : float or array
+        p0/(E* g_rms).
+    hurst, eps_f : float
+        Hurst exponent and lam_s/lam_l.
+
+    Returns
+    -------
+    a_r, sigma : float or array
+        The area and its standard uncertainty, in the shape of p_star.
+
+    Raises
+    ------
+    SceneError
+        Outside the ranges of the data.
+    """
     return load().at("a_r", p_star, hurst, eps_f)
 
 
-def mean_gap(p_star, hurst, eps_f, unit="h_rms"):
-    """(mean gap, its standard uncertainty) at p_star in units of "h_rms" or "g_rms_lam_s" (that of sharp cutoffs in a large cell).
+def mean_gap(p_star: ArrayLike, hurst: float, eps_f: float, unit: str = "h_rms") -> tuple[float | np.ndarray, float | np.ndarray]:
+    """Mean gap of a self-affine surface, interpolated in the shipped data.
 
-    Raises SceneError outside the ranges of the data, and for other units.
+    Parameters
+    ----------
+    p_star, hurst, eps_f
+        As of `contact_area`.
+    unit : {"h_rms", "g_rms_lam_s"}
+        The length that the gap is given in; their ratio is that of sharp cutoffs in a large cell.
+
+    Returns
+    -------
+    gap, sigma : float or array
+        The mean gap and its standard uncertainty, in that unit and the shape of p_star.
+
+    Raises
+    ------
+    SceneError
+        As `contact_area`, and for other units.
     """
     from ..theory import persson
 
