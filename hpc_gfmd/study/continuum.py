@@ -1,10 +1,10 @@
 """An observable in the limit of fine grids and large cells at given H and eps_f, all of one pressure together.
 
-    ln value = ln limit(H, eps_f) + C_t(H, eps_f) eps_t [+ C_1(H, eps_f) eps_c] + sum over k of eps_c^k (smooth function of H and ln eps_f)
+    ln value = ln limit(H, eps_f) + C_t(H, eps_f) eps_t + C_1(H, eps_f) eps_c + sum over k of eps_c^k (smooth function of H, ln eps_f)
 
 by generalised least squares with the covariance of runs that share a surface: what realisations add cancels in the differences between
-grids. The grid sees single contacts, which hardly know of H and eps_f; what it does is therefore common to all of them, and known well
-even where one surface has few contacts.
+grids. The grid sees single contacts, which hardly know of H and eps_f; what it does is therefore common to all of them (but for C_1 of
+the area as counted), and known well even where one surface has few contacts.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """The page of a study beyond the paper: question, picture, what we find, numbers, command, time. Markdown."""
 
 from .. import __version__
-from .markdown import literal, table
+from .markdown import literal
 from .rows import Rows
 from .study import Study
 

@@ -13,7 +13,7 @@ from .study import Study
 
 
 def publish(study: Study, store: Store, level: str) -> Rows:
-    """Write NAME.csv, NAME.json and NAME.png, and NAME.md of a study beyond the paper, into the folder of the store; returns the rows of the table.
+    """Write NAME.csv, NAME.json, NAME.png and, of a study beyond the paper, NAME.md into the folder of the store; returns the rows.
 
     study: study.Study. Nothing stored of it: nothing is written and the rows are empty.
     """

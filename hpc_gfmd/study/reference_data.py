@@ -14,8 +14,8 @@ from .store import Store
 DIGITS = 5  # of values and uncertainties
 WORST = 0.25  # relative standard error of a load that is still of use
 NOTE = (
-    "Means over realisations of periodic, self-affine, isotropic surfaces with random amplitudes and sharp cutoffs, extrapolated to large "
-    "cells (eps_t -> 0) and fine grids (eps_c -> 0). sigma: relative standard errors, realisations, solver and extrapolation together."
+    "Means over realisations of periodic, self-affine, isotropic surfaces with random amplitudes and sharp cutoffs, extrapolated to "
+    "large cells (eps_t -> 0) and fine grids (eps_c -> 0). sigma: relative standard errors of realisations, solver and extrapolation."
 )
 
 

@@ -20,8 +20,8 @@ class Scatter:
     """Relative scatter of one observable at one H and p*.
 
     law: (a, b) of the relative standard deviation eps_t exp(a) eps_f^b, None where no group has two seeds; it falls as eps_t, because
-    a cell of side L holds 1/eps_t^2 cells of side lam_l. jitter: what a grid adds, at eps_t = eps_f = eps_c = 1; it falls as eps_t eps_f,
-    because contacts of size lam_s meet it one by one. memory: correlation of one seed's deviations at eps_f and eps_f/2.
+    a cell of side L holds 1/eps_t^2 cells of side lam_l. jitter: what a grid adds, at eps_t = eps_f = eps_c = 1; it falls as
+    eps_t eps_f, because contacts of size lam_s meet it one by one. memory: correlation of one seed's deviations at eps_f and eps_f/2.
     """
 
     law: tuple | None

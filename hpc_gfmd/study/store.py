@@ -63,7 +63,7 @@ def key_of(run: dict) -> tuple[float, ...]:
 
 
 def missing(case: Case, stored: dict) -> Case | None:
-    """The case with those loads only that are not stored with all its columns; None if none is left. stored: {key: names of columns}."""
+    """The case with those loads only that are not stored with all its columns; None if none is left. stored: {key: columns}."""
     left = tuple(p for p, key in zip(case.p_star, _keys(case), strict=True) if key not in stored or not case.columns <= stored[key])
     return replace(case, p_star=left) if left else None
 

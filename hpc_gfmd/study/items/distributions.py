@@ -5,7 +5,7 @@ import numpy as np
 from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
 from ..case import Case
-from ..levels import P_HIGH, P_LOW, level_of
+from ..levels import P_HIGH, P_LOW, cases_of, level_of
 from ..markdown import table
 from ..paper import quoted, saying
 from ..rows import Rows, by_hurst, near
@@ -13,7 +13,7 @@ from ..study import Study
 
 HURST = (0.3, 0.5, 0.8)
 LOADS = (P_LOW, 0.06, P_HIGH)
-ROWS = {"quick": ((2, 8, 4, 3),), "desk": ((2, 64, 4, 67),), "paper": ((4, 256, 8, 200),)}  # as in levels.py
+ROWS = {"quick": ((2, 8, 4, 3, (0.5,)),), "desk": ((2, 64, 4, 67),), "paper": ((4, 256, 8, 200),)}  # as in levels.py
 KINDS = {  # what it is a distribution of: (its unit in terms of a run, edges of bins in that unit)
     "pressure": (lambda run: run["g_rms"], np.arange(0, 4.0001, 0.05)),
     "gap": (lambda run: run["h_rms"], np.geomspace(1e-3, 8, 40)),
@@ -28,8 +28,7 @@ POWER_LAW = (1.0, 100.0)  # patches, in lam_s^2, whose sizes may follow a power 
 def series(level: str) -> list[Case]:
     """All surfaces of a level."""
     level_of(level)
-    return [Case(H, L, F, C, seed, LOADS, distributions=tuple(KINDS))
-            for L, F, C, seeds in ROWS[level] for H in HURST for seed in range(1, seeds + 1)]
+    return cases_of(ROWS[level], HURST, LOADS, distributions=tuple(KINDS))
 
 
 def means(runs: Rows, level: str) -> Rows:
@@ -68,7 +67,7 @@ def of(rows: Rows, hurst: float, p_star: float, kind: str) -> Rows:
 
 def patch_exponent(rows: Rows) -> tuple[float, float]:
     """tau of n(A) ~ A^-tau for the bins of POWER_LAW, and its standard error."""
-    part = [row for row in rows if POWER_LAW[0] <= row["low"] and row["high"] <= POWER_LAW[1] and row["density"] > 3 * row["density_se"]]
+    part = [row for row in rows if POWER_LAW[0] <= row["low"] < row["high"] <= POWER_LAW[1] and row["density"] > 3 * row["density_se"]]
     if len(part) < 4:
         return np.nan, np.nan
     at = np.log([np.sqrt(row["low"] * row["high"]) for row in part])
@@ -138,10 +137,11 @@ def draw(rows, path):
         axes[0][0].legend()
 
 
+QUESTION = """How are pressure, gap and the sizes of contact patches distributed, and how far is Persson's theory off? Means over
+surfaces; pressure: of points in contact, in units of E* g_rms; gap: of points out of contact, in units of h_rms;
+patches: by number, in units of lam_s² (points that share sides)."""
+
 STUDIES = (
-    Study("distributions", "Distributions of pressure, gap and patch size", "Persson's P(p); patch sizes follow a power law", series, means,
-          draw, findings,
-          "How are pressure, gap and the sizes of contact patches distributed, and how far is Persson's theory off? Means over surfaces; "
-          "pressure: of points in contact, in units of E* g_rms; gap: of points out of contact, in units of h_rms; patches: by number, in "
-          "units of lam_s² (points that share sides).", numbers),
+    Study("distributions", "Distributions of pressure, gap and patch size", "Persson's P(p); patch sizes follow a power law",
+          series, means, draw, findings, QUESTION, numbers),
 )

@@ -7,7 +7,7 @@ import numpy as np
 from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
 from ..case import Case
-from ..levels import level_of
+from ..levels import cases_of, level_of
 from ..markdown import table
 from ..paper import quoted, saying
 from ..rows import Rows, by_hurst
@@ -16,7 +16,7 @@ from ..study import Study
 HURST = (0.3, 0.5, 0.8)
 LOADS = tuple(1e-4 * 2**k for k in range(11))
 ROWS = {  # as in levels.py
-    "quick": ((1, 16, 2, 3), (2, 16, 2, 2)),
+    "quick": ((1, 16, 2, 2, (0.5,)), (2, 16, 2, 2, (0.5,))),
     "desk": ((1, 256, 2, 40), (2, 256, 2, 8)),
     "paper": ((1, 1024, 2, 100), (2, 1024, 2, 50), (4, 1024, 2, 20), (8, 1024, 2, 10)),
 }
@@ -26,8 +26,7 @@ LOW, LINEAR = 0.0015, 0.01  # p_star up to which the power law is fitted, and ab
 def series(level: str) -> list[Case]:
     """All surfaces of a level."""
     level_of(level)
-    return [Case(H, L, F, C, seed, LOADS, observables=("stiffness",))
-            for L, F, C, seeds in ROWS[level] for H in HURST for seed in range(1, seeds + 1)]
+    return cases_of(ROWS[level], HURST, LOADS, observables=("stiffness",))
 
 
 def means(runs: Rows, level: str) -> Rows:
@@ -59,8 +58,8 @@ def _mean(values):
 
 
 def power_laws(rows: Rows) -> Rows:
-    """For each system of several surfaces: the mean exponent at the lowest loads, up to LOW, with its standard error, and `ends`: p_star
-    from which on the exponent exceeds 1, by interpolation; None where it does nowhere or everywhere."""
+    """For each system the mean exponent at the lowest loads, up to LOW, with its standard error, and `ends`: p_star from which on it
+    exceeds 1, by interpolation; None where it does nowhere or everywhere."""
     found = []
     for key in sorted({(row["hurst"], row["L_over_lam_l"], row["lam_l_over_lam_s"]) for row in rows}):
         part = [row for row in rows if (row["hurst"], row["L_over_lam_l"], row["lam_l_over_lam_s"]) == key]
@@ -135,11 +134,12 @@ def draw(rows, path):
         axes[0][0].legend()
 
 
+QUESTION = """How does the stiffness -dp/d(mean gap) of a finite rough contact fall at low pressures, and where does the power law
+end? In large systems Persson's theory (dashed) makes it proportional to the pressure; Pastewka, Prodanov, Lorenz,
+Müser, Robbins and Persson (2013) find p^1/(1 + H) (line in the lower panels) where the contact is one clump on the
+highest hill. The stiffness is the tangent while no point changes sides; means over surfaces are geometric."""
+
 STUDIES = (
-    Study("stiffness", "Tangent stiffness at low pressures", "a power law with exponent 1/(1 + H) in finite systems", series, means, draw,
-          findings,
-          "How does the stiffness -dp/d(mean gap) of a finite rough contact fall at low pressures, and where does the power law end? "
-          "In large systems Persson's theory (dashed) makes it proportional to the pressure; Pastewka, Prodanov, Lorenz, Müser, Robbins "
-          "and Persson (2013) find p^1/(1 + H) (line in the lower panels) where the contact is one clump on the highest hill. The "
-          "stiffness is the tangent while no point changes sides; means over surfaces are geometric.", numbers),
+    Study("stiffness", "Tangent stiffness at low pressures", "a power law with exponent 1/(1 + H) in finite systems",
+          series, means, draw, findings, QUESTION, numbers),
 )
