@@ -20,4 +20,5 @@ def absolute(match):
 
 
 readme = (HERE / "README.md").read_text(encoding="utf-8")
-setup(long_description=re.sub(r"(!?)\[([^\]]*)\]\((?!https?:|#)([^)]+)\)", absolute, readme), long_description_content_type="text/markdown")
+setup(long_description=re.sub(r"(!?)\[([^\]]*)\]\((?!https?:|#)([^)]+)\)", absolute, readme),
+      long_description_content_type="text/markdown")

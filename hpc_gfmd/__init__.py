@@ -1,39 +1,48 @@
 """Elastic contact of rough surfaces: Green's function molecular dynamics on slabs, from a laptop to a cluster.
 
-`run("scene.toml")` solves a scene; `solve(heights, pressure)` solves a NumPy array on one process,
-`solve(read_surface("scan.x3p"), "20 MPa", "50 GPa")` a measured surface. Importing this
-package neither starts MPI nor compiles anything.
+    import hpc_gfmd
+    surface = hpc_gfmd.read_surface("scan.x3p")                   # or make_surface("self-affine", ...), or a NumPy array
+    solution = hpc_gfmd.solve(surface, "20 MPa", "50 GPa")        # a list of loads gives a sequence of solutions
+    solution.plot(); solution.save("contact.h5")
+    solutions = hpc_gfmd.load("contact.h5")                       # the same from a result file
+    hpc_gfmd.run("scene.toml")                                    # solves a scene and writes its file, as the command line does
+
+`reference` has contact areas and mean gaps of self-affine surfaces with their uncertainties. Importing this package neither starts MPI
+nor compiles anything; its parts are imported when they are first used.
 """
 
 __version__ = "1.0.0"
-__all__ = ["read_surface", "run", "solve"]
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from . import reference
+    from .api import solve
+    from .errors import GfmdError, NotConverged, SceneError
+    from .prepared import PreparedSurface, make_surface, read_surface
+    from .simulation import RunResult
+    from .simulation import run_scene as run
+    from .solution import Solution
+    from .solutions import Solutions, load
+
+__all__ = ["GfmdError", "NotConverged", "PreparedSurface", "RunResult", "SceneError", "Solution", "Solutions", "load", "make_surface",
+           "read_surface", "reference", "run", "solve"]
+_PLACES = {"load": "solutions", "solve": "api", "run": "simulation.run_scene", "RunResult": "simulation", "Solution": "solution",
+           "Solutions": "solutions", "PreparedSurface": "prepared", "make_surface": "prepared", "read_surface": "prepared",
+           "GfmdError": "errors", "NotConverged": "errors", "SceneError": "errors"}
 
 
-def run(scene, **how):
-    """Solve a scene file (or scene.Scene) and write its result file; see simulation.run_scene."""
-    from .simulation import run_scene
+def __getattr__(name):
+    """What is public, imported when it is first asked for."""
+    from importlib import import_module
 
-    return run_scene(scene, **how)
+    if name == "reference":
+        return import_module(".reference", __name__)
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module, _, attribute = _PLACES[name].partition(".")
+    found = globals()[name] = getattr(import_module(f".{module}", __name__), attribute or name)
+    return found
 
 
-def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=None, **how):
-    """Solve one contact of a NumPy array of heights on one process; see api.solve."""
-    from .api import solve as solve_array
-
-    return solve_array(heights, pressure, E_star, physical_sizes, accuracy, **how)
-
-
-def read_surface(path, **keys):
-    """Read a height map of any format and prepare it, on one process.
-
-    path: .npy, .npz, .txt, .csv, HDF5, NetCDF and what SurfaceTopography reads (.x3p, .gwy, .spm, ...); keys: those of the scene's
-    [surface], such as physical_sizes=("10 um", "8 um"), unit="nm", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1),
-    mirror=True, window="hann", refine=2, downsample=2, flip=True, boundary="periodic", dataset="name". What the file says of sizes and
-    units holds unless they are given here.
-    Returns a surface.prepared.PreparedSurface, which `solve` takes: heights (n_x, n_y) and sizes in m where units are known, and
-    `notes` on what may be wrong with them. Raises SceneError for what cannot be read, or has no sizes, no unit, no heights at some
-    points, or edges that do not fit together.
-    """
-    from .surface.prepared import read_surface as read
-
-    return read(path, **keys)
+def __dir__():
+    return sorted({*globals(), *__all__})

@@ -1,102 +1,203 @@
-"""The contact of a NumPy array of heights, on one process, without files."""
+"""Contacts in memory, for notebooks and scripts: the same composition as a run, without files."""
 
+import json
+import sys
+import time
 import warnings
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import UTC, datetime
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from .contact import FIELDS
-from .driver.sweep import Sweep
+from .composition import check, step_attributes, surface_attributes, sweep_of, worst
+from .contact import heights_of
+from .driver.warmup import compile_once
 from .errors import NotConverged, SceneError, one_line
-from .kernels.cache import sound
-from .observables.area import a_r_discretisation
-from .parallel.comm import SerialComm, threads_of
-from .registry import body_of, distribution_names, distributions_named, observable_names, observables_named, solver_names
-from .scene import ArrayScene, check_names
+from .fields import FIELDS
+from .kernels.cache import announced, sound
+from .keywords import loads_of, scene_of_keywords
+from .output.read import Result
+from .parallel.comm import comm_of, threads_of
+from .parallel.guard import guarded
+from .parallel.h5 import Slab
+from .prepared import PreparedSurface
+from .progress import Reporter
+from .registry import observables_named
+from .solution import Solution
+from .solutions import Solutions, solutions_of
 from .surface.build import surface_from_rows
-from .surface.prepared import PreparedSurface
+from .surface.doubts import Looks
+from .surface.heights import Checksum, checked
+from .surface.topography import Topography
+from .versions import versions
+
+Number = float | str  # plain, or with a unit: "20 MPa"
+Loads = Number | Sequence[Number] | np.ndarray
 
 
-@dataclass(frozen=True)
-class Solution:
-    """a_r, kappa, gap_mean; pressure and gap: fields (n_x, n_y) in the units of E_star and of the heights; status; iterations;
-    fft_pairs: everything counted; errors: the solver's estimated relative errors of (a_r, gap_mean, pressure field) on this grid;
-    a_r_discretisation: estimated relative error of a_r by the size of a grid point (see observables.area); p_star; precision: in which
-    it was solved; note: what limits the meaning of the numbers, such as too few points that touch, or None; observables: those that
-    were asked for, by name; distributions: arrays of those that were asked for, by name, such as "edges" and "density" of
-    distributions["pressure"]."""
+def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, E_star: Number | None = None,
+          physical_sizes: Sequence[Number] | None = None, accuracy: float | None = None, *, p_star: Loads | None = None,
+          gap_mean: Loads | None = None, gap_over_h_rms: Loads | None = None, a_r: Loads | None = None, force: Loads | None = None,
+          approach: Loads | None = None, nu: float | None = None, thickness: Number | None = None, base: str | None = None,
+          boundary: str | Sequence[str] | None = None, fields: Sequence[str] = ("pressure", "gap", "heights"),
+          observables: Sequence[str] | None = None, distributions: Sequence[str] = (), threads: int | str = 1, progress: bool = False,
+          comm: Any = None, **more: Any) -> Solution | Solutions:
+    """Press an elastic body against a rigid rough wall: linear elastic, small slopes, frictionless, no adhesion.
 
-    a_r: float
-    kappa: float
-    gap_mean: float
-    pressure: np.ndarray
-    gap: np.ndarray
-    displacement: np.ndarray
-    status: str
-    iterations: int
-    fft_pairs: float
-    errors: tuple[float, float, float]
-    p_star: float
-    a_r_discretisation: float
-    precision: str
-    note: str | None = None
-    observables: dict[str, float | None] = field(default_factory=dict)
-    distributions: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
+    Parameters
+    ----------
+    heights : array (n_x, n_y) or PreparedSurface
+        Heights of the wall, peaks up, in the unit of `physical_sizes` (m where these have units); or what `read_surface` and
+        `make_surface` give, which know their sizes, units and boundary.
+    pressure, p_star, gap_mean, gap_over_h_rms, a_r, force, approach : number, text with a unit, or a list of them
+        The load, one of them: the mean pressure in the unit of `E_star`, p_star = p/(E* g_rms), and what else a scene's [load] has.
+        A list is a sweep, solved in the order given, each load from the solution before where that is near; all of it is returned.
+    E_star : number or text, default 1
+        Effective modulus, such as "50 GPa"; or E1=, nu1= (and E2=, nu2=) as in the scene's [material].
+    physical_sizes : (L_x, L_y), default (1, 1)
+        Of an array: plain, in the unit of the heights, or texts such as "10 um", the heights being in m then.
+    accuracy : float, default 1e-3
+        Wanted relative accuracy of a_r, mean gap and pressure field (L2); or residual=.
+    nu, thickness, base
+        An elastic layer of Poisson's ratio `nu` on a rigid base, "bonded" (default) or "frictionless"; no `thickness`: a half-space.
+    boundary : "periodic", "free" or one for each axis
+        Of an array; default: periodic. A surface that was read or made knows its own.
+    fields : list of "pressure", "gap", "displacement", "heights"
+        Fields that are kept and that `save` writes; () keeps none, for long sweeps of large maps.
+    observables, distributions : lists of names
+        As in the scene's [output]: computed with each load beside the cheap ones; others can be asked of a Solution later.
+    threads : int or "auto"
+        Threads of this process.
+    progress : bool
+        Whether to draw a progress bar for each load.
+    comm : communicator of mpi4py
+        In scripts under mpirun: every rank calls this with the same whole `heights` (a memory map will do) and gets the same numbers;
+        fields are those of its own rows, `solution.rows` = (start, stop). Default: this process alone, even under mpirun.
+    **more
+        Other keys of the scene's [material], [solver] and [output]: E1, nu1, residual, name="gfmd", precision="double",
+        max_iterations, nested, options, ... `hpc-gfmd help scene` lists them. All are checked as those of a scene are.
 
+    Returns
+    -------
+    Solution or Solutions
+        A Solution for one load, a sequence of them for a list.
 
-def solve(heights, pressure, E_star=1.0, physical_sizes=(1.0, 1.0), accuracy=None, observables=(), threads=1, distributions=(),
-          **solver):
-    """Press an elastic half-space of modulus E_star against rigid heights with a mean pressure.
+    Raises
+    ------
+    SceneError
+        For input that makes no sense, in one line; with `comm` on all ranks.
 
-    heights: (n_x, n_y), peaks up, in the unit of physical_sizes (m where these are texts such as "10 um"), or what
-    hpc_gfmd.read_surface gives, which knows its sizes; pressure: in the unit of E_star; accuracy: wanted relative accuracy
-    of a_r, gap_mean and pressure field (1e-3 where no residual is given instead); observables: names as in the scene's [output], such
-    as "stiffness" or "patches"; threads: a whole number or "auto"; distributions: names, too, such as "pressure"; solver: further keys
-    of the scene's [solver] (name, precision, residual, ...).
-    All are checked as those of a scene are.
-    Returns a Solution; warns (errors.NotConverged) if its status is not "converged". Raises SceneError for input that makes no sense.
+    Warns
+    -----
+    NotConverged
+        Where a solution is less accurate than asked; its `status` says why.
+
+    Examples
+    --------
+    >>> wall = hpc_gfmd.make_surface("self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=32, lam_s_over_a=2, seed=1)
+    >>> for solution in hpc_gfmd.solve(wall, p_star=[0.01, 0.1]):
+    ...     print(solution.a_r, solution.pressure.max())
     """
-    doubts, free = (), (False, False)
-    if isinstance(heights, PreparedSurface):
-        if tuple(np.ravel(physical_sizes)) != (1.0, 1.0):
-            raise SceneError(f"physical_sizes: found {physical_sizes} beside a surface that knows its sizes, allowed: "
-                             "hpc_gfmd.read_surface(path, physical_sizes=...)")
-        heights, physical_sizes, doubts, free = heights.heights, heights.sizes, heights.notes, heights.free
-    given = {"residual": None, "accuracy": accuracy} | solver
-    scene = ArrayScene.from_dict(
-        {"surface": {"physical_sizes": _plain(physical_sizes)}, "material": {"E_star": _plain(E_star)},
-         "load": {"pressure": [_plain(pressure)]}, "machine": {"threads": _plain(threads)},
-         "output": {"observables": _plain(observables), "distributions": _plain(distributions)},
-         "solver": {key: _plain(value) for key, value in given.items() if value is not None or key not in ("accuracy", "residual")}},
-        "hpc_gfmd.solve")
-    check_names(scene, solver_names(), observable_names(), (), distribution_names(scene.surface.free))
-    heights, asked, comm = _checked(heights), scene.output.observables or (), SerialComm()
-    sizes, threads = scene.surface.physical_sizes, threads_of(comm, scene.machine.threads)
+    started, begun, comm = datetime.now(UTC).isoformat(timespec="seconds"), time.monotonic(), comm_of(comm)
+    loads = {"pressure": pressure, "p_star": p_star, "gap_mean": gap_mean, "gap_over_h_rms": gap_over_h_rms, "a_r": a_r, "force": force,
+             "approach": approach}
+    given = {"E_star": E_star, "physical_sizes": physical_sizes, "accuracy": accuracy, "nu1": nu, "thickness": thickness, "base": base,
+             "boundary": boundary, "fields": fields, "observables": observables, "distributions": distributions, "threads": threads}
+    with guarded(comm, "reading the arguments"):
+        known = heights if isinstance(heights, PreparedSurface) else None
+        scene = scene_of_keywords(loads | given, more, known)
+        check(scene)
+        z = _checked(heights if known is None else known.heights)
+    _require_the_same(comm, scene, z.shape)
+    threads, head = threads_of(comm, scene.machine.threads), {}
+    sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
+
+    def rows_of(start, stop):
+        return np.asarray(z[start:stop], dtype=np.float64)
+
+    doubts = known.notes if known else _doubts(comm, z.shape, sizes, rows_of) if boundary is None else ()
 
     def make_surface(dtype):
-        def rows(start, stop):
-            return np.asarray(heights[start:stop], dtype=np.float64)
+        unit = known.unit if known else ""
+        made = surface_from_rows(z.shape, sizes, rows_of, comm, dtype, threads, scene.surface.free, Checksum(), unit)
+        head["heights"] = made.checksum
+        head.setdefault("setup_seconds", time.monotonic() - begun)
+        measured = hasattr(scene.surface, "path")
+        return replace(made, prepared=known.prepared if known else (), doubts=doubts, checksum=made.checksum if measured else None)
 
-        return replace(surface_from_rows(heights.shape, sizes, rows, comm, dtype, threads, free), doubts=doubts)
+    if comm.size > 1:
+        compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
+        steps, contacts, surface = _pressed(comm, scene, make_surface, progress)
+    else:
+        with announced(partial(print, file=sys.stderr) if progress else None):
+            steps, contacts, surface = sound(lambda: _pressed(comm, scene, make_surface, progress))
+    head |= {"scene": scene.to_toml(), "identity": scene.identity(), "versions": json.dumps(versions()), "start_time": started}
+    if known is None or known.table is None:
+        head["identity"] += f" of {head['heights']}"
+    stored = [_fields(scene.output.fields, contact) for contact in contacts]
+    result = Result(None, surface_attributes(scene, surface), steps, list(range(len(steps))), worst(steps), head["scene"], versions(),
+                    head, stored)
+    rows = surface.rows
+    found = solutions_of(result, contacts, rows, comm)
+    _warn(comm, steps)
+    return found if loads_of(loads) else found[0]
 
-    def pressed():
-        sweep = Sweep(make_surface, scene.solver, scene.material.E_star, duality="duality_gap" in asked,
-                      body=body_of(scene.material, free))
-        return sweep.solve(sweep.pressures(scene.load)[0])
 
-    step = sound(pressed)
-    contact = step.contact
-    if contact.outcome.status != "converged":
-        errors = ", ".join(f"{error:.1e}" for error in contact.outcome.errors)
-        warnings.warn(f"not converged ({contact.outcome.status}): estimated errors of area, mean gap, pressure: {errors}",
-                      NotConverged, stacklevel=3)  # where the caller of hpc_gfmd.solve is
-    observed = {name: f(contact) for name, f in observables_named(asked).items()}
-    counted = distributions_named(scene.output.distributions, contact)
-    a_r = contact.contact_points / contact.N
-    return Solution(a_r, a_r / contact.p_star if contact.g_rms > 0 else float("nan"), contact.gap_mean,
-                    *(np.asarray(contact.field(name)) for name in FIELDS), contact.outcome.status,
-                    step.iterations, step.fft_pairs, contact.outcome.errors, contact.p_star, float(a_r_discretisation(contact)),
-                    contact.g.dtype.name, contact.note, observed, counted)
+def _pressed(comm, scene, make_surface, progress):
+    """Attributes of all steps, their contacts (None where no field is kept), and the surface. Collective."""
+    sweep, steps, contacts = sweep_of(scene, make_surface), [], []
+    say = Reporter(comm, scene.solver, quiet=not progress, bar=progress)
+    pressures = sweep.pressures(scene.load)
+    for index, p_mean in enumerate(pressures):
+        begun = time.monotonic()
+        say.step(index, len(pressures), p_mean / (sweep.E_star * sweep.surface.slope))
+        try:
+            step = sweep.solve(p_mean, say.watch)
+        finally:
+            say.done()
+        contact = step.contact
+        cheap = {name: f(contact) for name, f in observables_named(None).items()}
+        steps.append(cheap | step_attributes(scene.output, step, time.monotonic() - begun))
+        if index + 1 < len(pressures):  # the next load overwrites these
+            contact = replace(contact, g=contact.g.copy(), p=contact.p.copy()) if scene.output.fields else None
+        contacts.append(contact if scene.output.fields else None)
+    for grid in {id(one.surface.grid): one.surface.grid for one in contacts if one is not None}.values():
+        for fft in grid.planned():
+            grid.forget_fft(fft.dtype)
+    return steps, contacts, sweep.surface
+
+
+def _fields(names, contact):
+    """{name: Slab} of a contact, computed as they are read; none of None."""
+    if contact is None:
+        return {}
+    start, n = contact.surface.rows[0], tuple(contact.surface.n)
+    found: dict[str, Any] = {name: contact.field(name) if name in FIELDS else heights_of(contact.surface) for name in names}
+    return {name: Slab(lazy, start, n) for name, lazy in found.items()}
+
+
+def _doubts(comm, n, sizes, rows):
+    """Notes on an array of which nobody said that it is periodic. Collective."""
+    found = Topography(tuple(n), sizes, lambda start, stop: checked(rows(start, stop), start, "surface"))
+    return Looks(found, comm).notes((True, True))
+
+
+def _warn(comm, steps):
+    for index, step in enumerate(steps):
+        if step["status"] != "converged" and comm.rank == 0:
+            which = f"load {index + 1}: " if len(steps) > 1 else ""
+            errors = ", ".join(f"{step[name]:.1e}" for name in ("a_r_error", "gap_error", "pressure_error"))
+            warnings.warn(f"{which}not converged ({step['status']}): estimated errors of area, mean gap, pressure: {errors}",
+                          NotConverged, stacklevel=3)  # where the caller of solve is
+
+
+def _require_the_same(comm, scene, shape):
+    """Raise SceneError on all ranks where they were not called with the same arguments."""
+    if len(set(comm.allgather((scene.to_toml(), tuple(shape))))) > 1:
+        raise SceneError("hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map on each")
 
 
 def _checked(heights):
@@ -104,17 +205,10 @@ def _checked(heights):
     if np.ma.is_masked(heights):
         raise SceneError("heights: found masked points, allowed: a complete height map")
     try:
-        heights = np.asarray(heights)
+        heights = np.asanyarray(heights)
     except (TypeError, ValueError) as error:
         raise SceneError(f"heights: found {one_line(str(error))}, allowed: a real array with two axes, not empty") from None
     if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
         found = f"shape {heights.shape} of {one_line(str(heights.dtype), 80)}"
         raise SceneError(f"heights: found {found}, allowed: a real array with two axes, not empty")
     return heights
-
-
-def _plain(value):
-    """NumPy's numbers and arrays, alone or in a list, as those of Python, which a scene is made of."""
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

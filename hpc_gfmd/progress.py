@@ -11,13 +11,16 @@ LINE_SECONDS = 10.0  # between two log lines of one load step
 
 
 class Reporter:
-    """say(text) prints a line; step(...) begins a load step; watch(iterations, progress) after every iteration; done() ends it."""
+    """say(text) prints a line; step(...) begins a load step; watch(iterations, progress) after every iteration; done() ends it.
 
-    def __init__(self, comm, target, quiet=False):
+    bar: whether a bar is drawn; None: on a terminal.
+    """
+
+    def __init__(self, comm, target, quiet=False, bar=None):
         self.silent = comm.rank != 0 or quiet
         self.out, self.err = unfailing(sys.stdout), unfailing(sys.stderr)
         wanted = os.environ.get("HPC_GFMD_PROGRESS") or ("bar" if self.err.isatty() else "log")
-        self.bar_wanted = wanted == "bar" and not self.silent
+        self.bar_wanted = (wanted == "bar" if bar is None else bar) and not self.silent
         self.target = target
         self.bar = None
 

@@ -1,43 +1,36 @@
 """From a scene to its result file: the composition, top to bottom."""
 
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from .contact import FIELDS, STORABLE, heights_of
-from .driver.lowmemory import LowMemorySweep
+from .composition import asked, check, step_attributes, surface_attributes, sweep_of, worst
+from .contact import heights_of
 from .driver.memory import require_memory
-from .driver.sweep import Sweep, first_precision
+from .driver.sweep import first_precision
 from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
-from .observables.area import a_r_discretisation
+from .fields import FIELDS
 from .output.checkpoint import read_checkpoint, write_checkpoint
 from .output.read import partial_folder, read_partial
 from .output.record import RunFile, tidy
-from .output.table import table
+from .output.table import surface_line, table
 from .parallel import wisdom
 from .parallel.comm import threads_of, world
 from .parallel.guard import guarded
-from .parallel.interrupt import Interrupt
+from .parallel.interrupt import Interrupt, Stopped
 from .progress import Reporter
-from .registry import (
-    all_distributions,
-    body_of,
-    distribution_names,
-    distributions_named,
-    observable_names,
-    observables_named,
-    solver_names,
-)
-from .scene import Scene, check_names, has_unit, load_scene, with_overrides
+from .scene import Scene, load_scene, with_overrides
 from .surface import build_surface, grid_of, surface_size
 from .units import field_dtype
 from .versions import versions
 
 OTHER_HEIGHTS = "{}: of other heights than surface.path has now (content, shape or size), allowed: the same; run anew for the new ones"
-STATUS_ORDER = ("converged", "max_iterations", "stagnated", "nonfinite", "interrupted")
 
 
 @dataclass(frozen=True)
@@ -45,26 +38,50 @@ class RunResult:
     """path: the result file; steps: attributes of every load step; status: the worst of them; exit_code: of the command line."""
 
     path: Path
-    steps: list
+    steps: list[dict]
     status: str
     exit_code: int
 
 
-def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=False, comm=None):
-    """Solve a scene (path of a TOML file, or scene.Scene) and write its result file. Collective.
+def run_scene(scene: str | PathLike | Scene, overrides: Iterable[str] = (), out: str | PathLike | None = None, resume: bool = False,
+              force: bool = False, quiet: bool = False, comm: Any = None) -> RunResult:
+    """Solve a scene and write its result file, as `hpc-gfmd run` does. Collective.
 
-    overrides: "table.key=value" texts; out: path of the result instead of the scene's; resume: keep the finished steps and the
-    checkpoint of an interrupted run; force: overwrite the result of another scene. Raises SceneError on all ranks for a wrong scene,
-    GfmdError for what failed while running.
+    Parameters
+    ----------
+    scene
+        Path of a TOML file, or a scene.Scene.
+    overrides
+        Texts "table.key=value".
+    out
+        Path of the result instead of the scene's.
+    resume
+        Keep the finished steps and the checkpoint of an interrupted run.
+    force
+        Overwrite the result of another scene.
+    quiet
+        Print nothing.
+    comm
+        A communicator of parallel.comm; default: all processes that the MPI launcher started.
+
+    Returns
+    -------
+    RunResult
+        What was written, and how it went.
+
+    Raises
+    ------
+    SceneError
+        On all ranks, for a wrong scene.
+    GfmdError
+        For what failed while running.
     """
     begun = time.monotonic()
     comm = comm or world()
     with guarded(comm, "reading the scene"):
         read = _read_scene(comm, scene, overrides, out)
     scene = comm.bcast(read)
-    check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names(scene.surface.free))
-    if scene.solver.low_memory and "displacement" in scene.output.fields:
-        raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap, heights')
+    check(scene)
     n = None
     with guarded(comm, "reading the surface"):
         if comm.rank == 0:
@@ -81,28 +98,49 @@ def run_scene(scene, overrides=(), out=None, resume=False, force=False, quiet=Fa
                     compressed=scene.output.compression, dtype=scene.output.dtype) as file:
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
-        if resume and comm.rank == 0:
-            wisdom.take_from(file.partial)
-        compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material, _asked(scene.output))
-        lam_s = getattr(scene.surface, "lam_s", None)
-        low = scene.solver.low_memory
-        kind = LowMemorySweep if low else Sweep
-        sweep = kind(lambda dtype: build_surface(scene.surface, comm, dtype, threads, low), scene.solver, scene.material.E_star, lam_s,
-                     duality="duality_gap" in (scene.output.observables or ()), body=body_of(scene.material, scene.surface.free))
-        pressures = sweep.pressures(scene.load)
-        _require_same_heights(file, sweep.surface)
-        _require_storable(scene.output, sweep.surface, pressures)
-        _require_like_units(scene, sweep.surface)
-        attributes = _surface_attributes(scene, sweep.surface, n)
-        file.update_surface(**attributes)
-        file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
-        if "heights" in scene.output.fields:
-            file.write_heights(heights_of(sweep.surface))
-        for line in sweep.surface.notes:
-            say.say(f"note: {line}")
-        say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
-        run = _Run(comm, scene, file, sweep, say, interrupt, attributes)
-        return run.all_steps(pressures)
+        try:
+            return _solve(comm, scene, file, say, interrupt, (n, threads, begun, resume))
+        except Stopped:  # between two iterations: the last checkpoint is what a restart begins from
+            return _stopped(comm, file, say, interrupt)
+
+
+def _solve(comm, scene, file, say, interrupt, how):
+    """Surface, sweep and all steps; how: (size of the surface, threads, time at which the run began, whether it is resumed)."""
+    n, threads, begun, resume = how
+    if resume and comm.rank == 0:
+        wisdom.take_from(file.partial)
+    compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material, asked(scene.output), say.say)
+    low = scene.solver.low_memory
+    sweep = sweep_of(scene, lambda dtype: build_surface(scene.surface, comm, dtype, threads, low))
+    pressures = sweep.pressures(scene.load)
+    _require_same_heights(file, sweep.surface)
+    _require_storable(scene.output, sweep.surface, pressures)
+    attributes = surface_attributes(scene, sweep.surface)
+    file.update_surface(**attributes)
+    file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
+    if "heights" in scene.output.fields:
+        file.write_heights(heights_of(sweep.surface))
+    for line in sweep.surface.notes:
+        say.say(f"note: {line}")
+    say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
+    run = _Run(comm, scene, file, sweep, say, interrupt, attributes)
+    return run.all_steps(pressures)
+
+
+def _stopped(comm, file, say, interrupt):
+    """What a run ends with that was asked to stop."""
+    say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
+    file.update_head(status="interrupted")
+    return RunResult(file.path, _finished_steps(comm, file), "interrupted", interrupt.exit_code)
+
+
+def _finished_steps(comm, file):
+    """Attributes of the steps that are in the file. Collective."""
+    steps = None
+    with guarded(comm, f"reading {file.partial}"):
+        if comm.rank == 0:
+            steps = read_partial(file.path).steps
+    return comm.bcast(steps)
 
 
 def restart(path, overrides=(), quiet=False, comm=None):
@@ -135,11 +173,6 @@ def _read_scene(comm, scene, overrides, out):
     return scene
 
 
-def _asked(output):
-    """The functions of a Contact that this run will call."""
-    return [*observables_named(output.observables).values(), a_r_discretisation, *map(all_distributions().get, output.distributions)]
-
-
 def _require_same_heights(file, surface):
     """Raise SceneError where the run that is resumed was that of another height map; synthetic surfaces are known by their scene."""
     known = file.earlier.get("heights")
@@ -156,32 +189,13 @@ def _require_storable(output, surface, pressures):
                                  f'(one unit of height: {surface.height_unit:g}), allowed: "double"')
 
 
-def _require_like_units(scene, surface):
-    """Raise SceneError where the thickness has a unit and the height map none, or the other way round."""
-    thickness = scene.material.thickness
-    if surface.checksum is not None and thickness is not None and has_unit(thickness) != bool(surface.unit):
-        found, allowed = ("plain", '"2 um"') if surface.unit else ("with a unit", "a plain number, in the unit of the height map")
-        raise SceneError(f"material.thickness: found {thickness:g}, {found}, allowed with this height map: {allowed}")
-
-
-def _surface_attributes(scene, surface, n):
-    spec = scene.surface
-    names = ("eps_t", "eps_f", "eps_c", "seed")
-    nan = float("nan")
-    boundary = ", ".join("free" if ends else "periodic" for ends in spec.free)
-    said = {"unit": surface.unit or scene.length_unit, "pressure_unit": scene.pressure_unit, "prepared": "; ".join(surface.prepared)}
-    return {"n": list(n), "physical_sizes": list(surface.sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
-            "kind": spec.kind, "boundary": boundary} | {name: text for name, text in said.items() if text} | {
-                name: getattr(spec, name, -1 if name == "seed" else nan) for name in names} | (
-            {"hurst": spec.hurst} if hasattr(spec, "hurst") else {})
-
-
 def _headline(scene, surface, n, comm, seconds):
     wanted = f"accuracy {scene.solver.accuracy:g}" if scene.solver.accuracy else f"residual {scene.solver.residual:g}"
     one_d = "" if surface.reduced_axis is None else ", varies along one axis only"
-    return (f"{scene.title or scene.surface.kind}: {n[0]} x {n[1]} points{one_d}, {comm.size} rank{'s' * (comm.size > 1)}, "
-            f"{_precision(scene.solver)}, {wanted}; h_rms = {surface.h_rms:.4g}, g_rms = {surface.g_rms:.4g}; "
-            f"ready after {seconds:.1f} s")
+    known = {"n": n, "physical_sizes": surface.sizes, "h_rms": surface.h_rms, "g_rms": surface.g_rms,
+             "unit": surface.unit or scene.length_unit}
+    return (f"{scene.title or scene.surface.kind}: {surface_line(known)}{one_d}; {comm.size} rank{'s' * (comm.size > 1)}, "
+            f"{_precision(scene.solver)}, {wanted}; ready after {seconds:.1f} s")
 
 
 def _precision(settings):
@@ -195,8 +209,6 @@ class _Run:
     def __init__(self, comm, scene, file, sweep, say, interrupt, surface):
         self.comm, self.scene, self.file, self.sweep, self.surface = comm, scene, file, sweep, surface
         self.say, self.interrupt = say, interrupt
-        self.observables = observables_named(scene.output.observables)
-        self.distributions = scene.output.distributions
         self.checkpointable = sweep.surface.reduced_axis is None and (sweep.surface.g_rms > 0 or sweep.surface.grid.padded)
 
     def all_steps(self, pressures):
@@ -206,11 +218,9 @@ class _Run:
         for index in range(first, max(unfinished, default=-1) + 1):
             status = self._one_step(index, pressures, midway if index == first else None)
             if status == "interrupted":
-                self.say.say(f"stopped; continue with: hpc-gfmd restart {self.file.path}")
-                self.file.update_head(status="interrupted")
-                return RunResult(self.file.path, self._done(), "interrupted", self.interrupt.exit_code)
-        steps = self._done()
-        status = max((s["status"] for s in steps), key=STATUS_ORDER.index)
+                return _stopped(self.comm, self.file, self.say, self.interrupt)
+        steps = _finished_steps(self.comm, self.file)
+        status = worst(steps)
         self.file.finish(status)
         self.say.say(table(steps, surface=self.surface))
         return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
@@ -238,13 +248,6 @@ class _Run:
             self.say.say(f"note: repeating from load {first + 1}, where the last checkpoint is; finished loads stay as they are")
         return first, found if found and found.midway else None
 
-    def _done(self):
-        steps = None
-        with guarded(self.comm, f"reading {self.file.partial}"):
-            if self.comm.rank == 0:
-                steps = read_partial(self.file.path).steps
-        return self.comm.bcast(steps)
-
     def _one_step(self, index, pressures, midway):
         begun = time.monotonic() - (midway.seconds if midway else 0.0)
         p_mean = pressures[index]
@@ -266,7 +269,7 @@ class _Run:
         if status == "interrupted":
             return status
         if index not in self.file.finished:
-            self._write(index, p_mean, step, time.monotonic() - begun)
+            self._write(index, step, time.monotonic() - begun)
         stop, _ = self.interrupt.poll()
         if index + 1 < len(pressures) and (stop or self.interrupt.cheap()):
             self._save(index + 1, lambda: self.sweep.state(pressures[index + 1]))
@@ -282,17 +285,8 @@ class _Run:
                              self.scene.identity())
             self.interrupt.saved(begun)
 
-    def _write(self, index, p_mean, step, seconds):
+    def _write(self, index, step, seconds):
         """A finished load into the file."""
-        contact = step.contact
-        numbers = {name: f(contact) for name, f in self.observables.items()}
-        for name, found in distributions_named(self.distributions, contact).items():
-            numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
-        area, gap, pressure = contact.outcome.errors
-        attributes = {"p": p_mean, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
-                      "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area,
-                      "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure,
-                      "precision": contact.g.dtype.name, "residual": contact.certificate.residual, "note": contact.note}
-        attributes |= contact.certificate.attributes() | numbers
-        fields = {name: contact.field(name) for name in self.scene.output.fields if name in FIELDS}
-        self.file.write_step(index, {k: v for k, v in attributes.items() if v is not None}, fields)
+        attributes = step_attributes(self.scene.output, step, seconds)
+        fields = {name: step.contact.field(name) for name in self.scene.output.fields if name in FIELDS}
+        self.file.write_step(index, attributes, fields)

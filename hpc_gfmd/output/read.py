@@ -22,13 +22,14 @@ HEAD = "head.h5"  # of a partial folder
 class Result:
     """What a result file says.
 
-    surface: attributes of the surface; steps: one dict of attributes per load step, indices: their numbers;
+    path: of the file, None in memory; surface: attributes of the surface; steps: one dict of attributes per load step, indices: their
+    numbers;
     status: of the whole run ("running" or "interrupted" if the file was never finished);
     head: all root attributes; fields: per step {name: Stored}, to be read slab by slab;
     folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line each.
     """
 
-    path: Path
+    path: Path | None
     surface: dict
     steps: list[dict]
     indices: list[int]

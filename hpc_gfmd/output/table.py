@@ -1,6 +1,6 @@
 """The result table: one line per load step, plain ASCII for terminals and batch logs."""
 
-from math import floor, isfinite, log10
+from math import floor, isfinite, log10, nan
 
 from ..quantity import prefixed
 
@@ -12,7 +12,7 @@ LEGEND = "+-: estimated error of the solver on this grid; grid: estimated error 
 COLUMNS = (
     ("p_star", "p*", "", None),
     ("p", "p", "[unit of E*]", None),
-    ("a_r", "a_r", "[+- solver]", "a_r_error"),
+    ("a_r", "a_r", "[% +- solver]", "a_r_error"),
     ("a_r_discretisation", "grid", "[%]", None),
     ("kappa", "kappa", "", None),
     ("kappa_corrected", "edge-corr.", "", None),
@@ -40,26 +40,52 @@ def table(steps: list[dict], indices: list[int] | None = None, surface: dict | N
     and a line of its own below the table, as has a step with a `note`.
     """
     indices = list(range(len(steps))) if indices is None else indices
+    rows = cells(steps, indices, surface)
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
+    return "\n".join([*(line.rstrip() for line in lines), *remarks(indices, steps)])
+
+
+def cells(steps: list[dict], indices: list[int], surface: dict | None = None) -> list[list[str]]:
+    """The same as rows of texts: headings, units, and one row per step."""
     scales = _scales(steps, surface or {})
-    steps = [step | {key: step[key] / scale for key, (scale, _) in scales.items() if key in step} for step in steps]
+    steps = [step | {key: step[key] / scale for key, (scale, _) in scales.items() if step.get(key) is not None} for step in steps]
     columns = [(key, name, scales[key][1] if key in scales else unit, error) for key, name, unit, error in COLUMNS
-               if any(key in step for step in steps)]
+               if any(step.get(key) is not None for step in steps)]
     rows = [["step", *(name for _, name, _, _ in columns)], ["", *(unit for _, _, unit, _ in columns)]]
     for index, step in zip(indices, steps, strict=True):
         mark = "" if converged(step) else "! "
         rows.append([f"{mark}{index}", *(_cell(step, key, error) for key, _, _, error in columns)])
-    widths = [max(len(row[k]) for row in rows) for k in range(len(columns) + 1)]
-    lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
-    legend = [LEGEND] if any("a_r_discretisation" in step for step in steps) else []
-    return "\n".join([*(line.rstrip() for line in lines), *legend, *_remarks(indices, steps)])
+    return rows
+
+
+def summary(step: dict, surface: dict) -> str:
+    """What matters most of a step, in one line with units."""
+    parts = []
+    if step.get("a_r") is not None:
+        parts.append(f"a_r = {with_error(100 * step['a_r'], step.get('a_r_error'))} %")
+    for name, key, unit, error in (("p", "p", "pressure_unit", None), ("mean gap", "gap_mean", "unit", "gap_error")):
+        if step.get(key) is not None:
+            scale, unit = prefixed([step[key]], surface.get(unit, ""))
+            parts.append(f"{name} = {with_error(step[key] / scale, step.get(error))} {unit}".strip())
+    if isfinite(step.get("p_star", nan)):
+        parts.append(f"p* = {step['p_star']:.{DIGITS}g}")
+    parts.append(step["status"] if converged(step) else f"NOT CONVERGED ({step['status']})")
+    return ", ".join(parts) + (f"; note: {step['note']}" if step.get("note") else "")
 
 
 def _scales(steps, surface):
-    """{attribute: (scale, heading)} of what has a unit, with the prefix that suits its largest value."""
+    """{attribute: (scale, heading)} of a_r in per cent, and of what has a unit, with the prefix that suits its largest value."""
     length, pressure = surface.get("unit", ""), surface.get("pressure_unit", "")
-    units = {"p": pressure, "gap_mean": length, "approach": length, "stiffness": f"{pressure}/{length}" if pressure and length else ""}
-    found = {key: prefixed([step[key] for step in steps if key in step], unit) for key, unit in units.items() if unit}
-    return {key: (scale, f"[{unit}]") for key, (scale, unit) in found.items()}
+    units = {"p": pressure, **dict.fromkeys(("gap_mean", "approach", "perimeter"), length),
+             "stiffness": f"{pressure}/{length}" if pressure and length else ""}
+    given = {key: [step[key] for step in steps if step.get(key) is not None] for key in (*units, "patch_largest")}
+    found = {key: prefixed(given[key], unit) for key, unit in units.items() if unit}
+    if length:
+        scale, unit = prefixed([value**0.5 for value in given["patch_largest"]], length)
+        found["patch_largest"] = scale**2, f"{unit}^2"
+    per_cent = {key: (0.01, heading) for key, _, heading, _ in COLUMNS if key == "a_r"}
+    return per_cent | {key: (scale, f"[{unit}]") for key, (scale, unit) in found.items()}
 
 
 def converged(step: dict) -> bool:
@@ -122,8 +148,9 @@ def _cell(step, key, error_key) -> str:
     return with_error(value, step.get(error_key)) if isinstance(value, float) else str(value)
 
 
-def _remarks(indices, steps) -> list[str]:
-    remarks = []
+def remarks(indices, steps) -> list[str]:
+    """What to say below the table, a line each."""
+    remarks = [LEGEND] if any("a_r_discretisation" in step for step in steps) else []
     for index, step in zip(indices, steps, strict=True):
         if not converged(step):
             status = step.get("status", "unknown")

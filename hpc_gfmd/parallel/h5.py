@@ -49,7 +49,11 @@ class Slab:
     @contextmanager
     def reader(self, comm):
         """A function of (start, stop) that gives these global rows."""
-        yield lambda start, stop: np.ascontiguousarray(self.data[start - self.start : stop - self.start], dtype=self.stored)
+        yield self.read
+
+    def read(self, start: int, stop: int) -> np.ndarray:
+        """These global rows, which must be among those of this rank."""
+        return np.ascontiguousarray(self.data[start - self.start : stop - self.start], dtype=self.stored)
 
 
 @dataclass(frozen=True)

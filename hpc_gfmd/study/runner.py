@@ -13,7 +13,7 @@ from ..errors import GfmdError, SceneError
 from ..observables import area, gap
 from ..parallel.comm import threads_of
 from ..parallel.guard import guarded
-from ..parallel.interrupt import Interrupt
+from ..parallel.interrupt import Interrupt, Stopped
 from ..scene import Solver
 from ..surface import build_surface
 from .case import Case
@@ -130,6 +130,8 @@ def _attempt(case, store, comm, threads, interrupt):
             statuses.append(status)
     except NotStored:
         raise
+    except Stopped:  # the Interrupt knows
+        return statuses, None
     except GfmdError as error:
         return statuses, str(error)
     except Exception as error:

@@ -8,6 +8,7 @@ from ..errors import SceneError
 from ..grid import Grid
 from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
+from ..parallel.interrupt import check
 from ..units import LARGEST_HEIGHT
 from .analytic import sphere_rows, wave_rows
 from .doubts import by_slope
@@ -131,6 +132,7 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False
             z[i:i + SLAB_ROWS] = checked(rows(start + i, min(start + i + SLAB_ROWS, stop)), start + i, "surface")
             if checksum is not None:
                 checksum.add(z[i:i + SLAB_ROWS])
+    check(comm)
     known = checksum.of_all(comm, n, sizes, unit) if checksum is not None else None
     top = float(comm.max([z.max(initial=-np.inf)])[0])
     np.subtract(top, z, out=z)  # now the gap, exact where it is small
@@ -163,7 +165,7 @@ def _leave_out_constant_axis(grid, z):
     if 1 in n:
         axis = None
     else:
-        first = next(row for row in comm.allgather(z[0] if len(z) else None) if row is not None)
+        first = comm.share(z[0] if comm.rank == 0 else np.empty(n[1]))
         along_y = not np.any(z != first)
         along_x = not np.any(z != z[:, :1])
         different = comm.max([not along_y, not along_x])

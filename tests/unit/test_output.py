@@ -368,7 +368,7 @@ def test_table_marks_what_did_not_converge():
     header, units, first, second, *remarks = text.splitlines()
     assert header.split() == ["step", "p*", "p", "a_r", "iter.", "status"]
     assert "[unit of E*]" in units
-    assert first.split() == ["0", "0.1", "0.1", "0.2500", "+-", "0.0003", "7", "converged"]
+    assert first.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "7", "converged"]
     assert second.split()[:2] == ["!", "1"]
     assert remarks == [
         "! step 1: NOT CONVERGED (stagnated), less accurate than asked",

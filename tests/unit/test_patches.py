@@ -98,8 +98,8 @@ def test_what_a_solution_says_is_what_its_field_shows():
 
 def test_only_on_request():
     found = hpc_gfmd.solve(heights_of(rough((1, 8, 2))), 0.05)
-    assert not found.observables
-    assert not found.distributions
     default = set(observables_named(None))
+    assert set(found.observables) == default
+    assert not found.distributions
     assert "a_r" in default
     assert not {name for name in all_observables() if name.startswith(("patch", "perimeter", "contact_", "gap_perc"))} & default

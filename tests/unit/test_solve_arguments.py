@@ -18,7 +18,7 @@ HUGE = 10**400
 REFUSED = [
     ({"E_star": 1e308}, "material.E_star: found 1e"), ({"E_star": HUGE}, "material.E_star: found 1000"),
     ({"E_star": 1e-320}, "material.E_star: found 1e-320"), ({"E_star": True}, "material.E_star: found true"),
-    ({"E_star": "1"}, "material.E_star: found '1'"), ({"E_star": None}, "material.E_star: found None"),
+    ({"E_star": "1"}, "material.E_star: found '1'"), ({"E1": 2.0}, "material: found E1, allowed"),
     ({"E_star": 1j}, "material.E_star: found 1j"), ({"E_star": np.array([1.0, 2.0])}, "material.E_star: found [1.0, 2.0]"),
     ({"physical_sizes": (1e-200, 1e-200)}, "surface.physical_sizes"), ({"physical_sizes": (HUGE, 1)}, "surface.physical_sizes"),
     ({"physical_sizes": "12"}, "surface.physical_sizes: found '12'"), ({"physical_sizes": {1: 2, 3: 4}}, "surface.physical_sizes"),
@@ -32,7 +32,8 @@ REFUSED = [
     ({"adhesion": 0.1}, "solver.adhesion: not modelled (elastic, frictionless, non-adhesive contact only)"),
     ({"observables": ["wear"]}, "found 'wear', not modelled"),
     ({"observables": "a_r"}, "output.observables"), ({"observables": ["a_rr"]}, 'nearest: "a_r"'),
-    ({"pressure": [0.1, 0.2]}, "load.pressure"), ({"pressure": None}, "load.pressure"), ({"pressure": "0.1"}, "load.pressure"),
+    ({"pressure": []}, "load.pressure"), ({"pressure": [0.1, -1]}, "load.pressure"), ({"pressure": None}, "load: found nothing"),
+    ({"pressure": "0.1"}, "load.pressure"), ({"p_star": 0.1}, "load: found p_star and pressure"),
     ({"pressure": HUGE}, "load.pressure"), ({"pressure": -1}, "load.pressure"), ({"max_iterations": 0}, "solver.max_iterations"),
     ({"heights": [[1, 2], [3]]}, "heights: found"), ({"heights": [[HUGE, 1]]}, "heights: found"),
     ({"heights": "z.npy"}, "heights: found"),
@@ -55,6 +56,7 @@ def test_refused_in_one_line(arguments, words):
     {"physical_sizes": np.array([1, 2])}, {"physical_sizes": [np.int64(1), 2.0]}, {"E_star": Decimal(2)},
     {"accuracy": None}, {"accuracy": None, "residual": 1e-6},
     {"residual": np.float64(1e-6)}, {"residual": None}, {"threads": "auto"}, {"threads": np.int64(2)}, {"heights": Z.tolist()},
+    {"E_star": None}, {"E1": 2, "nu1": 0.3}, {"thickness": 1, "nu": 0.3}, {"boundary": ("free", "periodic")},
     {"observables": None}, {"observables": ["stiffness"]},
     {"heights": (100 * Z).astype(np.int8)}, {"heights": Z.astype(np.longdouble)}, {"low_memory": False}, {"max_iterations": 10**18},
 ], ids=lambda x: str(x)[:40])

@@ -1,0 +1,80 @@
+"""From a scene to its sweep, and from a solved load to what is said of it: shared by runs that write a file and solutions in memory."""
+
+from .driver.lowmemory import LowMemorySweep
+from .driver.sweep import Sweep
+from .errors import SceneError
+from .fields import STORABLE
+from .observables.area import a_r_discretisation
+from .registry import (
+    all_distributions,
+    body_of,
+    distribution_names,
+    distributions_named,
+    observable_names,
+    observables_named,
+    solver_names,
+)
+from .scene import File, check_names, has_unit
+
+STATUS_ORDER = ("converged", "max_iterations", "stagnated", "nonfinite", "interrupted")  # the last one is the worst
+
+
+def check(scene):
+    """Raise SceneError for names and combinations that the tables of a scene.Scene alone cannot know."""
+    check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names(scene.surface.free))
+    if scene.solver.low_memory and "displacement" in scene.output.fields:
+        raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap, heights')
+
+
+def asked(output):
+    """The functions of a contact.Contact that `step_attributes` calls; output: scene.Output."""
+    return [*observables_named(output.observables).values(), a_r_discretisation, *map(all_distributions().get, output.distributions)]
+
+
+def sweep_of(scene, make_surface):
+    """The driver.sweep.Sweep of a scene; make_surface(dtype) -> surface.Surface. Collective. Raises SceneError."""
+    kind = LowMemorySweep if scene.solver.low_memory else Sweep
+    sweep = kind(make_surface, scene.solver, scene.material.E_star, getattr(scene.surface, "lam_s", None),
+                 duality="duality_gap" in (scene.output.observables or ()), body=body_of(scene.material, scene.surface.free))
+    _require_like_units(scene, sweep.surface)
+    return sweep
+
+
+def _require_like_units(scene, surface):
+    """Raise SceneError where the thickness has a unit and the height map none, or the other way round."""
+    thickness = scene.material.thickness
+    if isinstance(scene.surface, File) and thickness is not None and has_unit(thickness) != bool(surface.unit):
+        found, allowed = ("plain", '"2 um"') if surface.unit else ("with a unit", "a plain number, in the unit of the height map")
+        raise SceneError(f"material.thickness: found {thickness:g}, {found}, allowed with this height map: {allowed}")
+
+
+def surface_attributes(scene, surface):
+    """What is said of a surface.Surface, by the names of the result file."""
+    spec = scene.surface
+    numbers = {name: getattr(spec, name, float("nan")) for name in ("eps_t", "eps_f", "eps_c")} | {"seed": getattr(spec, "seed", -1)}
+    boundary = ", ".join("free" if ends else "periodic" for ends in spec.free)
+    said = {"unit": surface.unit or scene.length_unit, "pressure_unit": scene.pressure_unit, "prepared": "; ".join(surface.prepared)}
+    shape = {"hurst": spec.hurst} if hasattr(spec, "hurst") else {}
+    return {"n": list(surface.n), "physical_sizes": list(surface.sizes), "h_rms": surface.h_rms, "g_rms": surface.g_rms,
+            "kind": getattr(spec, "kind", "array"), "boundary": boundary, **{name: text for name, text in said.items() if text},
+            **numbers, **shape}
+
+
+def step_attributes(output, step, seconds):
+    """What is said of a solved load (driver.sweep.Step), by the names of the result file; None for what has no
+    value. output: scene.Output; seconds: spent on it. Collective."""
+    contact = step.contact
+    numbers = {name: f(contact) for name, f in observables_named(output.observables).items()}
+    for name, found in distributions_named(output.distributions, contact).items():
+        numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
+    area, gap, pressure = contact.outcome.errors
+    attributes = {"p": contact.p_mean, "p_star": contact.p_star, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
+                  "wall_seconds": seconds, "status": contact.outcome.status, "a_r_error": area,
+                  "a_r_discretisation": float(a_r_discretisation(contact)), "gap_error": gap, "pressure_error": pressure,
+                  "precision": contact.g.dtype.name, "residual": contact.certificate.residual, "note": contact.note}
+    return attributes | contact.certificate.attributes() | numbers
+
+
+def worst(steps):
+    """The status of a run whose steps have these attributes."""
+    return max((step["status"] for step in steps), key=STATUS_ORDER.index)

@@ -1,0 +1,26 @@
+"""The map of heights that are an array, such as those of a prepared surface."""
+
+import json
+from pathlib import Path
+
+from ..output.read import Result
+from .pictures import plot
+
+
+class _Rows:
+    """An array read as a stored field is."""
+
+    def __init__(self, values):
+        self.values, self.shape = values, values.shape
+
+    def read(self, start, stop):
+        return self.values[start:stop]
+
+
+def height_map(heights, sizes=(1.0, 1.0), unit="", title="surface", window=None, dpi=None):
+    """The picture of heights (n_x, n_y), peaks up, on a cell of these sizes; unit: "m" where both are in it; window, dpi: see plot.
+    Returns a matplotlib Figure."""
+    surface = {"n": list(heights.shape), "physical_sizes": list(sizes), "h_rms": float(heights.std()), "unit": unit}
+    result = Result(Path(title), surface, [{"status": "converged"}], [0], "converged", f"title = {json.dumps(title)}", {}, {},
+                    [{"heights": _Rows(heights)}])
+    return plot(result, "heights", window=window, dpi=dpi)

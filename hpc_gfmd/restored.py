@@ -1,0 +1,57 @@
+"""A solved contact again from what a result says of it, so that more observables can be asked for than the run was."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from .contact import Contact
+from .driver.certificate import Certificate
+from .errors import SceneError
+from .output.read import Result
+from .parallel.comm import SerialComm
+from .registry import body_of
+from .results import scene_of, whole
+from .surface import Surface, grid_of
+
+
+def restored_contact(result: Result) -> Contact:
+    """The Contact of a Result with one load, on one process. Raises SceneError without its pressure and gap."""
+    step, stored, said = result.steps[0], result.fields[0], result.surface
+    missing = [name for name in ("pressure", "gap") if name not in stored]
+    if missing:
+        raise SceneError(f"{result.path}: has no {' and no '.join(missing)}, allowed: a result with fields = [\"pressure\", \"gap\"]")
+    fields = {name: whole(stored[name]) for name in ("pressure", "gap", "heights") if name in stored}
+    scene = scene_of(result)
+    n, free = [*said["n"]], scene.surface.free
+    axis = None if any(free) or 1 in n else _constant_axis(fields["pressure"], fields["gap"])
+    if axis is not None:  # solved along the other one alone
+        n[axis] = 1
+        fields = {name: values[:1] if axis == 0 else values[:, :1] for name, values in fields.items()}
+    grid = grid_of(n, said["physical_sizes"], SerialComm(), free=free)
+    heights = fields.get("heights")
+    surface = Surface(grid, None, tuple(said["n"]), said["h_rms"], said["g_rms"], (0, said["n"][0]))
+    if heights is not None:
+        surface = Surface(grid, heights / -surface.height_unit, surface.n, surface.h_rms, surface.g_rms, surface.rows)
+    touching = int(np.count_nonzero(fields["pressure"] > 0))
+    certificate = Certificate(contact=touching, gap_mean=float(fields["gap"].mean(dtype=float)) / surface.height_unit, energy=np.nan)
+    outcome = SimpleNamespace(status=step["status"], certificate=certificate, errors=None)
+    E_star, pressure_unit = scene.material.E_star, scene.material.E_star * surface.slope
+    return Contact(surface, E_star, step["p"], _in_cell(fields["gap"] / surface.height_unit, grid),
+                   _in_cell(fields["pressure"] / pressure_unit, grid), outcome, scene.solver.accuracy or scene.solver.residual,
+                   getattr(scene.surface, "lam_s", None), body_of(scene.material, free))
+
+
+def _constant_axis(*fields):
+    for axis in (0, 1):
+        if all((values == values.take([0], axis)).all() for values in fields):
+            return axis
+    return None
+
+
+def _in_cell(values, grid):
+    """The values on the whole grid, 0 beyond the surface."""
+    if not grid.padded:
+        return values
+    cell = np.zeros(grid.shape, values.dtype)
+    cell[: values.shape[0], : values.shape[1]] = values
+    return cell

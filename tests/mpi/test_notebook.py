@@ -1,0 +1,69 @@
+"""hpc_gfmd.solve with a communicator: the numbers of one process, fields by rows, one file, errors on all ranks."""
+
+import runpy
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from contacts import random_heights
+
+import hpc_gfmd
+from hpc_gfmd import SceneError
+
+pytestmark = pytest.mark.mpi
+Z = random_heights((24, 20), 3) / 100
+LOADS = [1e-3, 4e-3]
+NAMES = ("patches", "percolation", "stiffness")
+
+
+@pytest.mark.parametrize("heights", [Z, Z[:, :1] * np.ones(20), Z[:3]], ids=["rough", "profile", "fewer rows than ranks"])
+def test_as_one_process(comm, shared_path, heights):
+    together, alone = (hpc_gfmd.solve(heights, LOADS, comm=one, boundary="periodic") for one in (comm, None))
+    for one, other in zip(together, alone, strict=True):
+        rows = slice(*one.rows)
+        assert one.a_r == other.a_r
+        for name in ("pressure", "gap", "heights", "contact"):
+            mine, whole = getattr(one, name), getattr(other, name)
+            assert np.allclose(mine, whole[rows], rtol=1e-3, atol=1e-5 * np.abs(whole).max()), name
+        for name in NAMES:
+            assert one.observable(name) == pytest.approx(other.observable(name), rel=1e-3), name
+        assert one.distribution("patches").keys() == other.distribution("patches").keys()
+    together.save(shared_path / "x.h5")
+    for one, other in zip(hpc_gfmd.load(shared_path / "x.h5"), alone, strict=True):
+        assert np.array_equal(one.contact, other.contact)
+        assert one.observables["patches"] == other.observables["patches"]
+
+
+def test_wrong_on_one_rank_is_wrong_on_all(comm):
+    mine = Z if comm.rank == 0 else Z[:12]
+    for arguments in ({"heights": mine, "pressure": 1.0}, {"heights": Z, "pressure": 1.0 + comm.rank},
+                      {"heights": Z if comm.rank == 0 else "z.npy", "pressure": 1.0},
+                      {"heights": Z, "pressure": 1.0 if comm.rank == 0 else -1.0}):
+        if comm.size == 1:
+            hpc_gfmd.solve(**arguments, comm=comm)
+        else:
+            with pytest.raises(SceneError, match=r"found"):
+                hpc_gfmd.solve(**arguments, comm=comm)
+
+
+def test_a_communicator_of_mpi4py(comm):
+    if comm.size == 1:
+        pytest.skip("needs several ranks")
+    found = hpc_gfmd.solve(Z, LOADS[0], comm=comm.mpi)
+    assert found.pressure.shape == (found.rows[1] - found.rows[0], 20)
+    with pytest.raises(SceneError, match="spread over"):
+        found.plot()
+
+
+def test_the_example(comm, shared_path, monkeypatch):
+    if comm.size == 1:
+        pytest.skip("needs several ranks")
+    example = Path(__file__).parents[2] / "examples" / "mpi_script.py"
+    monkeypatch.chdir(shared_path)
+    monkeypatch.setattr(sys, "argv", [str(example), "96"])
+    runpy.run_path(str(example), run_name="__main__")
+    comm.barrier()
+    assert (shared_path / "mpi_script.h5").is_file()
+    comm.barrier()
+    monkeypatch.undo()

@@ -1,0 +1,80 @@
+"""Somebody with a measured surface: from the file of the instrument to numbers, a picture and a distribution, in six lines."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import hpc_gfmd
+from hpc_gfmd.surface.instruments import surface_topography
+
+SIZE = 12e-6  # m
+SIX_LINES = """\
+import hpc_gfmd
+scan = hpc_gfmd.read_surface("scan.x3p", detrend="tilt", boundary="free")
+solution = hpc_gfmd.solve(scan, "20 MPa", "2 GPa")
+print(f"a_r = {100 * solution.a_r:.2f} %")
+solution.plot("pressure").savefig("pressure.png")
+print(solution.distribution("patches"))
+"""
+EIGHT_LINES = """\
+surface.kind = "file"
+surface.path = "scan.x3p"
+surface.detrend = "tilt"
+surface.boundary = "free"
+material.E_star = "2 GPa"
+load.pressure = "20 MPa"
+output.fields = ["pressure", "gap"]
+output.distributions = ["patches"]
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """With a scan as microscopes make them: a part of a rough surface, not periodic, tilted, in the instrument's format."""
+    folder = tmp_path_factory.mktemp("stranger")
+    wall = hpc_gfmd.make_surface("self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=16, lam_s_over_a=4, seed=3, g_rms=0.1,
+                                 physical_sizes=(2 * SIZE, 2 * SIZE))
+    heights = wall.heights[:64, :64] + 1e-7 * np.arange(64)[:, None]
+    surface_topography().Topography(1e9 * heights, (1e9 * SIZE, 1e9 * SIZE), unit="nm").to_x3p(str(folder / "scan.x3p"))
+    return folder
+
+
+def run(folder, *arguments):
+    done = subprocess.run([sys.executable, *arguments], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_six_lines_of_python(folder):
+    assert len(SIX_LINES.splitlines()) == 6
+    (folder / "six.py").write_text(SIX_LINES)
+    first, *rest = run(folder, "six.py").splitlines()
+    scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
+    solution = hpc_gfmd.solve(scan, "20 MPa", "2 GPa")
+    assert first == f"a_r = {100 * solution.a_r:.2f} %"
+    assert 1 < 100 * solution.a_r < 50
+    assert all(word in "".join(rest) for word in ("edges", "density"))
+    assert (folder / "pressure.png").read_bytes().startswith(b"\x89PNG")
+    labels = [text.get_text() for axes in solution.plot("pressure").axes for text in (axes.xaxis.label, axes.yaxis.label)]
+    assert any("MPa" in label for label in labels)
+    assert sum("um" in label or "µm" in label for label in labels) >= 2
+    sizes = solution.distribution("patches")
+    assert 0 < sizes["edges"][0] <= sizes["edges"][-1] < SIZE**2
+    assert np.diff(sizes["edges"]) @ sizes["density"] == pytest.approx(1)
+
+
+def test_a_scene_of_eight_lines(folder):
+    assert len(EIGHT_LINES.splitlines()) == 8
+    (folder / "scene.toml").write_text(EIGHT_LINES)
+    told = run(folder, "-m", "hpc_gfmd", "run", "scene.toml")
+    pictures = run(folder, "-m", "hpc_gfmd", "plot", "contact.h5").split()
+    assert all((folder / name).is_file() for name in pictures)
+    (solution,) = hpc_gfmd.load(folder / "contact.h5")
+    assert f"{100 * solution.a_r:.2f} " in told.replace("+-", " ")
+    assert "[% +- solver]" in told
+    assert "[MPa]" in told
+    python = hpc_gfmd.solve(hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free"), "20 MPa", "2 GPa")
+    assert (solution.a_r, solution.status) == (python.a_r, "converged")
+    assert solution.distributions["patches"]["density"] == pytest.approx(python.distribution("patches")["density"])
