@@ -69,7 +69,7 @@ def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: An
     head = {name: value for name, value in result.head.items() if name not in ("status", "end_time", "io")}
     with RunFile(comm, path, said["n"], rows, head, said, force=force) as file:
         for note in file.notes if comm.rank == 0 else ():
-            warnings.warn(note, stacklevel=4)  # where the caller of Solution.save is
+            warnings.warn(note, stacklevel=3)  # where the caller of Solution.save is
         heights = next((fields["heights"] for fields in result.fields if "heights" in fields), None)
         if heights is not None:
             file.update(height_field=slab(heights))

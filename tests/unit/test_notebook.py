@@ -177,8 +177,9 @@ def test_an_interrupted_run(sweep, saved, tmp_path):
 def test_another_file_is_not_overwritten(sweep, tmp_path):
     path = tmp_path / "out.h5"
     sweep.save(path)
-    with pytest.warns(UserWarning, match=r"holds a result of this scene, which this run replaces"):
+    with pytest.warns(UserWarning, match=r"holds a result of this scene, which this run replaces") as caught:
         sweep.save(path)
+    assert [one.filename for one in caught] == [__file__]
     other = hpc_gfmd.solve(2 * Z, LOADS, "5 GPa", SIZES, distributions=["pressure"], observables=["perimeter"])
     with pytest.raises(SceneError, match=r"another scene"):
         other.save(path)
