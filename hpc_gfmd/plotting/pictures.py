@@ -132,7 +132,7 @@ def plot_result(file, where=None, what=None, **how) -> list[Path]:
     drawn = figures(result, what, **how)
     paths = []
     for name, fig in drawn.items():
-        one = where if as_file and len(drawn) == 1 and what else None
+        one = where if as_file and len(drawn) == 1 else None
         paths.append(one or (where.with_stem(f"{where.stem}_{name}") if as_file else folder / f"{name}.png"))
         try:
             save(fig, paths[-1], how.get("dpi"))
