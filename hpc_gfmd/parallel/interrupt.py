@@ -23,7 +23,8 @@ class Stopped(Exception):
 def check(comm):
     """Raise Stopped on all ranks of a communicator if one of them was sent a signal while an Interrupt listens. Collective.
 
-    Time that is up is left to `poll`: however short it is, a run then comes to an iteration and a checkpoint of it. Only for the communicator of the run and parts of it: what a rank does on its own, such as compiling, it does to the end.
+    Time that is up is left to `poll`: however short it is, a run then comes to an iteration and a checkpoint of it. Only for the
+    communicator of the run and parts of it: what a rank does on its own, such as compiling, it does to the end.
     """
     whole = comm
     while whole.parent is not None:
