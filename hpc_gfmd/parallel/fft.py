@@ -17,6 +17,7 @@ Convention: h_q = (1/N) sum_r h(r) exp(-i q r), h(r) = sum_q h_q exp(i q r). The
 """
 
 from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
 
 import numpy as np
 
@@ -82,7 +83,7 @@ class Layout:
         """Number of columns of every rank."""
         return np.diff(self.edges).reshape(self.K, self.size).sum(axis=0)
 
-    @property
+    @cached_property
     def widths(self):
         """The numbers of columns that are transformed at a time."""
         return sorted({int(w) for w in np.diff(self.edges) if w and self.size > 1} | {self.W})
