@@ -1,4 +1,4 @@
-"""A measured surface: from the file of a microscope to the contact area, a pressure map in MPa and um, and the sizes of the patches.
+"""A measured surface against rubber: from the file of a microscope to the contact area, a pressure map in MPa and um, and the patches.
 
 The scan is a fake: a part of a rough wall, tilted, written as .x3p by SurfaceTopography. Put your own file in its place.
 """
@@ -19,9 +19,9 @@ Topography(heights, (12_000, 12_000), unit="nm").to_x3p("scan.x3p")
 
 scan = hpc_gfmd.read_surface("scan.x3p", detrend="tilt", boundary="free")
 print(scan)
-solution = hpc_gfmd.solve(scan, "20 MPa", "2 GPa")
+solution = hpc_gfmd.solve(scan, "0.2 MPa", "20 MPa")
 print(f"a_r = {100 * solution.a_r:.2f} % (edge-corrected {100 * solution.a_r_edge:.2f} %), {solution.observable('patches')}")
-solution.plot().savefig("measured.png", dpi=200)
+solution.plot("pressure").savefig("measured.png", dpi=200)
 solution.save("measured.h5", force=True)  # hpc-gfmd show, plot and export read it, and hpc_gfmd.load
 
 sizes = solution.distribution("patches")

@@ -12,8 +12,7 @@ from .errors import SceneError
 from .fields import LazyField
 from .output.read import Result
 from .output.record import RunFile
-from .parallel.h5 import Slab
-from .parallel.h5_sum import Checked
+from .parallel.h5 import Checked, Slab
 from .scene import ArrayScene, Scene
 from .scene.model import parse_toml
 
@@ -65,7 +64,7 @@ def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: An
         raise SceneError(f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5")
 
     def slab(field):
-        return LazyField(lambda i0, i1: field.read(rows[0] + i0, rows[0] + i1), (rows[1] - rows[0], said["n"][1]), field.stored)
+        return LazyField(lambda i0, i1: field.read(rows[0] + i0, rows[0] + i1), (rows[1] - rows[0], said["n"][1]), field.dtype)
 
     head = {name: value for name, value in result.head.items() if name not in ("status", "end_time", "io")}
     with RunFile(comm, path, said["n"], rows, head, said, force=force) as file:
@@ -73,7 +72,7 @@ def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: An
             warnings.warn(note, stacklevel=4)  # where the caller of Solution.save is
         heights = next((fields["heights"] for fields in result.fields if "heights" in fields), None)
         if heights is not None:
-            file.write_heights(slab(heights))
+            file.update(height_field=slab(heights))
         for index, (step, fields) in enumerate(zip(result.steps, result.fields, strict=True)):
             file.write_step(index, step, {name: slab(field) for name, field in fields.items() if name != "heights"})
         file.finish(result.status)

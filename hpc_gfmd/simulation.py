@@ -116,10 +116,8 @@ def _solve(comm, scene, file, say, interrupt, how):
     _require_same_heights(file, sweep.surface)
     _require_storable(scene.output, sweep.surface, pressures)
     attributes = surface_attributes(scene, sweep.surface)
-    file.update_surface(**attributes)
-    file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
-    if "heights" in scene.output.fields:
-        file.write_heights(heights_of(sweep.surface))
+    stored = heights_of(sweep.surface) if "heights" in scene.output.fields else None
+    file.update(attributes, stored, heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
     for line in sweep.surface.notes:
         say.say(f"note: {line}")
     say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
@@ -130,7 +128,6 @@ def _solve(comm, scene, file, say, interrupt, how):
 def _stopped(comm, file, say, interrupt):
     """What a run ends with that was asked to stop."""
     say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
-    file.update_head(status="interrupted")
     return RunResult(file.path, _finished_steps(comm, file), "interrupted", interrupt.exit_code)
 
 

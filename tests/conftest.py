@@ -16,10 +16,6 @@ import pytest
 _results = {}  # ranks: {child's node id: (outcome, text)}
 
 
-def pytest_addoption(parser):
-    parser.addoption("--record-faults", action="store_true", help="keep what tests/faults see in docs/faults/faults.jsonl")
-
-
 def pytest_configure(config):
     if mpi_harness.is_child():
         config.pluginmanager.register(mpi_harness.Child())

@@ -21,14 +21,15 @@ class Stopped(Exception):
 
 
 def check(comm):
-    """Raise Stopped on all ranks of a communicator if one of them was asked to stop while an Interrupt listens. Collective.
+    """Raise Stopped on all ranks of a communicator if one of them was sent a signal while an Interrupt listens. Collective.
 
-    Only for the communicator of the run and parts of it: what a rank does on its own, such as compiling, it does to the end.
+    Time that is up is left to `poll`: however short it is, a run then comes to an iteration and a checkpoint of it. Only for the
+    communicator of the run and parts of it: what a rank does on its own, such as compiling, it does to the end.
     """
     whole = comm
     while whole.parent is not None:
         whole = whole.parent
-    if _running is not None and whole is _running.comm and (number := int(comm.max([_running.wanted()])[0])):
+    if _running is not None and whole is _running.comm and (number := int(comm.max([_running.signal])[0])):
         stop(number)
 
 
@@ -83,15 +84,12 @@ class Interrupt:
         """130 for SIGINT, 143 for everything else that stopped the run."""
         return 130 if self.agreed == signal.SIGINT else 143
 
-    def wanted(self):
-        """The signal that asks this rank to stop (SIGTERM where its time is up), 0 if none."""
-        late = self.deadline is not None and time.monotonic() - self.begun > self.deadline
-        return self.signal or (signal.SIGTERM if late else 0)
-
     def poll(self):
         """(stop, save), the same on all ranks: whether to stop now, and whether a checkpoint is due. Collective."""
-        due = self.every is not None and self.comm.rank == 0 and time.monotonic() - self.last > self.every
-        stop, due = (int(x) for x in self.comm.max([self.wanted(), due]))
+        now = time.monotonic()
+        late = self.deadline is not None and now - self.begun > self.deadline
+        due = self.every is not None and self.comm.rank == 0 and now - self.last > self.every
+        stop, due = (int(x) for x in self.comm.max([self.signal or (signal.SIGTERM if late else 0), due]))
         if stop:
             self.agreed = stop
         return bool(stop), bool(due)

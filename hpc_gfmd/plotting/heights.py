@@ -4,17 +4,8 @@ import json
 from pathlib import Path
 
 from ..output.read import Result
+from ..parallel.h5 import Slab
 from .pictures import plot
-
-
-class _Rows:
-    """An array read as a stored field is."""
-
-    def __init__(self, values):
-        self.values, self.shape = values, values.shape
-
-    def read(self, start, stop):
-        return self.values[start:stop]
 
 
 def height_map(heights, sizes=(1.0, 1.0), unit="", title="surface", window=None, dpi=None):
@@ -22,5 +13,5 @@ def height_map(heights, sizes=(1.0, 1.0), unit="", title="surface", window=None,
     Returns a matplotlib Figure."""
     surface = {"n": list(heights.shape), "physical_sizes": list(sizes), "h_rms": float(heights.std()), "unit": unit}
     result = Result(Path(title), surface, [{"status": "converged"}], [0], "converged", f"title = {json.dumps(title)}", {}, {},
-                    [{"heights": _Rows(heights)}])
+                    [{"heights": Slab(heights, 0, heights.shape)}])
     return plot(result, "heights", window=window, dpi=dpi)

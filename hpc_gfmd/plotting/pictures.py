@@ -11,8 +11,7 @@ from ..errors import GfmdError, SceneError
 from ..output.read import Result, read_result
 from ..output.table import surface_line
 from ..parallel.guard import one_line
-from ..parallel.h5 import Stored
-from ..parallel.h5_sum import Checked
+from ..parallel.h5 import Checked
 from .curves import curves
 from .distributions import distributions, stored
 from .maps import SYMBOLS, maps
@@ -43,7 +42,7 @@ class Drawn:
     def fields(self, k):
         """The fields of the k-th of the chosen steps."""
         fields = self.result.fields[self.chosen[k]]
-        return {name: Checked(field) if isinstance(field, Stored) else field for name, field in fields.items()}
+        return {name: Checked(field) for name, field in fields.items()}
 
     def name_of(self, k):
         """Its step and load."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import SceneError
+from ..errors import GfmdError, SceneError
 from ..grid import Grid
 from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
@@ -112,8 +112,16 @@ def build_surface(spec, comm, dtype, threads=1, low_memory=False):
         return surface_from_rows(spec.n, spec.physical_sizes, rows, comm, dtype, threads, spec.free)
     with guarded(comm, "reading the surface"):
         found = open_topography(spec)
-    found, done, notes = prepare(found, spec, comm)
-    made = surface_from_rows(found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, Checksum(), found.unit)
+    file = found.source
+    with guarded(comm, "reading the surface"):
+        file.read_together(comm)
+    try:
+        found, done, notes = prepare(found, spec, comm)
+        made = surface_from_rows(found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, Checksum(), found.unit)
+    except GfmdError:  # all ranks are here
+        file.close()
+        raise
+    file.close()
     return replace(made, prepared=done, doubts=notes)
 
 
