@@ -4,19 +4,25 @@ import ast
 import contextlib
 import inspect
 import io
-import shutil
 from pathlib import Path
 
 import hpc_gfmd
 from hpc_gfmd.cli import COMMANDS, main
 
-EXAMPLES = Path(__file__).parent.parent / "examples"
+HERE = Path(__file__).parent
+EXAMPLES, PICTURES = HERE.parent / "examples", HERE / "gallery"
+MODULES = (  # beside hpc_gfmd.__all__: title, name, what it is
+    ("Reference curves", "hpc_gfmd.reference",
+     "Contact areas and mean gaps of self-affine surfaces, with uncertainties, from the runs of [the study](../study/README.md)."),
+    ("Persson's theory", "hpc_gfmd.theory.persson", "NumPy and SciPy alone: nothing of it needs a solver."),
+    ("Closed forms", "hpc_gfmd.theory.elastic", "What the tests compare solutions with."),
+)
 
 
 def write(folder):
     """All of them into a folder; pages that have not changed keep their date."""
     folder.mkdir(exist_ok=True)
-    for name, text in {"scene": scene(), "commands": commands(), "api": api(), "gallery": gallery(folder)}.items():
+    for name, text in {"scene": scene(), "commands": commands(), "api": api(), "gallery": gallery()}.items():
         path = folder / f"{name}.md"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
@@ -30,7 +36,8 @@ def scene():
 def commands():
     """`--help` of every command."""
     sections = [f"## hpc-gfmd {name}\n\n```text\n{_printed(name, '--help').strip()}\n```\n" for name in (*COMMANDS, "restart")]
-    return "# Commands\n\nMade of what `hpc-gfmd COMMAND --help` prints. `python -m hpc_gfmd` is the same program.\n\n" + "\n".join(sections)
+    about = "Made of what `hpc-gfmd COMMAND --help` prints. `python -m hpc_gfmd` is the same program."
+    return f"# Commands\n\n{about}\n\n" + "\n".join(sections)
 
 
 def _printed(*argv):
@@ -50,14 +57,9 @@ def api():
         names = [name for name, value in found.items() if _directive(value) == directive]
         lines += [f"## {title}", ""] * bool(names)
         for name in names:
-            module, members = inspect.getmodule(found[name]).__name__, directive == "autoclass"
-            target = f"{module}.{found[name].__name__}"
-            lines += ["```{eval-rst}", f".. {directive}:: {target}", *["   :members:"] * members, "```", ""]
-    for title, module, about in (
-            ("Reference curves", "hpc_gfmd.reference", "Contact areas and mean gaps of self-affine surfaces, with uncertainties, from the "
-                                                       "runs of [the paper's study](../study/README.md)."),
-            ("Persson's theory", "hpc_gfmd.theory.persson", "Pure NumPy and SciPy: nothing of it needs a solver."),
-            ("Closed forms", "hpc_gfmd.theory.elastic", "What the tests compare solutions with.")):
+            members = ["   :members:"] * (directive == "autoclass")
+            lines += ["```{eval-rst}", f".. {directive}:: hpc_gfmd.{name}", *members, "```", ""]
+    for title, module, about in MODULES:
         lines += [f"## {title}", "", about, "", "```{eval-rst}", f".. automodule:: {module}", "   :members:", "```", ""]
     return "\n".join(lines)
 
@@ -68,15 +70,14 @@ def _directive(value):
     return "autofunction" if callable(value) else None
 
 
-def gallery(folder):
-    """Every script in examples/: the first line of its docstring, its picture, all of it."""
-    lines = ["# Gallery", "", "The scripts of `examples/`; each runs in the tests.", ""]
+def gallery():
+    """Every script in examples/: the first line of its docstring, its pictures (docs/gallery/SCRIPT*.png), all of it."""
+    lines = ["# Gallery", "", "The scripts of `examples/`; each runs in the tests. Pictures are those of a small grid.", ""]
     for script in sorted(EXAMPLES.glob("*.py")):
         source = script.read_text(encoding="utf-8")
         title, _, rest = (ast.get_docstring(ast.parse(source)) or script.stem).partition("\n")
         lines += [f"## {title.strip().rstrip('.')}", "", rest.strip(), ""]
-        for picture in sorted(EXAMPLES.glob(f"{script.stem}*.png")):
-            shutil.copy(picture, folder)
-            lines += [f"![{script.stem}]({picture.name})", ""]
+        for picture in sorted(PICTURES.glob(f"{script.stem}*.png")):
+            lines += [f"![{script.stem}](../gallery/{picture.name})", ""]
         lines += [f"`examples/{script.name}`", "", "```python", source.strip(), "```", ""]
     return "\n".join(lines)
