@@ -11,22 +11,23 @@
 nor compiles anything; its parts are imported when they are first used.
 """
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from . import reference
-    from .api import load, solve
+    from .api import solve
     from .errors import GfmdError, NotConverged, SceneError
     from .prepared import PreparedSurface, make_surface, read_surface
     from .simulation import RunResult
     from .simulation import run_scene as run
-    from .solution import Solution, Solutions
+    from .solution import Solution
+    from .solutions import Solutions, load
 
 __all__ = ["GfmdError", "NotConverged", "PreparedSurface", "RunResult", "SceneError", "Solution", "Solutions", "load", "make_surface",
            "read_surface", "reference", "run", "solve"]
-_PLACES = {"load": "api", "solve": "api", "run": "simulation.run_scene", "RunResult": "simulation", "Solution": "solution",
-           "Solutions": "solution", "PreparedSurface": "prepared", "make_surface": "prepared", "read_surface": "prepared",
+_PLACES = {"load": "solutions", "solve": "api", "run": "simulation.run_scene", "RunResult": "simulation", "Solution": "solution",
+           "Solutions": "solutions", "PreparedSurface": "prepared", "make_surface": "prepared", "read_surface": "prepared",
            "GfmdError": "errors", "NotConverged": "errors", "SceneError": "errors"}
 
 

@@ -1,30 +1,33 @@
 """Contacts in memory, for notebooks and scripts: the same composition as a run, without files."""
 
 import json
+import sys
 import time
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
-from os import PathLike
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from .composition import check, load_shown, step_attributes, surface_attributes, sweep_of, worst
-from .contact import FIELDS, heights_of
+from .contact import heights_of
 from .driver.warmup import compile_once
 from .errors import NotConverged, SceneError, one_line
-from .kernels.cache import sound
-from .keywords import loads_of, missing_loads, scene_of_keywords
-from .output.read import Result, read_result
+from .fields import FIELDS
+from .kernels.cache import announced, sound
+from .keywords import loads_of, scene_of_keywords
+from .output.read import Result
 from .parallel.comm import comm_of, threads_of
 from .parallel.guard import guarded
 from .parallel.h5 import Slab
 from .prepared import PreparedSurface
 from .progress import Reporter
 from .registry import observables_named
-from .solution import Solution, Solutions, solutions_of
+from .solution import Solution
+from .solutions import Solutions, solutions_of
 from .surface.build import surface_from_rows
 from .surface.doubts import Looks
 from .surface.heights import Checksum, checked
@@ -107,19 +110,19 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         known = heights if isinstance(heights, PreparedSurface) else None
         scene = scene_of_keywords(loads | given, more, known)
         check(scene)
-        heights = _checked(heights if known is None else known.heights)
-    _require_the_same(comm, scene, heights.shape)
+        z = _checked(heights if known is None else known.heights)
+    _require_the_same(comm, scene, z.shape)
     threads, head = threads_of(comm, scene.machine.threads), {}
-    sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes))
+    sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
 
     def rows_of(start, stop):
-        return np.asarray(heights[start:stop], dtype=np.float64)
+        return np.asarray(z[start:stop], dtype=np.float64)
 
-    doubts = known.notes if known else _doubts(comm, heights.shape, sizes, rows_of) if boundary is None else ()
+    doubts = known.notes if known else _doubts(comm, z.shape, sizes, rows_of) if boundary is None else ()
 
     def make_surface(dtype):
         unit = known.unit if known else ""
-        made = surface_from_rows(heights.shape, sizes, rows_of, comm, dtype, threads, scene.surface.free, Checksum(), unit)
+        made = surface_from_rows(z.shape, sizes, rows_of, comm, dtype, threads, scene.surface.free, Checksum(), unit)
         head["heights"] = made.checksum
         head.setdefault("setup_seconds", time.monotonic() - begun)
         measured = hasattr(scene.surface, "path")
@@ -129,7 +132,8 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
         steps, contacts, surface = _pressed(comm, scene, make_surface, progress)
     else:
-        steps, contacts, surface = sound(lambda: _pressed(comm, scene, make_surface, progress))
+        with announced(partial(print, file=sys.stderr) if progress else None):
+            steps, contacts, surface = sound(lambda: _pressed(comm, scene, make_surface, progress))
     head |= {"scene": scene.to_toml(), "identity": scene.identity(), "versions": json.dumps(versions()), "start_time": started}
     if known is None or known.table is None:
         head["identity"] += f" of {head['heights']}"
@@ -140,32 +144,6 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
     found = solutions_of(result, contacts, rows, comm)
     _warn(comm, steps)
     return found if loads_of(loads) else found[0]
-
-
-def load(path: str | PathLike) -> Solutions:
-    """The solutions in a result file, those of an interrupted run included.
-
-    Parameters
-    ----------
-    path
-        A result file, or where an interrupted (or running) run would write it.
-
-    Returns
-    -------
-    Solutions
-        Also of a single load. Fields are read when they are first asked for; `notes` and a warning tell which loads are missing.
-
-    Raises
-    ------
-    SceneError
-        If there is no result, or the file is damaged, foreign or of another version.
-    """
-    result = read_result(path)
-    if result.folder is not None:
-        note = f"the run is {result.status}: {missing_loads(result)}"
-        result = replace(result, notes=(*result.notes, note))
-        warnings.warn(f"{result.path}: {note}", stacklevel=2)
-    return solutions_of(result)
 
 
 def _pressed(comm, scene, make_surface, progress):
@@ -197,7 +175,8 @@ def _fields(names, contact):
     if contact is None:
         return {}
     start, n = contact.surface.rows[0], tuple(contact.surface.n)
-    return {name: Slab(contact.field(name) if name in FIELDS else heights_of(contact.surface), start, n) for name in names}
+    found: dict[str, Any] = {name: contact.field(name) if name in FIELDS else heights_of(contact.surface) for name in names}
+    return {name: Slab(lazy, start, n) for name, lazy in found.items()}
 
 
 def _doubts(comm, n, sizes, rows):

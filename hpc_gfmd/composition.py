@@ -1,9 +1,9 @@
 """From a scene to its sweep, and from a solved load to what is said of it: shared by runs that write a file and solutions in memory."""
 
-from .contact import STORABLE
 from .driver.lowmemory import LowMemorySweep
 from .driver.sweep import Sweep
 from .errors import SceneError
+from .fields import STORABLE
 from .observables.area import a_r_discretisation
 from .registry import (
     all_distributions,

@@ -1,95 +1,126 @@
 """A solved contact at one load: fields and the sums that observables are made of, in the scene's units."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .bodies.halfspace import HALF_SPACE
 from .errors import SceneError
+from .fields import FIELDS, LazyField
 from .units import field_dtype
 
-FIELDS = ("pressure", "gap", "displacement")
-STORABLE = (*FIELDS, "heights")  # the last one once for all loads
-LAZY_ROWS = 64  # of a field that are computed at a time
+if TYPE_CHECKING:
+    from .bodies.base import Body
+    from .driver.certificate import Certificate
+    from .driver.drive import Outcome
+    from .operators.spectra import Spectra
+    from .operators.tangent import Tangent
+    from .parallel.clusters import Clusters
+    from .surface import Surface
+
 FEW_POINTS = 100  # fewer contact points than this say little about a rough contact
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
 
 
 @dataclass(frozen=True)
 class Contact:
-    """surface: surface.Surface; p_mean: mean pressure in the unit of E_star; g, p: gap and pressure of the solution in the program's
-    units, local slabs; outcome: see driver/; accuracy: relative, of what observables still have to solve for; lam_s: or None;
-    remark: on how the load was found, or None."""
+    """What one load has come to; observables are functions of it. Its numbers are in the scene's units, the same on all ranks.
 
-    surface: object
+    Attributes
+    ----------
+    surface : Surface
+        The wall, and the grid it was solved on.
+    E_star : float
+        Effective modulus; pressures are in its unit.
+    p_mean : float
+        Mean pressure over the nominal area.
+    g, p : array, local slabs of the grid
+        Gap and pressure of the solution, in the program's units (problem.py); the next load of a sweep overwrites them.
+    outcome : Outcome
+        Status, certificate and errors.
+    accuracy : float
+        Relative, of what observables still have to solve for.
+    lam_s : float or None
+        Shortest wavelength of the wall, where that is known.
+    body : Body
+        What is pressed.
+    remark : str or None
+        On how the load was found, where it was not given.
+    """
+
+    surface: Surface
     E_star: float
     p_mean: float
     g: np.ndarray
     p: np.ndarray
-    outcome: object
+    outcome: Outcome
     accuracy: float
     lam_s: float | None = None
-    body: object = HALF_SPACE
+    body: Body = HALF_SPACE
     remark: str | None = None
 
     @property
-    def certificate(self):
+    def certificate(self) -> Certificate:
         """The independent check of this solution."""
         return self.outcome.certificate
 
     @property
-    def N(self):
+    def N(self) -> int:
         """Number of points of the grid that was solved."""
         return self.surface.grid.N
 
     @property
-    def g_rms(self):
+    def g_rms(self) -> float:
         """Realised rms gradient."""
         return self.surface.g_rms
 
     @property
-    def h_rms(self):
+    def h_rms(self) -> float:
         """Realised rms height."""
         return self.surface.h_rms
 
     @property
-    def pressure_unit(self):
+    def pressure_unit(self) -> float:
         """What one unit of p is in the unit of E_star."""
         return self.E_star * self.surface.slope
 
     @property
-    def p_star(self):
+    def p_star(self) -> float:
         """p_mean/(E* g_rms); nan on a flat surface."""
         return self.p_mean / self.pressure_unit if self.g_rms > 0 else float("nan")
 
     @property
-    def approach(self):
+    def approach(self) -> float:
         """How far the bodies have come together since they touched undeformed; nan where a half-space gives way without end."""
         return self.certificate.approach * self.surface.height_unit
 
     @property
-    def contact_points(self):
+    def contact_points(self) -> int:
         """Number of points in contact."""
         return self.certificate.contact
 
     @property
-    def gap_mean(self):
-        """Mean gap."""
+    def gap_mean(self) -> float:
+        """Mean gap over the nominal area."""
         return self.certificate.gap_mean * self.surface.height_unit
 
     @property
-    def energy(self):
+    def energy(self) -> float:
         """Elastic energy per area."""
         return self.certificate.energy * self.pressure_unit * self.surface.height_unit
 
     @property
-    def note(self):
+    def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
         return "; ".join(filter(None, [self._doubt, self.remark, *self.surface.notes])) or None
 
     @property
-    def _doubt(self):
+    def _doubt(self) -> str | None:
         """Why a solution that is converged may yet say little."""
         points = self.contact_points
         if self.g_rms == 0 and not self.surface.grid.padded:
@@ -105,7 +136,7 @@ class Contact:
         return None
 
     @cached_property
-    def tangent(self):
+    def tangent(self) -> Tangent:
         """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
         from .operators.tangent import tangent
 
@@ -115,29 +146,29 @@ class Contact:
         return tangent(self.surface.grid, self.body, touching, self.g.dtype, self.accuracy)
 
     @cached_property
-    def spectra(self):
+    def spectra(self) -> Spectra:
         """The operators.spectra.Spectra of this contact."""
         from .operators.spectra import Spectra
 
         return Spectra(self)
 
     @property
-    def pairs(self):
+    def pairs(self) -> float:
         """FFT pairs that observables of this contact took so far."""
         return sum(vars(self)[name].pairs for name in ("tangent", "spectra") if name in vars(self))
 
     @property
-    def periodic(self):
+    def periodic(self) -> tuple[bool, bool]:
         """Whether opposite edges of the surface touch, along x and along y."""
-        grid = self.surface.grid
-        return tuple(points == of_cell for points, of_cell in zip(grid.nominal, grid.n))
+        nominal, n = self.surface.grid.nominal, self.surface.grid.n
+        return nominal[0] == n[0], nominal[1] == n[1]
 
-    def touching(self, i0, i1):
-        """Which points touch in the rows i0 <= i < i1 of this rank's part of the surface, as it was solved."""
+    def touching(self, i0: int, i1: int) -> np.ndarray:
+        """Which points touch in the rows i0 <= i < i1 of this rank's part of the surface: bool, (i1 - i0, points of the surface)."""
         points = self.surface.grid.nominal[1]
         return (self.g[i0:i1, :points] <= 0) & (self.p[i0:i1, :points] > 0)
 
-    def clusters(self, of_contact=True, corners=False):
+    def clusters(self, of_contact: bool = True, corners: bool = False) -> Clusters:
         """The parallel.clusters.Clusters of the points that touch, or of those that do not, found once. Collective.
 
         corners: whether points belong together that share a corner only.
@@ -151,11 +182,11 @@ class Contact:
         return self._clusters[of_contact, corners]
 
     @cached_property
-    def _clusters(self):
+    def _clusters(self) -> dict[tuple[bool, bool], Clusters]:
         return {}
 
     @cached_property
-    def edges(self):
+    def edges(self) -> tuple[int, int]:
         """Grid-cell sides between a point in contact and one that is not: how many of them run along x, and how many along y.
 
         The edge of a surface that ends is none.
@@ -176,11 +207,11 @@ class Contact:
         return int(along_x), int(along_y)
 
     @property
-    def boundary_segments(self):
+    def boundary_segments(self) -> int:
         """The same, of either direction."""
         return sum(self.edges)
 
-    def field(self, name):
+    def field(self, name: str) -> LazyField:
         """One of FIELDS as a local slab of the whole grid, computed as it is read.
 
         In the precision of the solution, or in double precision where single cannot hold it in the scene's units.
@@ -195,7 +226,7 @@ class Contact:
         dtype = field_dtype(name, self.g.dtype, self.p_mean, self.surface)
         real = dtype.type
 
-        def values(take):
+        def values(take: slice) -> np.ndarray:
             points = self.surface.grid.nominal[1]
             g, p = self.g[take, :points], self.p[take, :points]
             if name == "pressure":
@@ -205,42 +236,19 @@ class Contact:
         return _on_the_whole_grid(self.surface, values, dtype)
 
 
-def heights_of(surface):
+def heights_of(surface: Surface) -> LazyField:
     """Heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest at 0: as Contact.field."""
     dtype = field_dtype("heights", surface.h.dtype, 0.0, surface)
     return _on_the_whole_grid(surface, lambda take: surface.h[take] * -dtype.type(surface.height_unit), dtype)
 
 
-def _on_the_whole_grid(surface, values, dtype):
+def _on_the_whole_grid(surface: Surface, values: Callable[[slice], np.ndarray], dtype: np.dtype) -> LazyField:
     """The local slab, with an axis that was left out, of what values(rows of the arrays) gives."""
     left_out = surface.reduced_axis
 
-    def rows(i0, i1):
+    def rows(i0: int, i1: int) -> np.ndarray:
         first = surface.rows[0] if left_out == 1 else 0  # with the second axis left out every rank has all rows
         found = values(slice(0, 1) if left_out == 0 else slice(first + i0, first + i1))
         return found if left_out is None else np.broadcast_to(found, (i1 - i0, surface.n[1]))
 
     return LazyField(rows, (surface.rows[1] - surface.rows[0], surface.n[1]), dtype)
-
-
-class LazyField:
-    """A local slab that is computed a few rows at a time when it is sliced; np.asarray makes all of it."""
-
-    ndim = 2
-
-    def __init__(self, rows, shape, dtype):
-        self.rows, self.shape, self.dtype = rows, shape, np.dtype(dtype)
-
-    def __len__(self):
-        return self.shape[0]
-
-    def __getitem__(self, rows):
-        i0, i1, _ = rows.indices(self.shape[0])
-        out = np.empty((max(i1 - i0, 0), self.shape[1]), self.dtype)
-        for i in range(i0, i1, LAZY_ROWS):
-            j = min(i + LAZY_ROWS, i1)
-            out[i - i0:j - i0] = self.rows(i, j)
-        return out
-
-    def __array__(self, dtype=None, copy=None):
-        return np.array(self[:], dtype=dtype)

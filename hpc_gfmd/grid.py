@@ -127,8 +127,8 @@ class Grid:
         return empty_aligned(self.shape, dtype)
 
     def column_tables(self, fft):
-        """q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its precision; 0 where padding."""
-        j = np.arange(fft.M * fft.W).reshape(fft.M, fft.W)
-        weight = self.multiplicity(j)
+        """q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its precision; 0 beyond a narrower block."""
+        j = fft.edges[:-1, None] + np.arange(fft.W)
+        weight = np.where(j < fft.edges[1:, None], self.multiplicity(j), 0)
         q_y = np.where(weight > 0, self.q_y[np.minimum(j, self.n[1] // 2)], 0.0)
         return q_y.astype(fft.dtype), weight.astype(fft.dtype)

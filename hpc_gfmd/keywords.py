@@ -1,12 +1,10 @@
 """From the keywords of a Python call to a scene: each goes to the table that has a key of its name, and the scene checks it."""
 
-import tomllib
 from typing import Any
 
 import numpy as np
 
 from .errors import SceneError
-from .output.read import Result
 from .prepared import PreparedSurface, plain
 from .scene import ArrayScene, Load, Machine, Material, Output, Scene, Solver
 from .scene.explain import nearest
@@ -46,11 +44,3 @@ def scene_of_keywords(given: dict[str, Any], more: dict[str, Any], surface: Prep
 def loads_of(given: dict[str, Any]) -> bool:
     """Whether the load that was given is a list of loads."""
     return any(isinstance(value, list | tuple) or np.ndim(value) > 0 for value in given.values() if not isinstance(value, str | None))
-
-
-def missing_loads(result: Result) -> str:
-    """Which of the loads that its scene asks for a Result does not have."""
-    table = tomllib.loads(result.scene_toml)["load"]
-    key, loads = next((key, value) for key, value in table.items() if isinstance(value, list))
-    left = [f"{k + 1} ({key} = {value})" for k, value in enumerate(loads) if k not in result.indices]
-    return f"loads {', '.join(left)} of {len(loads)} are not there" if left else "all loads are there"

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from .scene import Scene
 from .surface import build_surface
 from .surface.prepare import prepare
 from .surface.topography import open_topography
+
+if TYPE_CHECKING:
+    from .plotting.style import Figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +51,12 @@ class PreparedSurface:
     def h_rms(self) -> float:
         """rms height, in the unit of the heights."""
         return float(np.std(self.heights))
+
+    def plot(self, **how: Any) -> "Figure":
+        """A matplotlib figure of the heights; how: title, window, dpi, see plotting.height_map."""
+        from .plotting import height_map
+
+        return height_map(self.heights, self.sizes, self.unit, **how)
 
     def __repr__(self) -> str:
         n_x, n_y = self.heights.shape

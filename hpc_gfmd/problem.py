@@ -6,52 +6,75 @@ units, and p0 is p*:
     p = p0 + K u,   K(q) of the elastic body (|q|/2 for a half-space),    u >= -h,    g = u + h >= 0,    p >= 0,    p g = 0.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .bodies.base import Body
 from .bodies.halfspace import HALF_SPACE
 
+if TYPE_CHECKING:
+    from .grid import Grid
+    from .parallel.fft import SlabFFT
+
+Rows = Callable[[int, int, np.ndarray], None]  # makes rows i0..i1 of a field in x
+Columns = Callable[[np.ndarray, int], None]  # changes block m of the columns of a spectrum
+
 ROUNDING = 2.5  # rms of the error of K h over the rms of h, in units of the working precision: the largest seen
 
 
 @dataclass(frozen=True)
 class Problem:
-    """h: local part of the initial gap, >= 0 with minimum 0, in the working precision; where the surface ends within the cell, of its
-    nominal area, over which p0, the mean pressure, is one, too; body: see bodies/.
+    """A body pressed against a wall with a mean pressure.
 
-    Without h (None) the displacement u = g - h is formed in Fourier space, where add_spectrum(fft) gives a function (block, m) that
-    adds the transform of -h to a block of columns; `working` then tells the precision. h_rms: what root_mean_square() gave, where that
-    is known.
+    Attributes
+    ----------
+    grid : Grid
+        Of the cell.
+    h : array, local part of the nominal area, or None
+        Initial gap, >= 0 with minimum 0, in the working precision. Without it u = g - h is formed in Fourier space by `add_spectrum`.
+    p0 : float
+        Mean pressure over the nominal area.
+    add_spectrum : function of a SlabFFT
+        Gives a function (block, m) that adds the transform of -h to a block of columns.
+    working : dtype
+        The precision where there is no h.
+    h_rms : float
+        What root_mean_square() gave, where that is known.
+    body : Body
+        See bodies/.
     """
 
-    grid: object
+    grid: Grid
     h: np.ndarray | None
     p0: float
-    add_spectrum: object = None
+    add_spectrum: Callable[[SlabFFT], Columns] | None = None
     working: np.dtype | None = None
     h_rms: float | None = None
     body: Body = HALF_SPACE
 
     @property
-    def dtype(self):
+    def dtype(self) -> np.dtype:
         """The working precision."""
         return self.working if self.h is None else self.h.dtype
 
-    def root_mean_square(self):
+    def root_mean_square(self) -> float:
         """sqrt(mean h^2). Collective."""
         if self.h_rms is not None:
             return self.h_rms
         return float(np.sqrt(self.grid.comm.sum([np.einsum("ij,ij->", self.h, self.h, dtype=np.float64)])[0] / self.grid.N))
 
     @property
-    def p_cell(self):
+    def p_cell(self) -> float:
         """The mean pressure over the whole grid."""
         return self.p0 * (self.grid.N / self.grid.cell_points)
 
     @property
-    def self_energy(self):
+    def self_energy(self) -> float:
         """sqrt(<v, S v>) of v = 1 on a surface that ends, 0 beyond, less its mean, at most; 0 where the surface is all there is.
 
         Of all shapes of the same area a disc has the most, 0.958 area^(3/2); a strip that is periodic along its length
@@ -63,13 +86,13 @@ class Problem:
         return float(np.sqrt(grid.N * max(0.958 * np.sqrt(grid.N), longest))) if ends else 0.0
 
     @property
-    def rounding(self):
+    def rounding(self) -> float:
         """The rms error of the pressure that comes from storing h in the working precision, and the displacement beyond the surface,
         which is of the order of p_cell times the size of the cell. Collective."""
         beyond = self.p_cell * np.sqrt(self.grid.cell_points) if self.grid.padded else 0.0
         return ROUNDING * float(np.finfo(self.dtype).eps) * float(np.hypot(self.root_mean_square(), beyond))
 
-    def displacement_rows(self, g):
+    def displacement_rows(self, g: np.ndarray) -> Rows:
         """fill(i0, i1, x): rows of u = g - h (g itself beyond the surface), or of g where `adder` does the rest; x may be of another
         precision."""
         from .kernels.certify import displacement_rows
@@ -77,11 +100,11 @@ class Problem:
         if self.h is not None:
             return lambda i0, i1, x: displacement_rows(g, self.h, x, i0, i1)
 
-        def fill(i0, i1, x):
+        def fill(i0: int, i1: int, x: np.ndarray) -> None:
             x[: i1 - i0] = g[i0:i1]
 
         return fill
 
-    def adder(self, fft):
+    def adder(self, fft: SlabFFT) -> Columns | None:
         """What completes the columns of u after a transform of its rows: None where the rows are those of u already."""
         return None if self.h is not None else self.add_spectrum(fft)

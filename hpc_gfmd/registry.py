@@ -1,39 +1,54 @@
 """Solvers, observables and elastic bodies are found by looking into their folders: adding one means dropping in one file."""
 
+from __future__ import annotations
+
 import importlib
 import pkgutil
+from collections.abc import Iterable
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 from . import bodies, observables, solvers
 from .errors import SceneError
 
+if TYPE_CHECKING:
+    from .bodies.base import Body
+    from .contact import Contact
+    from .observables import Counted, Distribution, Observable
+    from .scene import Material
+    from .solvers.base import Solver
+
 COMMON = {"base"}  # files in those folders that are not entries
 
 
-def _names(package):
+def _names(package: ModuleType) -> list[str]:
     return sorted(m.name for m in pkgutil.iter_modules(package.__path__) if m.name not in COMMON)
 
 
-def solver_names():
+def solver_names() -> list[str]:
     """Names of all solvers, without importing them."""
     return _names(solvers)
 
 
-def solver_class(name):
+def solver_class(name: str) -> type[Solver]:
     """The solver class of a name; "auto" is the default solver."""
     name = "bpx" if name == "auto" else name
     module = importlib.import_module(f"{solvers.__name__}.{name}")
     return next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
 
 
-def body_classes():
+def body_classes() -> dict[str, type[Body]]:
     """{name: class} of all elastic bodies."""
     modules = {name: importlib.import_module(f"{bodies.__name__}.{name}") for name in _names(bodies)}
     return {name: next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
             for name, module in modules.items()}
 
 
-def body_of(material, free=(False, False)):
-    """The elastic body of scene.Material; free: whether the surface ends along x, along y. Raises SceneError if there is none."""
+def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
+    """The elastic body that a material (scene.Material) means; free: whether the surface ends along x, along y.
+
+    Raises SceneError if there is none.
+    """
     wanted = material.thickness, material.nu1, material.base, tuple(free)
     bodies_ = [body for cls in body_classes().values() if (body := cls.of(*wanted)) is not None]
     if not bodies_:
@@ -41,54 +56,54 @@ def body_of(material, free=(False, False)):
     return bodies_[0]
 
 
-def all_observables():
+def all_observables() -> dict[str, Observable]:
     """{name: function of a Contact} of all observables, those of one file in the order they are given there."""
     return _merged("OBSERVABLES")
 
 
-def default_observables():
+def default_observables() -> list[str]:
     """Names of the observables that cost no more than a look at each point: what a result has where the scene names none."""
     return [name for module in _observables() if not getattr(module, "ON_REQUEST", False)
             for name in getattr(module, "OBSERVABLES", ())]
 
 
-def observable_names():
+def observable_names() -> set[str]:
     """What a scene may ask for: names of observables, and names that stand for several of them."""
     return {*all_observables(), *_merged("TOGETHER")}
 
 
-def names_together(name):
+def names_together(name: str) -> tuple[str, ...]:
     """The observables that a name stands for where it stands for several, otherwise none."""
     return _merged("TOGETHER").get(name, ())
 
 
-def observables_named(names):
+def observables_named(names: Iterable[str] | None) -> dict[str, Observable]:
     """{name: function of a Contact} of the observables that these names stand for; None: of the default ones."""
     together = _merged("TOGETHER")
     wanted = default_observables() if names is None else [one for name in names for one in together.get(name, (name,))]
     return {name: f for name, f in all_observables().items() if name in wanted}
 
 
-def all_distributions():
+def all_distributions() -> dict[str, Counted]:
     """{name: function of a Contact} of all distributions: {what: array of numbers}, or None where there is nothing to count."""
     return _merged("DISTRIBUTIONS")
 
 
-def distribution_names(free=(False, False)):
+def distribution_names(free: tuple[bool, bool] = (False, False)) -> set[str]:
     """What a scene may ask for; free: whether the surface ends along x, along y."""
     fit = [module for module in _observables() if not (any(free) and getattr(module, "PERIODIC", False))]
     return {name for module in fit for name in getattr(module, "DISTRIBUTIONS", ())}
 
 
-def distributions_named(names, contact):
+def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Distribution]:
     """{name: {what: array of numbers}} of the distributions of a contact by these names that have anything to count. Collective."""
     found = {name: f(contact) for name, f in all_distributions().items() if name in names}
     return {name: arrays for name, arrays in found.items() if arrays is not None}
 
 
-def _merged(table):
+def _merged(table: str) -> dict[str, Any]:
     return {name: entry for module in _observables() for name, entry in getattr(module, table, {}).items()}
 
 
-def _observables():
+def _observables() -> list[ModuleType]:
     return [importlib.import_module(f"{observables.__name__}.{name}") for name in _names(observables)]

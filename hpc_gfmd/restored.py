@@ -9,13 +9,9 @@ from .driver.certificate import Certificate
 from .errors import SceneError
 from .output.read import Result
 from .parallel.comm import SerialComm
-from .parallel.h5_sum import Checked
 from .registry import body_of
-from .scene import ArrayScene, Scene
-from .scene.model import parse_toml
+from .results import scene_of, whole
 from .surface import Surface, grid_of
-
-LOST = ("energy", "approach", "duality_gap")  # observables that the fields do not tell
 
 
 def restored_contact(result: Result) -> Contact:
@@ -43,17 +39,6 @@ def restored_contact(result: Result) -> Contact:
     return Contact(surface, E_star, step["p"], _in_cell(fields["gap"] / surface.height_unit, grid),
                    _in_cell(fields["pressure"] / pressure_unit, grid), outcome, scene.solver.accuracy or scene.solver.residual,
                    getattr(scene.surface, "lam_s", None), body_of(scene.material, free))
-
-
-def scene_of(result: Result) -> Scene:
-    """The scene of a Result; of one whose heights were an array, with the sizes alone as its surface."""
-    table = parse_toml(result.scene_toml, str(result.path))
-    return (Scene if "kind" in table.get("surface", {}) else ArrayScene).from_dict(table, str(result.path))
-
-
-def whole(field) -> np.ndarray:
-    """All rows of a parallel.h5.Stored field, or those of this rank of a Slab. Raises GfmdError where the file is damaged."""
-    return field.read(*field.span) if field.checksum is None else Checked(field).read(0, field.shape[0])
 
 
 def _constant_axis(*fields):

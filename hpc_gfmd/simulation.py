@@ -10,20 +10,21 @@ from typing import Any
 import numpy as np
 
 from .composition import asked, check, load_shown, step_attributes, surface_attributes, sweep_of, worst
-from .contact import FIELDS, heights_of
+from .contact import heights_of
 from .driver.memory import require_memory
 from .driver.prescribed import Prescribed
 from .driver.sweep import first_precision
 from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
+from .fields import FIELDS
 from .output.checkpoint import read_checkpoint, write_checkpoint
 from .output.read import partial_folder, read_partial
 from .output.record import RunFile, tidy
-from .output.table import table
+from .output.table import surface_line, table
 from .parallel import wisdom
 from .parallel.comm import threads_of, world
 from .parallel.guard import guarded
-from .parallel.interrupt import Interrupt
+from .parallel.interrupt import Interrupt, Stopped
 from .progress import Reporter
 from .scene import Scene, load_scene, with_overrides
 from .surface import build_surface, grid_of, surface_size
@@ -64,6 +65,11 @@ def run_scene(scene: str | PathLike | Scene, overrides: Iterable[str] = (), out:
     comm
         A communicator of parallel.comm; default: all processes that the MPI launcher started.
 
+    Returns
+    -------
+    RunResult
+        What was written, and how it went.
+
     Raises
     ------
     SceneError
@@ -93,24 +99,46 @@ def run_scene(scene: str | PathLike | Scene, overrides: Iterable[str] = (), out:
                     compressed=scene.output.compression, dtype=scene.output.dtype) as file:
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
-        if resume and comm.rank == 0:
-            wisdom.take_from(file.partial)
-        compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material, asked(scene.output))
-        low = scene.solver.low_memory
-        sweep = sweep_of(scene, lambda dtype: build_surface(scene.surface, comm, dtype, threads, low))
-        loads = sweep.pressures(scene.load)
-        _require_same_heights(file, sweep.surface)
-        _require_storable(scene.output, sweep.surface, [p for p in loads if not isinstance(p, Prescribed)])
-        attributes = surface_attributes(scene, sweep.surface)
-        file.update_surface(**attributes)
-        file.update_head(heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
-        if "heights" in scene.output.fields:
-            file.write_heights(heights_of(sweep.surface))
-        for line in sweep.surface.notes:
-            say.say(f"note: {line}")
-        say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
-        run = _Run(comm, scene, file, sweep, say, interrupt, attributes)
-        return run.all_steps(loads)
+        try:
+            return _solve(comm, scene, file, say, interrupt, (n, threads, begun, resume))
+        except Stopped:  # between two iterations: the last checkpoint is what a restart begins from
+            return _stopped(comm, file, say, interrupt)
+
+
+def _solve(comm, scene, file, say, interrupt, how):
+    """Surface, sweep and all steps; how: (size of the surface, threads, time at which the run began, whether it is resumed)."""
+    n, threads, begun, resume = how
+    if resume and comm.rank == 0:
+        wisdom.take_from(file.partial)
+    compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material, asked(scene.output), say.say)
+    low = scene.solver.low_memory
+    sweep = sweep_of(scene, lambda dtype: build_surface(scene.surface, comm, dtype, threads, low))
+    loads = sweep.pressures(scene.load)
+    _require_same_heights(file, sweep.surface)
+    _require_storable(scene.output, sweep.surface, [p for p in loads if not isinstance(p, Prescribed)])
+    attributes = surface_attributes(scene, sweep.surface)
+    stored = heights_of(sweep.surface) if "heights" in scene.output.fields else None
+    file.update(attributes, stored, heights=sweep.surface.checksum or "", setup_seconds=time.monotonic() - begun)
+    for line in sweep.surface.notes:
+        say.say(f"note: {line}")
+    say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
+    run = _Run(comm, scene, file, sweep, say, interrupt, attributes)
+    return run.all_steps(loads)
+
+
+def _stopped(comm, file, say, interrupt):
+    """What a run ends with that was asked to stop."""
+    say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
+    return RunResult(file.path, _finished_steps(comm, file), "interrupted", interrupt.exit_code)
+
+
+def _finished_steps(comm, file):
+    """Attributes of the steps that are in the file. Collective."""
+    steps = None
+    with guarded(comm, f"reading {file.partial}"):
+        if comm.rank == 0:
+            steps = read_partial(file.path).steps
+    return comm.bcast(steps)
 
 
 def restart(path, overrides=(), quiet=False, comm=None):
@@ -162,9 +190,10 @@ def _require_storable(output, surface, pressures):
 def _headline(scene, surface, n, comm, seconds):
     wanted = f"accuracy {scene.solver.accuracy:g}" if scene.solver.accuracy else f"residual {scene.solver.residual:g}"
     one_d = "" if surface.reduced_axis is None else ", varies along one axis only"
-    return (f"{scene.title or scene.surface.kind}: {n[0]} x {n[1]} points{one_d}, {comm.size} rank{'s' * (comm.size > 1)}, "
-            f"{_precision(scene.solver)}, {wanted}; h_rms = {surface.h_rms:.4g}, g_rms = {surface.g_rms:.4g}; "
-            f"ready after {seconds:.1f} s")
+    known = {"n": n, "physical_sizes": surface.sizes, "h_rms": surface.h_rms, "g_rms": surface.g_rms,
+             "unit": surface.unit or scene.length_unit}
+    return (f"{scene.title or scene.surface.kind}: {surface_line(known)}{one_d}; {comm.size} rank{'s' * (comm.size > 1)}, "
+            f"{_precision(scene.solver)}, {wanted}; ready after {seconds:.1f} s")
 
 
 def _precision(settings):
@@ -187,10 +216,8 @@ class _Run:
         for index in range(first, max(unfinished, default=-1) + 1):
             status = self._one_step(index, loads, midway if index == first else None)
             if status == "interrupted":
-                self.say.say(f"stopped; continue with: hpc-gfmd restart {self.file.path}")
-                self.file.update_head(status="interrupted")
-                return RunResult(self.file.path, self._done(), "interrupted", self.interrupt.exit_code)
-        steps = self._done()
+                return _stopped(self.comm, self.file, self.say, self.interrupt)
+        steps = _finished_steps(self.comm, self.file)
         status = worst(steps)
         self.file.finish(status)
         self.say.say(table(steps, surface=self.surface))
@@ -218,13 +245,6 @@ class _Run:
         if first < unfinished:
             self.say.say(f"note: repeating from load {first + 1}, where the last checkpoint is; finished loads stay as they are")
         return first, found if found and found.midway else None
-
-    def _done(self):
-        steps = None
-        with guarded(self.comm, f"reading {self.file.partial}"):
-            if self.comm.rank == 0:
-                steps = read_partial(self.file.path).steps
-        return self.comm.bcast(steps)
 
     def _one_step(self, index, loads, midway):
         begun = time.monotonic() - (midway.seconds if midway else 0.0)

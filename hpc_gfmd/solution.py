@@ -1,27 +1,26 @@
 """What a solved load says, in memory or from a result file: numbers, fields, and what else is asked of it."""
 
-from collections.abc import Sequence
-from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .contact import FIELDS, Contact, LazyField
 from .errors import SceneError
+from .fields import FIELDS
 from .output.html import html_table
 from .output.read import Result
-from .output.record import RunFile
-from .output.table import summary, surface_line
+from .output.table import summary
 from .parallel.comm import SerialComm
 from .registry import all_distributions, all_observables, distribution_names, names_together, observable_names
-from .restored import LOST, restored_contact, whole
+from .results import draw, in_memory, save, whole
 from .scene.explain import nearest
 
 if TYPE_CHECKING:
+    from .contact import Contact
     from .plotting.style import Figure
 
+LOST = ("energy", "approach", "duality_gap")  # observables that the fields do not tell
 
 class Solution:
     """A solved load.
@@ -33,10 +32,10 @@ class Solution:
         All that is known, by the names of the result file: result.surface, result.steps[0], result.fields[0].
     """
 
-    def __init__(self, result: Result, contact: Contact | None = None, rows: tuple[int, int] | None = None, comm: Any = None):
+    def __init__(self, result: Result, contact: "Contact | None" = None, rows: tuple[int, int] | None = None, comm: Any = None):
         self.result, self.comm, self._contact = result, comm or SerialComm(), contact
         self.rows = rows or (0, int(result.surface["n"][0]))
-        self._arrays = {}
+        self._arrays: dict[str, np.ndarray] = {}
 
     # numbers
 
@@ -93,7 +92,7 @@ class Solution:
 
     @property
     def h_rms(self) -> float:
-        """rms height."""
+        """Realised rms of the heights, in their unit."""
         return self.result.surface["h_rms"]
 
     @property
@@ -188,10 +187,11 @@ class Solution:
         "pressure", "gap", "patches": {"edges": (k + 1,), "density": (k,)}; "heights_spectrum": {"q", "power"}; ... None where there is
         nothing to count. Collective. Raises SceneError as `observable`.
         """
-        free = [word == "free" for word in self.result.surface.get("boundary", "").split(", ")]
-        if name not in distribution_names(free):
-            raise SceneError(f'distribution: found {name!r}, nearest: "{nearest(str(name), distribution_names(free))}", '
-                             f"allowed: {', '.join(sorted(distribution_names(free)))}")
+        along_x, _, along_y = self.result.surface.get("boundary", "").partition(", ")
+        names = distribution_names((along_x == "free", along_y == "free"))
+        if name not in names:
+            raise SceneError(f'distribution: found {name!r}, nearest: "{nearest(str(name), names)}", '
+                             f"allowed: {', '.join(sorted(names))}")
         if not self._stored_distribution(name):
             contact = self._whole_contact()
             if name.startswith("heights") and contact.surface.h is None:
@@ -212,14 +212,16 @@ class Solution:
 
     def save(self, path: str | PathLike, force: bool = False) -> Path:
         """Write a result file, as `hpc-gfmd run` does; see Solutions.save."""
-        return _save(self, path, force)
+        return save(self.result, path, force, self.rows, self.comm)
 
     def plot(self, what: str | None = None, **how: Any) -> "Figure":
-        """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept), "distributions" or "curves".
+        """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept), "distributions", "spectra",
+        "curves" or one field.
 
-        how: further arguments of plotting.figures. Raises SceneError where there is no such picture, or fields are spread over ranks.
+        how: window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such picture, or fields are spread over
+        ranks.
         """
-        return _plot(self, what, how)
+        return draw(self.result, self.comm, what, how)
 
     def __repr__(self) -> str:
         return f"<Solution: {summary(self._step, self.result.surface)}>"
@@ -228,7 +230,7 @@ class Solution:
         return html_table(self.result.steps, self.result.surface, across=False)
 
     def __reduce__(self):
-        return Solution, (_in_memory(self.result), None, self.rows)
+        return Solution, (in_memory(self.result), None, self.rows)
 
     @property
     def _step(self) -> dict:
@@ -250,130 +252,11 @@ class Solution:
 
     def _whole_contact(self):
         if self._contact is None:
+            from .restored import restored_contact  # imports numba
+
             self._contact = restored_contact(self.result)
         return self._contact
 
     def _stored_distribution(self, name):
         named = {key.removeprefix(f"{name}_"): value for key, value in self._step.items() if key.startswith(f"{name}_")}
         return {what: np.array(value) for what, value in named.items() if isinstance(value, list) and "_" not in what}
-
-
-class Solutions(Sequence):
-    """The solutions of a sweep of loads, in the order of the loads.
-
-    result : output.read.Result
-        All that is known, by the names of the result file.
-    """
-
-    def __init__(self, solutions: Sequence[Solution], result: Result):
-        self._all, self.result = list(solutions), result
-
-    @overload
-    def __getitem__(self, index: int) -> Solution: ...
-    @overload
-    def __getitem__(self, index: slice) -> "Solutions": ...
-    def __getitem__(self, index):
-        if not isinstance(index, slice):
-            return self._all[index]
-        picked = {key: getattr(self.result, key)[index] for key in ("steps", "indices", "fields")}
-        return Solutions(self._all[index], replace(self.result, **picked))
-
-    def __len__(self) -> int:
-        return len(self._all)
-
-    @property
-    def status(self) -> str:
-        """The worst of all loads; "interrupted" or "running" of a file that is not finished."""
-        return self.result.status
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What a reader should know, such as loads that are missing, a line each."""
-        return self.result.notes
-
-    def values(self, name: str) -> np.ndarray:
-        """An observable or another number of all loads, (loads,), by its name in the result file: values("p_star"); nan for none."""
-        found = [one.result.steps[0][name] if name in one.result.steps[0] else one.observable(name) for one in self]
-        return np.array([np.nan if value is None else value for value in found])
-
-    def save(self, path: str | PathLike, force: bool = False) -> Path:
-        """Write a result file of all loads, as `hpc-gfmd run` does; returns its path.
-
-        path: of the file, which ends in .h5; force: overwrite a file that is not a result of the same surface, loads and settings.
-        Collective. Warns of what it replaces. Raises SceneError where it may not be written, GfmdError where writing fails.
-        """
-        return _save(self, path, force)
-
-    def plot(self, what: str = "curves", **how: Any) -> "Figure":
-        """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads), "maps" or "distributions" (of some loads).
-
-        how: further arguments of plotting.figures. Raises SceneError where there is no such picture, or fields are spread over ranks.
-        """
-        return _plot(self, what, how)
-
-    def __repr__(self) -> str:
-        lines = [f"<{len(self)} solution{'s' * (len(self) != 1)}: {surface_line(self.result.surface)}, {self.status}"]
-        lines += [f"  {k}: {summary(step, self.result.surface)}" for k, step in zip(self.result.indices, self.result.steps)]
-        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)]) + ">"
-
-    def _repr_html_(self) -> str:
-        return html_table(self.result.steps, self.result.surface, self.result.indices, self.notes)
-
-    def __reduce__(self):
-        return solutions_of, (_in_memory(self.result),)
-
-
-def solutions_of(result: Result, contacts=None, rows=None, comm=None) -> Solutions:
-    """The Solutions of a Result; contacts: one contact.Contact, or None, for each load."""
-    contacts = contacts or [None] * len(result.steps)
-    singles = [replace(result, steps=[step], indices=[index], fields=[fields], status=step["status"])
-               for step, index, fields in zip(result.steps, result.indices, result.fields, strict=True)]
-    return Solutions([Solution(single, contact, rows, comm) for single, contact in zip(singles, contacts, strict=True)], result)
-
-
-def _plot(solved, what, how):
-    from .plotting import figures
-
-    one = solved if isinstance(solved, Solution) else solved[0]
-    if one.comm.size > 1:
-        raise SceneError(f"plot: found fields that are spread over {one.comm.size} ranks, allowed: save, and plot the file")
-    drawn = figures(solved.result, **how)
-    what = what or next(iter(drawn))
-    if what not in drawn:
-        raise SceneError(f"what: found {what!r}, allowed: {', '.join(drawn)}")
-    return drawn[what]
-
-
-def _save(solved, path, force):
-    import warnings
-
-    one = solved if isinstance(solved, Solution) else solved[0]
-    result, path = solved.result, Path(path)
-    if path.suffix.lower() not in (".h5", ".hdf5"):
-        raise SceneError(f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5")
-    said, comm, (start, stop) = result.surface, one.comm, one.rows
-
-    def slab(field):
-        return LazyField(lambda i0, i1: field.read(start + i0, start + i1), (stop - start, said["n"][1]), field.stored)
-
-    head = {name: value for name, value in result.head.items() if name not in ("status", "end_time", "io")}
-    with RunFile(comm, path, said["n"], one.rows, head, said, force=force) as file:
-        if comm.rank == 0:
-            for note in file.notes:
-                warnings.warn(note, stacklevel=3)
-        if any("heights" in fields for fields in result.fields):
-            file.write_heights(slab(next(fields["heights"] for fields in result.fields if "heights" in fields)))
-        for index, step, fields in zip(range(len(result.steps)), result.steps, result.fields, strict=True):
-            file.write_step(index, step, {name: slab(field) for name, field in fields.items() if name != "heights"})
-        file.finish(result.status)
-    return path
-
-
-def _in_memory(result):
-    """The Result without what refers to a solver or to a file."""
-    from .parallel.h5 import Slab
-
-    def copy(field):
-        return Slab(whole(field), field.span[0], field.shape)
-
-    return replace(result, fields=[{name: copy(field) for name, field in fields.items()} for fields in result.fields])

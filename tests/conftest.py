@@ -16,10 +16,6 @@ import pytest
 _results = {}  # ranks: {child's node id: (outcome, text)}
 
 
-def pytest_addoption(parser):
-    parser.addoption("--record-faults", action="store_true", help="keep what tests/faults see in docs/faults/faults.jsonl")
-
-
 def pytest_configure(config):
     if mpi_harness.is_child():
         config.pluginmanager.register(mpi_harness.Child())
@@ -39,12 +35,9 @@ def pytest_generate_tests(metafunc):
         metafunc.parametrize("ranks", counts, indirect=True, ids=[f"n{k}" for k in counts])
 
 
-@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
     lacking = mpi_harness.missing()
     marked = [item for item in items if item.get_closest_marker("mpi")]
-    for item in marked:
-        item.add_marker(pytest.mark.xdist_group("mpi"))  # one process reports them all, while others run what needs no ranks
     if lacking and marked:
         if mpi_harness.must_run():
             raise pytest.UsageError(f"tests on several ranks were asked for, but {lacking} is missing")
@@ -74,9 +67,9 @@ def _on_ranks(item):
 
 
 def _child_id(item):
-    """The node id without the rank count, which comes first, and without the group that pytest-xdist adds."""
+    """The node id without the rank count, which comes first."""
     ranks = f"n{item.callspec.params['ranks']}"
-    head, _, bracket = item.nodeid.removesuffix("@mpi").partition("[")
+    head, _, bracket = item.nodeid.partition("[")
     rest = bracket.removesuffix("]").removeprefix(ranks).removeprefix("-")
     return f"{head}[{rest}]" if rest else head
 

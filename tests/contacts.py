@@ -1,6 +1,7 @@
 """Short cuts for tests: sweeps from tables as in a scene, and random heights."""
 
 import numpy as np
+import tomli_w
 
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
@@ -15,6 +16,11 @@ def rough(n_over=(2, 16, 2), hurst=0.8, seed=1, **others):
     """[surface] of a self-affine wall; n_over: L/lam_l, lam_l/lam_s, lam_s/a."""
     names = ("L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a")
     return {"kind": "self-affine", "hurst": hurst, "seed": seed} | dict(zip(names, n_over, strict=True)) | others
+
+
+def scene_text(n_over=(2, 8, 2), p_star=(0.05, 0.1), **others):
+    """A scene file of a self-affine wall; others: further tables, and its title."""
+    return tomli_w.dumps({"surface": rough(n_over), "load": {"p_star": list(p_star)}, **others})
 
 
 def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver):

@@ -33,7 +33,7 @@ class TimedSolver:
         self.start = np.maximum(surface.h - surface.h.dtype.type(surface.h.mean()), 0)
         self.spent = {}
         solver = self.solver
-        self._time(solver, "_propose", "propose + rows")
+        self._time(solver, "_search", "search + rows")
         self._time(solver.elastic, "pressure_columns", "columns")
         self._time(solver, "_update", "update + rows")
         self._time(solver.levels, "sweep", "sweep")
@@ -69,7 +69,7 @@ def field_passes(shapes):
     first, coarser = (share[1] if len(share) > 1 else 1.0), sum(share[2:])
     spectrum = 1 + 2 / shapes[0][1]  # n_y/2 + 1 complex columns
     return {
-        "propose + rows": 3 + 1 + first + spectrum,  # read g, p, d and z of level 1; write d; write the row spectra
+        "search + rows": 3 + 1 + first + spectrum,  # read g, p, d and z of level 1; write d; write the row spectra
         "columns": 2 * spectrum,  # read and write
         "update + rows": spectrum + 3 + 2 + 3 * first,  # read row spectra, g, p, d; write g, p; write p, theta and x on level 1
         # level 1: restrict p and theta, then read p, theta, x, write z; coarser ones: write and read p and theta both ways, z

@@ -1,82 +1,150 @@
-"""A performance model: one core's measured speed, memory bandwidth shared on a node, and a network of latency and bandwidth.
+"""A performance model: measured speed of one core, the memory bandwidth of a node, and a network, put together with what every rank has
+and sends by the code's own account (driver/decomposition.py).
 
-One FFT pair, with everything that goes along with it, takes per rank (n x n points, P ranks, c ranks on each of the nodes)
+An FFT pair on one grid, with everything that goes along with it, takes on the rank that has most
 
-    compute      N/P (t_fft log2 N + t_kernel) s(c)     s(c): slow-down by the shared memory bandwidth of a node
-    transpose    2 (alltoall of N/P complex halves): bytes over the node's link, K blocks of P messages each
-    levels       log2(n/P) halo exchanges down and up, then one allreduce of the level that is summed onto all ranks
-    reductions   3 small allreduces, 2 latency log2 P each
+    compute      points times max(one core's time, bytes moved per point times the cores at work over the bandwidth of the node);
+                 levels of the preconditioner are swept by one thread, and what is gathered on this rank comes on top
+    transpose    bytes to other nodes over its share of the node's link, bytes within the node twice over its memory, overhead and
+                 latency of the messages
+    levels       halo and gathered rows: bytes over the link, a latency for each message
+    reductions   a latency for each stage
 
-The slab limit is P <= n. Nothing overlaps in the model, as nothing does in the code.
+and a solve such pairs on the finest grid and a few on every grid of the nested start. Nothing overlaps, as nothing does in the code.
+Not in the model: surface generation, reading and writing, contention in the network.
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
-from ..parallel.fft import COLUMN_BYTES, MIN_WIDTH
+from ..driver.decomposition import Share, share_of
+from .kernels import field_passes
+
+MOST_THREADS = 8  # of a rank: more were never measured
+START_AND_END = 2  # FFT pairs on the finest grid beside its iterations: the first pressure and the certificate
 
 
 @dataclass(frozen=True)
 class Machine:
-    """fft: seconds per point and log2 N, kernel: seconds per point, of one FFT pair on one core; pairs: FFT pairs of a solve;
-    itemsize: bytes of a real number; cores: per node; saturated: cores that use up a node's memory bandwidth."""
+    """fft: seconds per point and log2 N, kernel: seconds per point, of one FFT pair on one core; levels: share of the time that goes
+    into the levels; pairs, coarse_pairs: FFT pairs on the finest grid and on each coarser one; itemsize: bytes of a real number;
+    cores: of a node, bandwidth: of its memory in bytes per second (one socket with eight channels of DDR4-3200, as STREAM finds)."""
 
     fft: float
     kernel: float
+    levels: float
     pairs: float
+    coarse_pairs: float
     itemsize: int = 4
     cores: int = 64
-    saturated: int = 24
+    bandwidth: float = 170e9
 
     @classmethod
     def from_row(cls, row):
         """From a measured row on one rank."""
-        N, pairs = row["n"] ** 2, row["fft_pairs"]
-        per_pair = row["seconds"] / pairs / N
-        share = row["share_fft"]
-        return cls(per_pair * share / np.log2(N), per_pair * (1 - share), pairs, 4 if row["precision"] == "single" else 8)
+        grids = _grids((row["n"], row["n"]), 1)
+        points = np.array([part.points for part in grids], float)
+        pairs = min(row["iterations"] + START_AND_END, row["fft_pairs"])
+        coarse = (row["fft_pairs"] - pairs) * points[0] / points[1:].sum() if len(grids) > 1 else 0.0
+        work = points * np.array([pairs, *[coarse] * (len(grids) - 1)])
+        fft = row["seconds"] * row["share_fft"] / (work * np.log2(points)).sum()
+        return cls(fft, row["seconds"] * (1 - row["share_fft"]) / work.sum(), row["share_levels"], pairs, coarse,
+                   4 if row["precision"] == "single" else 8)
 
-    def slowdown(self, ranks):
-        """How much slower a core is when `ranks` of them work on a node."""
-        return max(1.0, min(ranks, self.cores) / self.saturated)
+    @property
+    def bytes_per_point(self):
+        """Bytes that an FFT pair moves between memory and caches for each point, as bench/kernels.py counts them."""
+        return self.itemsize * sum(field_passes([(2**k, 2**k) for k in range(14, -1, -1)]).values())
+
+    def seconds_per_point(self, N):
+        """Of one FFT pair on one core that has the memory to itself."""
+        return self.fft * np.log2(N) + self.kernel
 
     def describe(self):
         """The assumptions in one line."""
-        return (f"nodes of {self.cores} cores whose memory feeds {self.saturated}; one core: FFT {1e9 * self.fft:.3g} ns per point and "
-                f"log2 N, the rest {1e9 * self.kernel:.3g} ns per point, of each of {self.pairs:.1f} pairs")
+        return (f"nodes of {self.cores} cores with {self.bandwidth / 1e9:g} GB/s of memory; one core: FFT {1e9 * self.fft:.3g} ns per "
+                f"point and log2 N, the rest {1e9 * self.kernel:.3g} ns per point, {self.levels:.0%} in the levels, "
+                f"{self.bytes_per_point:.3g} bytes per point; {self.pairs:.1f} FFT pairs, {self.coarse_pairs:.1f} on each coarser grid")
 
 
 @dataclass(frozen=True)
 class Network:
-    """latency in seconds per message, bandwidth of a node's link in bytes per second each way."""
+    """latency: seconds until a message is there; overhead: that a rank is busy with each; bandwidth: of a node's link each way."""
 
     latency: float = 2e-6
+    overhead: float = 0.4e-6
     bandwidth: float = 12.5e9
 
     def describe(self):
         """The assumptions in one line."""
-        return f"network of {1e6 * self.latency:g} us and {self.bandwidth / 1e9:g} GB/s per node"
+        return (f"network of {1e6 * self.latency:g} us, {1e6 * self.overhead:g} us of work per message and "
+                f"{self.bandwidth / 1e9:g} GB/s per node")
+
+
+@dataclass(frozen=True)
+class _Part:
+    """The numbers of a Share, of rank 0, that the model takes: size: ranks; K: all-to-alls of a transform."""
+
+    size: int
+    N: int
+    points: int
+    gathered: float
+    K: int
+    transpose: tuple[int, int]
+    levels: tuple[int, int]
+    stages: int
+
+
+@cache
+def _grids(n, ranks, itemsize=4):
+    """A grid and all coarser ones of the nested start."""
+    finest = share_of(n, np.float32 if itemsize == 4 else np.float64, ranks)
+    shares = [finest, *(Share(grid, finest.dtype) for grid in finest.grids)]
+    return [_Part(share.grid.comm.size, share.grid.cell_points, share.points, max(share.level_points - share.points / 3, 0.0),
+                  share.layout.K, share.transpose_traffic, share.level_traffic, share.reduction_traffic[1]) for share in shares]
+
+
+def _pair(part, machine, network, ranks_per_node, threads):
+    """Seconds of the parts of an FFT pair on a grid: compute, transpose, levels and reductions."""
+    here = min(ranks_per_node, part.size)
+    alone = machine.seconds_per_point(part.N)
+    per_point = alone * (machine.levels + (1 - machine.levels) / threads)
+    crowded = machine.bytes_per_point * here / machine.bandwidth
+    compute = part.points * max(per_point, crowded) + part.gathered * 3 * machine.levels * alone
+
+    (nbytes, messages), (level_bytes, level_messages) = part.transpose, part.levels
+    off_node = (part.size - here) / (part.size - 1) if part.size > 1 else 0.0
+    transpose = nbytes * here * (off_node / network.bandwidth + 2 * (1 - off_node) / machine.bandwidth)
+    transpose += messages * network.overhead + 2 * part.K * network.latency * (part.size > 1)
+    levels = level_bytes / network.bandwidth + level_messages * network.latency
+    return np.array([compute, transpose, levels, part.stages * network.latency])
+
+
+def _solve(n, ranks, ranks_per_node, threads, machine, network):
+    """Seconds of the parts of a solve."""
+    finest, *coarser = (_pair(part, machine, network, ranks_per_node, threads) for part in _grids((n, n), ranks, machine.itemsize))
+    return machine.pairs * finest + machine.coarse_pairs * sum(coarser, np.zeros(4))
 
 
 def predict(n, nodes, machine, network, ranks_per_node=None):
-    """One row of the model: seconds of a solve, parallel efficiency against one core, shares; None beyond the slab limit."""
-    per_node = ranks_per_node or min(machine.cores, max(1, n // nodes))
-    P, N = nodes * per_node, n * n
-    if P > n:
+    """One row of the model: seconds of a solve with the best number of ranks and threads on each node (or the one given), efficiency
+    against one core and against one full node, shares, and the part of the bandwidth of the nodes' memory that is used; None beyond
+    the slab limit of one row for each rank."""
+    choices = [2**k for k in range(machine.cores.bit_length())] if ranks_per_node is None else [ranks_per_node]
+    choices = [k for k in choices if machine.cores / MOST_THREADS <= k <= machine.cores and nodes * k <= n]
+    if not choices:
         return None
-    compute = N / P * (machine.fft * np.log2(N) + machine.kernel) * machine.slowdown(per_node)
-    off_node = N / nodes * machine.itemsize * (1 - 1 / nodes)  # a complex half spectrum has the bytes of the real field
-    width = max(MIN_WIDTH, COLUMN_BYTES // (n * 2 * machine.itemsize))
-    blocks = -(-(n // 2 + 1) // (P * width))
-    transpose = 2 * off_node / network.bandwidth
-    levels = max(0.0, np.log2(n / P))
-    whole = max(P, 128) ** 2 * 2 * machine.itemsize  # the level that is summed onto every rank, two fields
-    hop = network.latency * (np.log2(P) if P > 1 else 0.0)
-    messages = 2 * blocks * (P - per_node) * network.latency + 4 * levels * network.latency * (nodes > 1) + 8 * hop
-    summed = 2 * whole / network.bandwidth * (nodes > 1)
-    pair = compute + transpose + messages + summed
-    alone = N * (machine.fft * np.log2(N) + machine.kernel)
-    return {"n": n, "nodes": nodes, "ranks": P, "seconds": float(machine.pairs * pair), "efficiency": float(alone / (pair * P)),
-            "share_transpose": float(transpose / pair), "share_latency": float((messages + summed) / pair),
-            "gib_per_node": float(6 * N * machine.itemsize / nodes / 2**30)}
+    parts, per_node = min(((_solve(n, nodes * k, k, machine.cores // k, machine, network), k) for k in choices),
+                          key=lambda found: found[0].sum())
+    seconds = float(parts.sum())
+    alone = _solve(n, 1, 1, 1, machine, network).sum()
+    on_one_node = min(_solve(n, k, k, machine.cores // k, machine, network).sum() for k in choices)
+    moved = n * n * machine.bytes_per_point * (machine.pairs + machine.coarse_pairs / 3)
+    return {"n": n, "nodes": nodes, "ranks": nodes * per_node, "threads": machine.cores // per_node,
+            "network_gb_per_s": network.bandwidth / 1e9, "seconds": seconds,
+            "efficiency": float(alone / (seconds * nodes * machine.cores)), "of_one_node": float(on_one_node / (seconds * nodes)),
+            "share_transpose": float(parts[1] / seconds), "share_latency": float(parts[2:].sum() / seconds),
+            "of_bandwidth": float(moved / nodes / machine.bandwidth / seconds),
+            "gib_per_node": float(6 * n * n * machine.itemsize / nodes / 2**30)}

@@ -10,7 +10,7 @@ MARKERS = {"double": "o", "single": "^"}
 
 def draw(rows, path, cost):
     """Draw the rows of the largest n of bench_accuracy to path. cost: which of LABELS to draw the error against."""
-    from ..plotting.style import COLOURS, figure
+    from ..plotting.style import COLOURS, figure, ticks
 
     rows = [row for row in rows if row["error"] and row["status"] in ("converged", "interrupted")]
     if not rows:
@@ -27,21 +27,10 @@ def draw(rows, path, cost):
                 ax.set_title(f"$H$ = {hurst:g}, $p^*$ = {p_star:g}")
         for ax in panels[-1]:
             ax.set_xlabel(LABELS[cost])
-        _ticks(panels[0, 0].xaxis)
+        ticks(panels[0, 0].xaxis)
         for line in panels:
             line[0].set_ylabel("true relative error")
         _legend(fig, rows, solvers, n, COLOURS)
-
-
-def _ticks(axis):
-    """One label a decade; three where there are hardly two decades."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    low, high = axis.get_view_interval()
-    if high < 200 * low:
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
-    axis.set_minor_formatter(NullFormatter())
 
 
 def _panel(ax, rows, solvers, cost, colours):

@@ -16,10 +16,14 @@ COLUMNS = {"kind": ("kind", "8s"), "n": ("n", "6d"), "ranks": ("ranks", "d"), "t
            "precision": ("precision", "s"), "p_star": ("p*", "6.3g"),
            "seconds": ("s", "7.3g"), "efficiency": ("efficiency", ".2f"), "fft_pairs": ("pairs", "6.1f"),
            **{f"share_{part}": (part, ".0%") for part in (*PARTS, "kernels")}}
-MODEL_COLUMNS = {"n": ("n", "6d"), "nodes": ("nodes", "5d"), "ranks": ("ranks", "6d"), "seconds": ("s", "7.3g"),
-                 "efficiency": ("efficiency", ".2f"), "share_transpose": ("transpose", ".0%"), "share_latency": ("latency", ".0%"),
+MODEL_COLUMNS = {"n": ("n", "6d"), "network_gb_per_s": ("link", "5.3g"), "nodes": ("nodes", "5d"), "ranks": ("ranks", "6d"),
+                 "threads": ("threads", "d"), "seconds": ("s", "7.3g"), "efficiency": ("efficiency", ".2f"),
+                 "of_one_node": ("of a node", ".2f"), "of_bandwidth": ("of memory", ".2f"),
+                 "share_transpose": ("transpose", ".0%"), "share_latency": ("latency", ".0%"),
                  "gib_per_node": ("GiB/node", ".3g")}
 NODES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)
+NETWORKS = (Network(), Network(bandwidth=25e9))
+HERE = 1e12  # bytes per second: two cores do not use up the memory of this machine
 ACCURACY = 1e-2
 
 
@@ -85,16 +89,19 @@ def _predict(report, out):
     serial = max((row for row in report.rows if row["ranks"] == 1), key=lambda row: row["n"], default=None)
     if serial is None:
         return model
-    machine, network = Machine.from_row(serial), Network()
-    model.say(f"# {machine.describe()}; {network.describe()}")
+    machine = Machine.from_row(serial)
+    model.say(f"# {machine.describe()}")
+    for network in NETWORKS:
+        model.say(f"# {network.describe()}")
     for row in report.rows:  # what the model makes of this machine, beside what was measured
         if row["kind"] == "strong" and row["ranks"] > 1 and row["precision"] == serial["precision"]:
-            here = replace(machine, cores=row["ranks"], saturated=row["ranks"], pairs=row["fft_pairs"])
-            said = predict(row["n"], 1, here, network)["seconds"]
+            here = replace(machine, cores=row["ranks"], bandwidth=HERE)
+            said = predict(row["n"], 1, here, NETWORKS[0], row["ranks"])["seconds"]
             model.say(f"# n = {row['n']}, {row['ranks']} ranks: measured {row['seconds']:.3g} s, model {said:.3g} s")
-    for n in (2**15, 2**17):
-        for nodes in NODES:
-            row = predict(n, nodes, machine, network)
-            if row:
-                model.add(**row)
+    for network in NETWORKS:
+        for n in (2**15, 2**17):
+            for nodes in NODES:
+                row = predict(n, nodes, machine, network)
+                if row:
+                    model.add(**row)
     return model

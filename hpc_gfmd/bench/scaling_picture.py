@@ -13,10 +13,10 @@ def scaling_picture(rows, model_rows, folder):
         measured, shares, model = fig.subplots(1, 3)
         _efficiency(measured, rows, COLOURS)
         _shares(shares, [row for row in rows if row["kind"] == "strong"], COLOURS)
-        for k, n in enumerate(dict.fromkeys(row["n"] for row in model_rows)):
-            here = [row for row in model_rows if row["n"] == n]
-            model.loglog([row["nodes"] for row in here], [row["seconds"] for row in here], "o-", ms=4, color=COLOURS[k],
-                         label=f"$n = 2^{{{round(np.log2(n))}}}$")
+        for k, (n, link) in enumerate(dict.fromkeys((row["n"], row["network_gb_per_s"]) for row in model_rows)):
+            here = [row for row in model_rows if (row["n"], row["network_gb_per_s"]) == (n, link)]
+            model.loglog([row["nodes"] for row in here], [row["seconds"] for row in here], "o-", ms=4, color=COLOURS[k % len(COLOURS)],
+                         label=f"$n = 2^{{{round(np.log2(n))}}}$, {link:g} GB/s")
         model.set(xlabel="nodes (model)", ylabel="solve (s)", title="predicted")
         model.legend()
 

@@ -87,7 +87,7 @@ def main(argv):
 
 def _instrument(sweep, watch):
     """Time the transforms of all grids, and the sweep over the levels of every solver that is made."""
-    grids = [sweep.surface.grid] + [coarse for _, coarse in (sweep.nested.steps if sweep.nested else [])]
+    grids = [sweep.surface.grid] + (sweep.nested.grids if sweep.nested else [])
     for grid in grids:
         for fft in grid.planned():
             if not hasattr(fft.plans, "is_timed"):

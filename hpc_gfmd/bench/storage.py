@@ -5,47 +5,70 @@ import tempfile
 from contextlib import nullcontext
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from ..parallel.comm import world
 from ..parallel.fft import row_starts
-from ..parallel.h5 import Slab, read_rows, sync, write_file
+from ..parallel.h5 import CHECKSUM, Stored, io_way, write_file
 from .report import Report
-from .timing import Clock, ratio
+from .timing import Clock, Sample, ratio
 
-COLUMNS = {"n": ("n", "7d"), "way": ("way", "16s"), "gb": ("GB", "7.3g"), "seconds": ("s (min)", "8.3g"), "rate": ("GB/s", "7.3g"),
-           "times_raw": ("x raw", "7.2f")}
+COLUMNS = {"n": ("n", "7d"), "way": ("way", "20s"), "gb": ("GB", "7.3g"), "seconds": ("s (min)", "8.3g"), "rate": ("GB/s", "7.3g"),
+           "times_raw": ("x raw", "7.2f"), "times_one": ("x one file", "10.2f")}
+ONE, READ = "raw, one file", "read back"
 
 
 def bench_storage(args):
-    """Single precision fields of n x n points in a temporary folder inside args.folder; on all ranks. Everything is synced to the disk.
-    args: n (list), folder, repeats, out."""
+    """Single precision fields of n x n points in a temporary folder inside args.folder; on all ranks. Everything is synced to the disk,
+    into files that are not there yet: to replace one takes the time to free it. args: n (list), folder, repeats, out.
+
+    raw: every rank writes a file of its own; "raw, one file": all their rows into the same one, which file systems let one do after
+    the other. Both ratios are medians over rounds in which all take turns.
+    """
     comm = world()
     report = Report("storage", COLUMNS, args.out, comm)
     clock = Clock(comm if comm.size > 1 else None)
     with tempfile.TemporaryDirectory(dir=args.folder) if comm.rank == 0 else nullcontext() as name:
         place = Path(comm.bcast(name))
         for n in args.n:
-            starts = row_starts(n, comm.size)
-            start, stop = int(starts[comm.rank]), int(starts[comm.rank + 1])
-            data = np.random.default_rng(comm.rank).standard_normal((stop - start, n), dtype=np.float32)
-            field, raw = place / "field.h5", place / f"raw-{comm.rank}"
-
-            def write_raw(data=data, raw=raw):
-                data.tofile(raw)
-                sync(raw)
-
-            def write(data=data, field=field, start=start, n=n, **how):
-                write_file(comm, field, {"/": {}}, {"field": Slab(data, start, (n, n))}, **how)
-
-            samples = clock.alternate({"raw": write_raw, "result file": write}, args.repeats)
-            samples["read back"] = clock.alternate({"read": lambda field=field, rows=(start, stop): read_rows(field, "field", rows)},
-                                                   args.repeats)["read"]
+            samples = _measure(comm, clock, place, n, args.repeats)
             for way, sample in samples.items():
-                gb = n * n * 4 / 1e9
-                times = ratio(sample, samples["raw"]) if way == "result file" else None
-                report.add(n=n, way=way, gb=gb, seconds=sample.min, rate=gb / sample.min, times_raw=times)
-            if raw.exists():
-                os.unlink(raw)
+                gb, reading = n * n * 4 / 1e9, way == READ
+                report.add(n=n, way=way, gb=gb, seconds=sample.min, rate=gb / sample.min,
+                           times_raw=None if reading else ratio(sample, samples["raw"]),
+                           times_one=None if reading else ratio(sample, samples[ONE]))
         comm.barrier()
     report.finish()
+
+
+def _measure(comm, clock, place, n, repeats):
+    """{way: Sample} of one size; all ways in turn, every other round backwards."""
+    start, stop = (int(k) for k in row_starts(n, comm.size)[comm.rank : comm.rank + 2])
+    data = np.random.default_rng(comm.rank).standard_normal((stop - start, n), dtype=np.float32)
+    own, one, result = place / f"raw-{comm.rank}", place / "raw", place / "result.h5"
+
+    def write_raw(path, offset):
+        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT)
+        for i in range(0, data.nbytes, 2**26):
+            os.pwrite(descriptor, data.reshape(-1).view("u1")[i : i + 2**26], offset + i)
+        os.fsync(descriptor)
+        os.close(descriptor)
+
+    def write():
+        write_file(comm, result, (n, n), (start, stop), {"field": data})
+
+    runs = {"raw": lambda: write_raw(own, 0), ONE: lambda: write_raw(one, 4 * n * start), f"result file, {io_way(comm)}": write}
+    seconds = {way: [] for way in runs}
+    for k in range(repeats + 1):
+        for way in list(runs)[:: 1 if k % 2 else -1]:
+            for path in (own, one, result):
+                path.unlink(missing_ok=True)
+            taken = clock.measure(runs[way])
+            seconds[way] += [taken] * (k > 0)
+    write()
+    with h5py.File(result, "r", locking=False) as file:
+        stored = Stored(result, "field", (n, n), data.dtype, int(file["field"].attrs[CHECKSUM]))
+    comm.barrier()
+    samples = {way: Sample(tuple(taken)) for way, taken in seconds.items()}
+    return samples | clock.alternate({READ: lambda: stored.slab(comm, (start, stop))}, repeats)

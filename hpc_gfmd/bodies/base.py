@@ -4,13 +4,21 @@ Units as in problem.py: E* = 1, in-plane lengths in grid spacings a. Load contro
 K(0) = 0 and S = 1/K has zero mean; what a uniform pressure does (`stiffness` at q = 0) counts for the approach alone.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from functools import cache
+from typing import TYPE_CHECKING, Any, Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ..kernels.spectral import divide_by_table, multiply_by_table
 from ..operators.coarsening import levels
+
+if TYPE_CHECKING:
+    from ..grid import Grid
+    from ..parallel.fft import SlabFFT
 
 NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
 SAMPLES = 400  # of K between the longest and the shortest wave, where it may not be monotone
@@ -19,15 +27,43 @@ LEFT = 0.3  # wave number over the largest: the typical one of what solvers leav
 NOTHING = 1e30  # a stiffness against which a level does nothing
 SQRT2 = np.sqrt(2.0)
 
-_multipliers = WeakKeyDictionary()  # transforms: {body: Tabled}
+_multipliers: WeakKeyDictionary[SlabFFT, dict[Body, Tabled]] = WeakKeyDictionary()
+
+
+class Multipliers(Protocol):
+    """What multiplies the columns of a spectrum by K and S, in place and with 1/N folded in.
+
+    Attributes
+    ----------
+    uniform : float
+        The K(0) that load control leaves out: 0, or nan, where the body gives way without end.
+    """
+
+    uniform: float
+
+    def stiffness(self, block: np.ndarray, m: int) -> float:
+        """block *= K/N; block: (W, n_x) complex, the columns of block m. Returns their share of <u, K u>."""
+
+    def compliance(self, block: np.ndarray, m: int) -> float:
+        """block *= S/N, 0 where K is. Returns their share of <p, S p>."""
 
 
 class Body:
-    """A body given by the radial function `stiffness`. Instances are hashable: frozen dataclasses.
+    """An elastic body, given by the radial function `stiffness`. Instances are hashable: frozen dataclasses.
 
-    name: the file's; full_p_star: below this p* full contact is out of the question, because the pressure that flattens a surface
-    varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed). absolute: whether a uniform pressure has a
-    finite effect, so that the approach is known.
+    To add a body, put a file into bodies/ with a subclass that has `of` and `stiffness`; all else follows from these.
+
+    Attributes
+    ----------
+    name : str
+        The file's.
+    table_share : float
+        Numbers that are kept for every point of a grid and each precision.
+    full_p_star : float
+        Below this p* full contact is out of the question, because the pressure that flattens a surface varies by std(p) >= E* g_rms/2
+        about its mean (unless the surface is very skewed).
+    absolute : bool
+        Whether a uniform pressure has a finite effect, so that the approach is known.
     """
 
     name = ""
@@ -36,60 +72,87 @@ class Body:
     absolute = True
 
     @classmethod
-    def of(cls, thickness, nu, base, free):
-        """The body of this kind that a scene means, or None if it means none. thickness: None, or of the layer; nu: its Poisson's
-        ratio; base: "bonded" or "frictionless"; free: whether the surface ends along x, along y."""
+    def of(cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]) -> Body | None:
+        """The body of this kind that a scene means.
+
+        Parameters
+        ----------
+        thickness : float or None
+            Of a layer, in the unit of the surface's lengths.
+        nu : float or None
+            Its Poisson's ratio.
+        base : {"bonded", "frictionless"}
+            How it lies on what is below.
+        free : pair of bool
+            Whether the surface ends along x, along y.
+
+        Returns
+        -------
+        Body or None
+            None where the scene does not mean this kind.
+        """
         raise NotImplementedError
 
     @classmethod
-    def examples(cls):
+    def examples(cls) -> list[Body]:
         """A few bodies of this kind, for the contract tests."""
         return [cls()]
 
-    def stiffness(self, q, a):
-        """K at wave numbers q >= 0 (array, in units of 1/a); a: grid spacing in the unit of the body's own lengths."""
+    def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
+        """The stiffness K, for E* = 1.
+
+        Parameters
+        ----------
+        q : array
+            Wave numbers >= 0, in units of 1/a.
+        a : float
+            Grid spacing in the unit of the body's own lengths.
+
+        Returns
+        -------
+        array
+            K in units of 1/a, in the shape of q.
+        """
         raise NotImplementedError
 
-    def multipliers(self, grid, fft):
-        """What multiplies the columns of the spectrum by K and S: an object with stiffness(block, m) and compliance(block, m), which
-        fold in 1/N and return this block's share of <u, K u> or <p, S p>; and uniform, the K(0) that load control leaves out (0, or
-        nan, where the body gives way without end)."""
+    def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
+        """The Multipliers for the transforms of a grid. Collective."""
         return self.tabled(grid, fft)
 
-    def tabled(self, grid, fft):
+    def tabled(self, grid: Grid, fft: SlabFFT) -> Tabled:
         """The multipliers from the table, which is made once for each plan of transforms. Collective."""
         made = _multipliers.setdefault(fft, {})
         if self not in made:
             made[self] = Tabled(grid, fft, self.table(grid, fft), self.absolute)
         return made[self]
 
-    def table(self, grid, fft):
-        """K for this rank's columns, shape (own blocks, W, n_x//2 + 1): it is even in q_x."""
+    def table(self, grid: Grid, fft: SlabFFT) -> np.ndarray:
+        """K for this rank's columns, shape (own blocks, W, n_x//2 + 1) in the precision of fft: it is even in q_x."""
         q_x, q_y = grid.q_x[: grid.n[0] // 2 + 1], grid.column_tables(fft)[0][grid.comm.rank::grid.comm.size]
         out = np.empty((*q_y.shape, len(q_x)), fft.dtype)
         for block, q in zip(out, np.asarray(q_y, np.float64)):
             block[...] = self.stiffness(np.hypot(q_x, q[:, None]), grid.a)
         return out
 
-    def scale(self, grid):
+    def scale(self, grid: Grid) -> float:
         """K of the shortest wave of the grid (the corner of the Brillouin zone) over sqrt 2: what the finest level is weighted by."""
         return float(self.stiffness(np.array([SQRT2 * grid.q_nyquist]), grid.a)[0]) / SQRT2
 
-    def bounds(self, grid):
+    def bounds(self, grid: Grid) -> tuple[float, float]:
         """The smallest and the largest K of all waves of the grid."""
         shortest = SQRT2 * grid.q_nyquist
         longest = min((2 * np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1), default=shortest)
         K = self.stiffness(np.geomspace(longest, shortest, SAMPLES), grid.a)
         return float(K.min()), float(K.max())
 
-    def typical(self, grid):
+    def typical(self, grid: Grid) -> float:
         """What K is on the average over what solvers leave, so that it tells the error of the pressure from that of the energy: times a
         constant, `scale` where K is proportional to q."""
         shortest = SQRT2 * grid.q_nyquist
         K = self.stiffness(np.append(np.linspace(0, LEFT * shortest, SAMPLES)[1:], LEFT * shortest), grid.a)
         return float(K.max()) / (SQRT2 * LEFT)
 
-    def weights(self, grid):
+    def weights(self, grid: Grid) -> np.ndarray:
         """The stiffness of every level of the grid's hierarchy in the multilevel preconditioner, relative to the finest.
 
         A wave is corrected on its own level and on all finer ones. So K of a level is the largest of all waves as long as its own
@@ -105,7 +168,7 @@ class Body:
         weights[-1] = q[-1] / q[0]
         return weights
 
-    def softness(self, grid):
+    def softness(self, grid: Grid) -> np.ndarray:
         """What every level adds to S, over S of the shortest wave: of a field of zero mean, <r, S r> is bounded by its squares on the
         levels times this (operators/multilevel.py). Not 1/weights where K is flat: S of a level is the largest of all waves as short.
         """
@@ -118,7 +181,7 @@ class Body:
             added = np.where(share > 0, (S[1:] - S[:-1]) / share, S[1:])
         return np.append(S[0], added) / S[0]
 
-    def near(self, grid):
+    def near(self, grid: Grid) -> np.ndarray:
         """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0 where there are none)."""
         return _near(self, tuple(min(k, NEAR_POINTS) for k in grid.n), grid.spacings, grid.a)
 
@@ -126,28 +189,28 @@ class Body:
 class Tabled:
     """The multipliers of a body whose K stands in a table. absolute: whether its K(0) means anything."""
 
-    def __init__(self, grid, fft, table, absolute=True):
+    def __init__(self, grid: Grid, fft: SlabFFT, table: np.ndarray, absolute: bool = True):
         self.ranks, self.scale, self.dtype = grid.comm.size, fft.scale, fft.dtype
         self.weight = grid.column_tables(fft)[1]
-        self.uniform = float(grid.comm.bcast(table[0, 0, 0] if table.size else 0.0)) if absolute else np.nan
+        self.uniform = float(grid.comm.share([table[0, 0, 0] if table.size else 0.0])[0]) if absolute else np.nan
         if grid.comm.rank == 0:
             table[0, 0, 0] = 0  # the rigid translation
         self.table = table
 
-    def stiffness(self, block, m):
+    def stiffness(self, block: np.ndarray, m: int) -> float:
         """block *= K/N."""
         return self._call(multiply_by_table, block, m)
 
-    def compliance(self, block, m):
+    def compliance(self, block: np.ndarray, m: int) -> float:
         """block *= S/N, 0 where K is."""
         return self._call(divide_by_table, block, m)
 
-    def _call(self, kernel, block, m):
+    def _call(self, kernel: Any, block: np.ndarray, m: int) -> float:
         return kernel(block.view(self.dtype), self.table[m // self.ranks], self.weight[m], self.dtype.type(self.scale))
 
 
 @cache
-def _near(body, n, spacings, a):
+def _near(body: Body, n: tuple[int, ...], spacings: tuple[float, float], a: float) -> np.ndarray:
     q = [2 * np.pi * np.fft.fftfreq(k) * a / s for k, s in zip(n, spacings, strict=True)]
     K = np.fft.ifft2(body.stiffness(np.hypot(q[0][:, None], q[1]), a)).real
     x, y = (k > 2 for k in n)

@@ -67,12 +67,12 @@ class Free(HalfSpace):
         def fill(i0, i1, x):
             x[: i1 - i0] = space.back(rows[places[i0:i1]], 1)[:, fold]
 
-        out = np.zeros((fft.M // comm.size, fft.W, n[0] // 2 + 1), fft.dtype)
+        out = np.zeros((fft.K, fft.W, n[0] // 2 + 1), fft.dtype)
 
         def keep(block, m):
             with np.errstate(divide="ignore"):
                 S = block.real[:, : n[0] // 2 + 1]
-                out[m // comm.size] = np.where(S > 0, 1 / S, 0)  # 0: padding columns
+                out[m // comm.size, :len(S)] = 1 / S
 
         fft.forward_rows(fill)
         fft.columns(keep, backward=False)

@@ -11,9 +11,6 @@ from ..errors import GfmdError, SceneError
 from ..output.describe import coordinates, image, name_it, point_data
 from ..output.read import Result, read_result
 from ..parallel.guard import one_line
-from ..parallel.h5_sum import Checked
-
-PIECE_BYTES = 2**26  # of a field in memory
 
 
 def add_parser(subparsers):
@@ -133,7 +130,7 @@ def _numbers(result) -> dict[str, np.ndarray]:
 def _fields(result) -> dict[str, np.dtype]:
     """Fields that all steps have, and the widest type of each."""
     names = [name for name in result.fields[0] if all(name in fields for fields in result.fields)]
-    return {name: np.result_type(*(fields[name].stored for fields in result.fields)) for name in names}
+    return {name: np.result_type(*(fields[name].dtype for fields in result.fields)) for name in names}
 
 
 def _shape(result):
@@ -143,10 +140,8 @@ def _shape(result):
 def _pieces(result, name):
     """(step, first row, rows) of a field, a piece of memory at a time; raises GfmdError where it is damaged."""
     for k, fields in enumerate(result.fields):
-        field = Checked(fields[name])
-        step = max(1, PIECE_BYTES // (field.shape[1] * field.stored.itemsize))
-        for start in range(0, field.shape[0], step):
-            yield k, start, field.read(start, min(start + step, field.shape[0]))
+        for start, rows in fields[name].pieces():
+            yield k, start, rows
 
 
 def _fill(dataset, result, name) -> None:

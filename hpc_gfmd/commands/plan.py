@@ -9,7 +9,8 @@ def add_parser(subparsers):
         "plan", help="grid, memory per rank, expected time of a scene",
         description="Say what a scene takes on a number of ranks of this machine. Exit code 2 if it does not fit.")
     parser.add_argument("scene", metavar="SCENE.toml")
-    parser.add_argument("--ranks", type=int, default=1, metavar="K", help="number of ranks (default 1)")
+    parser.add_argument("--ranks", type=int, default=1, metavar="K", help="number of ranks (default 1), as many as you like")
+    parser.add_argument("--threads", type=int, metavar="T", help="threads of each rank instead of machine.threads")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the scene: table.key=value")
     parser.add_argument("--json", action="store_true")
     parser.set_defaults(main=main)
@@ -18,29 +19,38 @@ def add_parser(subparsers):
 
 def main(args) -> int:
     """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
-    from ..contact import STORABLE
-    from ..driver.memory import available_gib, memory_of
+    from ..driver.decomposition import busiest
+    from ..driver.memory import GIB, available_gib, largest_precision, memory_of
     from ..driver.timing import expected_seconds
     from ..errors import SceneError
+    from ..fields import STORABLE
     from ..registry import distribution_names, observable_names, solver_names
     from ..scene import check_names, load_scene
     from ..surface import cell_of, surface_size
 
-    if args.ranks < 1:
-        raise SceneError(f"--ranks: found {args.ranks}, allowed: a whole number from 1")
+    for name in ("ranks", "threads"):
+        if getattr(args, name) is not None and getattr(args, name) < 1:
+            raise SceneError(f"--{name}: found {getattr(args, name)}, allowed: a whole number from 1")
     scene = load_scene(args.scene, args.set)
     check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names(scene.surface.free))
     n = surface_size(scene.surface)
     cell = cell_of(n, scene.surface.free)
     cores = len(os.sched_getaffinity(0))
-    threads = max(1, cores // args.ranks) if scene.machine.threads == "auto" else scene.machine.threads
+    threads = args.threads or (max(1, cores // args.ranks) if scene.machine.threads == "auto" else scene.machine.threads)
     memory = memory_of(scene, n, args.ranks, threads)
     there = scene.machine.memory_gib or available_gib()
     columns = cell[1] // 2 + 1
+    shares = busiest(cell, largest_precision(scene, n), args.ranks, nominal=n, nested=scene.solver.nested is not False)
+    sent = [share.traffic for share in shares]
     plan = {
         "n": list(n), "points": n[0] * n[1], "cell": list(cell),
         "loads": len(scene.load.given[1]), "ranks": args.ranks, "threads": threads,
         "idle_ranks": max(0, args.ranks - cell[0]), "idle_ranks_of_columns": max(0, args.ranks - columns),
+        "points_per_rank": max(share.points for share in shares),
+        "coarse_points_per_rank": max(share.coarse_points for share in shares),
+        "columns_per_rank": max(int(share.layout.columns_held.max()) for share in shares), "padding": shares[0].padding,
+        "bytes_per_rank": round(memory.total * GIB),
+        "message_bytes_per_pair": max(nbytes for nbytes, _ in sent), "messages_per_pair": max(messages for _, messages in sent),
         "gib_per_rank": memory.total, "gib": memory.total * args.ranks, "gib_available": there,
         "fields_gib": memory.fields, "transforms_gib": memory.transforms, "certificate_gib": memory.certificate,
         "process_gib": memory.process,
@@ -57,14 +67,19 @@ def main(args) -> int:
               f"certificate {memory.certificate:.2f}, process {memory.process:.2f}")
         if plan["file_gib"]:
             print(f"file:   {plan['file_gib']:.3g} GiB, while it is written twice that")
+        if args.ranks > 1:
+            print(f"ranks:  up to {plan['points_per_rank']:.4g} points each and {plan['coarse_points_per_rank']:.4g} of coarser grids; "
+                  f"{plan['message_bytes_per_pair'] / 2**20:.3g} MiB in {plan['messages_per_pair']} messages per FFT pair")
         print(f"time:   about {plan['seconds']:.2g} s of solving on this machine")
         if plan["idle_ranks"] or plan["idle_ranks_of_columns"]:
             print(f"idle:   {plan['idle_ranks']} ranks have no rows, {plan['idle_ranks_of_columns']} no columns of the spectrum")
         for line in plan["notes"]:
             print(f"note:   {line}")
-    if plan["gib"] > there:
-        raise SceneError(f"surface: {n[0]} x {n[1]} points need {plan['gib']:.2f} GiB on {args.ranks} ranks, this machine has "
-                         f"{there:.2f} GiB: use more machines, fewer points or single precision")
+    # More ranks than there are cores will run on other machines: then one rank has to fit into one like this.
+    here = args.ranks if args.ranks * threads <= cores else 1
+    if memory.total * here > there:
+        raise SceneError(f"surface: {n[0]} x {n[1]} points need {memory.total * here:.2f} GiB on {here} of {args.ranks} ranks, this "
+                         f"machine has {there:.2f} GiB: use more machines, fewer points or single precision")
     return 0
 
 

@@ -1,4 +1,4 @@
-"""`hpc-gfmd study`: the paper's figures and tables."""
+"""`hpc-gfmd study`: the paper's figures and tables, and questions beyond it."""
 
 
 def add_parser(subparsers):
@@ -7,7 +7,8 @@ def add_parser(subparsers):
         description="Reproduce figures and tables of the paper: solve the contacts that are missing, tabulate, draw. Works the same "
         "alone and under mpirun/srun; what is finished is kept, so the same command continues. Exit code 1: a contact could not be "
         "solved, 3: one did not reach its accuracy.")
-    parser.add_argument("name", metavar="NAME", nargs="*", help="fig1 ... fig13, table1 ... table5, or all")
+    parser.add_argument("name", metavar="NAME", nargs="*",
+                        help="fig1 ... fig13, table1 ... table5, all of these (all), or one beyond the paper (see --list)")
     parser.add_argument("--level", default="quick", metavar="LEVEL", help="quick (a minute, default), desk or paper (a cluster)")
     parser.add_argument("-o", "--output", metavar="DIR", help="folder of runs, tables and pictures (default: study-LEVEL)")
     parser.add_argument("--report", action="store_true", help="write the report, which all does anyway")
@@ -98,7 +99,7 @@ def _names(given):
 
     if not given:
         raise SceneError(f"NAME: found nothing, allowed: all, {', '.join(catalogue.names())}")
-    return catalogue.names() if "all" in given else list(dict.fromkeys(given))
+    return list(dict.fromkeys(one for name in given for one in (catalogue.of_paper() if name == "all" else [name])))
 
 
 def _part(args):

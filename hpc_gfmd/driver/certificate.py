@@ -116,7 +116,7 @@ def _errors(problem, levels, g, p, sums, uKu):
     compliance = 1.0 / problem.body.scale(grid)
     excess = 1 - N * p0 / sums.closed_p  # p - p^ is p out of contact, and so much of it in contact
     levels.restrict(g, p, excess)
-    rr, tt, rt = grid.comm.sum(levels.sweep()[2:])
+    rr, tt, rt = grid.comm.sum(levels.sweep()[2:5])
     share = contact / N
     energy = EQUIVALENCE * compliance * (sums.open_pp + excess**2 * closed_pp + rr)
     response = np.sqrt(compliance * max(contact + tt - share**2 * levels.surface_norm, 0.0)) / share

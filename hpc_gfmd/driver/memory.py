@@ -9,16 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SceneError
-from ..parallel.fft import row_starts, scratch_bytes
 from ..registry import body_of
 from ..surface import cell_of
+from .decomposition import share_of
 from .sweep import few_points, first_precision
 
 FIELDS = 3  # g, p, d; and h, which in low memory is kept only where the surface ends
-LEVELS = 3 / 4 + 2 / 16 + 2 / 64 + 1 / 24  # coarse levels of the preconditioner, in fields
-COARSER = 1 / 3  # points of all coarser grids of a nested start over those of the grid: one field of each
-NESTED = COARSER + (4 + LEVELS) / 4  # heights of all coarser grids, a solver and a copy on the next one
-TANGENT = 4 + LEVELS
+SOLVER = 4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
+TANGENT = 4
 PIECE_GIB = 1 / 16  # of a field that is written at a time
 PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
 GIB = 2**30
@@ -41,32 +39,38 @@ class Memory:
 
 
 def memory_of(scene, n, ranks, threads=1):
-    """The Memory of a scene on a number of ranks with so many threads each."""
-    itemsize = largest_precision(scene, n).itemsize
-    free = scene.surface.free
+    """The Memory of a scene on a number of ranks with so many threads each: of rank 0, which has a part in everything."""
+    dtype = largest_precision(scene, n)
+    itemsize, free = dtype.itemsize, scene.surface.free
     cell = cell_of(n, free)
-    rows = int(np.diff(row_starts(cell[0], ranks)).max())
-    field = rows * cell[1] * itemsize / GIB
-    heights = min(rows, n[0]) * n[1] * itemsize / GIB
-    spectrum = rows * (cell[1] + 2) / GIB
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
+    share = share_of(cell, dtype, ranks, nominal=n, nested=nested)
+    rows = share.grid.shape[0]
+    field = share.points * itemsize / GIB
+    heights = share.grid.inside[0] * n[1] * itemsize / GIB
     loads = len(scene.load.given[1])
 
-    kept = FIELDS + LEVELS + (COARSER if nested and not low else 0.0)
+    levels, coarse = share.level_bytes / GIB, share.nested_points * itemsize / GIB
+    first = np.prod(share.grids[0].shape) / share.points if share.grids else 0.0  # of the next grid, over this one
     passing = [2 * min(field, PIECE_GIB) if scene.output.fields else 0.0,  # as it is, and as it is written
-               field * NESTED if nested and not low and loads > 1 else 0.0,
-               field * TANGENT if "stiffness" in (scene.output.observables or ()) else 0.0]
-    grids = [(rows >> k, (cell[0] >> k, cell[1] >> k)) for k in range(min(cell).bit_length() if nested else 1)]
+               coarse + first * (SOLVER * field + levels) if not low and loads > 1 else 0.0,
+               field * TANGENT + levels if "stiffness" in (scene.output.observables or ()) else 0.0]
+
+    def spectra(precision, grids):
+        return sum(share.layout_of(grid, precision).bytes for grid in grids) / GIB
 
     def scratch(precision, grids):
-        return threads * sum(scratch_bytes(*grid, 2 * precision, ranks) for grid in grids) / GIB
+        return threads * sum(share.layout_of(grid, precision).scratch_bytes for grid in grids) / GIB
 
-    spectrum *= 1 + body_of(scene.material, free).table_share
-    transforms = spectrum * itemsize + sum(scratch(size, grids) for size in {itemsize, first_precision(scene.solver).itemsize})
-    certificate = 0.0 if low or itemsize == 8 else spectrum * 8 + scratch(8, grids[:1])
+    grids = [share.grid, *([] if low else share.grids)]
+    with_table = 1 + body_of(scene.material, free).table_share
+    transforms = spectra(dtype, grids[:1]) * with_table + spectra(dtype, grids[1:])
+    transforms += sum(scratch(precision, grids) for precision in {dtype, first_precision(scene.solver)})
+    certificate = 0.0 if low or itemsize == 8 else spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
     if certificate and any(free):  # while its table is made
         certificate += min(rows, cell[0] // 2 + 1) * cell[1] * 8 / GIB
-    return Memory(field * kept + heights * (any(free) or not low) + max(passing), transforms, certificate, PROCESS_GIB)
+    kept = FIELDS * field + levels + (heights if any(free) or not low else 0.0)
+    return Memory(kept + max(passing), transforms, certificate, PROCESS_GIB)
 
 
 def largest_precision(scene, n):

@@ -3,24 +3,25 @@
 The finer grid's own heights are then given way to locally, without an FFT (kernels/prolong.py): that saves one or two iterations.
 
 Decimation (every second point) keeps the heights of the asperities; averages and envelopes do not, and start worse at small loads.
+
+Coarse grids are gathered on fewer and fewer ranks: the others wait until the solution comes back to their rows.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..grid import Grid
 from ..kernels.prolong import HALO, SWEEPS, prolong_gap
-from ..operators.coarsening import levels
-from ..parallel import halo
-from ..parallel.comm import SerialComm
+from ..operators.coarsening import gathered, levels
+from ..parallel import interrupt
+from ..parallel.halo import Windows, neighbours, rows_of
 from .certificate import certify
 
 COARSEST = 32  # points along an axis below which there is no coarser grid
 RESIDUAL = 0.2  # of the coarse solutions
 ITERATIONS = 60  # at most, on a coarse grid
-WHOLE_POINTS = 256 * 256  # grids of at most this many points are solved by every rank alone
-THIN_ROWS = 4  # and so are grids of which some rank has fewer rows
+RANK_POINTS = 2**13  # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
 TENSION = 0.02  # share of points under tension in a closed coarse contact up to which the fine one may be without any
 FLAT_START = 0.099  # p* below which the flat start rests on the heights above mean + rms; not a round number: p* has rounding errors
 
@@ -50,121 +51,160 @@ def mean_height(grid, h):
     return float(total / grid.N - lowest) * grid.a
 
 
-def coarser_grid(grid):
-    """The decimated grid whose rows live with the fine rows they are taken from, or None where the grid is coarse already."""
-    n = levels(grid)[1].n if grid.cell_points > 1 else (1, 1)
-    coarsened = [a != b for a, b in zip(n, grid.n)]
-    if min((k for k, c in zip(n, coarsened) if c), default=0) < COARSEST:
-        return None
-    starts = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
-    nominal = [(k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened)]
-    return Grid(n, grid.sizes, grid.comm, grid.threads, starts, nominal)
+@dataclass(frozen=True)
+class Decimation:
+    """A grid and its decimation. coarse: the Grid, None on ranks that have no part in it; beside: first coarse row among the fine rows
+    of every rank, and the number of rows; starts: the same of those that a rank owns."""
+
+    fine: Grid
+    coarse: Grid | None
+    n: tuple[int, int]
+    nominal: tuple[int, int]
+    beside: np.ndarray
+    starts: np.ndarray
+
+    @classmethod
+    def of(cls, grid):
+        """Of a grid, or None where that is coarse already. No memory, but communicators: collective."""
+        n = levels(grid)[1].n if grid.cell_points > 1 else (1, 1)
+        coarsened = [a != b for a, b in zip(n, grid.n)]
+        if min((k for k, c in zip(n, coarsened) if c), default=0) < COARSEST:
+            return None
+        beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
+        nominal = tuple((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
+        starts = gathered(beside, n[0] * n[1], RANK_POINTS)
+        ranks = np.flatnonzero(np.diff(starts))
+        comm = grid.comm.among(ranks)
+        coarse = Grid(n, grid.sizes, comm, grid.threads, np.append(starts[ranks], n[0]), nominal) if comm is not None else None
+        return cls(grid, coarse, n, nominal, beside, starts)
+
+    @property
+    def steps(self):
+        """Fine points to a coarse one along each axis."""
+        return [2 if a != b else 1 for a, b in zip(self.n, self.fine.n, strict=True)]
+
+    def problem(self, problem):
+        """The problem of every second point, None where this rank has none. Units of height and pressure stay, lengths become those of
+        the coarser grid. Collective."""
+        step = self.steps
+        h = np.ascontiguousarray(problem.h[(-self.fine.rows[0]) % step[0]::step[0], ::step[1]])
+        beside, starts = (np.minimum(rows, self.nominal[0]) for rows in (self.beside, self.starts))
+        if not np.array_equal(beside, starts):
+            windows, rank = Windows(self.fine.comm.rank, starts, beside[:-1], beside[1:]), self.fine.comm.rank
+            owned = np.zeros((starts[rank + 1] - starts[rank], h.shape[1]), h.dtype)
+            windows.add(self.fine.comm, h, owned)
+            h = owned
+        if self.coarse is None:
+            return None
+        return replace(problem, grid=self.coarse, h=h / h.dtype.type(self.coarse.a / self.fine.a))
+
+    def around(self, a):
+        """The rows of a coarse field beside this rank's fine rows: HALO before, these, and HALO after them. a: this rank's own rows of
+        it, None where it has none. Collective."""
+        comm, first, last = self.fine.comm, self.beside[:-1], self.beside[1:]
+        if np.array_equal(self.beside, self.starts):
+            before, after = neighbours(comm, a, self.starts, HALO)
+            return before, a, after
+        rows = rows_of(comm, a, self.starts, first - HALO, last + HALO)
+        return rows[:HALO], rows[HALO:-HALO], rows[-HALO:]
 
 
 class Nested:
-    """The decimated grids of a grid, planned once; `start` solves on them."""
+    """The decimated grids of a grid, planned once; `start` solves on them. Collective, as is all of it."""
 
     def __init__(self, grid, dtype):
-        self.steps = []  # (fine grid, its decimation), finest first
-        while (coarse := coarser_grid(grid)) is not None:
-            thin = np.diff(coarse.starts).min() < THIN_ROWS
-            if grid.comm.size > 1 and (coarse.cell_points <= WHOLE_POINTS or thin):
-                coarse = Grid(coarse.n, coarse.sizes, SerialComm(), coarse.threads, nominal=coarse.nominal)
-            coarse.fft(dtype)
-            self.steps.append((grid, coarse))
-            grid = coarse
+        self.step, self.coarser = Decimation.of(grid), None
+        if self.step is not None and self.step.coarse is not None:
+            self.step.coarse.fft(dtype)
+            self.coarser = Nested(self.step.coarse, dtype)
+
+    @property
+    def grids(self):
+        """The coarse grids that this rank has a part in, finest first."""
+        return [self.step.coarse, *self.coarser.grids] if self.coarser is not None else []
 
     def start(self, problem, make_solver, into=None, search=None):
         """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in pairs of that grid.
 
         into: memory for the gap; may be that of problem.h, which is then lost. search: the prescribed.Search for the load, where that
-        of the problem is but a guess.
+        of the problem is but a guess. Raises Stopped on all ranks when the run is to stop.
         """
-        problems = [problem]
-        for fine, coarse in self.steps:
-            problems.append(_decimated(problems[-1], fine, coarse))
-        if search is not None:
-            search.on_coarsest_grid()
-        g, pairs = cold_gap(problems[-1]), 0.0
-        for fine, coarse in zip(problems[-2::-1], problems[:0:-1], strict=True):
+        if self.step is None:
             if search is not None:
-                coarse = replace(coarse, p0=search.on_next_grid(coarse.grid.N, mean_height(coarse.grid, coarse.h)))
-            solver = make_solver(coarse)
-            solver.start(g)
-            for _ in range(ITERATIONS):
-                progress = solver.progress()
-                if not progress.finite or (progress.residual < RESIDUAL and (search is None or search.near(solver, progress))):
-                    break
-                solver.step()
-            pairs = (pairs + solver.pairs) * coarse.grid.cell_points / fine.grid.cell_points
-            full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
-            if coarse.grid.comm.size != fine.grid.comm.size:  # each rank solved alone: were they to round differently, one must count
-                solver.g[...], solver.p[...], full, pairs = fine.grid.comm.bcast((solver.g, solver.p, full, pairs))
+                search.on_coarsest_grid()
+            g = cold_gap(problem)
+            if into is not None:
+                into[...] = g
+            return (g if into is None else into), 0.0
+        coarse, solver = self.step.problem(problem), None
+        full = pairs = stopped = 0.0
+        if coarse is not None:
+            try:
+                g, pairs = self.coarser.start(coarse, make_solver, search=search)
                 if search is not None:
-                    search.agree(fine.grid.comm)
-            g = _prolong(fine, coarse, solver, full, into if fine is problem else None)
-        if into is not None and g is not into:  # no coarser grid
-            into[...] = g
-            g = into
-        return g, pairs
+                    coarse = replace(coarse, p0=search.on_next_grid(coarse.grid.N, mean_height(coarse.grid, coarse.h)))
+                solver = _roughly_solved(coarse, make_solver, g, search)
+                pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
+                full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
+            except interrupt.Stopped as found:
+                stopped = found.number
+        full, pairs, stopped = problem.grid.comm.share([full, pairs, stopped])  # rank 0 has a part in all grids
+        if stopped:
+            interrupt.stop(int(stopped))
+        if search is not None and problem.grid.comm.size > 1:
+            search.agree(problem.grid.comm)
+        return _prolong(problem, self.step, coarse, solver, bool(full), into), float(pairs)
 
     def may_be_full(self, problem):
         """Whether full contact is likely, and the FFT pairs this took: from the pressure of the closed contact on the next grid."""
-        if not self.steps:
+        if self.step is None:
             return True, 0.0
-        coarse = _decimated(problem, *self.steps[0])
-        g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
-        certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
-        share = coarse.grid.N / problem.grid.N
-        likely = certificate.contact >= (1 - TENSION) * coarse.grid.N
-        return problem.grid.comm.bcast(likely), certificate.pairs * share
+        coarse, likely, pairs = self.step.problem(problem), False, 0.0
+        if coarse is not None:
+            g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
+            certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
+            pairs = certificate.pairs * (coarse.grid.N / problem.grid.N)
+            likely = certificate.contact >= (1 - TENSION) * coarse.grid.N
+        likely, pairs = problem.grid.comm.share([likely, pairs])
+        return bool(likely), float(pairs)
 
 
-def _decimated(problem, fine, grid):
-    """The problem of every second point. Units of height and pressure stay, lengths become those of the coarser grid."""
-    step = [2 if a != b else 1 for a, b in zip(grid.n, fine.n, strict=True)]
-    h = np.ascontiguousarray(problem.h[(-fine.rows[0]) % step[0]::step[0], ::step[1]])
-    if grid.comm.size != fine.comm.size:
-        h = np.concatenate(fine.comm.allgather(h))
-    return replace(problem, grid=grid, h=h / h.dtype.type(grid.a / fine.a))
+def _roughly_solved(problem, make_solver, g, search):
+    """A solver that has come from the gap g to a few per cent, and to the load that `search`, if any, is after."""
+    solver = make_solver(problem)
+    solver.start(g)
+    for _ in range(ITERATIONS):
+        interrupt.check(problem.grid.comm)
+        progress = solver.progress()
+        if not progress.finite or (progress.residual < RESIDUAL and (search is None or search.near(solver, progress))):
+            break
+        solver.step()
+    return solver
 
 
-def _prolong(problem, coarse, solver, full, into):
-    """The gap on the grid of `problem` from a solver's on the coarse one, whose gap is lost. into: memory for it, or None."""
-    fine = problem.grid
+def _prolong(problem, step, coarse, solver, full, into):
+    """The gap on the grid of `problem` from a solver on the coarse one, whose gap is lost; coarse and solver: the coarse problem, None
+    where this rank has no part in it. into: memory for the gap, or None."""
+    fine, real = problem.grid, problem.dtype.type
     out = fine.empty(problem.dtype) if into is None else into
     if full:
         out[...] = 0
         return out
-    real = problem.dtype.type
-    u = solver.g
-    rows, points = coarse.grid.inside
-    u[:rows, :points] -= coarse.h
-    u *= real(coarse.grid.a / fine.a)
-    start, stop = fine.rows
-    halved = tuple(m != n for m, n in zip(coarse.grid.n, fine.n))
-    first, last = (-(-i // 2) if halved[0] else i for i in (start, stop))
-    spread = coarse.grid.comm.size == fine.comm.size
-
-    def with_halo(a):
-        if spread:
-            before, after = halo.neighbours(fine.comm, a, HALO)
-            return before, a, after
-        take = np.arange(first - HALO, last + HALO) % len(a)  # every rank has all of it
-        return a[take[:HALO]], a[first:last], a[take[len(take) - HALO:]]
-
+    u = p = np.empty((0, step.n[1]), problem.dtype)
+    if solver is not None:
+        u, p = solver.g, solver.p
+        rows, points = coarse.grid.inside
+        u[:rows, :points] -= coarse.h
+        u *= real(coarse.grid.a / fine.a)
     before, after = _heights_around(problem)
-    heights, rows, coarse_rows = (before, problem.h, after), (start, fine.n[0]), (first, coarse.grid.n[0])
-    prolong_gap(with_halo(u), with_halo(solver.p), heights, out, rows, coarse_rows, halved, real(1 / problem.body.scale(fine)),
+    heights, rows, coarse_rows = (before, problem.h, after), (fine.rows[0], fine.n[0]), (int(step.beside[fine.comm.rank]), step.n[0])
+    halved = tuple(k == 2 for k in step.steps)
+    prolong_gap(step.around(u), step.around(p), heights, out, rows, coarse_rows, halved, real(1 / problem.body.scale(fine)),
                 problem.body.near(fine).astype(problem.dtype), fine.nominal)
     return out
 
 
 def _heights_around(problem):
-    """The rows of h before and after this rank's rows of the grid; beyond the surface there are none that count."""
-    grid, h = problem.grid, problem.h
-    if grid.padded:  # of the rows of the grid the outermost ones are enough
-        i = np.arange(grid.shape[0])
-        i = i if len(i) <= 2 * SWEEPS else np.concatenate([i[:SWEEPS], i[-SWEEPS:]])
-        h = np.concatenate([h, np.zeros((1, h.shape[1]), h.dtype)])[np.minimum(i, len(h))]
-    return halo.neighbours(grid.comm, h, SWEEPS)
+    """The rows of h before and after this rank's rows of the grid; beyond the surface, where there are none, they do not count."""
+    grid = problem.grid
+    return neighbours(grid.comm, problem.h, grid.starts, SWEEPS, np.minimum(grid.starts, grid.nominal[0]))

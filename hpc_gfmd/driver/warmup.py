@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
-from ..kernels.cache import sound
+from ..kernels.cache import announced, sound
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
@@ -16,16 +16,17 @@ TINY = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 1, "lam_l_over_lam_
 PRECISIONS = {np.dtype(np.float32): "single", np.dtype(np.float64): "double"}
 
 
-def compile_once(comm, settings, boundary="periodic", material=None, observe=None):
+def compile_once(comm, settings, boundary="periodic", material=None, observe=None, say=None):
     """Solve and evaluate a tiny contact with the same solver, precision, boundary and material, first on rank 0, then on the others.
 
     observe: the functions of a Contact that will be called; default: the observables that a result has where the scene names none.
-    Collective.
+    say: function of a text, called on rank 0 before something is compiled that has not been kept. Collective.
     """
     observe = observables_named(None).values() if observe is None else observe
     with guarded(comm, "compiling"):
         if comm.rank == 0:
-            sound(lambda: _tiny_contact(settings, boundary, material, observe))
+            with announced(say):
+                sound(lambda: _tiny_contact(settings, boundary, material, observe))
     if comm.rank != 0:
         sound(lambda: _tiny_contact(settings, boundary, material, observe))
 
@@ -53,4 +54,4 @@ def _tiny_contact_in(precision, settings, boundary, material, observe):
     for function in observe:
         function(contact)
     grid, dtype = sweep.surface.grid, sweep.dtype
-    Multilevel(grid, HALF_SPACE, dtype, grid.n[0], whole_points=0).sweep()  # levels that only larger grids spread
+    Multilevel(grid, HALF_SPACE, dtype, grid.n[0], coarsest_points=0).sweep()  # levels that only larger grids spread

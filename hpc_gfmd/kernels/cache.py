@@ -8,7 +8,7 @@ import hashlib
 import shutil
 import tempfile
 from contextlib import contextmanager, suppress
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from traceback import walk_tb
 
@@ -16,6 +16,7 @@ import llvmlite
 import numba
 import numpy
 from llvmlite import binding
+from numba.core import event
 
 from ..caches import cache_folder
 
@@ -43,6 +44,30 @@ def cached():
         yield path is not None
     finally:
         numba.config.CACHE_DIR = users  # other packages' kernels are not ours
+
+
+@contextmanager
+def announced(say):
+    """Block in which say(text), if it is not None, is called once, before the first kernel that has not been kept is compiled."""
+    kept = folder() is not None and any(folder().rglob("*.nbi"))
+    text = "compiling what this scene needs in addition, once (some seconds)" if kept else "compiling, once (about 20 s)"
+    with event.install_listener("numba:compile", _Once(partial(say, text) if say else None)):
+        yield
+
+
+class _Once(event.Listener):
+    """Calls a function when the first event begins."""
+
+    def __init__(self, call):
+        self.call = call
+
+    def on_start(self, _):
+        call, self.call = self.call, None
+        if call is not None:
+            call()
+
+    def on_end(self, _):
+        pass
 
 
 def folder():

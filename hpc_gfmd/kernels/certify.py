@@ -8,8 +8,9 @@ from .jit import kernel
 
 BINS, PER_OCTAVE = 160, 4  # of squares: down to 2^-40 of the largest
 
-# Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a slab); beyond
-# it g is the displacement u itself, and nothing is closed. `contact_edges` and `count_uncertain` get that part alone.
+# Fields are local slabs (n_loc, n_y), x scratch (>= i1 - i0, n_y) that begins with row i0, h its part of the
+# nominal area. Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a
+# slab); beyond it g is the displacement u itself, and nothing is closed. `contact_edges` and `count_uncertain` get that part alone.
 
 
 class KktSums(NamedTuple):

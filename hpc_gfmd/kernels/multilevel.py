@@ -1,4 +1,4 @@
-"""Transfer between a grid and the next coarser one, and the whole sweep over levels that one rank can hold.
+"""Transfer between a grid and the next coarser one, and the sweep over the coarsest levels, which one rank holds.
 
 Along an axis of n points that is coarsened to m = ceil(n/2), coarse point J sits at fine position J n/m: fine point i lies between
 J0 = floor(i m/n) and J0 + 1 with weight f = i m/n - J0 of the latter. P is linear interpolation, R = (m/n)^2 P^T (full weighting).
@@ -194,7 +194,7 @@ def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer):
 
 
 @kernel
-def sweep_whole(r, t, shapes, offsets, weights, softness, c, w):
+def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling):
     """The sweep over the levels that one rank holds completely, in place: r of the finest of them becomes z.
 
     r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of level 0 are given. Returns the
@@ -208,8 +208,8 @@ def sweep_whole(r, t, shapes, offsets, weights, softness, c, w):
         n_x, n_y = shapes[k]
         m_x, m_y = shapes[k + 1]
         a, b = offsets[k], offsets[k + 1]
-        _restrict_whole(r[a:a + n_x * n_y].reshape(n_x, n_y), r[b:b + m_x * m_y].reshape(m_x, m_y))
-        _restrict_whole(t[a:a + n_x * n_y].reshape(n_x, n_y), t[b:b + m_x * m_y].reshape(m_x, m_y))
+        _restrict(r[a:a + n_x * n_y].reshape(n_x, n_y), r[b:b + m_x * m_y].reshape(m_x, m_y))
+        _restrict(t[a:a + n_x * n_y].reshape(n_x, n_y), t[b:b + m_x * m_y].reshape(m_x, m_y))
     for k in range(levels - 1, -1, -1):
         n_x, n_y = shapes[k]
         a = offsets[k]
@@ -221,7 +221,7 @@ def sweep_whole(r, t, shapes, offsets, weights, softness, c, w):
             v += r[i] * t[i]
             if k == levels - 1:
                 mean += r[i] / (n_x * n_y)
-            r[i] = r[i] / (weight + c * t[i])
+            r[i] = r[i] / (weight + damping * t[i])
         share = N / (n_x * n_y) * softness[k]
         rr += s * share
         tt += u * share
@@ -229,13 +229,13 @@ def sweep_whole(r, t, shapes, offsets, weights, softness, c, w):
         if k < levels - 1:
             m_x, m_y = shapes[k + 1]
             b = offsets[k + 1]
-            _interpolate_whole(r[b:b + m_x * m_y].reshape(m_x, m_y), r[a:a + n_x * n_y].reshape(n_x, n_y), w)
+            _interpolate(r[b:b + m_x * m_y].reshape(m_x, m_y), r[a:a + n_x * n_y].reshape(n_x, n_y), coupling)
     return rr, tt, rt, mean
 
 
 @inline
 def _axis(n, m, dtype_of):
-    """Mode and tables of one axis for the whole-level transfers."""
+    """Mode and tables of one axis of a level that one rank holds completely."""
     mode = 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
     j0 = np.empty(n, np.int32)
     f = np.empty(n, dtype_of.dtype)
@@ -246,7 +246,7 @@ def _axis(n, m, dtype_of):
 
 
 @inline
-def _restrict_whole(fine, coarse):
+def _restrict(fine, coarse):
     n_x, n_y = fine.shape
     m_x, m_y = coarse.shape
     mode, j0, f = _axis(n_y, m_y, fine)
@@ -268,8 +268,8 @@ def _restrict_whole(fine, coarse):
 
 
 @inline
-def _interpolate_whole(coarse, fine, w):
-    """fine += w P coarse."""
+def _interpolate(coarse, fine, coupling):
+    """fine += coupling P coarse."""
     one = fine.dtype.type(1)
     n_x, n_y = fine.shape
     m_x, m_y = coarse.shape
@@ -286,4 +286,4 @@ def _interpolate_whole(coarse, fine, w):
             row[J] = coarse[K, J] * a + coarse[L, J] * b
         interpolate_row(row, temp, mode, j0, f)
         for j in range(n_y):
-            fine[i, j] += w * temp[j]
+            fine[i, j] += coupling * temp[j]

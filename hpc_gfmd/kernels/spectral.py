@@ -1,4 +1,4 @@
-"""Kernels on spectra: blocks of W columns as rows of the transform leave them, (n_x, W), and turned, (W, n_x), to be transformed.
+"""Kernels on spectra: blocks of W columns as rows of the transform leave them, (n_x, W), and transposed, (W, n_x), to be transformed.
 
 |q| is computed on the fly, other stiffnesses stand in tables that are even in q_x: (W, n_x//2 + 1).
 """
@@ -12,31 +12,30 @@ PIECE = 1024  # numbers that are summed up in their own precision
 
 
 @kernel
-def to_blocks(rows, blocks, i0, count):
-    """Copy `count` transformed rows, shape (R, n_c), to rows i0.. of the blocks, shape (M, n_loc, W)."""
-    M, _, W = blocks.shape
-    n_c = rows.shape[1]
-    for m in range(M):
-        width = min(W, n_c - m * W)
+def to_blocks(rows, blocks, edges, n_loc, i0, count):
+    """Copy `count` transformed rows, shape (R, n_c), to rows i0.. of n_loc of the blocks, which lie one after another; edges: first
+    column of each of them, and n_c."""
+    for m in range(edges.shape[0] - 1):
+        j0, width = edges[m], edges[m + 1] - edges[m]
+        start = n_loc * j0 + i0 * width
         for r in range(count):
             for w in range(width):
-                blocks[m, i0 + r, w] = rows[r, m * W + w]
+                blocks[start + r * width + w] = rows[r, j0 + w]
 
 
 @kernel
-def from_blocks(blocks, rows, i0, count):
+def from_blocks(blocks, rows, edges, n_loc, i0, count):
     """The inverse of `to_blocks`."""
-    M, _, W = blocks.shape
-    n_c = rows.shape[1]
-    for m in range(M):
-        width = min(W, n_c - m * W)
+    for m in range(edges.shape[0] - 1):
+        j0, width = edges[m], edges[m + 1] - edges[m]
+        start = n_loc * j0 + i0 * width
         for r in range(count):
             for w in range(width):
-                rows[r, m * W + w] = blocks[m, i0 + r, w]
+                rows[r, j0 + w] = blocks[start + r * width + w]
 
 
 @kernel
-def turn(block, columns):
+def transpose(block, columns):
     """columns (W, n_x) = block (n_x, W) transposed, a cache line of either at a time."""
     n_x, W = block.shape
     whole = n_x - n_x % TILE
@@ -50,8 +49,8 @@ def turn(block, columns):
 
 
 @kernel
-def turn_back(columns, block):
-    """The inverse of `turn`."""
+def transpose_back(columns, block):
+    """The inverse of `transpose`."""
     n_x, W = block.shape
     whole = n_x - n_x % TILE
     for i in range(0, whole, TILE):

@@ -7,3 +7,17 @@ numbers} or None}, always on request, becomes the attributes NAME_WHAT of a load
 `contact` is a contact.Contact; sums that several observables share are its cached properties, so that what nobody asks for is not
 computed. Numbers are in the scene's units.
 """
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:  # contacts need the kernels, names of observables do not
+    from ..contact import Contact
+
+    Observable = Callable[[Contact], float | None]
+    Distribution = dict[str, np.ndarray]
+    Counted = Callable[[Contact], Distribution | None]

@@ -1,17 +1,24 @@
 """Mean gap, absolute and in units of the surface."""
 
+from __future__ import annotations
 
-def gap_mean(contact):
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..contact import Contact
+
+
+def gap_mean(contact: Contact) -> float:
     """Mean of u + h over the cell."""
     return contact.gap_mean
 
 
-def gap_over_h_rms(contact):
+def gap_over_h_rms(contact: Contact) -> float | None:
     """Mean gap over the rms height."""
     return contact.gap_mean / contact.h_rms if contact.h_rms > 0 else None
 
 
-def gap_over_g_rms_lam_s(contact):
+def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
     """Mean gap over g_rms lam_s; only for surfaces whose lam_s is known."""
     return contact.gap_mean / (contact.g_rms * contact.lam_s) if contact.lam_s and contact.g_rms > 0 else None
 

@@ -5,38 +5,46 @@ of such sides, and it is what others count (scipy, ContactMechanics). Whether tw
 finer grid nobody knows; names that end in _8 join them (8-connected). Sizes are areas, in the unit of length squared.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from ..contact import Contact
+    from . import Counted, Distribution, Observable
 
 ON_REQUEST = True
 BINS_PER_OCTAVE = 2
 
 
-def _area(contact):
+def _area(contact: Contact) -> float:
     """Of one point."""
     a_x, a_y = contact.surface.grid.spacings
     return a_x * a_y
 
 
-def _of_patches(corners):
+def _of_patches(corners: bool) -> tuple[Observable, ...]:
     """Number of patches, largest and mean size; a mean needs a patch."""
 
-    def number(contact):
+    def number(contact: Contact) -> int:
         return int(contact.surface.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
 
-    def largest(contact):
+    def largest(contact: Contact) -> float:
         return float(contact.surface.grid.comm.max([contact.clusters(corners=corners).sizes.max(initial=0)])[0]) * _area(contact)
 
-    def mean(contact):
+    def mean(contact: Contact) -> float | None:
         patches = number(contact)
         return contact.contact_points * _area(contact) / patches if patches else None
 
     return number, largest, mean
 
 
-def _sizes(corners):
+def _sizes(corners: bool) -> Counted:
     """The distribution of patch sizes: see `sizes`."""
 
-    def sizes(contact):
+    def sizes(contact: Contact) -> Distribution | None:
         """edges of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points); density: share of the patches per area, integrates
         to 1. None without a patch."""
         comm, found = contact.surface.grid.comm, contact.clusters(corners=corners).sizes

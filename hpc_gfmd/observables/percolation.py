@@ -8,14 +8,21 @@ that shares sides goes around, a gap that shares corners does. At random both ha
 Mueser 2012), the truth being between the two.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from . import Observable
+
 ON_REQUEST = True
 
 
-def _percolates(of_contact, axis, corners):
+def _percolates(of_contact: bool, axis: int, corners: bool) -> Observable:
     return lambda contact: contact.clusters(of_contact, corners).percolates[axis]
 
 
-def _all(corners):
+def _all(corners: bool) -> dict[str, Observable]:
     end = "_8" if corners else ""
     return {f"{name}_percolates_{'xy'[axis]}{end}": _percolates(name == "contact", axis, corners)
             for name in ("contact", "gap") for axis in (0, 1)}

@@ -1,11 +1,18 @@
 """Length of the edge of the contact."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from ..contact import Contact
 
 ON_REQUEST = True
 
 
-def perimeter(contact):
+def perimeter(contact: Contact) -> float:
     """Length of the edges of all patches, from the sides between points that touch and points that do not.
 
     By Cauchy and Crofton: a line of length S with no preferred direction crosses the rows and the columns of a grid as often as the

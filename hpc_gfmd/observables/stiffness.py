@@ -1,11 +1,17 @@
 """Contact stiffness: the tangent of the load curve."""
 
+from __future__ import annotations
+
 from math import inf
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..contact import Contact
 
 ON_REQUEST = True
 
 
-def stiffness(contact):
+def stiffness(contact: Contact) -> float | None:
     """-dp/d(mean gap) while no point changes sides, with a relative error of at most the accuracy asked for.
 
     None in full contact, where it is infinite, where nothing touches, and where it was not found to that accuracy.

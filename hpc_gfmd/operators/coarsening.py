@@ -1,4 +1,8 @@
-"""How a grid is coarsened: sizes and wave numbers of the levels, and which coarse rows a rank owns."""
+"""How a grid is coarsened: sizes and wave numbers of the levels, which coarse rows a rank owns, and on how few ranks they are gathered.
+
+Coarse rows first live where the fine ones do. Where that leaves ranks with less than is worth a message, or without rows, they are
+gathered on every second, fourth, ... rank: none ever holds more than its own share and twice what is worth a message.
+"""
 
 from dataclasses import dataclass
 
@@ -62,11 +66,27 @@ def owned_rows(starts, n, m):
     return -(-np.asarray(starts, dtype=np.int64) * m // n)
 
 
+def gathered(starts, points, share):
+    """First row of every rank, and their number, when the rows of a grid of so many points are gathered on ranks 0, s, 2 s, ..., s the
+    least power of two that leaves each of them `share` points and a row."""
+    starts = np.asarray(starts)
+    size = int(np.flatnonzero(np.diff(starts))[-1]) + 1  # the last rank that has any
+    most = max(1, min(int(starts[-1]), points // share))
+    stride = 1
+    while -(-size // stride) > most:
+        stride *= 2
+    leaders = -(-np.arange(len(starts)) // stride) * stride
+    return starts[np.minimum(leaders, len(starts) - 1)]
+
+
 class Transfer:
-    """This rank's part of the transfer between a level with rows [start, stop) of n and the next coarser one, m points."""
+    """This rank's part of the transfer between a level with rows [start, stop) of n and the next coarser one, m points.
+
+    It writes to and reads from a window of coarse rows: those that it owns, one before and one after; none where it has no fine rows.
+    """
 
     def __init__(self, n, m, starts, rank, dtype):
-        self.n, self.m = n, m
+        self.n, self.m, self.rank = n, m, rank
         self.coarse_starts = owned_rows(starts, n[0], m[0])
         start, stop = int(starts[rank]), int(starts[rank + 1])
         self.start, self.stop = int(self.coarse_starts[rank]), int(self.coarse_starts[rank + 1])
@@ -78,6 +98,8 @@ class Transfer:
         self.mode = axis_mode(n[1], m[1])
         self.j0, self.f = axis_tables(n[1], m[1], dtype)
         self.factor = np.dtype(dtype).type(m[0] / n[0] * m[1] / n[1])
+        empty = np.diff(starts) == 0
+        self.lo, self.hi = self.coarse_starts[:-1] - ~empty, self.coarse_starts[1:] + ~empty  # windows of all ranks
         self.firsts = np.flatnonzero(np.diff(J0[start:stop], prepend=-2))  # local rows that open a coarse row
 
     @property
@@ -86,9 +108,9 @@ class Transfer:
         return self.k0, self.f_x, self.mode, self.j0, self.f, self.factor
 
     @property
-    def rows(self):
-        """Number of coarse rows that this rank owns."""
-        return self.stop - self.start
+    def window_rows(self):
+        """Number of coarse rows in this rank's window."""
+        return int(self.hi[self.rank] - self.lo[self.rank])
 
     def passes(self, longest):
         """Row ranges of at most `longest` rows (or one coarse row's) that begin where a coarse row begins."""

@@ -7,54 +7,96 @@ contact. Damping each level by it is what keeps the spectrum of M K on the free 
 tune.
 
 The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the indicator of A, and x) and interpolate
-from it. Levels whose rows are spread over the ranks exchange halo rows; once a level is small or thin it is summed onto every rank,
-which then sweeps the rest alone.
+from it. Every rank restricts to the window of coarse rows that its fine rows touch; windows are added up on the ranks that own the
+rows: those beside the fine rows, or fewer and fewer of them as levels get small (coarsening.py). The rest of the levels is small enough
+for rank 0 alone.
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
 from ..kernels.bpx import UpdateSums, update_state
-from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_whole
-from ..parallel import halo
-from .coarsening import Transfer, levels, restrict_axis
+from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_coarsest
+from ..parallel.halo import Windows
+from .coarsening import Transfer, gathered, levels, restrict_axis
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
 COUPLING = 1.05  # of what comes from the coarser levels
-WHOLE_POINTS = 128 * 128  # levels of at most this many points are swept by every rank
-THIN_ROWS = 2  # and so are levels of which some rank has fewer rows than this
+COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
+RANK_POINTS = 2048  # of a level on one rank, at least: fewer take less time than a message
 # <r, S r> of a field of zero mean is at most so many times the compliance of the shortest wave times the sum over levels of
 # <r, r>/weight. On all kinds of grids the largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
 EQUIVALENCE = 1.8
 
 
-class Multilevel:
-    """The sweep for one grid and body in one precision. longest: rows per pass of the solver; whole_points: see WHOLE_POINTS."""
+@dataclass(frozen=True)
+class Step:
+    """From one level to the next coarser one, as one rank sees it. starts: first row of every rank on the coarse level, and their
+    number; windows: between the rows that ranks write to and those that they own."""
 
-    def __init__(self, grid, body, dtype, longest, whole_points=None):
+    transfer: Transfer
+    starts: np.ndarray
+    windows: Windows
+
+    @property
+    def owned(self):
+        """Number of coarse rows that this rank owns."""
+        return int(self.starts[self.windows.rank + 1] - self.starts[self.windows.rank])
+
+    def traffic(self, fields):
+        """(bytes for an itemsize of 1, messages) that this rank sends in a sweep, of so many fields down and one up."""
+        down, up = self.windows.sent_rows(True), self.windows.sent_rows(False)
+        return (fields * sum(down.values()) + sum(up.values())) * self.transfer.m[1], len(down) + len(up)
+
+
+def steps_of(grid, dtype, coarsest_points=None):
+    """The Steps down to the first level that rank 0 has alone, and the levels, of the rank that grid.comm says. No memory."""
+    hierarchy, rank = levels(grid), grid.comm.rank
+    if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
+        hierarchy = hierarchy * 2
+    steps, starts = [], grid.starts
+    for fine, coarse in zip(hierarchy, hierarchy[1:]):
+        transfer = Transfer(fine.n, coarse.n, starts, rank, dtype)
+        points = coarse.n[0] * coarse.n[1]
+        last = points <= (COARSEST_POINTS if coarsest_points is None else coarsest_points) or coarse is hierarchy[-1]
+        starts = gathered(transfer.coarse_starts, points, points if last else RANK_POINTS)
+        steps.append(Step(transfer, starts, Windows(rank, starts, transfer.lo, transfer.hi)))
+        if last:
+            break
+    return steps, hierarchy
+
+
+FIELDS = 3, 2  # of the first step, which has x besides p on F and the indicator of A, and of all others
+
+
+def traffic_of(steps, itemsize):
+    """(bytes, messages) that a rank sends in a sweep."""
+    parts = np.array([step.traffic(FIELDS[min(k, 1)]) for k, step in enumerate(steps)])
+    return int(parts[:, 0].sum()) * itemsize, int(parts[:, 1].sum())
+
+
+class Multilevel:
+    """The sweep for one grid and body in one precision. longest: rows per pass of the solver; coarsest_points: see COARSEST_POINTS."""
+
+    def __init__(self, grid, body, dtype, longest, coarsest_points=None):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
         self.damping, self.coupling = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
-        hierarchy, weights, softness = levels(grid), body.weights(grid), body.softness(grid)
-        if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
-            hierarchy, weights, softness = hierarchy * 2, [*weights] * 2, [*softness] * 2
-        self.levels, self.weights, self.softness = hierarchy, np.asarray(weights, self.dtype), np.asarray(softness)
+        self.steps, self.levels = steps_of(grid, self.dtype, coarsest_points)
+        weights, softness = body.weights(grid), body.softness(grid)
+        if len(weights) == 1:
+            weights, softness = [*weights] * 2, [*softness] * 2
+        self.weights, self.softness = np.asarray(weights, self.dtype), np.asarray(softness)
 
-        self.transfers, self.spread = [], []
-        starts = grid.starts
-        for fine, coarse in zip(hierarchy, hierarchy[1:]):
-            transfer = Transfer(fine.n, coarse.n, starts, self.comm.rank, self.dtype)
-            self.transfers.append(transfer)
-            starts = transfer.coarse_starts
-            thin = np.diff(starts).min() < THIN_ROWS
-            small = coarse.n[0] * coarse.n[1] <= (WHOLE_POINTS if whole_points is None else whole_points)
-            if (thin and self.comm.size > 1) or small or coarse is hierarchy[-1]:
-                break
-            self.spread.append(coarse)
-        # Level 1 is in the rank's own rows in any case: that is what the solver's passes write to and read from.
-        self.fields = [np.zeros((3 if k == 0 else 2, t.rows + 2, t.m[1]), self.dtype) for k, t in enumerate(self.transfers)]
-        self.whole = _Whole(hierarchy[len(self.spread) + 1:], self.weights[len(self.spread) + 1:], self.softness[len(self.spread) + 1:])
+        self.distributed = len(self.steps) - 1  # coarse levels that more than one rank may have
+        # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write to and read from.
+        self.fields = [np.zeros((FIELDS[min(k, 1)], step.transfer.window_rows, step.transfer.m[1]), self.dtype)
+                       for k, step in enumerate(self.steps)]
+        self.owned = [self._owned(step, field) for step, field in zip(self.steps[:-1], self.fields)]
+        last = slice(len(self.steps), None)
+        self.coarsest = CoarsestLevels(self.levels[last], self.weights[last], self.softness[last]) if self.comm.rank == 0 else None
 
         first = self.transfers[0]
         self.passes = first.passes(longest)
@@ -64,10 +106,22 @@ class Multilevel:
         self.in_order = grid.threads == 1
         self.edges = np.zeros((1 if self.in_order else len(self.passes), 2, 3, first.m[1]), self.dtype)
 
+    def _owned(self, step, field):
+        """Memory for the rows of a level that this rank owns, with a row before and after: the window where that is the same."""
+        if step.windows.in_place:
+            return field
+        return np.zeros((field.shape[0], step.owned + 2 if step.owned else 0, field.shape[2]), self.dtype)
+
+    @property
+    def transfers(self):
+        """The Transfer of every step."""
+        return [step.transfer for step in self.steps]
+
     @property
     def nbytes(self):
         """Bytes held on this rank."""
-        return sum(a.nbytes for a in self.fields) + self.edges.nbytes + self.whole.nbytes
+        gathered_rows = [a for a, field in zip(self.owned, self.fields) if a is not field]
+        return sum(a.nbytes for a in [*self.fields, *gathered_rows, self.edges]) + (self.coarsest.nbytes if self.coarsest else 0)
 
     def update_rows(self, k, g, p, d, x, s, scratch, excess=0.0):
         """Pass k of the solver's update of its state, see kernels/bpx.py; returns its UpdateSums as a plain tuple."""
@@ -95,8 +149,8 @@ class Multilevel:
         """From what the update passes restricted to level 1, make z on level 1 (own rows and halo).
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
-        finest level; and of the sums over these levels of softness times <r, r>, <t, t> and <r, t>, r and t being p on F and the
-        indicator of A restricted to the level, times N/N_l.
+        finest level; of the sums over these levels of softness times <r, r>, <t, t> and <r, t>, r and t being p on F and the
+        indicator of A restricted to the level, times N/N_l; and of the mean of p on F.
         """
         if not self.passes:
             self.fields[0][...] = 0
@@ -106,19 +160,30 @@ class Multilevel:
         return self.sweep_levels()
 
     def sweep_levels(self):
-        """`sweep` of what fields[0] holds, its halo rows still to be added to the neighbours' rows."""
-        first = self.transfers[0]
-        for k in range(len(self.spread)):
-            halo.accumulate(self.comm, self.fields[k])
-            restrict_level(self.fields[k][:2], self.fields[k + 1], self.transfers[k + 1].tables)
-        rz, xz, *squares = self._sweep_whole()
-        for k in reversed(range(len(self.spread))):
+        """`sweep` of what fields[0] holds, which is still to be added up."""
+        for k in range(self.distributed):
+            own = self.owned[k]
+            self._add_up(k, own[:, 1:-1])
+            restrict_level(own[:2], self.fields[k + 1], self.transfers[k + 1].tables)
+        rz, xz, *squares, mean = self._sweep_coarsest()
+        for k in reversed(range(self.distributed)):
             rz, xz, *here = self._smooth(k)
             share = self.softness[k + 1] * self.grid.cell_points / (self.levels[k + 1].n[0] * self.levels[k + 1].n[1])
             squares = [a + b * share for a, b in zip(squares, here)]
-            halo.fill(self.comm, self.fields[k][0])
+            self._hand_out(k, self.owned[k][:1, 1:-1])
+        first = self.steps[0].transfer
         ratio = self.grid.cell_points / (first.m[0] * first.m[1])
-        return rz * ratio, xz * ratio, *squares
+        return rz * ratio, xz * ratio, *squares, mean
+
+    def _add_up(self, k, rows):
+        """The rows of level k + 1 that this rank owns, (fields, rows, m): the sum over all windows."""
+        if not np.may_share_memory(rows, self.fields[k]):
+            rows[...] = 0
+        self.steps[k].windows.add(self.comm, self.fields[k][:len(rows)], rows)
+
+    def _hand_out(self, k, z):
+        """z on this rank's rows of level k + 1, (1, rows, m), into all windows."""
+        self.steps[k].windows.fill(self.comm, z, self.fields[k][:1])
 
     def without_mean(self, squares, mean2):
         """sum over levels of softness <r, t> for r and t less their means; squares: that of r and t themselves, of all levels and
@@ -145,21 +210,23 @@ class Multilevel:
         sums = [self.update_rows(k, g, p, g, still, self.dtype.type(0), scratch, excess) for k in range(len(self.passes))]
         return UpdateSums.total(sums)
 
-    def _sweep_whole(self):
-        """Sum the last level that is spread onto every rank, sweep the rest, take back this rank's rows."""
-        t = self.transfers[-1]
-        a = self.fields[-1]
-        whole = halo.sum_to_all(self.comm, a, t.start, t.m[0])
-        z, squares, self.mean = self.whole.sweep(whole[0], whole[1])
-        halo.take_rows(z, t.start, a[0])
-        if self.comm.rank:  # rank 0 alone contributes what all have
-            return 0.0, 0.0, 0.0, 0.0, 0.0
-        ratio = self.grid.cell_points / (t.m[0] * t.m[1])
-        products = (0.0, 0.0) if self.spread else (_dot(whole[0], z), _dot(whole[2], z))  # where level 1 itself is whole
-        return *products, *(a * ratio for a in squares)
+    def _sweep_coarsest(self):
+        """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these levels."""
+        last, step = len(self.steps) - 1, self.steps[-1]
+        n, m = step.transfer.m
+        rows = np.empty((len(self.fields[last]), n if self.coarsest else 0, m), self.dtype)
+        self._add_up(last, rows)
+        if not self.coarsest:
+            self._hand_out(last, rows[:1])
+            return (0.0,) * 6
+        z, squares, mean = self.coarsest.sweep(rows[0], rows[1])
+        self._hand_out(last, z[None])
+        ratio = self.grid.cell_points / (n * m)
+        products = (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))  # where level 1 itself is one of them
+        return *products, *(a * ratio for a in squares), mean
 
     def _smooth(self, k):
-        a, z = self.fields[k], self.fields[k + 1][0]
+        a, z = self.owned[k], self.fields[k + 1][0]
         return smooth_level(a, z, a[0], self.weights[k + 1], self.damping, self.coupling, self.transfers[k + 1].tables)
 
 
@@ -168,8 +235,8 @@ def _dot(a, b):
     return float(np.einsum("ij,ij->", a, b))
 
 
-class _Whole:
-    """The coarse levels that every rank sweeps alone, in one call."""
+class CoarsestLevels:
+    """The coarse levels that one rank sweeps alone, in one call."""
 
     def __init__(self, levels, weights, softness):
         dtype = weights.dtype
@@ -178,7 +245,7 @@ class _Whole:
         self.offsets = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
         self.weights, self.softness = weights, softness
         self.r, self.t = np.zeros(sizes.sum(), dtype), np.zeros(sizes.sum(), dtype)
-        self.c, self.w = dtype.type(DAMPING), dtype.type(COUPLING)
+        self.damping, self.coupling = dtype.type(DAMPING), dtype.type(COUPLING)
 
     @property
     def nbytes(self):
@@ -188,5 +255,6 @@ class _Whole:
         n = r.size
         self.r[:n] = r.ravel()
         self.t[:n] = t.ravel()
-        *squares, mean = sweep_whole(self.r, self.t, self.shapes, self.offsets, self.weights, self.softness, self.c, self.w)
+        *squares, mean = sweep_coarsest(self.r, self.t, self.shapes, self.offsets, self.weights, self.softness,
+                                          self.damping, self.coupling)
         return self.r[:n].reshape(r.shape), squares, mean

@@ -28,16 +28,14 @@ class Spectra:
 
     def power(self, name):
         """Radial power spectrum of "heights", "pressure" or "gap": {"q": in 1/length, "power": C}; None on a grid of one point."""
-        q_x, q_y = self.grid.q_x / self.grid.a, np.append(self.grid.q_y, 0) / self.grid.a
+        q_x, q_y = self.grid.q_x / self.grid.a, self.grid.q_y / self.grid.a
         longest = 2 * np.pi / max(self._lengths)
-        columns = self.fft.W * self.fft.M
-        j = np.minimum(np.arange(columns), len(q_y) - 1)
-        weight = self.grid.multiplicity(np.arange(columns))
+        weight = self.grid.multiplicity(np.arange(len(q_y)))
         scale = np.prod(self._lengths) * (self.fft.scale * self._unit(name)) ** 2
 
         def sums(block, m):
-            mine = slice(m * self.fft.W, (m + 1) * self.fft.W)
-            q = np.hypot(q_x, q_y[j[mine], None])
+            mine = slice(*self.fft.columns_of(m))
+            q = np.hypot(q_x, q_y[mine, None])
             use = (q > 0) & (weight[mine, None] > 0)
             squares = scale * (block.real.astype(np.float64) ** 2 + block.imag.astype(np.float64) ** 2)
             return _ring_sums(q[use], longest, np.broadcast_to(weight[mine, None], q.shape)[use], squares[use])

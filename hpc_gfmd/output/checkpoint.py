@@ -6,8 +6,8 @@ from pathlib import Path
 
 from ..errors import SceneError
 from ..parallel.guard import guarded
-from ..parallel.h5 import Slab, Stored, read_slab, write_file
-from ..parallel.h5_sum import sealed, unsealed
+from ..parallel.h5 import Stored, write_file
+from .attributes import attributes_of, set_attributes
 from .read import FORMAT, FORMAT_VERSION, fields_of, reading
 
 KIND = f"{FORMAT} checkpoint"
@@ -16,15 +16,13 @@ KIND = f"{FORMAT} checkpoint"
 @dataclass(frozen=True)
 class Checkpoint:
     """step: index of the load; midway: in the middle of it, not at its beginning; seconds: spent on it so far; numbers: of
-    Sweep.state; solver: its name; identity: of the scene; fields: of the state."""
+    Sweep.state; fields: of the state; n: points of its grid."""
 
     path: Path
     step: int
     midway: bool
     seconds: float
     numbers: dict
-    solver: str
-    identity: str
     fields: dict[str, Stored]
     n: tuple[int, int]
 
@@ -32,7 +30,7 @@ class Checkpoint:
         """The local slabs of the state by name. Collective; raises GfmdError where they are damaged or of another grid."""
         if self.n != tuple(grid.n):
             raise SceneError(f"{self.path}: belongs to a grid of {self.n[0]} x {self.n[1]} points")
-        return {name: read_slab(grid.comm, field, grid.rows) for name, field in self.fields.items()}
+        return {name: field.slab(grid.comm, grid.rows) for name, field in self.fields.items()}
 
 
 def write_checkpoint(comm, path, grid, step, solver, state, seconds=None, identity=""):
@@ -40,24 +38,20 @@ def write_checkpoint(comm, path, grid, step, solver, state, seconds=None, identi
     identity: of the scene."""
     arrays, numbers = state
     head = {"format": KIND, "format_version": FORMAT_VERSION, "step": step, "midway": seconds is not None, "seconds": seconds or 0.0,
-            "solver": solver, "identity": identity, "n": list(grid.n), "numbers": json.dumps(numbers)}
-    write_file(comm, path, {"/": sealed(head)}, {name: Slab(data, grid.rows[0], tuple(grid.n)) for name, data in arrays.items()})
+            "solver": solver, "identity": identity, "n": list(grid.n), "numbers": numbers}
+    write_file(comm, path, grid.n, grid.rows, arrays, lambda file: set_attributes(file, head))
 
 
 def read_checkpoint(comm, path, solver, identity=""):
     """The Checkpoint of a solver, None if there is none. Collective; raises SceneError if it cannot be read or is another's."""
-    found = None
+    path, found = Path(path), None
     with guarded(comm, f"reading {path}"):
-        if comm.rank == 0 and Path(path).exists():
-            found = _read_head(Path(path))
-            if (found.solver, found.identity) != (solver, identity):
-                of = found.solver if found.solver != solver else "another scene"
-                raise SceneError(f"{path}: a checkpoint of {of}, allowed: of {solver} and this scene")
+        if comm.rank == 0 and path.exists():
+            with reading(path, KIND) as file:
+                head = attributes_of(file)
+                if (head["solver"], head["identity"]) != (solver, identity):
+                    of = head["solver"] if head["solver"] != solver else "another scene"
+                    raise SceneError(f"{path}: a checkpoint of {of}, allowed: of {solver} and this scene")
+                found = Checkpoint(path, head["step"], head["midway"], head["seconds"], json.loads(head["numbers"]),
+                                   fields_of(path, file, head["n"]), tuple(head["n"]))
     return comm.bcast(found)
-
-
-def _read_head(path):
-    with reading(path, KIND) as file:
-        head = unsealed(file)
-        return Checkpoint(path, head["step"], head["midway"], head["seconds"], json.loads(head["numbers"]), head["solver"],
-                          head["identity"], fields_of(path, file, head["n"]), tuple(head["n"]))

@@ -3,44 +3,47 @@
 import numpy as np
 
 SIGNS = "lengths count away from the wall: gap = displacement + initial gap >= 0, initial gap = -heights; pressures push"
+LENGTH, PRESSURE = ("unit", "unit of physical_sizes"), ("pressure_unit", "unit of E_star")  # attribute of the surface; or else
 FIELDS = {  # what it is measured in, long_name
-    "pressure": ("pressure", "contact pressure, 0 where the gap is open"),
-    "gap": ("length", "gap between the deformed surface and the wall, displacement + initial gap"),
-    "displacement": ("length", "displacement of the elastic surface away from the wall"),
-    "heights": ("length", "heights of the rigid wall, peaks up, measured from the highest; initial gap = -heights"),
-    "x": ("length", "position along the first axis"),
-    "y": ("length", "position along the second axis"),
-    "p": ("pressure", "mean pressure"),
-    "loads": ("pressure", "mean pressure of the load steps"),
+    "pressure": (PRESSURE, "contact pressure, 0 where the gap is open"),
+    "gap": (LENGTH, "gap between the deformed surface and the wall, displacement + initial gap"),
+    "displacement": (LENGTH, "displacement of the elastic surface away from the wall"),
+    "heights": (LENGTH, "heights of the rigid wall, peaks up, measured from the highest; initial gap = -heights"),
+    "x": (LENGTH, "position along the first axis"),
+    "y": (LENGTH, "position along the second axis"),
+    "p": (PRESSURE, "mean pressure"),
+    "loads": (PRESSURE, "mean pressure of the load steps"),
 }
 
 
 def describe(file) -> None:
     """Add to a file that has all its groups and fields: x, y, loads; steps/NNNN/x, y, p beside fields; VTKHDF, views of the fields."""
     surface, steps = file["surface"], [file["steps"][name] for name in sorted(file.get("steps", ()), key=int)]
-    if "n" not in surface.attrs:
+    about = surface.attrs
+    if "n" not in about:
         return  # before the surface is made
     loads = [step.attrs.get("p", np.nan) for step in steps]
-    scales = coordinates(file, surface.attrs, loads)
-    for step, p in zip(steps, loads, strict=True):
-        names = _fields(step)
+    scales = coordinates(file, about, loads)
+    for group in (surface, *steps):
+        names = _fields(group)
+        for name in names:
+            name_it(group[name], about, scales[1:])
         if names:
-            step.create_dataset("p", data=p)
-            name_it(step["p"], surface.attrs)
-            _describe_fields(step, names, surface.attrs)
-            for name in names:
-                step[name].attrs["coordinates"] = "p"
-    if "heights" in surface:
-        _describe_fields(surface, ["heights"], surface.attrs)
-        for step in steps:
-            step["heights"] = surface["heights"]  # a hard link
-    if steps and min(surface.attrs["n"]) > 1:
-        _views(file, steps, scales, surface.attrs)
+            group["x"], group["y"] = scales[1:]  # hard links
+    for step, p in zip(steps, loads, strict=True):
+        step["p"] = p
+        name_it(step["p"], about)
+        for name in _fields(step):
+            step[name].attrs["coordinates"] = "p"
+        if "heights" in surface:
+            step["heights"] = surface["heights"]
+    if steps and min(about["n"]) > 1:
+        _views(file, steps, scales, about)
 
 
-def coordinates(group, surface, loads=None) -> list:
-    """The dimension scales loads (if wanted), x and y of a group."""
-    values = {} if loads is None else {"loads": np.array(loads)}
+def coordinates(group, surface, loads) -> list:
+    """The dimension scales loads, x and y of a group."""
+    values = {"loads": np.array(loads)}
     values |= {name: np.arange(n) * (size / n) for name, n, size in zip("xy", surface["n"], surface["physical_sizes"], strict=True)}
     for name, numbers in values.items():
         group.create_dataset(name, data=numbers).make_scale(name)
@@ -51,9 +54,8 @@ def coordinates(group, surface, loads=None) -> list:
 def name_it(dataset, surface, scales=()) -> None:
     """Units, long_name and axes of a dataset; surface: attributes."""
     name = dataset.name.rpartition("/")[2]
-    kind, long_name = FIELDS.get(name, ("", name))
-    units = {"length": surface.get("unit", "unit of physical_sizes"), "pressure": surface.get("pressure_unit", "unit of E_star")}
-    dataset.attrs.update(units=units.get(kind, "1"), long_name=long_name)
+    unit, long_name = FIELDS.get(name, (("", "1"), name))
+    dataset.attrs.update(units=surface.get(*unit), long_name=long_name)
     for axis, scale in zip(dataset.dims, scales):
         axis.attach_scale(scale)
 
@@ -63,17 +65,13 @@ def image(file, surface, loads):
 
     VTK's first axis is the last one of an array, our y; Direction turns it back, so that x is x.
     """
-    import h5py
-
     (n_x, n_y), (size_x, size_y) = surface["n"], surface["physical_sizes"]
     vtk = file.create_group("VTKHDF")
-    vtk.attrs.create("Type", b"ImageData", dtype=h5py.string_dtype("ascii", len(b"ImageData")))
-    vtk.attrs.update(Version=[2, 0], WholeExtent=[0, n_y - 1, 0, n_x - 1, 0, 0], Origin=[0.0, 0.0, 0.0],
+    vtk.attrs.update(Type=np.bytes_("ImageData"), Version=[2, 0], WholeExtent=[0, n_y - 1, 0, n_x - 1, 0, 0], Origin=[0.0, 0.0, 0.0],
                      Spacing=[size_y / n_y, size_x / n_x, 1.0], Direction=[0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0])
     rising = np.all(np.diff(loads) > 0)  # as times in ParaView have to
-    times = vtk.create_group("Steps")
-    times.attrs["NSteps"] = len(loads)
-    times["Values"] = np.array(loads) if rising else np.arange(float(len(loads)))
+    vtk["Steps/Values"] = np.array(loads) if rising else np.arange(float(len(loads)))
+    vtk["Steps"].attrs["NSteps"] = len(loads)
     return vtk
 
 
@@ -102,9 +100,3 @@ def _views(file, steps, scales, surface) -> None:
 
 def _fields(group) -> list:
     return [name for name, item in group.items() if getattr(item, "ndim", 0) == 2]
-
-
-def _describe_fields(group, names, surface) -> None:
-    scales = coordinates(group, surface)
-    for name in names:
-        name_it(group[name], surface, scales)

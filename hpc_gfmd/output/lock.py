@@ -4,6 +4,7 @@ import errno
 import fcntl
 import os
 import socket
+from contextlib import suppress
 from pathlib import Path
 
 from ..errors import SceneError
@@ -13,29 +14,24 @@ _TAKEN = (errno.EAGAIN, errno.EACCES)
 
 
 def acquire(folder: Path) -> int:
-    """Lock `folder` and return the open descriptor that holds the lock.
+    """Lock `folder`, made if it is missing, and return the open descriptor that holds the lock.
 
     Raises SceneError naming the holder if another process has it. A file system without locks is accepted.
     """
-    path = folder / NAME
     while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            if error.errno in _TAKEN:
-                holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
-                os.close(descriptor)
-                file = folder.with_suffix("")
-                raise SceneError(f"{file}: another run is writing this file ({holder})") from None
-        # the holder before us may have removed the folder between our open and our lock
-        if path.exists() and os.path.samestat(os.fstat(descriptor), os.stat(path)):
-            break
-        os.close(descriptor)
         folder.mkdir(exist_ok=True)
-    os.ftruncate(descriptor, 0)
-    os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
-    return descriptor
+        descriptor = os.open(folder / NAME, os.O_RDWR | os.O_CREAT, 0o644)
+        if _taken(descriptor, fcntl.LOCK_EX):
+            holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
+            os.close(descriptor)
+            raise SceneError(f"{folder.with_suffix('')}: another run is writing this file ({holder})")
+        # the holder before us may have removed the folder between our open and our lock
+        if (folder / NAME).exists() and os.path.samestat(os.fstat(descriptor), os.stat(folder / NAME)):
+            with suppress(OSError):  # a full disk is noticed soon
+                os.ftruncate(descriptor, 0)
+                os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
+            return descriptor
+        os.close(descriptor)
 
 
 def is_held(folder: Path) -> bool:
@@ -44,10 +40,14 @@ def is_held(folder: Path) -> bool:
         descriptor = os.open(folder / NAME, os.O_RDONLY)
     except OSError:
         return False
+    taken = _taken(descriptor, fcntl.LOCK_SH)
+    os.close(descriptor)
+    return taken
+
+
+def _taken(descriptor, kind) -> bool:
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        return False
+        fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
     except OSError as error:
         return error.errno in _TAKEN
-    finally:
-        os.close(descriptor)
+    return False

@@ -8,13 +8,12 @@ from pathlib import Path
 
 from .. import errors
 from ..errors import SceneError
-from ..parallel import h5_inside
 from ..parallel.guard import one_line
-from ..parallel.h5 import Stored
-from ..parallel.h5_sum import CHECKSUM, unsealed
+from ..parallel.h5 import CHECKSUM, Stored, inside
 from . import lock
+from .attributes import attributes_of
 
-FORMAT, FORMAT_VERSION = "hpc-gfmd", 2
+FORMAT, FORMAT_VERSION = "hpc-gfmd", 3
 HEAD = "head.h5"  # of a partial folder
 
 
@@ -22,13 +21,13 @@ HEAD = "head.h5"  # of a partial folder
 class Result:
     """What a result file says.
 
-    surface: attributes of the surface; steps: one dict of attributes per load step, indices: their numbers;
-    status: of the whole run ("running" or "interrupted" if the file was never finished);
+    path: of the file, None in memory; surface: attributes of the surface; steps: one dict of attributes per load step, indices: their
+    numbers; status: of the whole run ("running" or "interrupted" if the file was never finished);
     head: all root attributes; fields: per step {name: Stored}, to be read slab by slab;
     folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line each.
     """
 
-    path: Path
+    path: Path | None
     surface: dict
     steps: list[dict]
     indices: list[int]
@@ -58,22 +57,18 @@ def read_result(path) -> Result:
     Raises SceneError (one line) if there is nothing, or the file is no HDF5, damaged, foreign or of another version.
     """
     path = Path(path)
-    if path.exists() or not partial_folder(path).is_dir():
-        return read_whole(path)
-    return read_partial(path)
+    return read_whole(path) if path.exists() or not partial_folder(path).is_dir() else read_partial(path)
 
 
 def read_whole(path) -> Result:
     """A finished file. Raises SceneError as read_result."""
     path = Path(path)
-    with reading(path) as file:
-        found = _content(file, path)
-    newer = partial_folder(path) / HEAD
-    notes = ()
+    head, surface, steps = _content(path)
+    newer, notes = partial_folder(path) / HEAD, ()
     if newer.exists() and newer.stat().st_mtime_ns > path.stat().st_mtime_ns:
         left = len(step_files(newer.parent))
         notes = (f"a newer run was interrupted, or is running: {left} finished load steps in {newer.parent}",)
-    return _result(path, *found, str(found[0].get("status", "unknown")), notes=notes)
+    return _result(path, head, surface, steps, str(head.get("status", "unknown")), None, notes)
 
 
 def read_partial(path) -> Result:
@@ -85,24 +80,21 @@ def read_partial(path) -> Result:
     path, folder = Path(path), partial_folder(path)
     if not (folder / HEAD).exists():
         raise SceneError(f"{path}: no such file, and no interrupted run beside it")
-    found, steps, notes = [], {}, []
+    first, steps, notes = None, {}, []
     for index, part in {None: folder / HEAD, **step_files(folder)}.items():
         try:
-            with reading(part) as file:
-                content = _content(file, part)
-            if index is not None and list(content[2]) != [index]:
+            head, surface, found = _content(part)
+            if index is not None and list(found) != [index]:
                 raise SceneError(f"{part}: holds no load step {index}")
-            if found and content[0].get("identity") != found[0][0].get("identity"):
+            first = first or (head, surface)
+            if head.get("identity") != first[0].get("identity"):
                 raise SceneError(f"{part}: belongs to another scene")
+            steps |= found
         except SceneError as error:
             notes.append(f"left out: {error}")
-        else:
-            found.append(content)
-            steps |= content[2]
-    if not found:
+    if first is None:
         raise SceneError(notes[0].removeprefix("left out: "))
-    status = "running" if lock.is_held(folder) else "interrupted"
-    return _result(path, *found[0][:2], steps, status, folder=folder, notes=tuple(notes))
+    return _result(path, *first, steps, "running" if lock.is_held(folder) else "interrupted", folder, tuple(notes))
 
 
 def step_files(folder: Path) -> dict[int, Path]:
@@ -116,25 +108,22 @@ def reading(path, kind=FORMAT):
     import h5py
 
     path = Path(path)
+    unfit = ("no such file" if not path.exists() else
+             f"is the folder of a run, allowed: {path.with_suffix('')}" if path.is_dir() and path.suffix == ".partial" else
+             "is a folder, not a result file" if path.is_dir() else
+             "is no file" if not path.is_file() else
+             "no permission to read it" if not os.access(path, os.R_OK) else
+             "not an HDF5 file" if not h5py.is_hdf5(path) else None)
+    if unfit is not None:
+        raise SceneError(f"{path}: {unfit}")
     try:
-        if path.exists() and not path.is_file():
-            run = f"the folder of a run, allowed: {path.with_suffix('')}" if path.suffix == ".partial" else "no file"
-            raise SceneError(f"{path}: is {'a folder, not a result file' if path.is_dir() and path.suffix != '.partial' else run}")
-        with open(path, "rb"):
-            pass  # says what the system says
-        if not h5py.is_hdf5(path):
-            raise SceneError(f"{path}: not an HDF5 file")
         with h5py.File(path, "r", locking=False) as file:
             version = file.attrs.get("format_version")
             if version not in (None, FORMAT_VERSION):
                 raise SceneError(f"{path}: format_version is {errors.one_line(str(version))}, this program reads {FORMAT_VERSION}")
-            if version is None or unsealed(file).get("format") != kind:
+            if version is None or attributes_of(file).get("format") != kind:
                 raise SceneError(f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd (format = {kind!r})")
             yield file
-    except FileNotFoundError:
-        raise SceneError(f"{path}: no such file") from None
-    except PermissionError:
-        raise SceneError(f"{path}: no permission to read it") from None
     except SceneError:
         raise
     except Exception as error:
@@ -144,25 +133,25 @@ def reading(path, kind=FORMAT):
 def fields_of(path, group, n) -> dict[str, Stored]:
     """The fields in a group of an open file, to be read slab by slab later. Raises ValueError if one does not fit the surface."""
     found = {}
-    for name, item in h5_inside.items(group):
-        if len(getattr(item, "shape", ())) == 2:
-            if item.dtype.kind not in "fc" or list(item.shape) != list(n):
-                raise ValueError(f"{name} holds {item.shape} of {item.dtype}, the surface has {tuple(n)} points")
-            found[name] = Stored(path, item.name.lstrip("/"), item.shape, item.dtype, int(item.attrs[CHECKSUM]))
+    for name in group:
+        data = inside(group, name)
+        if len(getattr(data, "shape", ())) == 2:
+            if data.dtype.kind not in "fc" or list(data.shape) != list(n):
+                raise ValueError(f"{name} holds {data.shape} of {data.dtype}, the surface has {tuple(n)} points")
+            found[name] = Stored(path, data.name.lstrip("/"), data.shape, data.dtype, int(data.attrs[CHECKSUM]))
     return found
 
 
-def _content(file, path) -> tuple[dict, dict, dict]:
+def _content(path) -> tuple[dict, dict, dict]:
     """Root attributes, those of the surface, and {index: (attributes, fields)} of the load steps in the order of their numbers."""
-    surface, steps = h5_inside.item(file, "surface"), h5_inside.item(file, "steps")
-    if surface is None:
-        raise ValueError("it has no surface")
-    surface, groups = unsealed(surface), {int(name): group for name, group in h5_inside.items(steps) if name.isdigit()} if steps else {}
-    return unsealed(file), surface, {index: (unsealed(groups[index]), fields_of(path, groups[index], surface.get("n", ())))
-                                     for index in sorted(groups)}
+    with reading(path) as file:
+        surface, steps = attributes_of(inside(file, "surface")), inside(file, "steps") if "steps" in file else ()
+        groups = {int(name): inside(steps, name) for name in steps if name.isdigit()}
+        return attributes_of(file), surface, {index: (attributes_of(group), fields_of(path, group, surface.get("n", ())))
+                                              for index, group in sorted(groups.items())}
 
 
-def _result(path, head, surface, steps, status, **more) -> Result:
+def _result(path, head, surface, steps, status, folder, notes) -> Result:
     attributes, fields = zip(*steps.values(), strict=True) if steps else ((), ())
     scene, versions = str(head.get("scene", "")), json.loads(head.get("versions", "{}"))
-    return Result(path, surface, list(attributes), list(steps), status, scene, versions, head, list(fields), **more)
+    return Result(path, surface, list(attributes), list(steps), status, scene, versions, head, list(fields), folder, notes)

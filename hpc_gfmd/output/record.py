@@ -7,21 +7,18 @@ it becomes OUT.h5 in one rename. So nothing finished is lost, and nothing half-w
 import os
 import re
 from contextlib import suppress
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-import numpy as np
-
 from ..errors import GfmdError, SceneError
 from ..parallel.guard import guarded, one_line
-from ..parallel.h5 import Slab, io_way, write_file
-from ..parallel.h5_sum import sealed
+from ..parallel.h5 import io_way, write_file
 from . import lock
+from .attributes import set_attributes
 from .describe import SIGNS, describe
 from .read import FORMAT, FORMAT_VERSION, HEAD, fields_of, followed, partial_folder, read_partial, read_whole, reading
 
-_OURS = re.compile(r"(head|heights|step-\d+|checkpoint[\w-]*)\.h5(\.tmp)?|wisdom-\w+")
+_OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?|wisdom-\w+")
 
 
 class RunFile:
@@ -40,15 +37,10 @@ class RunFile:
     """
 
     def __init__(self, comm, path, n, rows, head, surface, *, resume=False, force=False, compressed=False, dtype=None):
-        self.comm = comm
-        self.path = followed(path)
-        self.partial = partial_folder(path)
-        self.n = (int(n[0]), int(n[1]))
-        self.rows = (int(rows[0]), int(rows[1]))
-        self.dtype = dtype
-        self.compressed = compressed
-        self._lock = None
-        self._resume = resume
+        self.comm, self.path, self.partial = comm, followed(path), partial_folder(path)
+        self.n, self.rows = (int(n[0]), int(n[1])), (int(rows[0]), int(rows[1]))
+        self.checkpoint = self.partial / "checkpoint.h5"  # where the state of the solver is kept
+        self._compressed, self._dtype, self._resume, self._lock = compressed, dtype, resume, None
         found = None
         try:
             with guarded(comm, f"opening {self.path}"):
@@ -56,55 +48,42 @@ class RunFile:
                     found = self._claim(head.get("identity"), resume, force)
             self.finished, self.notes, self.earlier = comm.bcast(found)
             self._head = {"format": FORMAT, "format_version": FORMAT_VERSION, "start_time": _now(), "ranks": comm.size,
-                          "io": io_way(comm, self.partial), "signs": SIGNS} | self.earlier | head
+                          "io": io_way(comm), "signs": SIGNS} | self.earlier | head
             self._surface = dict(surface)
-            self._write_head()
+            self.update()
         except GfmdError:
             self.close()
             raise
 
-    @property
-    def checkpoint(self) -> Path:
-        """Where the state of the solver is kept."""
-        return self.partial / "checkpoint.h5"
+    def update(self, surface=None, height_field=None, **head) -> None:
+        """Add attributes of the surface, root attributes, and the local slab of the heights, kept once for all load steps."""
+        self._surface |= surface or {}
+        self._head |= head
+        self._write(self.partial / HEAD, "running", {}, {} if height_field is None else {"surface/heights": height_field})
 
-    def update_head(self, **attributes) -> None:
-        """Add or change root attributes, for example setup_seconds."""
-        self._head |= attributes
-        self._write_head()
-
-    def update_surface(self, **attributes) -> None:
-        """Add or change attributes of the surface."""
-        self._surface |= attributes
-        self._write_head()
-
-    def write_heights(self, heights) -> None:
-        """The local slab of the heights, kept once for all load steps."""
-        self._write(self.partial / "heights.h5", "running", {}, {"surface/heights": self._slab(heights)})
-
-    def write_step(self, index: int, attributes: dict, fields: dict[str, np.ndarray] | None = None) -> None:
-        """One finished load step: numbers and the local slabs, shape (rows, n_y), of the fields asked for.
+    def write_step(self, index: int, attributes: dict, fields=None) -> None:
+        """One finished load step: numbers and {name: local slab, shape (rows, n_y)} of the fields asked for.
 
         Raises GfmdError on every rank if it cannot be written; steps written before stay as they are.
         """
         name = f"steps/{index:04d}"
-        slabs = {f"{name}/{key}": self._slab(data) for key, data in (fields or {}).items()}
+        slabs = {f"{name}/{key}": data for key, data in (fields or {}).items()}
         self._write(self.partial / f"step-{index:04d}.h5", "running", {name: attributes}, slabs)
         self.finished = sorted({*self.finished, index})
 
-    def finish(self, status: str, **attributes) -> None:
+    def finish(self, status: str, **head) -> None:
         """Compose OUT.h5 from the finished steps, put it in place of any older one and remove the folder.
 
         Raises GfmdError on every rank if that fails; the finished steps stay in the folder.
         """
-        self._head |= {"end_time": _now()} | attributes
+        self._head |= {"end_time": _now()} | head
         found = None
         with guarded(self.comm, f"reading {self.partial}"):
             if self.comm.rank == 0:
                 found = self._collect()
         steps, fields = self.comm.bcast(found)
         try:
-            self._write(self.path, status, steps, {name: replace(field, span=self.rows) for name, field in fields.items()})
+            self._write(self.path, status, steps, fields)
         except GfmdError as error:
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
         with guarded(self.comm, f"removing {self.partial}"):
@@ -137,7 +116,6 @@ class RunFile:
             raise SceneError(f"output.path: {self.path} is a folder, a file name is needed")
         notes = [] if resume or not self.path.exists() else self._to_replace(identity, force)
         try:
-            self.partial.mkdir(exist_ok=True)
             self._lock = lock.acquire(self.partial)
         except OSError as error:
             raise SceneError(f"output.path: cannot write to {self.path.parent}: {one_line(error)}") from None
@@ -145,55 +123,48 @@ class RunFile:
         with suppress(SceneError):  # nothing, or nothing that can be read
             left = read_partial(self.path)
             notes += left.notes
-        if left is not None and resume:
-            if left.head.get("identity") != identity:
+        ours = left is not None and left.head.get("identity") == identity
+        if resume and left is not None:
+            if not ours:
                 raise SceneError(f"{self.partial}: belongs to another scene; remove it or change output.path")
-            states = zip(left.indices, [step.get("status") for step in left.steps], strict=True)
-            done = [index for index, status in states if status != "interrupted"]
             kept = {name: left.head[name] for name in ("start_time", "heights") if name in left.head}
-            return done, [*notes, f"resuming: {len(done)} finished load steps found in {self.partial}"], kept
-        if left is not None:
-            kind = "the same" if left.head.get("identity") == identity else "another"
-            notes += [f"removed an interrupted run of {kind} scene ({len(left.steps)} finished load steps)"]
-        elif files:
-            notes += [f"removed an interrupted run that cannot be read ({len(files)} files of load steps)"]
+            return left.indices, [*notes, f"resuming: {len(left.steps)} finished load steps found in {self.partial}"], kept
+        if left is not None or files:
+            kind = "that cannot be read" if left is None else "of the same scene" if ours else "of another scene"
+            notes += [f"removed an interrupted run {kind} ({len(files)} files of load steps)"]
         _clear(self.partial, keep_lock=True)
         return [], notes, {}
 
     def _to_replace(self, identity, force) -> list[str]:
         """What is said of the file that will be replaced; raises SceneError if it may not be."""
+        what = "holds the result of another scene"
         try:
-            ours = read_whole(self.path).head.get("identity") == identity
-            what = "holds the result of another scene"
+            if read_whole(self.path).head.get("identity") == identity:
+                return [f"{self.path} holds a result of this scene, which this run replaces"]
         except SceneError as error:
-            ours, what = False, f"exists and is no result that can be read ({error})"
-        if not ours and not force:
+            what = f"exists and is no result that can be read ({error})"
+        if not force:
             raise SceneError(f"output.path: {self.path} {what}, allowed: another path, or --force to overwrite it")
-        return [f"{self.path} holds a result of this scene, which this run replaces" if ours else f"{self.path} {what}: overwritten"]
+        return [f"{self.path} {what}: overwritten"]
 
     def _collect(self) -> tuple[dict, dict]:
         """Attributes and fields of all that is finished, by their names in the file. Raises GfmdError if something is missing."""
-        done, fields = read_partial(self.path), {}
+        done = read_partial(self.path)
         lost = [str(index) for index in self.finished if index not in done.indices]
         if lost:
             raise GfmdError(f"the files of load steps {', '.join(lost)} have been damaged; restart to solve them again")
-        for stored in done.fields:
-            fields |= {field.dataset: field for field in stored.values()}
-        if (heights := self.partial / "heights.h5").exists():
-            with reading(heights) as file:
-                fields["surface/heights"] = fields_of(heights, file["surface"], self.n)["heights"]
+        with reading(self.partial / HEAD) as file:
+            heights = fields_of(self.partial / HEAD, file["surface"], self.n)
+        fields = {field.dataset: field for group in (heights, *done.fields) for field in group.values()}
         return {f"steps/{index:04d}": step for index, step in zip(done.indices, done.steps, strict=True)}, fields
 
-    def _slab(self, data) -> Slab:
-        return Slab(data, self.rows[0], self.n, self.dtype)
-
-    def _write_head(self) -> None:
-        self._write(self.partial / HEAD, "running", {}, {})
-
     def _write(self, path, status, steps, fields) -> None:
-        groups = {"/": self._head | {"status": status}, "surface": self._surface, **steps}
-        write_file(self.comm, path, {name: sealed(attributes) for name, attributes in groups.items()}, fields, finish=describe,
-                   compressed=self.compressed)
+        def fill(file):
+            for name, attributes in {"/": self._head | {"status": status}, "surface": self._surface, **steps}.items():
+                set_attributes(file.require_group(name), attributes)
+            describe(file)
+
+        write_file(self.comm, path, self.n, self.rows, fields, fill, self._compressed, self._dtype)
 
 
 def tidy(path) -> None:

@@ -82,9 +82,13 @@ def summary(step: dict, surface: dict) -> str:
 def _scales(steps, surface):
     """{attribute: (scale, heading)} of a_r in per cent, and of what has a unit, with the prefix that suits its largest value."""
     length, pressure = surface.get("unit", ""), surface.get("pressure_unit", "")
-    units = {"p": pressure, "gap_mean": length, "approach": length, "target_gap_mean": length, "target_approach": length,
+    units = {"p": pressure, **dict.fromkeys(("gap_mean", "approach", "perimeter", "target_gap_mean", "target_approach"), length),
              "target_force": "N" if length and pressure else "", "stiffness": f"{pressure}/{length}" if pressure and length else ""}
-    found = {key: prefixed([step[key] for step in steps if step.get(key) is not None], unit) for key, unit in units.items() if unit}
+    given = {key: [step[key] for step in steps if step.get(key) is not None] for key in (*units, "patch_largest")}
+    found = {key: prefixed(given[key], unit) for key, unit in units.items() if unit}
+    if length:
+        scale, unit = prefixed([value**0.5 for value in given["patch_largest"]], length)
+        found["patch_largest"] = scale**2, f"{unit}^2"
     per_cent = {key: (0.01, heading) for key, _, heading, _ in COLUMNS if key == "a_r"}
     return per_cent | {key: (scale, f"[{unit}]") for key, (scale, unit) in found.items()}
 

@@ -3,6 +3,7 @@
 import os
 import sys
 import time
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,13 +13,17 @@ from ..streams import unfailing
 # Set by mpirun (Open MPI, MPICH, Intel MPI) and by srun --mpi=pmix/pmi2 for every process that they start.
 LAUNCHER_SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS")
 THREADS_PER_CORE = 8  # more are a mistake
-LAUNCHER_RANK = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK")
+LAUNCHER_RANK = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK", "PALS_RANKID")
+LAUNCHER = "HPC_GFMD_LAUNCHER"  # "mpi" or "none", where these variables mislead: of another launcher, or left over from one around
 
 
 class SerialComm:
-    """One process: every reduction is the identity."""
+    """One process: every reduction is the identity. parent: the communicator that this is a part of."""
 
     rank, size, mpi = 0, 1, None
+
+    def __init__(self, parent=None):
+        self.parent = parent
 
     def sum(self, values):
         """Sum over ranks of each number; returns an array of float64."""
@@ -42,22 +47,63 @@ class SerialComm:
         """The list of what every rank had for this one; objects: one for each rank."""
         return objects
 
+    def counts(self, number):
+        """Every rank's whole number, an array."""
+        return np.array([number])
+
+    def share(self, values):
+        """Rank 0's numbers, an array of float64; the others give as many."""
+        return np.asarray(values, dtype=np.float64)
+
+    def exchange(self, send, receive):
+        """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled from it; contiguous arrays."""
+
+    def pass_on(self, obj, ranks, source):
+        """The object of rank `source`; ranks: those that want the object of this one."""
+        return obj
+
+    def among(self, ranks):
+        """The communicator of these ranks alone, rank 0 first; None on others."""
+        return self
+
     def barrier(self):
         """Wait for all ranks."""
 
 
-class MpiComm:
-    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`."""
+@dataclass
+class Traffic:
+    """What this rank has sent to others: bytes and messages. A reduction is counted as log2(ranks) messages, as in a tree."""
 
-    def __init__(self, mpi):
-        self.mpi = mpi
+    bytes: int = 0
+    messages: int = 0
+
+    def add(self, nbytes, messages=1):
+        """Count messages of so many bytes together."""
+        self.bytes += int(nbytes)
+        self.messages += int(messages)
+
+
+def stages(size):
+    """How many messages a rank sends in a reduction over so many ranks, by recursive doubling."""
+    return (size - 1).bit_length()
+
+
+class MpiComm:
+    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`; sent: its Traffic, that of parts
+    of it counted."""
+
+    def __init__(self, mpi, parent=None):
+        self.mpi, self.parent = mpi, parent
         self.rank = mpi.Get_rank()
         self.size = mpi.Get_size()
+        self.sent = parent.sent if parent else Traffic()
+        self._among = {}
 
     def _reduce(self, values, op):
         send = np.ascontiguousarray(values, dtype=np.float64)
         recv = np.empty_like(send)
         self.mpi.Allreduce(send, recv, op=op)
+        self.sent.add(send.nbytes * stages(self.size), stages(self.size))
         return recv
 
     def sum(self, values):
@@ -94,15 +140,70 @@ class MpiComm:
         """The list of what every rank had for this one; objects: one for each rank."""
         return self.mpi.alltoall(objects)
 
+    def counts(self, number):
+        """Every rank's whole number, an array."""
+        found = np.empty(self.size, np.int64)
+        self.mpi.Allgather(np.array([number], np.int64), found)
+        return found
+
+    def share(self, values):
+        """Rank 0's numbers, an array of float64; the others give as many."""
+        values = np.array(values, dtype=np.float64)
+        self.mpi.Bcast(values, root=0)
+        return values
+
+    def exchange(self, send, receive):
+        """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled from it; contiguous arrays."""
+        from mpi4py import MPI
+
+        requests = [self.mpi.Irecv(a, source=rank) for rank, a in receive.items()]
+        requests += [self.mpi.Isend(a, dest=rank) for rank, a in send.items()]
+        self.sent.add(sum(a.nbytes for a in send.values()), len(send))
+        MPI.Request.Waitall(requests)
+
+    def alltoall_bytes(self, send, receive):
+        """send, receive: (array, bytes for or from each rank, their offsets)."""
+        from mpi4py import MPI
+
+        self.mpi.Alltoallv([send[0].view(np.uint8), *send[1:], MPI.BYTE], [receive[0].view(np.uint8), *receive[1:], MPI.BYTE])
+        self.sent.add(sum(send[1]) - send[1][self.rank], np.count_nonzero(send[1]) - (send[1][self.rank] > 0))
+
+    def pass_on(self, obj, ranks, source):
+        """The object of rank `source`; ranks: those that want the object of this one."""
+        requests = [self.mpi.isend(obj, dest=rank) for rank in ranks]
+        found = self.mpi.recv(source=source)
+        for request in requests:
+            request.wait()
+        return found
+
+    def among(self, ranks):
+        """The communicator of these ranks alone, rank 0 first; None on others. Made once: MPI has few of them. Collective."""
+        from mpi4py import MPI
+
+        ranks = tuple(map(int, ranks))
+        if len(ranks) == self.size:
+            return self
+        if ranks not in self._among:
+            mpi = self.mpi.Split(0 if self.rank in ranks else MPI.UNDEFINED, self.rank)
+            made = None if mpi == MPI.COMM_NULL else SerialComm(self) if len(ranks) == 1 else MpiComm(mpi, self)
+            self._among[ranks] = made
+        return self._among[ranks]
+
     def barrier(self):
         """Wait for all ranks."""
         self.mpi.Barrier()
 
 
 def launched():
-    """Whether an MPI launcher started this process, and the number of processes if the launcher tells it (else None)."""
+    """Whether an MPI launcher started this process, and the number of processes if the launcher tells it (else None).
+
+    The variable HPC_GFMD_LAUNCHER says "mpi" or "none" where that cannot be seen.
+    """
+    said = os.environ.get(LAUNCHER)
+    if said == "none":
+        return False, None
     size = next((int(os.environ[k]) for k in LAUNCHER_SIZE if os.environ.get(k, "").isdigit()), None)
-    by_launcher = size is not None or any(k in os.environ for k in LAUNCHER_RANK)
+    by_launcher = said == "mpi" or size is not None or any(k in os.environ for k in LAUNCHER_RANK)
     if by_launcher and size is None:
         size = _srun_size()  # PMIx tells processes their rank only
     return by_launcher, size
@@ -116,6 +217,8 @@ def _srun_size():
 
 def launcher_rank():
     """This process's number as the launcher tells it; 0 without a launcher."""
+    if os.environ.get(LAUNCHER) == "none":
+        return 0
     return next((int(os.environ[k]) for k in (*LAUNCHER_RANK, "SLURM_PROCID") if os.environ.get(k, "").isdigit()), 0)
 
 
@@ -125,14 +228,17 @@ _world = None
 def world():
     """The communicator of all processes of this run.
 
-    Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all do the same work.
+    Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all do the same work; SceneError for
+    a HPC_GFMD_LAUNCHER that means nothing.
     """
     global _world
     if _world is None:
+        if os.environ.get(LAUNCHER, "") not in ("", "mpi", "none"):
+            raise SceneError(f'{LAUNCHER}: found "{os.environ[LAUNCHER]}", allowed: "mpi", "none"')
         by_launcher, size = launched()
-        if not by_launcher and (_srun_size() or 1) > 1:
+        if not by_launcher and (_srun_size() or 1) > 1 and not os.environ.get(LAUNCHER):
             raise GfmdError(f"srun started {_srun_size()} processes without MPI, allowed: srun --mpi=pmix, or mpirun (where each is "
-                            f"to run on its own: unset SLURM_STEP_NUM_TASKS)")
+                            f"to run on its own: {LAUNCHER}=none)")
         _world = SerialComm()
         if by_launcher and size != 1:
             try:
@@ -163,7 +269,8 @@ def comm_of(given):
 
 
 def threads_of(comm, wanted):
-    """Threads for each rank: a number as it is; "auto": the cores that this rank may use, shared with the ranks beside it.
+    """Threads for each rank: a number as it is; "auto": what Slurm was asked for (--cpus-per-task), else the cores that this rank may
+    use, shared with the ranks beside it.
 
     Raises SceneError on all ranks for more than some machine can bear: every thread takes memory of its own. Collective.
     """
@@ -174,6 +281,9 @@ def threads_of(comm, wanted):
             raise SceneError(f"machine.threads: found {wanted}, allowed on this machine: up to {most} ({THREADS_PER_CORE} per core)")
         return wanted
     cores = sorted(os.sched_getaffinity(0))
+    of_slurm = os.environ.get("SLURM_CPUS_PER_TASK", "")
+    if comm.min([of_slurm.isdigit() and int(of_slurm)])[0] > 0:
+        return min(int(of_slurm), len(cores))
     here = comm.allgather((os.uname().nodename, cores))
     beside = sum(other == here[comm.rank] for other in here)  # ranks that are bound elsewhere do not share our cores
     return max(1, len(cores) // beside)
@@ -220,8 +330,8 @@ def agree(comm, error):
         if error is not None:
             raise error
         return
+    if not comm.max([error is not None])[0]:
+        return
     failed = comm.allgather(None if error is None else (type(error), str(error)))
-    first = next((f for f in failed if f is not None), None)
-    if first is not None:
-        kind, text = first
-        raise error if error is not None else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))
+    kind, text = next(f for f in failed if f is not None)
+    raise error if error is not None else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))

@@ -1,75 +1,123 @@
-"""One halo row before and one after every rank's rows, periodic in the rank number. Arrays: (..., rows + 2, m)."""
+"""Rows of a field that other ranks own: windows of rows, filled from their owners or added to them. Arrays: (..., rows, m).
+
+The rows 0 <= i < n of a field form a ring. Rank r owns the rows starts[r] <= i < starts[r + 1], perhaps none, and has a window
+lo[r] <= i < hi[r] of the ring, which may reach around it. Halo rows are windows, and so are the rows that a rank has before they are
+gathered on fewer ranks. A rank talks to those alone whose rows or windows meet its own.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 
-def _exchange(comm, up, down):
-    """Send `up` to the next rank and `down` to the previous one; returns what came from the previous and from the next rank."""
-    if comm.size == 1:
-        return up, down
-    before, after = np.empty_like(up), np.empty_like(down)
-    nxt, prev = (comm.rank + 1) % comm.size, (comm.rank - 1) % comm.size
-    comm.mpi.Sendrecv(up, dest=nxt, sendtag=1, recvbuf=before, source=prev, recvtag=1)
-    comm.mpi.Sendrecv(down, dest=prev, sendtag=2, recvbuf=after, source=nxt, recvtag=2)
-    return before, after
+@dataclass(frozen=True)
+class Piece:
+    """Rows that the window of one rank and the rows of another one have in common; peer: the other one, whoever that is here."""
+
+    peer: int
+    window: slice
+    owned: slice
+
+    def __len__(self):
+        return self.owned.stop - self.owned.start
 
 
-def fill(comm, a):
-    """Copy the neighbours' own rows into the halo rows."""
-    before, after = _exchange(comm, np.ascontiguousarray(a[..., -2, :]), np.ascontiguousarray(a[..., 1, :]))
-    a[..., 0, :] = before
-    a[..., -1, :] = after
+class Windows:
+    """Who has to send which rows to whom; no memory, no message. n: length of the ring, more than starts[-1] where the last rows
+    belong to nobody: those are left as they are."""
+
+    def __init__(self, rank, starts, lo, hi, n=None):
+        starts, lo, hi = (np.asarray(a, np.int64) for a in (starts, lo, hi))
+        n = int(starts[-1]) if n is None else n
+        self.rank = rank
+        taken = list(_met(int(lo[rank]), int(hi[rank]), starts[:-1], starts[1:], n, range(lo[rank] // n, -(-hi[rank] // n))))
+        turns = range(int(lo.min()) // n, -(-int(hi.max()) // n))
+        given = list(_met(int(starts[rank]), int(starts[rank + 1]), lo, hi, n, [-t for t in turns]))
+        # A halo around a rank's own rows lives in one array with them, which then has nothing to be copied.
+        width = int(starts[0] - lo[0])
+        self.in_place = bool(np.all((hi <= lo) | ((starts[:-1] - lo == width) & (hi - starts[1:] == width))))
+        self.interior = slice(width, width + int(starts[rank + 1] - starts[rank]))
+        self.own = [Piece(peer, slice(*here), slice(*there)) for peer, here, there in taken if peer == rank]
+        self.take = _by_peer(Piece(peer, slice(*here), slice(*there)) for peer, here, there in taken if peer != rank)
+        self.give = _by_peer(Piece(peer, slice(*there), slice(*here)) for peer, here, there in given if peer != rank)
+
+    def fill(self, comm, owned, window):
+        """Copy the rows of all windows from those that own them."""
+        send = {peer: np.concatenate([owned[..., piece.owned, :] for piece in pieces], axis=-2) for peer, pieces in self.give.items()}
+        receive = {peer: _room(pieces, window) for peer, pieces in self.take.items()}
+        comm.exchange(send, receive)
+        for piece in self._apart(owned, window):
+            window[..., piece.window, :] = owned[..., piece.owned, :]
+        for peer, pieces in self.take.items():
+            for piece, rows in zip(pieces, _parts(pieces, receive[peer])):
+                window[..., piece.window, :] = rows
+
+    def add(self, comm, window, owned):
+        """Add the rows of all windows to those that own them: the transpose of `fill`."""
+        send = {peer: np.concatenate([window[..., piece.window, :] for piece in pieces], axis=-2) for peer, pieces in self.take.items()}
+        receive = {peer: _room(pieces, owned) for peer, pieces in self.give.items()}
+        comm.exchange(send, receive)
+        for piece in self._apart(owned, window):
+            owned[..., piece.owned, :] += window[..., piece.window, :]
+        for peer, pieces in self.give.items():
+            for piece, rows in zip(pieces, _parts(pieces, receive[peer])):
+                owned[..., piece.owned, :] += rows
+
+    def _apart(self, owned, window):
+        """Own pieces of the own window that are not the same memory."""
+        together = self.in_place and np.may_share_memory(owned, window)
+        return [piece for piece in self.own if not (together and piece.window == self.interior)]
+
+    def sent_rows(self, adding):
+        """{rank: rows sent to it} by `add` or by `fill`."""
+        return {peer: sum(map(len, pieces)) for peer, pieces in (self.take if adding else self.give).items()}
 
 
-def accumulate(comm, a):
-    """Add the halo rows to the rows of the neighbours that own them."""
-    before, after = _exchange(comm, np.ascontiguousarray(a[..., -1, :]), np.ascontiguousarray(a[..., 0, :]))
-    a[..., 1, :] += before
-    a[..., -2, :] += after
+def _met(first, last, lo, hi, n, turns):
+    """(rank, (rows of [first, last) counted from first), (rows of that rank's [lo, hi) counted from lo)) where [first, last) meets
+    [lo, hi) of each rank shifted by some turns of the ring, in the order of the first interval for each turn."""
+    for turn in turns:
+        a, b = np.maximum(lo + turn * n, first), np.minimum(hi + turn * n, last)
+        for rank in np.flatnonzero(a < b):
+            begin, end, shift = int(a[rank]), int(b[rank]), int(lo[rank]) + turn * n
+            yield int(rank), (begin - first, end - first), (begin - shift, end - shift)
 
 
-def sum_to_all(comm, a, start, n):
-    """Every rank's rows with halo, the first own one being row `start` of n, summed into a whole array on every rank."""
-    rows = a.shape[-2] - 2
-    whole = np.zeros((*a.shape[:-2], n, a.shape[-1]), a.dtype)
-    whole[..., start:start + rows, :] = a[..., 1:-1, :]
-    whole[..., (start - 1) % n, :] += a[..., 0, :]
-    whole[..., (start + rows) % n, :] += a[..., -1, :]
-    if comm.size > 1:
-        from mpi4py import MPI
-
-        comm.mpi.Allreduce(MPI.IN_PLACE, whole, op=MPI.SUM)
-    return whole
+def _by_peer(pieces):
+    """{peer: its pieces in the order of the window}: both sides of a message then have the same order."""
+    found = {}
+    for piece in sorted(pieces, key=lambda piece: (piece.peer, piece.window.start)):
+        found.setdefault(piece.peer, []).append(piece)
+    return found
 
 
-def take_rows(whole, start, a):
-    """The inverse of `sum_to_all`: a = this rank's rows and halo out of the whole array."""
-    n, rows = whole.shape[-2], a.shape[-2] - 2
-    a[..., 1:-1, :] = whole[..., start:start + rows, :]
-    a[..., 0, :] = whole[..., (start - 1) % n, :]
-    a[..., -1, :] = whole[..., (start + rows) % n, :]
+def _room(pieces, like):
+    return np.empty((*like.shape[:-2], sum(map(len, pieces)), like.shape[-1]), like.dtype)
 
 
-def neighbours(comm, a, width):
-    """The `width` rows before and after this rank's rows a (rows, m). Collective."""
-    if comm.size > 1 and comm.min([len(a)])[0] < width:  # rows of more than one rank on either side
-        parts = comm.allgather(a)
-        start, whole = sum(len(part) for part in parts[:comm.rank]), np.concatenate(parts)
-        take = np.arange(width)
-        return whole[(start + take - width) % len(whole)], whole[(start + len(a) + take) % len(whole)]
-    if comm.size == 1:
-        take = np.arange(width)
-        return a[(take - width) % len(a)].copy(), a[take % len(a)].copy()
-    return _exchange(comm, np.ascontiguousarray(a[-width:]), np.ascontiguousarray(a[:width]))
+def _parts(pieces, rows):
+    return np.split(rows, np.cumsum([len(piece) for piece in pieces])[:-1], axis=-2)
+
+
+def rows_of(comm, a, starts, lo, hi, n=None):
+    """The rows lo[rank] <= i < hi[rank] of the field of which this rank's part is a; rows that belong to nobody are 0. Collective."""
+    window = np.zeros((*a.shape[:-2], int(hi[comm.rank] - lo[comm.rank]), a.shape[-1]), a.dtype)
+    Windows(comm.rank, starts, lo, hi, n).fill(comm, a, window)
+    return window
+
+
+def neighbours(comm, a, starts, width, owned=None):
+    """The `width` rows before and after the rows of this rank, as `starts` has them. owned: the starts of those that a field has on
+    each rank, if these are not all. Collective."""
+    first, last = np.asarray(starts)[:-1], np.asarray(starts)[1:]
+    owned, n = starts if owned is None else owned, int(starts[-1])
+    return rows_of(comm, a, owned, first - width, first, n), rows_of(comm, a, owned, last, last + width, n)
 
 
 def next_row(comm, a):
     """The row after this rank's rows, of which a (..., >= 0 rows, m) has the first; periodic, ranks without rows are skipped."""
-    if comm.size == 1:
-        return a[..., 0, :].copy()
-    if comm.min([a.shape[-2]])[0]:
-        first = np.ascontiguousarray(a[..., 0, :])
-        return _exchange(comm, first, first)[1]
-    firsts = comm.allgather(a[..., 0, :].copy() if a.shape[-2] else None)
-    order = [(comm.rank + 1 + k) % comm.size for k in range(comm.size)]
-    return next(firsts[r] for r in order if firsts[r] is not None)
+    filled = np.flatnonzero(comm.counts(min(a.shape[-2], 1)))
+    after = np.searchsorted(filled, np.arange(comm.size), "right") % len(filled)  # of every rank
+    source = int(filled[after[comm.rank]])
+    wanted = [rank for rank in range(comm.size) if filled[after[rank]] == comm.rank]
+    return comm.pass_on(a[..., 0, :].copy() if a.shape[-2] else None, wanted, source)

@@ -1,17 +1,50 @@
 """Requests to stop: signals and the wall-clock budget, agreed on by all ranks."""
 
+import ctypes
 import os
 import signal
 import time
 
 CHEAP = 0.05  # share of the time that may go into checkpoints between loads
 HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)  # SIGUSR1: the batch system's warning
+SIGACTION_BYTES = 1024  # more than a struct sigaction has anywhere
+
+_running = None  # the Interrupt that listens: signals are sent to the process
+
+
+class Stopped(Exception):
+    """What long work between two iterations is left with when the run is to stop; number: of the signal."""
+
+    def __init__(self, number):
+        super().__init__(f"stopped by signal {number}")
+        self.number = number
+
+
+def check(comm):
+    """Raise Stopped on all ranks of a communicator if one of them was sent a signal while an Interrupt listens. Collective.
+
+    Time that is up is left to `poll`: however short it is, a run then comes to an iteration and a checkpoint of it. Only for the
+    communicator of the run and parts of it: what a rank does on its own, such as compiling, it does to the end.
+    """
+    whole = comm
+    while whole.parent is not None:
+        whole = whole.parent
+    if _running is not None and whole is _running.comm and (number := int(comm.max([_running.signal])[0])):
+        stop(number)
+
+
+def stop(number):
+    """Raise Stopped, agreed on by all ranks."""
+    if _running is not None:
+        _running.agreed = number
+    raise Stopped(number)
 
 
 class Interrupt:
     """Listens from `with` on. deadline: seconds from now, or None; every: seconds between checkpoints.
 
-    A second signal ends the process at once.
+    A second signal ends the process at once. Handlers that were there before come back at the end, those that were not installed from
+    Python, too.
     """
 
     def __init__(self, comm, deadline=None, every=None):
@@ -23,16 +56,23 @@ class Interrupt:
         self.agreed = 0
 
     def __enter__(self):
-        self._before = {}
+        global _running
+        self._before, _running = {}, self
         try:
-            self._before = {s: signal.signal(s, self._note) for s in HANDLED}
+            for s in HANDLED:
+                handler = _sigaction(s)
+                self._before[s] = signal.signal(s, self._note), handler
         except ValueError:  # not in the main thread: somebody else handles signals
             pass
         return self
 
     def __exit__(self, *_):
-        for s, handler in self._before.items():
-            signal.signal(s, handler)
+        global _running
+        _running = None
+        for s, (of_python, handler) in self._before.items():
+            if of_python is not None:  # what Python knew of it
+                signal.signal(s, of_python)
+            _sigaction(s, handler)
 
     def _note(self, number, _frame):
         if self.signal:
@@ -47,11 +87,9 @@ class Interrupt:
     def poll(self):
         """(stop, save), the same on all ranks: whether to stop now, and whether a checkpoint is due. Collective."""
         now = time.monotonic()
-        stop = self.signal
-        if not stop and self.deadline is not None and now - self.begun > self.deadline:
-            stop = signal.SIGTERM
+        late = self.deadline is not None and now - self.begun > self.deadline
         due = self.every is not None and self.comm.rank == 0 and now - self.last > self.every
-        stop, due = (int(x) for x in self.comm.max([stop, due]))
+        stop, due = (int(x) for x in self.comm.max([self.signal or (signal.SIGTERM if late else 0), due]))
         if stop:
             self.agreed = stop
         return bool(stop), bool(due)
@@ -64,3 +102,10 @@ class Interrupt:
         """A checkpoint has been written; it was begun at that time.monotonic()."""
         self.last = time.monotonic()
         self.cost = self.last - begun
+
+
+def _sigaction(number, new=None):
+    """What handles a signal, as the system knows it; new: what is to do so from now on, as a previous call gave it."""
+    old = ctypes.create_string_buffer(SIGACTION_BYTES)
+    ctypes.CDLL(None).sigaction(int(number), new, old)
+    return old

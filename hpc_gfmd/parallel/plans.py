@@ -1,7 +1,7 @@
 """One-dimensional transforms of many rows or columns at once: FFTW through mpi4py-fft, or scipy.fft where that is missing.
 
-A plan is called as plan(input, output) on arrays of the planned shape; both may be the same array for `columns`.
-Plans work without normalisation in both directions.
+Rows are called as plan(input, output) on arrays of the planned shape, columns as plan(array), in place, with one of the numbers of
+columns that were planned. Plans work without normalisation in both directions.
 """
 
 from .fftw import load_fftw
@@ -10,10 +10,11 @@ from .fftw import load_fftw
 class Plans:
     """The four transforms of a slab: rows forward and back (real <-> complex), columns forward and back (complex).
 
-    real: (R, n_y), half: (R, n_y//2 + 1), block: (W, n_x): scratch arrays of the shapes to plan for. Their contents are lost.
+    real: (R, n_y), half: (R, n_y//2 + 1), blocks: (some columns, n_x) each: scratch arrays of the shapes to plan for. Their contents
+    are lost.
     """
 
-    def __init__(self, real, half, block):
+    def __init__(self, real, half, blocks):
         fftw = load_fftw()
         if fftw is None:
             self._scipy(real.shape[1])
@@ -22,8 +23,10 @@ class Plans:
         n_y = (real.shape[1],)
         self.rows_forward = fftw.rfftn(real, None, (1,), 1, flags, half)
         self.rows_backward = fftw.irfftn(half, n_y, (1,), 1, flags, output_array=real)
-        self.columns_forward = fftw.fftn(block, None, (1,), 1, flags, block)
-        self.columns_backward = fftw.ifftn(block, None, (1,), 1, flags, output_array=block)
+        forward = {len(block): fftw.fftn(block, None, (1,), 1, flags, block) for block in blocks}
+        backward = {len(block): fftw.ifftn(block, None, (1,), 1, flags, output_array=block) for block in blocks}
+        self.columns_forward = lambda x: forward[len(x)](x, x)
+        self.columns_backward = lambda x: backward[len(x)](x, x)
 
     def _scipy(self, n_y):
         from scipy import fft
@@ -34,11 +37,11 @@ class Plans:
         def rows_backward(x, out):
             out[...] = fft.irfft(x, n=n_y, axis=1, norm="forward")
 
-        def columns_forward(x, out):
-            out[...] = fft.fft(x, axis=1)
+        def columns_forward(x):
+            x[...] = fft.fft(x, axis=1)
 
-        def columns_backward(x, out):
-            out[...] = fft.ifft(x, axis=1, norm="forward")
+        def columns_backward(x):
+            x[...] = fft.ifft(x, axis=1, norm="forward")
 
         self.rows_forward, self.rows_backward = rows_forward, rows_backward
         self.columns_forward, self.columns_backward = columns_forward, columns_backward

@@ -1,5 +1,6 @@
-"""Pictures of results. Nothing here needs MPI, and no field is ever read whole."""
+"""Pictures of results and surfaces. Nothing here needs MPI, and no field is ever read whole."""
 
-from .pictures import figures, plot_result
+from .heights import height_map
+from .pictures import WHAT, chosen_steps, figures, plot, plot_result
 
-__all__ = ["figures", "plot_result"]
+__all__ = ["WHAT", "chosen_steps", "figures", "height_map", "plot", "plot_result"]

@@ -1,65 +1,112 @@
-"""Distributions of pressure and gap, with Persson's pressure distribution."""
+"""Distributions of pressure, gap and patch sizes, with what theory says of the pressure."""
 
 import numpy as np
 
 from ..output.table import converged
-from ..theory import persson
-from .style import COLOURS, THEORY, figure
-from .units import gap_unit, good, over, pressure_unit
+from .style import COLOURS, THEORY, WIDTH, legend_below
+from .survey import density
+
+BINS = 48  # of pressure
+HEIGHT = 3.0
 
 
-def distributions(path, result, chosen, surveys):
-    """chosen: indices into result.steps; surveys: one Survey for each."""
-    has_gap = surveys[0].gap_density is not None
-    has_pressure = surveys[0].pressure_density is not None
-    with figure(path, 3.6 * (has_gap + has_pressure), 3.2) as fig:
-        axes = list(fig.subplots(1, has_gap + has_pressure, squeeze=False)[0])
-        if has_pressure:
-            _pressures(axes.pop(0), result, chosen, [found.pressure_density for found in surveys])
-        if has_gap:
-            _gaps(axes.pop(0), result, chosen, [found.gap_density for found in surveys])
-    return fig
+def distributions(fig, drawn) -> None:
+    """A panel for each of them that the result has, stored or in its fields. drawn: pictures.Drawn."""
+    there = set().union(*(_has(drawn, k) for k in range(len(drawn.chosen))))
+    panels = [panel for name, panel in PANELS.items() if name in there]
+    fig.set_size_inches(WIDTH, HEIGHT)
+    for ax, panel in zip(fig.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
+        panel(ax, drawn)
+    legend_below(fig)
 
 
-def _pressures(ax, result, chosen, densities) -> None:
-    theory = None
-    for colour, k, (x, density) in zip(COLOURS, chosen, densities, strict=False):
-        step = result.steps[k]
-        if len(x):
-            ax.plot(x, density, "o", color=colour, markersize=3, label=_label(step))
-            if good(step.get("p_star")):
-                fine = np.geomspace(x[0], x[-1], 200)
-                (theory,) = ax.plot(fine, persson.pressure_distribution(fine, step["p_star"]), **THEORY)
-    if theory is not None:
-        theory.set_label("Persson theory")
-    _, unit = pressure_unit(result.steps[chosen[0]])
-    _finish(ax, "p", unit, densities)
+def stored(step, name) -> bool:
+    """Whether a load step has a distribution of this name."""
+    return f"{name}_edges" in step
 
 
-def _gaps(ax, result, chosen, densities) -> None:
-    for colour, k, (x, density) in zip(COLOURS, chosen, densities, strict=False):
-        if len(x):
-            label = _label(result.steps[k])
-            ax.plot(x, density, "o-", color=colour, markersize=3, linewidth=0.8, label=label)
-    _, unit = gap_unit(result.surface)
-    _finish(ax, "g", unit, densities)
+def _has(drawn, k):
+    step, fields = drawn.result.steps[drawn.chosen[k]], drawn.result.fields[drawn.chosen[k]]
+    return {name for name in PANELS if stored(step, name) or (name in fields)}
 
 
-def _finish(ax, symbol, unit, densities) -> None:
-    x, found = np.concatenate(densities, axis=1)
-    if len(found):
-        ax.set_xscale("log")
-        ax.set_yscale("log")
-        ax.set_xlim(max(x.min(), x.max() * 1e-5) / 1.5, x.max() * 1.5)
-        ax.set_ylim(max(found.min(), found.max() * 1e-7) / 2, found.max() * 3)
-        ax.legend()
-    else:
-        ax.text(0.5, 0.5, "none", ha="center", transform=ax.transAxes)
-    ax.set_xlabel(over(symbol, unit))
-    ax.set_ylabel(f"$P({symbol}) \\cdot {unit}$" if unit else f"$P({symbol})$")
+def _of(drawn, k, name):
+    """(edges, density), which integrates to the share of the area; empty where there is none."""
+    step = drawn.result.steps[drawn.chosen[k]]
+    if stored(step, name):
+        share = {"pressure": step.get("a_r", 1.0), "gap": 1 - step.get("a_r", 0.0)}.get(name, 1.0)
+        return np.array(step[f"{name}_edges"], dtype=float), share * np.array(step[f"{name}_density"], dtype=float)
+    fields = drawn.fields(k)
+    if name not in fields:
+        return np.zeros(1), np.zeros(0)
+    return density({n: fields[n] for n in ("pressure", "gap") if n in fields}, name, drawn.units.of(name, [step["p"]]).unit)
 
 
-def _label(step) -> str:
-    symbol, key = ("p^*", "p_star") if good(step.get("p_star")) else ("p", "p")
-    name = f"${symbol} = {step.get(key, np.nan):.3g}$"
-    return name if converged(step) else f"{name}, not converged"
+def _pressures(ax, drawn):
+    found = [_of(drawn, k, "pressure") for k in range(len(drawn.chosen))]
+    scale = drawn.units.pressures([edges[-1] for edges, _ in found])
+    lowest, highest = np.inf, 0.0
+    for k, (edges, values) in enumerate(found):
+        if not len(values):
+            continue
+        edges, values = _coarser(edges, values, np.linspace(0, edges[-1], BINS + 1))
+        lowest, highest = min(lowest, values[values > 0].min() * scale.unit), max(highest, values.max() * scale.unit)
+        some = values > 0
+        ax.plot((edges[1:] + edges[:-1])[some] / 2 / scale.unit, values[some] * scale.unit, "o", markersize=2.5, color=COLOURS[k],
+                label=_label(drawn, k))
+        if drawn.theory and drawn.theory.density:
+            x = np.linspace(0, edges[-1], 301)[1:]
+            expected = drawn.theory.density(x, drawn.result.steps[drawn.chosen[k]]["p"])
+            ax.plot(x / scale.unit, expected * scale.unit, label=f"{drawn.theory.name} (lines)", **THEORY | {"color": COLOURS[k]})
+    ax.set(xlabel=scale.label("p"), ylabel=scale.density_label("P(p)"), yscale="log", xlim=(0, None), title="pressure in the contact")
+    if highest:
+        ax.set_ylim(lowest / 2, highest * 3)
+
+
+def _gaps(ax, drawn):
+    found = [_of(drawn, k, "gap") for k in range(len(drawn.chosen))]
+    scale = drawn.units.heights([edges[-1] for edges, _ in found])
+    for k, (edges, values) in enumerate(found):
+        edges = edges[1:] if len(edges) and edges[0] == 0 else edges  # all smaller gaps together have no place on this axis
+        values = values[len(values) - len(edges) + 1:]
+        if len(values):
+            edges, values = _coarser(edges, values, np.geomspace(edges[0], edges[-1], int(10 * np.log10(edges[-1] / edges[0])) + 2))
+            some = values > 0
+            ax.plot(np.sqrt(edges[1:] * edges[:-1])[some] / scale.unit, values[some] * scale.unit, "o-", markersize=2, linewidth=0.8,
+                    color=COLOURS[k], label=_label(drawn, k))
+    ax.set(xlabel=scale.label("g"), ylabel=scale.density_label("P(g)"), xscale="log", yscale="log", title="gap outside")
+    _no_more_than(ax, 5)
+
+
+def _patches(ax, drawn):
+    scale = drawn.units.lengths()
+    for k in range(len(drawn.chosen)):
+        edges, values = _of(drawn, k, "patches")
+        if len(values):
+            some = values > 0
+            area = np.sqrt(edges[1:] * edges[:-1])[some] / scale.unit**2
+            ax.plot(area, values[some] * scale.unit**2, "o-", markersize=2.5, linewidth=0.8, color=COLOURS[k], label=_label(drawn, k))
+    ax.set(xlabel=scale.label("A", 2), ylabel=scale.density_label("P(A)", 2), xscale="log", yscale="log", title="contact patches")
+
+
+PANELS = {"pressure": _pressures, "gap": _gaps, "patches": _patches}
+
+
+def _no_more_than(ax, decades):
+    """Of the largest values; what lies below is rounding."""
+    low, high = ax.dataLim.intervalx
+    if high > low * 10**decades > 0:
+        ax.set_xlim(high / 10**decades, high * 1.5)
+
+
+def _coarser(edges, values, wanted):
+    """The same density in fewer bins, whose edges are those that are nearest to `wanted`."""
+    chosen = np.unique(np.abs(edges[:, None] - wanted).argmin(axis=0))
+    if len(chosen) < 2:
+        return edges, values
+    return edges[chosen], np.add.reduceat(values * np.diff(edges), chosen[:-1])[: len(chosen) - 1] / np.diff(edges[chosen])
+
+
+def _label(drawn, k):
+    step = drawn.result.steps[drawn.chosen[k]]
+    return drawn.name_of(k) + ("" if converged(step) else ", not converged")

@@ -1,61 +1,85 @@
-"""Contact, pressure and gap over the cell, one row of panels per load step."""
+"""Contact, pressure, gap and other fields over the cell or a window of it, one row of panels per load step."""
 
 import numpy as np
-from matplotlib.colors import PowerNorm
+from matplotlib.colors import Normalize, PowerNorm
 
 from ..output.table import converged
-from .style import CONTACT_MAP, GAP_MAP, PRESSURE_MAP, WARNING, figure
-from .units import gap_unit, over, pressure_unit
+from .style import CONTACT_MAP, DPI, GAP_MAP, GROUND, HEIGHT_MAP, OTHER_MAP, PRESSURE_MAP, WARNING, WIDTH
+from .survey import survey
+from .units import good
+
+SYMBOLS = {"pressure": "p", "gap": "g", "heights": "z", "displacement": "u"}
+COLOURS = {"pressure": PRESSURE_MAP, "gap": GAP_MAP, "heights": HEIGHT_MAP}
+SPIKY = 1.25  # a largest value that is more than this times the 99.5th percentile does not set the colours
+TALL, FLAT = 2.4, 0.4  # of panels, height over width
 
 
-def contact_maps(path, result, chosen, surveys):
-    """chosen: indices into result.steps; surveys: one Survey for each."""
-    width, height = result.surface.get("physical_sizes", (1.0, 1.0))
-    columns = [name for name in ("contact", "pressure", "gap") if getattr(surveys[0], name) is not None]
-    panel = 2.1 * min(2.0, max(0.5, height / width))
-    with figure(path, 2.9 * len(columns), (panel + 0.5) * len(surveys)) as fig:
-        axes = fig.subplots(len(surveys), len(columns), squeeze=False)
-        for row, k, found in zip(axes, chosen, surveys, strict=True):
-            step = result.steps[k]
-            for ax, name in zip(row, columns, strict=True):
-                image = _DRAW[name](ax, found, (0, width, 0, height))
-                _, unit = pressure_unit(step) if name == "pressure" else gap_unit(result.surface)
-                if name != "contact":
-                    fig.colorbar(image, ax=ax, shrink=0.85).set_label(over(name[0], unit))
-                ax.set_xlabel("$x$")
-                ax.set_aspect("equal")
-            row[0].set_ylabel("$y$")
-            row[0].set_title(_title(step), loc="left", color="black" if converged(step) else WARNING)
-    return fig
+def maps(fig, drawn, names) -> None:
+    """A row for each load, a column for each of `names`: "contact" or a field. drawn: pictures.Drawn."""
+    width, height = (window[1] - window[0] for window in (drawn.window[:2], drawn.window[2:]))
+    single = len(names) == 1
+    columns = min(2, len(drawn.chosen)) if single else len(names)
+    rows = -(-len(drawn.chosen) // columns) if single else len(drawn.chosen)
+    panel = 0.245 * WIDTH * 3 / max(columns, 2)
+    fig.set_size_inches(WIDTH if columns > 1 else WIDTH / 2, rows * (panel * min(TALL, max(FLAT, height / width)) + 0.34) + 0.85)
+    fig.get_layout_engine().set(hspace=0.01, wspace=0.01, h_pad=0.03)
+    axes = fig.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    pixels = max(16, int(panel * (drawn.dpi or DPI)))
+    for k in range(len(drawn.chosen)):
+        needed = {n for n in names if n != "contact"} | ({"pressure", "gap"} if {"contact", "pressure", "gap"} & set(names) else set())
+        fields = {name: field for name, field in drawn.fields(k).items() if name in needed}
+        found = survey(fields, pixels, drawn.points)
+        row = axes.flat[k:k + 1] if single else axes[k]
+        for ax, name in zip(row, names, strict=True):
+            _panel(fig, ax, name, found, drawn)
+            if k == 0 and name != names[0]:
+                ax.set_title(name)
+        if names != ["heights"]:
+            _heading(row[0], drawn, k)
+    for ax in axes.flat[len(drawn.chosen) * (1 if single else columns):]:
+        ax.set_axis_off()
+    for ax in axes[-1]:
+        ax.set_xlabel(drawn.lengths.label("x"))
+    for ax in axes[:, 0]:
+        ax.set_ylabel(drawn.lengths.label("y"))
 
 
-def _title(step) -> str:
-    shown = (("p_star", "p^*"), ("a_r", "a_r"))
-    parts = [f"${symbol} = {step[key]:.4g}$" for key, symbol in shown if key in step]
-    if not converged(step):
-        parts.append(f"NOT CONVERGED ({step.get('status', 'unknown')})")
-    return ", ".join(parts)
+def _heading(ax, drawn, k) -> None:
+    step = drawn.result.steps[drawn.chosen[k]]
+    ax.annotate(drawn.name_of(k) + (f", $a_r = {step['a_r']:.3g}$" if good(step.get("a_r")) else "")
+                + ("" if converged(step) else f", NOT CONVERGED ({step.get('status', 'unknown')})"),
+                (0, 1), (0, 4), xycoords="axes fraction", textcoords="offset points",
+                color="black" if converged(step) else WARNING, annotation_clip=False)
 
 
-def _draw_contact(ax, found, extent):
-    return _show(ax, found.contact, extent, cmap=CONTACT_MAP, vmin=0, vmax=1)
+def _panel(fig, ax, name, found, drawn) -> None:
+    extent = [edge / drawn.lengths.unit for edge in drawn.window]
+    ax.set_aspect("equal")
+    ax.tick_params(color="0.5")
+    if name == "contact":
+        _show(ax, np.ma.masked_equal(found.contact, 0), extent, CONTACT_MAP, Normalize(0, 1))
+        return
+    values, largest = found.means[name], found.largest[name]
+    scale = drawn.units.of(name, [largest, float(values.min())])
+    values, largest = values / scale.unit, largest / scale.unit
+    clipped = False
+    if name == "pressure":
+        ax.set_facecolor(GROUND)
+        values = np.ma.masked_where(found.contact == 0, values)
+        top = np.percentile(values.compressed(), 99.5) if values.count() else 1.0
+        clipped = largest > SPIKY * top > 0
+        norm = Normalize(0, top if clipped else largest if largest > 0 else 1.0)
+    elif name == "gap":  # square root: most of what matters happens at small gaps
+        values = np.ma.masked_where(found.contact >= 0.5, values)
+        norm = PowerNorm(0.5, vmin=0, vmax=max(largest, 1e-300))
+    else:
+        norm = Normalize(values.min(), values.max())
+    image = _show(ax, values, extent, COLOURS.get(name, OTHER_MAP), norm)
+    bar = fig.colorbar(image, cax=ax.inset_axes([1.04, 0, 0.06, 1 if not clipped else 0.95]), extend="max" if clipped else "neither")
+    bar.set_label(scale.label(SYMBOLS[name]))
+    if clipped:
+        bar.ax.set_title(f"max {largest:.3g}", fontsize=6.5, pad=2, loc="left")
 
 
-def _draw_pressure(ax, found, extent):
-    touching = np.ma.masked_where(found.contact == 0, found.pressure)
-    top = np.percentile(touching.compressed(), 99.5) if touching.count() else 1.0
-    return _show(ax, touching, extent, cmap=PRESSURE_MAP, vmin=0, vmax=top or 1.0)
-
-
-def _draw_gap(ax, found, extent):
-    """Square root scale: most of what matters happens at small gaps. Contact is white."""
-    gap = np.ma.masked_where(found.contact >= 0.5, found.gap)
-    norm = PowerNorm(0.5, vmin=0, vmax=max(found.gap.max(), 1e-300))
-    return _show(ax, gap, extent, cmap=GAP_MAP, norm=norm)
-
-
-def _show(ax, values, extent, **how):
-    return ax.imshow(values.T, origin="lower", extent=extent, interpolation="nearest", **how)
-
-
-_DRAW = {"contact": _draw_contact, "pressure": _draw_pressure, "gap": _draw_gap}
+def _show(ax, values, extent, colours, norm):
+    return ax.imshow(values.T, origin="lower", extent=extent, interpolation="nearest", cmap=colours, norm=norm)

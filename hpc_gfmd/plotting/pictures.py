@@ -1,82 +1,185 @@
-"""All pictures of one result file."""
+"""All pictures of a result: which there are, and the way to each."""
 
+import textwrap
+import tomllib
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import GfmdError, SceneError
 from ..output.read import Result, read_result
+from ..output.table import surface_line
 from ..parallel.guard import one_line
-from ..parallel.h5_sum import Checked
+from ..parallel.h5 import Checked
 from .curves import curves
-from .distributions import distributions
-from .maps import contact_maps
-from .survey import survey
-from .units import gap_unit, pressure_unit
+from .distributions import distributions, stored
+from .maps import SYMBOLS, maps
+from .spectra import has_spectra, spectra
+from .style import Picture, save, styled
+from .theories import theory_of
+from .units import Units, good
+from .window import window_of
 
-MAX_STEPS = 4  # in maps and distributions
-DRAWN = {"pressure", "gap"}
+MAX_STEPS = 4  # in maps, distributions and spectra where nobody says which
+PANELS = ("contact", "pressure", "gap")
+WHAT = ("maps", "distributions", "spectra", "curves", "contact", *SYMBOLS)
+CHARACTERS = 19  # of a title, per inch
+SUFFIXES = (".png", ".pdf", ".svg")
 
 
-def plot_result(file, folder=None) -> list[Path]:
-    """Draw what the file (a path or a Result) has and return the paths of the PNG files.
+class Drawn:
+    """What a picture is made of. result; chosen: indices into its steps; window: (x0, x1, y0, y1) in the unit of its sizes, points:
+    the same in grid points; units, theory, lengths: how it is scaled, and what else is drawn; dpi: of the print."""
 
-    folder: where contact_maps.png, distributions.png and curves.png go, made if it is missing; by default
-    they lie beside the file and have its stem before their names. Maps and distributions need stored fields.
-    Raises SceneError if the file cannot be read or has no finished step, or the folder cannot be made, and
-    GfmdError if a field or a picture fails on the way.
+    def __init__(self, result, chosen, window, dpi, dimensionless):
+        self.result, self.chosen, self.dpi = result, chosen, dpi
+        self.window, self.points = window_of(result.surface, window)
+        self.theory = theory_of(result)
+        self.units = Units(result, self.theory, dimensionless)
+        self.lengths = self.units.lengths([self.window[1] - self.window[0], self.window[3] - self.window[2]])
+
+    def fields(self, k):
+        """The fields of the k-th of the chosen steps."""
+        fields = self.result.fields[self.chosen[k]]
+        return {name: Checked(field) for name, field in fields.items()}
+
+    def name_of(self, k):
+        """Its step and load."""
+        step, index = self.result.steps[self.chosen[k]], self.result.indices[self.chosen[k]]
+        if self.units.rough and not self.units.pressure_unit and good(step.get("p_star")):
+            return f"step {index}: $p^* = {step['p_star']:.3g}$"
+        return f"step {index}: {self.units.pressures([step['p']]).value('p_0', step['p'])}" if good(step.get("p")) else f"step {index}"
+
+
+def plot(result, what=None, step=None, window=None, dpi=None, dimensionless=False) -> Picture:
+    """One picture of a result.
+
+    Parameters
+    ----------
+    result : Result or path
+        What `output.read.read_result` gives, or its file.
+    what : str, optional
+        "maps" (contact, pressure, gap), one of these or "heights", "displacement"; "distributions", "spectra", "curves" over the load;
+        by default the first of them that there is.
+    step : int or list of int, optional
+        The numbers of load steps; by default all for curves, otherwise at most four, first and last among them.
+    window : (x0, x1, y0, y1), optional
+        The part of the cell that maps show, in the unit of its sizes or as texts such as "2 um".
+    dpi : int, optional
+        Of the print, for which maps have enough pixels.
+    dimensionless : bool
+        Pressures over E* g_rms and lengths over h_rms though the result has units.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises SceneError for what the result does not have, GfmdError where its fields cannot be read.
     """
-    result = file if isinstance(file, Result) else read_result(file)
+    result = result if isinstance(result, Result) else read_result(result)
+    there = _there(result)
+    what = what or next(iter(there), "maps")
+    if what not in there:
+        allowed = ", ".join(there) or "nothing, it has no finished load step"
+        raise SceneError(f"what: found {what!r}, allowed: {allowed}" + ("" if len(there) > 1 else
+                         " (maps and distributions need output.fields, spectra output.distributions)"))
+    with styled():
+        fig = Picture(layout="constrained" if what in ("distributions", "spectra", "curves") else "compressed")
+        try:
+            drawn = Drawn(result, chosen_steps(result, what, step), window, dpi, dimensionless)
+            if what in ("distributions", "spectra", "curves"):
+                {"distributions": distributions, "spectra": spectra, "curves": curves}[what](fig, drawn)
+            else:
+                maps(fig, drawn, [name for name in PANELS if name in there] if what == "maps" else [what])
+        except (OSError, ValueError, TypeError, KeyError) as error:
+            raise GfmdError(f"drawing {result.path}: {one_line(error)}") from error
+        fig.suptitle(textwrap.fill(_title(result, drawn, what), int(CHARACTERS * fig.get_figwidth())), x=0.01, ha="left")
+    return fig
+
+
+def figures(result, what=None, **how) -> dict[str, Picture]:
+    """{name: picture} of the maps, distributions, spectra and curves that there are, or of `what` (names); how: see plot."""
+    result = result if isinstance(result, Result) else read_result(result)
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
-    prefix = "" if folder else f"{result.path.stem}_"
-    folder = Path(folder or result.path.parent)
+    wanted = [what] if isinstance(what, str) else what
+    if not wanted:
+        there = [name for name in _there(result) if name in WHAT[:4]]
+        alone = len(result.steps) == 1 and len(there) > 1
+        wanted = ["maps"] if how.get("window") else [name for name in there if name != "curves" or not alone]
+    return {name: plot(result, name, **how) for name in wanted}
+
+
+def plot_result(file, where=None, what=None, **how) -> list[Path]:
+    """Draw and save; returns the paths.
+
+    file: a path or a Result; where: a folder, made if only itself is missing, or a file .png, .pdf or .svg (of several pictures each
+    has its name added); by default they lie beside the result as RESULT_NAME.png. what, how: see figures and plot. Raises SceneError
+    and GfmdError as plot, and where the pictures cannot be written.
+    """
+    result = file if isinstance(file, Result) else read_result(file)
+    where = Path(where) if where else result.path.with_suffix(SUFFIXES[0])
+    as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
+    folder = where.parent if as_file else where
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        if not as_file:
+            folder.mkdir(exist_ok=True)
+        if not folder.is_dir():
+            raise SceneError(f"-o: the folder {folder} does not exist")
     except OSError as error:
-        raise SceneError(f"{folder}: pictures cannot go there ({one_line(error)})") from None
-    try:
-        return _draw(result, folder, prefix)
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        raise GfmdError(f"drawing {result.path}: {one_line(error)}") from error
+        raise SceneError(f"-o: pictures cannot go to {folder} ({one_line(error)})") from None
+    drawn = figures(result, what, **how)
+    paths = []
+    for name, fig in drawn.items():
+        one = where if as_file and len(drawn) == 1 else None
+        paths.append(one or (where.with_stem(f"{where.stem}_{name}") if as_file else folder / f"{name}.png"))
+        try:
+            save(fig, paths[-1], how.get("dpi"))
+        except OSError as error:
+            raise GfmdError(f"writing {paths[-1]}: {one_line(error)}") from error
+    return paths
 
 
-def figures(result) -> dict:
-    """{name: matplotlib figure} of all that a Result has to show, not saved."""
-    chosen = _chosen(result)
-    surveys = [_survey(result, k) for k in chosen]
-    of_fields = {draw.__name__: draw(None, result, chosen, surveys) for draw in (contact_maps, distributions)} if chosen else {}
-    return of_fields | {"curves": curves(None, result)}
+def chosen_steps(result, what, step=None) -> list[int]:
+    """Places in result.steps of the load steps that a picture shows. Raises SceneError for numbers that it does not have."""
+    if step is not None:
+        numbers = [int(number) for number in np.atleast_1d(step)]
+        unknown = [number for number in numbers if number not in result.indices]
+        if unknown:
+            raise SceneError(f"step: found {unknown[0]}, allowed: {', '.join(map(str, result.indices))}")
+        return [result.indices.index(number) for number in numbers]
+    able = [k for k in range(len(result.steps)) if _shows(result, k, what)]
+    if what == "heights":
+        return able[:1]  # the same under all loads
+    if what == "curves" or len(able) <= MAX_STEPS:
+        return able
+    return [able[k] for k in np.linspace(0, len(able) - 1, MAX_STEPS).round().astype(int)]
 
 
-def _chosen(result):
-    """Indices of the steps whose fields are drawn."""
-    stored = [DRAWN & set(fields) for fields in result.fields]
-    most = max(stored, key=len)
-    return _evenly([k for k, names_there in enumerate(stored) if most and names_there == most])
+def _shows(result, k, what):
+    """Whether a picture can show the k-th step."""
+    step, fields = result.steps[k], result.fields[k]
+    contact = {"pressure", "gap"} & set(fields)
+    if what == "spectra":
+        return has_spectra(step)
+    if what == "distributions":
+        return bool(contact) or any(stored(step, name) for name in ("pressure", "gap", "patches"))
+    return what == "curves" or bool(contact) if what in ("maps", "contact", "curves") else what in fields
 
 
-def _draw(result, folder, prefix) -> list[Path]:
-    names = []
-    chosen = _chosen(result)
-    if chosen:
-        surveys = [_survey(result, k) for k in chosen]
-        for draw in (contact_maps, distributions):
-            names.append(folder / f"{prefix}{draw.__name__}.png")
-            draw(names[-1], result, chosen, surveys)
-    names.append(folder / f"{prefix}curves.png")
-    curves(names[-1], result)
-    return names
+def _there(result):
+    """Names of the pictures that this result has."""
+    return [what for what in WHAT if any(_shows(result, k, what) for k in range(len(result.steps)))]
 
 
-def _survey(result, k):
-    p_unit, _ = pressure_unit(result.steps[k])
-    fields = {name: Checked(field) for name, field in result.fields[k].items()}
-    return survey(fields, p_unit, gap_unit(result.surface)[0])
-
-
-def _evenly(indices):
-    """At most MAX_STEPS of them, first and last included."""
-    if len(indices) <= MAX_STEPS:
-        return indices
-    return [indices[k] for k in np.linspace(0, len(indices) - 1, MAX_STEPS).round().astype(int)]
+def _title(result, drawn, what):
+    title = result.path.stem if result.path else "contact"
+    with suppress(tomllib.TOMLDecodeError):
+        title = tomllib.loads(result.scene_toml).get("title") or title
+    left = len(result.steps) - len(drawn.chosen) if what != "heights" else 0
+    out = f"; {left} of {len(result.steps)} loads not shown" if left else ""
+    surface = surface_line({key: value for key, value in result.surface.items() if key in ("n", "physical_sizes", "h_rms", "unit")})
+    for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$\bar{h}$")):
+        surface = surface.replace(plain, printed)
+    return f"{title}: {surface}{out}"

@@ -1,46 +1,104 @@
-"""How all pictures look: colours that colour-blind readers can tell apart, sizes for a journal column."""
+"""How all pictures look: colours that colour-blind readers can tell apart, sizes as printed in a journal of two columns."""
 
+import io
 import os
 from contextlib import contextmanager
 from pathlib import Path
 
 import matplotlib
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 # Okabe and Ito; the last one is kept for warnings
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 WARNING = "#D55E00"
 THEORY = {"color": "0.35", "linewidth": 1.2}
-CONTACT_MAP, PRESSURE_MAP, GAP_MAP = "Greys", "cividis_r", "viridis"
+WIDTH = 7.2  # inches across two columns
+DPI = 200
+
+
+def _part(name, low, high):
+    """A colour map without its ends."""
+    whole = matplotlib.colormaps[name]
+    return LinearSegmentedColormap.from_list(f"{name}_part", whole([low + (high - low) * k / 255 for k in range(256)]))
+
+
+# A single touching point must show on its ground, whatever its pressure.
+CONTACT_MAP, PRESSURE_MAP = _part("Greys", 0.5, 1.0), _part("magma_r", 0.22, 1.0)
+GAP_MAP, HEIGHT_MAP, OTHER_MAP = "viridis", "cividis", "viridis"
+GROUND = "0.93"  # where nothing touches
 
 RC = {
-    "font.size": 9,
-    "axes.labelsize": 9,
-    "axes.titlesize": 9,
-    "legend.fontsize": 8,
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "axes.titlesize": 8,
+    "figure.titlesize": 8,
+    "legend.fontsize": 7.5,
     "legend.frameon": False,
     "xtick.direction": "in",
     "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
-    "lines.linewidth": 1.4,
-    "lines.markersize": 5,
-    "mathtext.fontset": "dejavusans",
-    "savefig.dpi": 200,
+    "axes.linewidth": 0.7,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 4,
+    "savefig.dpi": DPI,
+    "savefig.bbox": "tight",
+    "savefig.pad_inches": 0.04,
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,
 }
+
+
+class Picture(Figure):
+    """A figure that a notebook shows, without pyplot."""
+
+    def _repr_png_(self):
+        with io.BytesIO() as png, styled():
+            self.savefig(png, format="png")
+            return png.getvalue()
+
+
+def ticks(axis):
+    """Of a logarithmic axis: a label for every decade; of hardly two decades, for 1, 2 and 5."""
+    low, high = axis.get_view_interval()
+    if high < 200 * low:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def legend_below(fig):
+    """One legend of all panels, below them."""
+    handles = {}
+    for ax in fig.axes:
+        handles |= dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
+    fig.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=min(4, max(1, len(handles))))
+
+
+@contextmanager
+def styled():
+    """Block in which everything drawn looks like this."""
+    with matplotlib.rc_context(RC):
+        yield
 
 
 @contextmanager
 def figure(path: Path, width: float, height: float):
-    """`with figure(path, width, height) as fig`: drawn by Agg and saved under path in one move, unless that is None; inches."""
-    with matplotlib.rc_context(RC):
-        fig = Figure(figsize=(width, height), layout="constrained")
+    """`with figure(path, width, height) as fig`: drawn by Agg and saved under path; inches."""
+    with styled():
+        fig = Picture(figsize=(width, height), layout="constrained")
         yield fig
-        if path is None:
-            return
-        tmp = path.with_name(f".{path.name}.tmp")
+        save(fig, path)
+
+
+def save(fig, path: Path, dpi=None) -> None:
+    """Under path in one move, in the format that its suffix names; dpi: default that of RC."""
+    tmp = path.with_name(f".{path.name}.tmp")
+    with styled():
         try:
-            fig.savefig(tmp, format="png")
+            fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi or RC["savefig.dpi"])
             os.replace(tmp, path)
         finally:
             tmp.unlink(missing_ok=True)

@@ -1,64 +1,74 @@
-"""One pass over the fields of a load step, slab by slab: maps small enough to draw, and distributions."""
+"""Passes over the fields of a load step, slab by slab: maps small enough to draw, and distributions."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-MAX_PIXELS = 1024  # per side of a map
 SLAB_BYTES = 2**25
-PER_DECADE = 10
+PER_DECADE = 100
 _DECADES = (-12, 8)  # of the distributions, relative to their unit
 
 
 @dataclass(frozen=True)
 class Survey:
-    """contact: share of each pixel that touches; pressure, gap: pixel means, or None if not in the file.
+    """contact: share of each pixel that touches, or None; means: {name: pixel means}, those of pressure over the points that touch (0
+    where none does); largest: {name: largest value of a point}."""
 
-    The densities are pairs (x, density) on a logarithmic grid: of the pressure in the contact, of the gap
-    outside. They integrate to a_r and 1 - a_r. Pressures and gaps are in the units handed to `survey`.
-    """
-
-    contact: np.ndarray
-    pressure: np.ndarray | None
-    gap: np.ndarray | None
-    pressure_density: tuple | None
-    gap_density: tuple | None
+    contact: np.ndarray | None
+    means: dict
+    largest: dict
 
 
-def survey(fields: dict, p_unit: float, gap_unit: float) -> Survey:
-    """Read the stored fields "pressure" and "gap" of one load step; at least one of them must be there."""
-    units = {name: unit for name, unit in (("pressure", p_unit), ("gap", gap_unit)) if name in fields}
-    shape = fields[next(iter(units))].shape
-    f_x, f_y = (-(-n // MAX_PIXELS) for n in shape)
-    rows = max(1, SLAB_BYTES // (8 * shape[1]) // f_x) * f_x
-    edges = np.logspace(*_DECADES, (_DECADES[1] - _DECADES[0]) * PER_DECADE + 1)
-    maps = {"contact": [], **{name: [] for name in units}}
-    counts = {name: np.zeros(len(edges) - 1) for name in units}
-    for start in range(0, shape[0], rows):
-        slab = {n: fields[n].read(start, min(start + rows, shape[0])) / unit for n, unit in units.items()}
-        contact = slab["gap"] <= 0 if "gap" in slab else slab["pressure"] > 0
-        where = {"pressure": contact, "gap": ~contact}
+def survey(fields: dict, pixels: int, window=None) -> Survey:
+    """Look at the fields of one load step; pixels: at most so many along each axis; window: points (i0, i1, j0, j1), default: all."""
+    i0, i1, j0, j1 = window or (0, next(iter(fields.values())).shape[0], 0, next(iter(fields.values())).shape[1])
+    f_x, f_y = (max(1, -(-n // pixels)) for n in (i1 - i0, j1 - j0))
+    sums, largest = {}, dict.fromkeys(fields, -np.inf)
+    for slab in _slabs(fields, i0, i1, f_x, slice(j0, j1)):
+        touching = _touching(slab)
+        if touching is not None:
+            slab = slab | {"contact": touching} | ({"pressure": np.where(touching, slab["pressure"], 0)} if "pressure" in slab else {})
         for name, values in slab.items():
-            counts[name] += np.histogram(values[where[name]], edges)[0]
-        for name, values in (slab | {"contact": contact}).items():
-            maps[name].append(_pixel_means(values, f_x, f_y))
-    maps = {name: np.concatenate(parts) for name, parts in maps.items()}
-    densities = {name: _density(edges, count, shape[0] * shape[1]) for name, count in counts.items()}
-    pressure, gap = ((maps.get(name), densities.get(name)) for name in ("pressure", "gap"))
-    return Survey(maps["contact"], pressure[0], gap[0], pressure[1], gap[1])
+            sums.setdefault(name, []).append(_pixel_sums(values, f_x, f_y))
+            if name in largest:
+                largest[name] = max(largest[name], float(values.max()))
+    sums = {name: np.concatenate(parts) for name, parts in sums.items()}
+    points = np.outer(np.diff([*range(i0, i1, f_x), i1]), np.diff([*range(j0, j1, f_y), j1]))
+    count = sums.pop("contact", None)
+    means = {name: total / (np.maximum(count, 1) if name == "pressure" else points) for name, total in sums.items()}
+    return Survey(None if count is None else count / points, means, largest)
 
 
-def _pixel_means(values, f_x, f_y):
-    """Means over blocks of f_x times f_y points; the last blocks may be smaller."""
+def density(fields: dict, name: str, unit: float) -> tuple[np.ndarray, np.ndarray]:
+    """(edges, density) of "pressure" over the points that touch, or of "gap" over the others; it integrates to their share of the area.
+
+    Logarithmic bins, PER_DECADE in a decade, without empty ones at the ends; unit: any magnitude of the values.
+    """
+    edges = unit * np.logspace(*_DECADES, (_DECADES[1] - _DECADES[0]) * PER_DECADE + 1)
+    counts, shape = np.zeros(len(edges) - 1), fields[name].shape
+    for slab in _slabs(fields, 0, shape[0], 1, slice(None)):
+        touching = _touching(slab)
+        counts += np.histogram(slab[name][touching if name == "pressure" else ~touching], edges)[0]
+    filled = np.flatnonzero(counts)
+    some = slice(filled[0], filled[-1] + 1) if len(filled) else slice(0, 0)
+    edges = edges[some.start:some.stop + 1]
+    return edges, counts[some] / np.diff(edges) / (shape[0] * shape[1])
+
+
+def _slabs(fields, i0, i1, multiple, columns):
+    """Rows i0 <= i < i1 of all fields, a few at a time, a multiple of `multiple`."""
+    shape = next(iter(fields.values())).shape
+    rows = max(1, SLAB_BYTES // (8 * shape[1]) // multiple) * multiple
+    for start in range(i0, i1, rows):
+        stop = min(start + rows, i1)
+        yield {name: np.asarray(field.read(start, stop), dtype=np.float64)[:, columns] for name, field in fields.items()}
+
+
+def _touching(slab):
+    return slab["gap"] <= 0 if "gap" in slab else slab["pressure"] > 0 if "pressure" in slab else None
+
+
+def _pixel_sums(values, f_x, f_y):
+    """Sums over blocks of f_x times f_y points; the last blocks may be smaller."""
     sums = np.add.reduceat(values.astype(np.float64), np.arange(0, values.shape[0], f_x), axis=0)
-    sums = np.add.reduceat(sums, np.arange(0, values.shape[1], f_y), axis=1)
-    height = np.diff([*range(0, values.shape[0], f_x), values.shape[0]])
-    width = np.diff([*range(0, values.shape[1], f_y), values.shape[1]])
-    return sums / np.outer(height, width)
-
-
-def _density(edges, counts, points):
-    """Density per unit of x at the geometric centres of the bins that hold anything."""
-    filled = counts > 0
-    centres = np.sqrt(edges[1:] * edges[:-1])
-    return centres[filled], (counts / np.diff(edges) / points)[filled]
+    return np.add.reduceat(sums, np.arange(0, values.shape[1], f_y), axis=1)

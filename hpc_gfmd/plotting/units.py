@@ -1,9 +1,9 @@
-"""What pictures are scaled with, and what Persson's theory may be told about a result."""
+"""What pictures are scaled with: units with SI prefixes where a result knows them, otherwise what makes numbers dimensionless."""
 
-import tomllib
+from dataclasses import dataclass
 from math import isfinite
 
-from ..output.read import Result
+from ..quantity import prefixed
 
 
 def good(value) -> bool:
@@ -11,32 +11,72 @@ def good(value) -> bool:
     return isinstance(value, int | float) and isfinite(value) and value > 0
 
 
-def pressure_unit(step: dict) -> tuple[float, str]:
-    """(E* g_rms, its label); (1, "") where it is not known, as for a flat surface."""
-    if good(step.get("p_star")) and good(step.get("p")):
-        return step["p"] / step["p_star"], r"E^* \bar{g}"
-    return 1.0, ""
+@dataclass(frozen=True)
+class Scale:
+    """Numbers over `unit`; name: of an absolute unit ("MPa"), or the formula of a relative one ("E^* \\bar{g}"), or "" for neither."""
+
+    unit: float
+    name: str = ""
+    relative: bool = False
+
+    def label(self, symbol: str, power: int = 1) -> str:
+        """Of an axis: "$p$ (MPa)" or "$p/(E^* \\bar{g})$"; power: of the unit, not below 1."""
+        if not self.name:
+            return f"${symbol}$"
+        raised = "" if power == 1 else f"^{{{power}}}"
+        if not self.relative:
+            return f"${symbol}$ ({self.name}{f'${raised}$' if raised else ''})"
+        of = f"({self.name})" if " " in self.name else self.name
+        return f"${symbol}/{of}{raised}$"
+
+    def density_label(self, symbol: str, power: int = 1) -> str:
+        """Of a density over it: "$P(p)$ (1/MPa)" or "$P(p) \\cdot E^*$"."""
+        raised = f"^{power}" if power > 1 else ""
+        if not self.relative:
+            return f"${symbol}$" + (f" (1/{self.name}{f'${raised}$' if raised else ''})" if self.name else "")
+        of = f"({self.name})" if " " in self.name else self.name
+        return f"${symbol} \\cdot {of}{raised}$"
+
+    def value(self, symbol: str, number: float) -> str:
+        """ "$p = 20$ MPa"."""
+        over = "" if not self.relative else f"/({self.name})" if " " in self.name else f"/{self.name}"
+        return f"${symbol}{over} = {number / self.unit:.3g}$ {'' if self.relative else self.name}".rstrip()
 
 
-def gap_unit(surface: dict) -> tuple[float, str]:
-    """(h_rms, its label); (1, "") for a flat surface."""
-    return (surface["h_rms"], r"\bar{h}") if good(surface.get("h_rms")) else (1.0, "")
+class Units:
+    """Of a Result: absolute where it has units and `dimensionless` does not say otherwise."""
+
+    def __init__(self, result, theory=None, dimensionless=False):
+        surface = result.surface
+        self.length_unit, self.pressure_unit = ("" if dimensionless else surface.get(unit, "") for unit in ("unit", "pressure_unit"))
+        self.size = surface.get("physical_sizes", (1.0, 1.0))[0]
+        self.height_scale = theory.height if theory and theory.height else Scale(surface.get("h_rms") or 0.0, r"\bar{h}", True)
+        slope = surface.get("g_rms")
+        moduli = [step["p"] / step["p_star"] / slope for step in result.steps
+                  if good(slope) and good(step.get("p_star")) and good(step.get("p"))]
+        self.rough = surface.get("kind", "self-affine") not in ("wave", "sphere")
+        name, factor = (r"E^* \bar{g}", slope) if self.rough else ("E^*", 1.0)
+        self.pressure_scale = Scale(moduli[0] * factor, name, True) if moduli else Scale(1.0)
+
+    def lengths(self, values=()):
+        """Of positions."""
+        return _absolute(values or [self.size], self.length_unit) if self.length_unit else Scale(self.size, "L_x", True)
+
+    def heights(self, values):
+        """Of gaps and heights."""
+        if self.length_unit:
+            return _absolute(values, self.length_unit)
+        return self.height_scale if good(self.height_scale.unit) else Scale(1.0)
+
+    def pressures(self, values):
+        """Of pressures."""
+        return _absolute(values, self.pressure_unit) if self.pressure_unit else self.pressure_scale
+
+    def of(self, name, values):
+        """Of a field by its name."""
+        return self.pressures(values) if name == "pressure" else self.heights(values)
 
 
-def over(symbol: str, unit: str) -> str:
-    """Axis label of a quantity in some unit: p/(E* g_rms)."""
-    if not unit:
-        return f"${symbol}$"
-    return f"${symbol}/({unit})$" if " " in unit else f"${symbol}/{unit}$"
-
-
-def self_affine(result: Result) -> tuple[float, float] | None:
-    """(hurst, eps_f) of a self-affine surface without roll-off, whose gap the theory knows; else None."""
-    try:
-        surface = tomllib.loads(result.scene_toml).get("surface", {})
-        hurst, eps_f = surface.get("hurst"), result.surface.get("eps_f")
-    except (tomllib.TOMLDecodeError, AttributeError):
-        return None
-    if not isinstance(hurst, int | float) or not good(eps_f) or surface.get("lam_l_over_lam_r", 1) != 1:
-        return None
-    return float(hurst), float(eps_f)
+def _absolute(values, unit):
+    factor, name = prefixed(values, unit)
+    return Scale(factor, name.replace("u", "µ", 1) if name.startswith("u") else name)

@@ -1,28 +1,68 @@
-"""Reference data: contact area and mean gap of self-affine surfaces against p_star, with uncertainties and provenance.
+"""Reference data: contact area and mean gap of self-affine surfaces against p_star, H and eps_f, with uncertainties.
 
     from hpc_gfmd import reference
     a_r, sigma = reference.contact_area(0.05, hurst=0.8, eps_f=1 / 256)
 
-The data file is made from stored runs by `hpc-gfmd study all --level desk --no-run -o docs/study --reference FILE`. Reading it needs
-neither MPI nor compiled kernels.
+Extrapolated to large cells and fine grids, interpolated along all three. The data file is made from stored runs by
+`hpc-gfmd study curves --level desk --no-run --reference FILE`. Reading it needs neither MPI nor compiled kernels.
 """
 
-from .data import Curve, Reference, load
+import numpy as np
+from numpy.typing import ArrayLike
 
-__all__ = ["Curve", "Reference", "contact_area", "curve", "load", "mean_gap"]
+from .data import Reference, load
 
-
-def curve(hurst, eps_f):
-    """The Curve of the shipped data at this H and eps_f. Raises SceneError for others than the tabulated ones."""
-    return load().curve(hurst, eps_f)
+__all__ = ["Reference", "contact_area", "load", "mean_gap"]
 
 
-def contact_area(p_star, hurst, eps_f, edge_corrected=True):
-    """(a_r, its standard uncertainty) at p_star, interpolated along the curve; edge_corrected: less the pixels' share of the contact
-    boundary, which is nearer to the continuum limit. Raises SceneError outside the curves and their range of p_star."""
-    return load().curve(hurst, eps_f).at(p_star, "a_r_edge" if edge_corrected else "a_r")
+def contact_area(p_star: ArrayLike, hurst: float, eps_f: float) -> tuple[float | np.ndarray, float | np.ndarray]:
+    """Relative contact area of a self-affine surface, interpolated in the shipped data.
+
+    Parameters
+    ----------
+    p_star : float or array
+        p0/(E* g_rms).
+    hurst, eps_f : float
+        Hurst exponent and lam_s/lam_l.
+
+    Returns
+    -------
+    a_r, sigma : float or array
+        The area and its standard uncertainty, in the shape of p_star.
+
+    Raises
+    ------
+    SceneError
+        Outside the ranges of the data.
+    """
+    return load().at("a_r", p_star, hurst, eps_f)
 
 
-def mean_gap(p_star, hurst, eps_f, unit="h_rms"):
-    """(mean gap, its standard uncertainty) at p_star in units of "h_rms" or "g_rms_lam_s"; see contact_area."""
-    return load().curve(hurst, eps_f).at(p_star, f"gap_over_{unit}")
+def mean_gap(p_star: ArrayLike, hurst: float, eps_f: float, unit: str = "h_rms") -> tuple[float | np.ndarray, float | np.ndarray]:
+    """Mean gap of a self-affine surface, interpolated in the shipped data.
+
+    Parameters
+    ----------
+    p_star, hurst, eps_f
+        As of `contact_area`.
+    unit : {"h_rms", "g_rms_lam_s"}
+        The length that the gap is given in; their ratio is that of sharp cutoffs in a large cell.
+
+    Returns
+    -------
+    gap, sigma : float or array
+        The mean gap and its standard uncertainty, in that unit and the shape of p_star.
+
+    Raises
+    ------
+    SceneError
+        As `contact_area`, and for other units.
+    """
+    from ..theory import persson
+
+    gap, sigma = load().at("gap_over_h_rms", p_star, hurst, eps_f)
+    if unit == "h_rms":
+        return gap, sigma
+    persson.mean_gap(1.0, hurst, eps_f, unit=unit)  # refuses other units
+    length = persson.g_rms_lam_s_over_h_rms(hurst, eps_f)
+    return gap / length, sigma / length

@@ -4,102 +4,149 @@ import json
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import SceneError
 
-FORMAT = "hpc-gfmd reference"
-QUANTITIES = ("a_r", "a_r_edge", "gap_over_h_rms", "gap_over_g_rms_lam_s")
-
-
-@dataclass(frozen=True)
-class Curve:
-    """One hurst and eps_f (at the eps_t, eps_c and n used): arrays over p_star, means over n_seeds surfaces.
-
-    a_r: relative contact area, a_r_edge: edge-corrected; gap_over_h_rms, gap_over_g_rms_lam_s: mean gap. sigma: {quantity: standard
-    uncertainty of the mean}, from the scatter between realisations and the estimated errors of the solutions; that of eps_t and
-    eps_c being finite is not in it.
-    """
-
-    hurst: float
-    eps_t: float
-    eps_f: float
-    eps_c: float
-    n: int
-    seeds: tuple[int, ...]
-    p_star: np.ndarray
-    a_r: np.ndarray
-    a_r_edge: np.ndarray
-    gap_over_h_rms: np.ndarray
-    gap_over_g_rms_lam_s: np.ndarray
-    sigma: dict[str, np.ndarray]
-
-    def at(self, p_star, quantity):
-        """(value, uncertainty) of one of QUANTITIES at p_star (number or array): monotone interpolation of its logarithm over that
-        of p_star. Raises SceneError outside the range of p_star and for other quantities."""
-        from scipy.interpolate import PchipInterpolator
-
-        if quantity not in QUANTITIES:
-            raise SceneError(f"quantity: found {quantity!r}, allowed: {', '.join(QUANTITIES)}")
-        values = getattr(self, quantity)
-        there = values > 0  # at full contact the gap has no logarithm
-        x, y = np.log(self.p_star[there]), np.log(values[there])
-        wanted = np.asarray(p_star, dtype=np.float64)
-        low, high = self.p_star[there][[0, -1]]
-        if not np.all((wanted >= low * (1 - 1e-9)) & (wanted <= high * (1 + 1e-9))):
-            raise SceneError(f"p_star: found {p_star}, allowed: from {low:g} to {high:g}")
-        at = np.clip(np.log(wanted), x[0], x[-1])
-        relative = np.interp(at, x, self.sigma[quantity][there] / values[there])
-        value = np.exp(PchipInterpolator(x, y)(at))
-        return (value, value * relative) if value.ndim else (float(value), float(value * relative))
+FORMAT = "hpc-gfmd reference 2"
+QUANTITIES = ("a_r", "gap_over_h_rms")
+ROUNDING = 1e-9  # relative, by which a number may miss the end of its range
 
 
 @dataclass(frozen=True)
 class Reference:
-    """curves: all of them; provenance: versions, accuracy, level, date and command of the runs behind them."""
+    """Contact area and mean gap of self-affine surfaces in large cells and on fine grids.
 
-    curves: tuple[Curve, ...]
-    provenance: dict
+    Attributes
+    ----------
+    hurst : array, shape (m,)
+        Hurst exponents that were solved, increasing.
+    eps_f : array, shape (k,)
+        lam_s/lam_l that were solved, increasing.
+    p_star : dict
+        {quantity: p0/(E* g_rms), shape (loads,), increasing}.
+    value, sigma : dict
+        {quantity: shape (m, k, loads)}: means and their relative standard uncertainties.
+    provenance : dict
+        Command, versions, accuracy, number of runs and date.
+    """
 
-    def curve(self, hurst, eps_f):
-        """The curve of this H and eps_f. Raises SceneError for others than the tabulated ones."""
-        for curve in self.curves:
-            if np.isclose(curve.hurst, hurst, rtol=0, atol=1e-9) and np.isclose(curve.eps_f, eps_f, rtol=1e-6, atol=0):
-                return curve
-        at_hurst = sorted({f"1/{1 / c.eps_f:g}" for c in self.curves if np.isclose(c.hurst, hurst, rtol=0, atol=1e-9)})
-        if at_hurst:
-            raise SceneError(f"eps_f: found {eps_f:g}, allowed for hurst = {hurst:g}: {', '.join(at_hurst)}")
-        raise SceneError(f"hurst: found {hurst:g}, allowed: {', '.join(sorted({f'{c.hurst:g}' for c in self.curves}))}")
+    hurst: np.ndarray
+    eps_f: np.ndarray
+    p_star: dict[str, np.ndarray]
+    value: dict[str, np.ndarray]
+    sigma: dict[str, np.ndarray]
+    provenance: dict[str, Any]
+
+    def at(self, quantity: str, p_star: ArrayLike, hurst: float, eps_f: float) -> tuple[float | np.ndarray, float | np.ndarray]:
+        """A quantity and its uncertainty.
+
+        Interpolated is the logarithm of the ratio to Persson's theory, which varies little: by splines along ln p_star and hurst and a
+        parabola along ln eps_f. The uncertainty is that of the points in between, as if all erred alike.
+
+        Parameters
+        ----------
+        quantity : str
+            One of QUANTITIES.
+        p_star : float or array
+            p0/(E* g_rms).
+        hurst, eps_f : float
+            Hurst exponent and lam_s/lam_l.
+
+        Returns
+        -------
+        value, sigma : float or array
+            In the shape of p_star.
+
+        Raises
+        ------
+        SceneError
+            Outside the ranges of the data, and for other quantities.
+        """
+        from scipy.interpolate import make_interp_spline
+
+        if quantity not in QUANTITIES:
+            raise SceneError(f"quantity: found {quantity!r}, allowed: {', '.join(QUANTITIES)}")
+        loads = self.p_star[quantity]
+        wanted = _within("p_star", p_star, loads)
+        weights = np.outer(_weights(float(_within("hurst", hurst, self.hurst)), self.hurst),
+                           _weights(float(np.log(_within("eps_f", eps_f, self.eps_f))), np.log(self.eps_f)))
+        ratio = np.array([[np.log(value / _persson(quantity, loads, H, f)) for f, value in zip(self.eps_f, values, strict=True)]
+                          for H, values in zip(self.hurst, self.value[quantity], strict=True)])
+        x, at = np.log(loads), np.log(wanted)
+        spline = make_interp_spline(x, np.einsum("hf,hfp->p", weights, ratio), k=min(3, len(x) - 1))
+        value = np.exp(spline(at)) * _persson(quantity, wanted, hurst, eps_f)
+        sigma = value * np.interp(at, x, np.einsum("hf,hfp->p", np.abs(weights), self.sigma[quantity]))
+        return (value, sigma) if wanted.ndim else (float(value), float(sigma))
 
 
-def load(path=None):
-    """The Reference of a data file; None: the one shipped with the package. Raises SceneError if it is not one."""
+def _within(name: str, wanted: ArrayLike, known: np.ndarray) -> np.ndarray:
+    low, high = float(known.min()), float(known.max())
+    wanted = np.asarray(wanted, dtype=np.float64)
+    if not np.all((wanted >= low * (1 - ROUNDING)) & (wanted <= high * (1 + ROUNDING))):
+        raise SceneError(f"{name}: found {wanted.tolist()}, allowed: from {low:g} to {high:g}")
+    return np.clip(wanted, low, high)
+
+
+def _weights(x: float, known: np.ndarray) -> np.ndarray:
+    """How much of each known point the spline (at most of degree 3) through them has at x."""
+    from scipy.interpolate import make_interp_spline
+
+    if len(known) == 1:
+        return np.ones(1)
+    return np.asarray(make_interp_spline(known, np.eye(len(known)), k=min(3, len(known) - 1))(x))
+
+
+def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> np.ndarray:
+    from ..theory import persson
+
+    return persson.contact_area(p_star) if quantity == "a_r" else persson.mean_gap(p_star, float(hurst), float(eps_f))
+
+
+def load(path: str | Path | None = None) -> Reference:
+    """Read a data file.
+
+    Parameters
+    ----------
+    path : path, optional
+        Default: the one shipped with the package.
+
+    Raises
+    ------
+    SceneError
+        If it is not one.
+    """
     return _shipped() if path is None else _read(Path(path))
 
 
 @cache
-def _shipped():
+def _shipped() -> Reference:
     return _read(files(__package__).joinpath("data/contact.json"))
 
 
-def _read(path):
+def _read(path: Path | Traversable) -> Reference:
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["format"] != FORMAT:
             raise ValueError(f"format {data['format']!r}")
-        return Reference(tuple(_curve(c) for c in data["curves"]), data["provenance"])
+        hurst, eps_f = _array(data["hurst"]), _array(data["eps_f"])
+        p_star, value, sigma = ({name: _array(data[kind][name]) for name in QUANTITIES} for kind in ("p_star", "value", "sigma"))
+        for name in QUANTITIES:
+            shape = len(hurst), len(eps_f), len(p_star[name])
+            if not value[name].shape == sigma[name].shape == shape or not (value[name] > 0).all():
+                raise ValueError("arrays of different lengths, or values that are not positive")
+        return Reference(hurst, eps_f, p_star, value, sigma, data["provenance"])
     except (OSError, ValueError, KeyError, TypeError) as error:
-        allowed = "a JSON file written by hpc-gfmd study --reference"
+        allowed = "a JSON file written by hpc-gfmd study curves --reference"
         raise SceneError(f"reference: found {str(path)!r} ({error}), allowed: {allowed}") from None
 
 
-def _curve(data):
-    numbers = {name: np.array(data[name], dtype=np.float64) for name in ("p_star", *QUANTITIES)}
-    sigma = {name: np.array(data["sigma"][name], dtype=np.float64) for name in QUANTITIES}
-    for array in (*numbers.values(), *sigma.values()):
-        if array.shape != numbers["p_star"].shape or not len(array):
-            raise ValueError("arrays of different lengths")
-        array.setflags(write=False)  # shared by all who load it
-    return Curve(data["hurst"], data["eps_t"], data["eps_f"], data["eps_c"], data["n"], tuple(data["seeds"]), **numbers, sigma=sigma)
+def _array(numbers: Any) -> np.ndarray:
+    array = np.array(numbers, dtype=np.float64)
+    array.setflags(write=False)  # shared by all who load it
+    return array

@@ -5,17 +5,37 @@ step at a time. It owns the gap g and the pressure p (local slabs). After every 
 nothing of stopping, files or clocks: that is `drive.py`.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..operators.elastic import Elastic
+    from ..operators.multilevel import Multilevel
+    from ..problem import Problem
 
 
 @dataclass(frozen=True)
 class Progress:
     """How far a solver is, the same numbers on every rank.
 
-    residual: sqrt(mean p^2 where the gap is open)/p0; contact: points with g <= 0 and p > 0; gap_mean: in the problem's units.
-    estimates: what the certificate is expected to give as relative errors of (mean gap, pressure), or None where the solver does not
-    know and it has to be asked now and then.
+    Attributes
+    ----------
+    residual : float
+        sqrt(mean p^2 where the gap is open)/p0.
+    contact : float
+        Points with g <= 0 and p > 0.
+    gap_mean : float
+        In the problem's units.
+    estimates : pair of float, or None
+        What the certificate is expected to give as relative errors of (mean gap, pressure); None where the solver does not know and it
+        has to be asked now and then.
+    finite : bool
+        Whether all numbers are.
     """
 
     residual: float
@@ -26,8 +46,24 @@ class Progress:
 
 
 class Solver:
-    """Common parts: `state`, `load_state`, and the count of FFT pairs."""
+    """What all solvers share. To add one, put a file into solvers/ with a subclass whose `name` is the file's; it implements `start`,
+    `refresh`, `step` and `progress`, and makes `elastic`, `g` and `p` in __init__.
 
+    Attributes
+    ----------
+    g, p : array, local slabs
+        Gap >= 0 and pressure, in the problem's units and precision.
+    p0 : float
+        The present mean pressure.
+    iterations : int
+        Steps since the load began.
+    state_names, scalar_names : tuple of str
+        The attributes that a bit-identical continuation needs: local slabs, and numbers.
+    """
+
+    elastic: Elastic
+    g: np.ndarray
+    p: np.ndarray
     name = ""
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
@@ -36,7 +72,7 @@ class Solver:
     takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
-    def __init__(self, problem, options=None):
+    def __init__(self, problem: Problem, options: dict[str, float] | None = None):
         self.problem = problem
         self.grid = problem.grid
         self.p0 = float(problem.p0)
@@ -45,68 +81,68 @@ class Solver:
         self.options = dict(options or {})
 
     @property
-    def pairs(self):
+    def pairs(self) -> float:
         """FFT pairs done on this grid so far."""
         return self.elastic.pairs
 
     @cached_property
-    def levels(self):
+    def levels(self) -> Multilevel:
         """The multilevel operator on this grid, made when the certificate first asks for it."""
         from ..operators.multilevel import Multilevel
 
         return Multilevel(self.grid, self.problem.body, self.problem.dtype, self.elastic.fft.R)
 
     @property
-    def problem_now(self):
+    def problem_now(self) -> Problem:
         """The problem at the present load."""
         return replace(self.problem, p0=self.p0)
 
     @property
-    def p_cell(self):
+    def p_cell(self) -> float:
         """The mean pressure over the whole grid at the present load."""
         return self.problem_now.p_cell
 
-    def start(self, g):
+    def start(self, g: np.ndarray) -> None:
         """Begin at the gap g >= 0 (local slab, taken over)."""
         raise NotImplementedError
 
-    def continue_at(self, p0):
+    def continue_at(self, p0: float) -> None:
         """Begin from the present state at another mean pressure, without an FFT: p changes by a constant."""
         before, self.p0 = self.p_cell, float(p0)
         self.p += self.problem.dtype.type(self.p_cell - before)
         self.refresh()
 
-    def refresh(self, uKu=None):
+    def refresh(self, uKu: float | None = None) -> None:
         """self.p has just been computed anew from self.g, or shifted: go on from there. uKu: <u, K u>, None if that has not changed."""
         raise NotImplementedError
 
-    def resume(self):
+    def resume(self) -> None:
         """self.p has just been computed anew from self.g, and self.levels used by somebody else: go on as if nothing had happened."""
 
-    def step(self):
-        """One iteration."""
+    def step(self) -> None:
+        """One iteration: new g and p."""
         raise NotImplementedError
 
-    def progress(self):
+    def progress(self) -> Progress:
         """How far the solver is."""
         raise NotImplementedError
 
-    def expected_area(self, pressure):
+    def expected_area(self, pressure: float) -> float:
         """What the certificate is expected to give as relative error of the area if that of the pressure is `pressure`."""
         return 0.0
 
-    def state(self):
+    def state(self) -> tuple[dict[str, Any], ...]:
         """Everything that a bit-identical continuation needs: local slabs by name, and a dict of numbers."""
         return tuple({self.stored_as.get(name, name): getattr(self, name) for name in names}
                      for names in (self.state_names, self.scalar_names))
 
-    def load_state(self, arrays, numbers):
+    def load_state(self, arrays: dict[str, np.ndarray], numbers: dict[str, Any]) -> None:
         """The inverse of `state`."""
         for name in self.state_names:
             getattr(self, name)[...] = arrays[self.stored_as.get(name, name)]
         self._set_numbers(numbers)
 
-    def _set_numbers(self, numbers):
+    def _set_numbers(self, numbers: dict[str, Any]) -> None:
         for name in self.scalar_names:
             setattr(self, name, numbers[self.stored_as.get(name, name)])
 

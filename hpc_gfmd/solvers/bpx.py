@@ -37,7 +37,7 @@ class Bpx(Solver):
     takes_gap = True
     state_names = ("g", "p", "d")
     scalar_names = ("s", "rayleigh", "contact", "gap_mean", "rz", "rd", "zKd", "dKd", "rr", "pp", "uKu", "r_norm", "t_norm",
-                    "aligned", "changing", "iterations")
+                    "mean", "aligned", "changing", "iterations")
     stored_as = {"zKd": "zq", "dKd": "dq"}
 
     def __init__(self, problem, options=None, g=None):
@@ -162,7 +162,7 @@ class Bpx(Solver):
 
     def _measure(self, sums):
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""
-        *sums, rz1, xz1, r1, t1, rt1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
+        *sums, rz1, xz1, r1, t1, rt1, self.mean = self.grid.comm.sum([*sums, *self.levels.sweep()])
         sums = UpdateSums(*sums)
         s, compliance = self.s, self.compliance
         self.rz = compliance * (sums.rr + COUPLING * rz1)  # <p, z> on F
@@ -170,10 +170,10 @@ class Bpx(Solver):
         self.zKd = s * compliance * (sums.px + COUPLING * xz1)
         self.dKd = s * s * sums.dx
         self.rr, self.pp = sums.rr, sums.pp
-        mean, share, product = self.levels.mean, sums.contact / self.grid.cell_points, self.levels.without_mean
-        self.r_norm = max(product(sums.rr + r1, mean * mean), 0.0)
+        share, product = sums.contact / self.grid.cell_points, self.levels.without_mean
+        self.r_norm = max(product(sums.rr + r1, self.mean**2), 0.0)
         self.t_norm = max(sums.contact + t1 - (sums.contact / self.N) ** 2 * self.levels.surface_norm, 0.0)
-        self.aligned = product(rt1, mean * share)
+        self.aligned = product(rt1, self.mean * share)
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)
 
@@ -191,7 +191,7 @@ class Bpx(Solver):
         With r = p on F and the contact's load too small by the factor scale: p^ - p = -r + (scale - 1) (p - r), and |p|_S = |u|_K.
         """
         closed = self.pp - self.rr
-        load = self.p_cell - self.levels.mean
+        load = self.p_cell - self.mean
         if self.contact == 0 or closed <= 0 or load <= 0:
             return np.inf, np.inf
         off = abs(self.p_cell / load - 1)

@@ -56,7 +56,7 @@ def _mean(name, seeds, base, scatter):
     """Mean and standard error of an observable over seeds; base: the same surfaces, and more, on another grid."""
     some = next(iter(seeds.values()))
     relative = scatter.relative(some["eps_t"], some["eps_f"])
-    grids = sum(scatter.grid(run["eps_t"], run["eps_c"]) ** 2 for run in (some, next(iter(base.values()))))
+    grids = sum(scatter.grid(run) ** 2 for run in (some, next(iter(base.values()))))
     shared = [seed for seed in seeds if seed in base]
     if len(shared) == len(seeds) and len(base) > len(seeds):
         ratio = np.mean([seeds[s][name] for s in shared]) / np.mean([base[s][name] for s in shared])

@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+from ..registry import observables_named
 from ..scene import Scene
 
 SURFACE = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "seed")
+DISTRIBUTION = "{}_distribution"
 
 
 @dataclass(frozen=True)
@@ -13,7 +15,8 @@ class Case:
     """A self-affine surface in the cell of side 1 with g_rms = 1 and E_star = 1, and a sweep over p_star.
 
     The ratios are those of the paper: L/lam_l = 1/eps_t, lam_l/lam_s = 1/eps_f, lam_s/a = 1/eps_c. Cases that differ in
-    lam_s_over_a alone are the same surface on another grid.
+    lam_s_over_a alone are the same surface on another grid. observables, distributions: what is wanted of every load beyond what all
+    have, by the names of a scene.
     """
 
     hurst: float
@@ -23,6 +26,8 @@ class Case:
     seed: int
     p_star: tuple[float, ...]
     accuracy: float = 1e-3
+    observables: tuple[str, ...] = ()
+    distributions: tuple[str, ...] = ()
 
     @property
     def n(self):
@@ -48,6 +53,11 @@ class Case:
     def surface(self):
         """What makes the surface and its grid, and how accurately it is solved; cases that agree in it can be one sweep."""
         return (*(getattr(self, name) for name in SURFACE), self.accuracy)
+
+    @property
+    def columns(self):
+        """Names under which a stored load has the observables and distributions."""
+        return {*observables_named(self.observables), *map(DISTRIBUTION.format, self.distributions)}
 
     @property
     def cost(self):

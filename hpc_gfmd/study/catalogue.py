@@ -12,8 +12,14 @@ from .study import Study
 
 
 def names() -> list[str]:
-    """Names of all studies, figures first, by their numbers."""
-    return sorted(_studies(), key=lambda name: (re.sub(r"\d+", "", name), int(re.search(r"\d+", name)[0])))
+    """Names of all studies: figures and tables of the paper, then what goes beyond it."""
+    return of_paper() + sorted(name for name, study in _studies().items() if study.question)
+
+
+def of_paper() -> list[str]:
+    """Names of its figures and tables, figures first, by their numbers."""
+    found = [name for name, study in _studies().items() if not study.question]
+    return sorted(found, key=lambda name: (re.sub(r"\d+", "", name), int(re.search(r"\d+", name)[0])))
 
 
 def study(name: str) -> Study:

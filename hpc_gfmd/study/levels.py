@@ -89,17 +89,17 @@ def level_of(name: str) -> Level:
 
 def eps_c_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """lam_s/a varies, at the reference lam_l/lam_s and, over more octaves, at a smaller one; the same surfaces all along."""
-    return _cases(level_of(level).eps_c, hurst, (P_LOW, P_HIGH))
+    return cases_of(level_of(level).eps_c, hurst, (P_LOW, P_HIGH))
 
 
 def eps_f_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """lam_l/lam_s varies, the rest as in the reference system."""
-    return _cases(level_of(level).eps_f, hurst, (P_LOW, P_HIGH))
+    return cases_of(level_of(level).eps_f, hurst, (P_LOW, P_HIGH))
 
 
 def eps_t_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """L/lam_l varies, at two values of lam_l/lam_s."""
-    return _cases(level_of(level).eps_t, hurst, (P_LOW, P_HIGH))
+    return cases_of(level_of(level).eps_t, hurst, (P_LOW, P_HIGH))
 
 
 def tfc_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
@@ -109,17 +109,18 @@ def tfc_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
 
 def pressure_series(level: str, hurst: tuple[float, ...] = HURST) -> list[Case]:
     """Sweeps over p_star for the contact area."""
-    return _cases(level_of(level).area, hurst, level_of(level).loads)
+    return cases_of(level_of(level).area, hurst, level_of(level).loads)
 
 
 def gap_pressure_series(level: str, hurst: tuple[float, ...] = HURST_GAP) -> list[Case]:
     """Sweeps over p_star for the mean gap, at several lam_l/lam_s."""
-    return _cases(level_of(level).gap, hurst, level_of(level).loads)
+    return cases_of(level_of(level).gap, hurst, level_of(level).loads)
 
 
-def _cases(rows, hurst, p_star):
+def cases_of(rows: tuple, hurst: tuple[float, ...], p_star: tuple[float, ...], **more) -> list[Case]:
+    """The cases of a series; hurst: those of rows that name none; more: other fields of the cases."""
     return [
-        Case(H, L, F, C, seed, p_star)
+        Case(H, L, F, C, seed, p_star, **more)
         for L, F, C, seeds, *only in rows
         for H in hurst
         if not only or H in only[0]

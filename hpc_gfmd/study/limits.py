@@ -90,7 +90,7 @@ def compare_routes(runs: Rows) -> tuple[Limit, Limit, float, float]:
     _check(runs)
     names = ("kappa", "kappa_edge")
     scatter = {name: Scatter.of(runs, name) for name in names}
-    alone = [_fit(runs, name, scatter[name]) for name in names]
+    alone = [fit_limit(runs, name, scatter[name]) for name in names]
     own = [(fit.values["alpha_f"], float(np.sqrt(fit.covariance[-1, -1]))) for fit in alone]
     errors = np.array([error for _, error in own])
     alpha = float(np.average([alpha for alpha, _ in own], weights=errors**-2.0))
@@ -120,7 +120,7 @@ def _limit(runs, observable, scatter, alpha, error, own):
     """The Limit with alpha_f given as alpha +- error."""
 
     def fit_at(exponent, chosen=runs):
-        return _fit(chosen, observable, scatter, float(np.clip(exponent, *ALPHA_F)))
+        return fit_limit(chosen, observable, scatter, float(np.clip(exponent, *ALPHA_F)))
 
     best, octaves = fit_at(alpha), sorted({run["eps_f"] for run in runs})
     lean = (fit_at(alpha + error).kappa - fit_at(alpha - error).kappa) / 2
@@ -132,7 +132,7 @@ def _limit(runs, observable, scatter, alpha, error, own):
     return replace(best, shift=shift, lean=lean, alpha_error=float(error), alpha_own=own, kappa_paper=(paper.kappa, paper.sigma))
 
 
-def _fit(runs, observable, scatter, alpha_f=None):
+def fit_limit(runs, observable, scatter, alpha_f=None):
     """A Limit by generalised least squares; alpha_f: given, or fitted if None."""
     eps_t, eps_f, eps_c = (np.array([run[name] for run in runs]) for name in ("eps_t", "eps_f", "eps_c"))
     value = np.array([run[observable] for run in runs])

@@ -6,13 +6,14 @@ import json
 import os
 from pathlib import Path
 
+from .page import page
 from .rows import Rows
 from .store import Store
 from .study import Study
 
 
 def publish(study: Study, store: Store, level: str) -> Rows:
-    """Write NAME.csv, NAME.json and NAME.png into the folder of the store; returns the rows of the table.
+    """Write NAME.csv, NAME.json, NAME.png and, of a study beyond the paper, NAME.md into the folder of the store; returns the rows.
 
     study: study.Study. Nothing stored of it: nothing is written and the rows are empty.
     """
@@ -27,6 +28,8 @@ def publish(study: Study, store: Store, level: str) -> Rows:
     write_whole(path.with_suffix(".csv"), as_csv(rows))
     write_whole(path.with_suffix(".json"), json.dumps(head | {"rows": rows}, indent=1) + "\n")
     study.draw(rows, path.with_suffix(".png"))
+    if study.question:
+        write_whole(path.with_suffix(".md"), page(study, rows, runs, level))
     return rows
 
 

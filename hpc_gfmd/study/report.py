@@ -41,15 +41,15 @@ def report(folder: str | Path, level: str) -> Path:
     store = Store(folder)
     store.folder.mkdir(parents=True, exist_ok=True)
     runs = store.load()
-    studies = [catalogue.study(name) for name in catalogue.names()]
+    studies = [catalogue.study(name) for name in catalogue.of_paper()]
     tables = {study.name: _rows(study, store, level) for study in studies}
     lines = {study.name: study.compare(tables[study.name]) if tables[study.name] else [] for study in studies}
     series = store.runs_of(tfc_series(level))
     ours = coefficients.our_table(series, level)
     if ours["tables"]:
         coefficients.write_our_table(ours, store.folder / OUR_TABLE)
-    parts = [_head(runs, level), questions.section(series, tables, level), _figures(studies, tables, lines, store), _says(lines),
-             _errata(tables)]
+    parts = [_head(runs, level), _beyond(store), questions.section(series, tables, level), _figures(studies, tables, lines, store),
+             _says(lines), _errata(tables)]
     path = store.folder / FILE
     write_whole(path, "\n\n".join(part for part in parts if part) + "\n")
     return path
@@ -74,6 +74,11 @@ def _head(runs, level):
         version=__version__, level=level, loads=len(runs), low=min(sizes), high=max(sizes),
         minutes=sum(run["wall_seconds"] for run in runs) / 60, accuracy=max((run["accuracy"] for run in runs), default=0),
         poor=sum(run["status"] != "converged" for run in runs))
+
+
+def _beyond(store):
+    pages = [name for name in catalogue.names() if (store.folder / f"{name}.md").is_file()]
+    return pages and "Beyond the paper: " + ", ".join(f"[{catalogue.study(name).title}]({name}.md)" for name in pages) + "."
 
 
 def _figures(studies, tables, lines, store):

@@ -13,14 +13,16 @@ from ..errors import GfmdError, SceneError
 from ..observables import area, gap
 from ..parallel.comm import threads_of
 from ..parallel.guard import guarded
-from ..parallel.interrupt import Interrupt
+from ..parallel.interrupt import Interrupt, Stopped
+from ..registry import distributions_named, observables_named
 from ..scene import Solver
 from ..surface import build_surface
-from .case import Case
+from .case import DISTRIBUTION, Case
 from .store import Store, key_of, missing
 
 PER_LOAD = 0.02  # seconds that a load takes at least
 FIELDS = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "n", "seed")
+SWEEP = ("p_star", "observables", "distributions")
 
 
 @dataclass(frozen=True)
@@ -42,8 +44,12 @@ def merged(cases: list[Case]) -> list[Case]:
     """Cases that share a surface as one sweep over all their loads, cheapest first."""
     loads = {}
     for case in cases:
-        loads.setdefault(case.surface, (case, set()))[1].update(case.p_star)
-    return sorted((replace(case, p_star=tuple(sorted(p))) for case, p in loads.values()), key=lambda c: (c.cost, c.surface))
+        for kept, more in zip(loads.setdefault(case.surface, (case, set(), set(), set()))[1:],
+                              (case.p_star, case.observables, case.distributions), strict=True):
+            kept.update(more)
+    whole = (replace(case, **{name: tuple(sorted(kept)) for name, kept in zip(SWEEP, more, strict=True)})
+             for case, *more in loads.values())
+    return sorted(whole, key=lambda case: (case.cost, case.surface))
 
 
 def share(cases: list[Case], part: int, parts: int) -> list[Case]:
@@ -73,9 +79,9 @@ def run_missing(cases: list[Case], store: Store, comm, threads: int | str = 1, s
     stays stored. Raises GfmdError where the folder cannot be read or written. dry: say what would be solved, and stop.
     """
     with guarded(comm, f"reading {store.folder}"):
-        stored = {key_of(run) for run in store.load()} if comm.rank == 0 else None
+        stored = {key_of(run): set(run) for run in store.load()} if comm.rank == 0 else None
     stored = comm.bcast(stored)
-    todo = merged([left for case in merged(cases) if (left := missing(case, stored))])
+    todo = merged([left for case in cases if (left := missing(case, stored))])
     speak = say if comm.rank == 0 else _silent
     seconds = _estimate(comm, todo)
     speak(_plan(cases, todo, seconds))
@@ -130,6 +136,8 @@ def _attempt(case, store, comm, threads, interrupt):
             statuses.append(status)
     except NotStored:
         raise
+    except Stopped:  # the Interrupt knows
+        return statuses, None
     except GfmdError as error:
         return statuses, str(error)
     except Exception as error:
@@ -172,6 +180,10 @@ def _run(case, p_star, step, seconds, ranks):
     contact = step.contact
     a_r, a_r_edge = area.a_r(contact), area.a_r_corrected(contact)
     a_r_error, gap_error, pressure_error = contact.outcome.errors
+    more = {name: of_contact(contact) for name, of_contact in observables_named(case.observables).items()}
+    found = distributions_named(case.distributions, contact)
+    more |= {DISTRIBUTION.format(name): found.get(name) and {what: values.tolist() for what, values in found[name].items()}
+             for name in case.distributions}
     run = {
         **{name: getattr(case, name) for name in FIELDS}, "p_star": p_star, "accuracy": case.accuracy,
         "eps_t": case.eps_t, "eps_f": case.eps_f, "eps_c": case.eps_c,
@@ -182,5 +194,5 @@ def _run(case, p_star, step, seconds, ranks):
         "pressure_error": float(pressure_error), "status": contact.outcome.status, "iterations": int(step.iterations),
         "fft_pairs": float(step.fft_pairs), "wall_seconds": seconds, "precision": contact.g.dtype.name, "ranks": ranks,
         "version": __version__,
-    }
+    } | more
     return {k: None if isinstance(v, float) and not isfinite(v) else v for k, v in run.items()}  # JSON has no inf and no nan

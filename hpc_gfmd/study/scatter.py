@@ -20,8 +20,8 @@ class Scatter:
     """Relative scatter of one observable at one H and p*.
 
     law: (a, b) of the relative standard deviation eps_t exp(a) eps_f^b, None where no group has two seeds; it falls as eps_t, because
-    a cell of side L holds 1/eps_t^2 cells of side lam_l. jitter: what a grid adds, at eps_t = eps_c = 1. memory:
-    correlation of one seed's deviations at eps_f and eps_f/2.
+    a cell of side L holds 1/eps_t^2 cells of side lam_l. jitter: what a grid adds, at eps_t = eps_f = eps_c = 1; it falls as
+    eps_t eps_f, because contacts of size lam_s meet it one by one. memory: correlation of one seed's deviations at eps_f and eps_f/2.
     """
 
     law: tuple | None
@@ -48,9 +48,9 @@ class Scatter:
         """Standard deviation of one realisation over the mean; nan where it is not known."""
         return float(np.exp(self.law[0]) * eps_f ** self.law[1] * eps_t) if self.law else np.nan
 
-    def grid(self, eps_t, eps_c):
-        """Standard deviation over the mean of what differs between two grids of one surface."""
-        return self.jitter * eps_t * eps_c
+    def grid(self, run):
+        """Standard deviation over the mean of what the grid of a run adds to what all grids of its surface have."""
+        return self.jitter * run["eps_t"] * run["eps_f"] * run["eps_c"]
 
     def covariance(self, runs, observable, error=None):
         """Shape (runs, runs), of the values of an observable: realisation (shared), grid and solver (not shared).
@@ -63,7 +63,7 @@ class Scatter:
         who = [(run["seed"], run["eps_t"]) for run in runs]
         same = np.array([[a == b for b in who] for a in who])
         shared = np.where(same, self.memory**apart, 0.0) * np.outer(sigma, sigma)
-        alone = value * [self.grid(run["eps_t"], run["eps_c"]) for run in runs]
+        alone = value * [self.grid(run) for run in runs]
         solver = value * [SOLVER_SHARE * run[error or error_of(observable)] for run in runs]
         return shared + np.diag(alone**2 + solver**2)
 
@@ -97,7 +97,7 @@ def _jitter(groups, observable):
         coarser = {run["seed"]: run[observable] for run in groups.get((eps_t, eps_f, 2 * eps_c), ())}
         ratio = np.array([run[observable] / coarser[run["seed"]] for run in group if run["seed"] in coarser])
         if len(ratio) > 1:
-            squares += np.sum((ratio / ratio.mean() - 1) ** 2) / (5 * (eps_t * eps_c) ** 2)  # 5 = 1 + 2^2: both grids
+            squares += np.sum((ratio / ratio.mean() - 1) ** 2) / (5 * (eps_t * eps_f * eps_c) ** 2)  # 5 = 1 + 2^2: both grids
             dof += len(ratio) - 1
     return float(np.sqrt(squares / dof)) if dof else 0.0
 

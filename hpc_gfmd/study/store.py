@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,23 +20,26 @@ class Store:
         self.path = self.folder / ("runs.jsonl" if part is None else f"runs-{part}.jsonl")
 
     def load(self):
-        """All runs as dicts, a run that was stored twice once. A line that was not written to its end is left out."""
+        """All runs as dicts, a run that was stored twice once, with the columns of both. A line not written to its end is left out."""
         found = {}
         for path in sorted(self.folder.glob("runs*.jsonl")):
             for line in path.read_bytes().split(b"\n"):
                 run = _parsed(line)
                 if run is not None:
-                    found[key_of(run)] = run
+                    found[key_of(run)] = found.get(key_of(run), {}) | run
         return list(found.values())
 
     def runs_of(self, cases):
-        """The stored runs that these cases ask for."""
-        wanted = {key for case in cases for key in _keys(case)}
-        return [run for run in self.load() if key_of(run) in wanted]
+        """The stored runs that these cases ask for, with all that they ask for."""
+        wanted = defaultdict(list)
+        for case in cases:
+            for key in _keys(case):
+                wanted[key].append(case.columns)
+        return [run for run in self.load() if any(columns <= set(run) for columns in wanted.get(key_of(run), ()))]
 
     def has(self, case):
         """Whether every load of the case is stored."""
-        return missing(case, {key_of(run) for run in self.load()}) is None
+        return missing(case, {key_of(run): set(run) for run in self.load()}) is None
 
     def append(self, run):
         """Add one run; it is on the disk when this returns. Raises OSError."""
@@ -58,9 +62,9 @@ def key_of(run: dict) -> tuple[float, ...]:
     return tuple(float(f"{run[name]:.{DIGITS}g}") for name in KEY)
 
 
-def missing(case: Case, stored: set) -> Case | None:
-    """The case with those loads only whose keys are not among `stored`; None if none is left."""
-    left = tuple(p for p, key in zip(case.p_star, _keys(case), strict=True) if key not in stored)
+def missing(case: Case, stored: dict) -> Case | None:
+    """The case with those loads only that are not stored with all its columns; None if none is left. stored: {key: columns}."""
+    left = tuple(p for p, key in zip(case.p_star, _keys(case), strict=True) if key not in stored or not case.columns <= stored[key])
     return replace(case, p_star=left) if left else None
 
 

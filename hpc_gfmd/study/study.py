@@ -1,4 +1,4 @@
-"""What a figure or table of the paper is to this program."""
+"""What a figure or table of the paper, or a question beyond it, is to this program."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ from .rows import Rows
 
 @dataclass(frozen=True)
 class Study:
-    """One figure or table of the paper, from the contacts it needs to the comparison with what is printed.
+    """One figure or table, from the contacts it needs to the comparison with what is printed.
 
     Attributes
     ----------
     name, title : str
         "fig1" and what it shows.
     paper : str
-        What the paper says there.
+        What the paper says there, or the literature.
     cases : function of the level
         The contacts that it is made of.
     tabulate : function of the runs and the level
@@ -26,6 +26,10 @@ class Study:
         Writes the picture.
     compare : function of the rows
         Lines "paper says / we find / why" (paper.saying).
+    question : str
+        Of a study beyond the paper: what it asks. It gets a page of its own instead of a place in the report.
+    numbers : function of the rows
+        The table of that page, Markdown.
     """
 
     name: str
@@ -35,3 +39,5 @@ class Study:
     tabulate: Callable[[list[dict], str], Rows]
     draw: Callable[[Rows, Path], None]
     compare: Callable[[Rows], list[dict]]
+    question: str = ""
+    numbers: Callable[[Rows], str] | None = None

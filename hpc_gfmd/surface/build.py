@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import SceneError
+from ..errors import GfmdError, SceneError
 from ..grid import Grid
 from ..parallel.comm import SerialComm
 from ..parallel.guard import guarded
+from ..parallel.interrupt import check
 from ..units import LARGEST_HEIGHT
 from .analytic import sphere_rows, wave_rows
 from .doubts import by_slope
@@ -111,8 +112,16 @@ def build_surface(spec, comm, dtype, threads=1, low_memory=False):
         return surface_from_rows(spec.n, spec.physical_sizes, rows, comm, dtype, threads, spec.free)
     with guarded(comm, "reading the surface"):
         found = open_topography(spec)
-    found, done, notes = prepare(found, spec, comm)
-    made = surface_from_rows(found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, Checksum(), found.unit)
+    file = found.source
+    with guarded(comm, "reading the surface"):
+        file.read_together(comm)
+    try:
+        found, done, notes = prepare(found, spec, comm)
+        made = surface_from_rows(found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, Checksum(), found.unit)
+    except GfmdError:  # all ranks are here
+        file.close()
+        raise
+    file.close()
     return replace(made, prepared=done, doubts=notes)
 
 
@@ -131,6 +140,7 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False
             z[i:i + SLAB_ROWS] = checked(rows(start + i, min(start + i + SLAB_ROWS, stop)), start + i, "surface")
             if checksum is not None:
                 checksum.add(z[i:i + SLAB_ROWS])
+    check(comm)
     known = checksum.of_all(comm, n, sizes, unit) if checksum is not None else None
     top = float(comm.max([z.max(initial=-np.inf)])[0])
     np.subtract(top, z, out=z)  # now the gap, exact where it is small
@@ -163,7 +173,7 @@ def _leave_out_constant_axis(grid, z):
     if 1 in n:
         axis = None
     else:
-        first = next(row for row in comm.allgather(z[0] if len(z) else None) if row is not None)
+        first = comm.share(z[0] if comm.rank == 0 else np.empty(n[1]))
         along_y = not np.any(z != first)
         along_x = not np.any(z != z[:, :1])
         different = comm.max([not along_y, not along_x])

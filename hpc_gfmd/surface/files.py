@@ -6,7 +6,7 @@ import numpy as np
 
 from .. import errors
 from ..errors import SceneError
-from ..parallel import h5_inside
+from ..parallel.h5 import driver, inside, io_way
 from . import instruments, text
 from .packed import Packing
 from .said import Said, by_attributes, by_axes
@@ -25,7 +25,7 @@ class HeightMap:
 
     def __init__(self, spec):
         self.path = Path(spec.path)
-        self.said = Said()
+        self.said, self._file = Said(), None
         if not self.path.is_file():
             raise SceneError(f"surface.path: found {self.path}, which is no file, allowed: the path of a height map")
         opener = {"npy": self._npy, "npz": self._npz, "hdf5": self._hdf5, "netcdf": self._netcdf}.get(spec.format, self._whole)
@@ -53,6 +53,17 @@ class HeightMap:
         except Exception as error:
             raise SceneError(f"surface.path: reading {self.path} failed: {errors.one_line(str(error))}") from None
 
+    def read_together(self, comm):
+        """From here to `close` an HDF5 file is read by MPI-IO where there are several ranks, each of its own rows. Collective."""
+        if self._file is not None and io_way(comm) == "mpio":
+            self.close()
+            self._open_by(driver(comm))
+
+    def close(self):
+        """Of an HDF5 file; collective after read_together."""
+        if self._file is not None:
+            self._file.close()
+
     def _npy(self, spec):
         with open(self.path, "rb") as file:
             if file.read(len(NPY)) != NPY:  # numpy.load would take it for something else, and say how to unpickle it
@@ -74,7 +85,7 @@ class HeightMap:
             names = []
             file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
             name = self._one_of([n for n in names if len(file[n].shape or ()) == 2], spec) if spec.dataset not in file else spec.dataset
-            data = h5_inside.item(file, name)
+            data = inside(file, name)
             if not isinstance(data, h5py.Dataset):
                 self._no_dataset(spec, names)
             self.shape, self.dtype = data.shape, data.dtype
@@ -84,9 +95,15 @@ class HeightMap:
             packing = Packing(data.attrs)
             band = data.chunks[0] * data.shape[1] * data.dtype.itemsize if data.chunks and data.ndim == 2 else 0
         # chunks that the next rows need as well are kept while the data set is open: unpacking a large one each time takes for ever
-        file = h5py.File(self.path, "r", locking=False, rdcc_nbytes=max(2 * band, 2**20), rdcc_nslots=10007)
-        data = h5_inside.item(file, name)
-        return lambda rows, columns: packing.unpacked(data[rows, columns])
+        cache = {"rdcc_nbytes": max(2 * band, 2**20), "rdcc_nslots": 10007}
+
+        def open_by(how):
+            self._file = h5py.File(self.path, "r", **how, **cache)
+            self._data = self._file[name]
+
+        self._open_by = open_by
+        open_by({"locking": False})
+        return lambda rows, columns: packing.unpacked(self._data[rows, columns])
 
     def _netcdf(self, spec):
         with open(self.path, "rb") as file:

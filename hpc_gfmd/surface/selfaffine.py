@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..kernels.surface import self_affine
+from ..parallel.interrupt import check
 from .statistics import rms_of_columns
 
 
@@ -25,7 +26,9 @@ def self_affine_gap(spec, grid, dtype, made_in):
 
         return add
 
+    check(grid.comm)
     h_rms, g_rms = rms_of_columns(grid, fft, adder(fft, 0.0, 1.0), backward=True)
+    check(grid.comm)
     tops = fft.backward_rows(lambda i0, i1, x: x[: i1 - i0].max())
     top = fft.dtype.type(grid.comm.max([max(tops, default=-np.inf)])[0])
     h = grid.empty(dtype)
@@ -35,5 +38,7 @@ def self_affine_gap(spec, grid, dtype, made_in):
         np.subtract(top, rows, out=rows)
         np.multiply(rows, fft.dtype.type(1.0 / g_rms), out=h[i0:i1], casting="same_kind")
 
+    check(grid.comm)
     fft.backward_rows(use)
+    check(grid.comm)
     return h, h_rms / g_rms, lambda fft: adder(fft, 1.0, grid.N / g_rms)

@@ -17,7 +17,7 @@ class Topography:
     one is missing.
 
     Sizes and heights are in m where `unit` is "m", otherwise ("") in a unit that nobody named. periodic: True where the file says so.
-    filled: points that had no height. plain: what a plain number of the scene stands for.
+    filled: points that had no height. plain: what a plain number of the scene stands for. source: the file.
     """
 
     n: tuple[int, int]
@@ -28,6 +28,7 @@ class Topography:
     path: object = None
     filled: int = 0
     plain: float = 1.0
+    source: HeightMap | None = None
 
     def length(self, given):
         """A length of the scene in the unit of `sizes`."""
@@ -74,7 +75,7 @@ def _open_one(spec):
         return checked(found.rows(start, stop), start, "surface.path", f" in {found.path}", missing=True) * height
 
     return Topography(tuple(found.shape), (float(sizes[0]), float(sizes[1])), rows,
-                      "" if unit is None else "m", said.periodic, found.path, plain=height)
+                      "" if unit is None else "m", said.periodic, found.path, plain=height, source=found)
 
 
 def _factor(unit, given, path):

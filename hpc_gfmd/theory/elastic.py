@@ -50,7 +50,7 @@ class Westergaard:
         Elastic energy per area, -d(gap_mean)/dp0.
     """
 
-    def __init__(self, p0: ArrayLike, A: float = 1.0, L: float = 1.0, E_star: float = 1.0):
+    def __init__(self, p0: ArrayLike, A: ArrayLike = 1.0, L: ArrayLike = 1.0, E_star: ArrayLike = 1.0):
         p0 = within("p0", p0, 0, np.inf)
         A, L, E_star = (within(name, x, 0, np.inf, True) for name, x in (("A", A), ("L", L), ("E_star", E_star)))
         self.L, self.p0, self.p_full = L, p0, np.pi * E_star * A / L

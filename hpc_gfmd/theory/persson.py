@@ -29,26 +29,47 @@ KAPPA_LOW_LOAD = np.sqrt(8 / np.pi)  # lim a_r/p_star for p_star -> 0
 
 
 def contact_area(p_star: ArrayLike) -> np.ndarray:
-    """Relative contact area a_r = erf(sqrt(2) p_star), eq. contAreaExact; independent of H and eps_f."""
+    """Relative contact area, eq. contAreaExact; independent of H and eps_f.
+
+    Parameters
+    ----------
+    p_star : float or array
+        p0/(E* g_rms) >= 0.
+
+    Returns
+    -------
+    float or array
+        a_r = erf(sqrt(2) p_star), in the shape of p_star.
+    """
     return erf(np.sqrt(2) * _pressure(p_star))
 
 
 def noncontact_area(p_star: ArrayLike) -> np.ndarray:
-    """1 - a_r, without cancellation at large p_star."""
+    """1 - a_r, without cancellation at large p_star; as `contact_area`."""
     return erfc(np.sqrt(2) * _pressure(p_star))
 
 
 def kappa(p_star: ArrayLike) -> np.ndarray:
-    """a_r/p_star, sqrt(8/pi) at p_star = 0."""
+    """a_r/p_star, sqrt(8/pi) at p_star = 0; as `contact_area`."""
     p_star = _pressure(p_star)
     tiny = p_star < 1e-12
     return np.where(tiny, KAPPA_LOW_LOAD, contact_area(p_star) / np.where(tiny, 1.0, p_star))[()]
 
 
 def pressure_distribution(p: ArrayLike, p0: ArrayLike, g_rms: float = 1.0, E_star: float = 1.0) -> np.ndarray:
-    """Probability density of the local pressure p > 0 under the mean pressure p0, eq. pressDist; p and p0 broadcast.
+    """Probability density of the local pressure, eq. pressDist.
 
-    Integrates to a_r (the rest, 1 - a_r, sits at p = 0), with mean p0. Zero for p <= 0. Unit: 1/E_star.
+    Parameters
+    ----------
+    p, p0 : float or array
+        Local and mean pressure in the unit of E_star; they broadcast.
+    g_rms, E_star : float
+        Rms gradient and effective modulus, > 0.
+
+    Returns
+    -------
+    float or array
+        In units of 1/E_star; 0 for p <= 0. Integrates to a_r (the rest, 1 - a_r, sits at p = 0), with mean p0.
     """
     p, p0 = np.asarray(p, dtype=float), _pressure(p0, "p0")
     width = _positive("E_star", E_star) * _positive("g_rms", g_rms) / 2
@@ -61,15 +82,36 @@ def pressure_distribution(p: ArrayLike, p0: ArrayLike, g_rms: float = 1.0, E_sta
 
 
 def g_rms_lam_s_over_h_rms(hurst: float, eps_f: float) -> float:
-    """g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs."""
+    """g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs; hurst, eps_f: as of `mean_gap`."""
     return 2 * np.pi * float(eps_f) / SlopeProfile.self_affine(hurst, eps_f).h_rms
 
 
 def mean_gap(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False,
              unit: str = "h_rms") -> np.ndarray:
-    """Mean gap in units of h_rms or, with unit="g_rms_lam_s", of g_rms lam_s (eq. gapFinal).
+    """Mean gap of a self-affine wall, eq. gapFinal.
 
-    Infinite at p_star = 0; above p_star of about 19 it underflows to 0.
+    Parameters
+    ----------
+    p_star : float or array
+        p0/(E* g_rms) >= 0.
+    hurst, eps_f : float
+        Hurst exponent in [0, 1], and lam_s/lam_l in [1e-100, 1].
+    gamma : float
+        Energy factor, see above.
+    printed : bool
+        Whether to take the equation as it was published.
+    unit : {"h_rms", "g_rms_lam_s"}
+        The length that the gap is given in.
+
+    Returns
+    -------
+    float or array
+        In the shape of p_star; infinite at p_star = 0; above p_star of about 19 it underflows to 0.
+
+    Raises
+    ------
+    SceneError
+        For numbers out of range and other units.
     """
     profile = SlopeProfile.self_affine(hurst, eps_f)
     return _gap(profile, _pressure(p_star), gamma, printed) / _length(profile, eps_f, unit)
@@ -77,9 +119,23 @@ def mean_gap(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA
 
 def stiffness(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False,
               unit: str = "h_rms") -> np.ndarray:
-    """-dp_star/d(gap/unit): contact stiffness in units of E* g_rms/h_rms, or of E*/lam_s with unit="g_rms_lam_s".
+    """Contact stiffness -dp_star/d(gap/unit).
 
-    Tends to p_star * (unit length)/(decay length of the gap) for p_star -> 0 and overflows to inf in full contact.
+    Parameters
+    ----------
+    p_star, hurst, eps_f, gamma, printed, unit
+        As of `mean_gap`.
+
+    Returns
+    -------
+    float or array
+        In units of E* g_rms/h_rms, or of E*/lam_s with unit="g_rms_lam_s", in the shape of p_star. Tends to p_star (unit length)/(decay
+        length of the gap) for p_star -> 0 and overflows to inf in full contact.
+
+    Raises
+    ------
+    SceneError
+        As `mean_gap`.
     """
     profile = SlopeProfile.self_affine(hurst, eps_f)
     gamma, p_star = _gamma(gamma), _pressure(p_star)
@@ -90,14 +146,25 @@ def stiffness(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMM
 
 
 def elastic_energy(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA) -> np.ndarray:
-    """Elastic energy per nominal area in units of E* g_rms h_rms, eq. elasticEnergy."""
+    """Elastic energy per nominal area, eq. elasticEnergy.
+
+    Parameters
+    ----------
+    p_star, hurst, eps_f, gamma
+        As of `mean_gap`.
+
+    Returns
+    -------
+    float or array
+        In units of E* g_rms h_rms, in the shape of p_star.
+    """
     profile = SlopeProfile.self_affine(hurst, eps_f)
     gamma = _gamma(gamma)
     share = profile.integrate(_pressure(p_star), lambda x: kernels.energy_fraction(x, gamma), power=2)
     return np.where(np.asarray(p_star) > 0, share / (2 * profile.h_rms), 0.0)[()]
 
 
-def mean_gap_spectrum(q, C, p0: ArrayLike, E_star: float = 1.0, gamma: float = GAMMA, printed: bool = False,
+def mean_gap_spectrum(q: ArrayLike, C: ArrayLike, p0: ArrayLike, E_star: float = 1.0, gamma: float = GAMMA, printed: bool = False,
                       area: float = 1.0) -> np.ndarray:
     """Mean gap, in the unit of 1/q, of a surface with an arbitrary isotropic spectrum under the pressure p0.
 
@@ -113,6 +180,14 @@ def mean_gap_spectrum(q, C, p0: ArrayLike, E_star: float = 1.0, gamma: float = G
         Of the normalisation h_rms^2 = area/(2 pi)^2 int C d^2q: 1 for the two-dimensional power spectral density of surface metrology,
         A0 for C = |h_q|^2 of one period of nominal area A0 (the paper), (2 pi)^2 for Persson's C.
 
+    gamma, printed
+        As of `mean_gap`.
+
+    Returns
+    -------
+    float or array
+        In the shape of p0.
+
     Raises
     ------
     SceneError
@@ -124,7 +199,18 @@ def mean_gap_spectrum(q, C, p0: ArrayLike, E_star: float = 1.0, gamma: float = G
 
 
 def curve(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False) -> dict[str, np.ndarray]:
-    """Arrays of the shape of p_star under the names that the command line prints."""
+    """All of the above at once, under the names that the command line prints.
+
+    Parameters
+    ----------
+    p_star, hurst, eps_f, gamma, printed
+        As of `mean_gap`.
+
+    Returns
+    -------
+    dict of arrays in the shape of p_star
+        p_star, a_r, kappa, gap_over_h_rms, stiffness, gap_over_g_rms_lam_s, stiffness_lam_s.
+    """
     found = {"p_star": np.asarray(p_star, dtype=float), "a_r": contact_area(p_star), "kappa": kappa(p_star)}
     for name, function in (("gap_over_h_rms", mean_gap), ("stiffness", stiffness)):
         found[name] = function(p_star, hurst, eps_f, gamma, printed)
@@ -133,14 +219,14 @@ def curve(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, p
     return found
 
 
-def _gap(profile, p_star, gamma, printed):
+def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
     """Gap in units of g_rms/q_min."""
     gamma = _gamma(gamma)
     gap = profile.integrate(p_star, lambda x: kernels.gap_kernel(x, gamma, printed), power=1) / np.sqrt(2 * np.pi)
     return np.where(p_star > 0, gap, np.inf)[()]
 
 
-def _length(profile, eps_f, unit):
+def _length(profile: SlopeProfile, eps_f: float, unit: str) -> float:
     if unit == "h_rms":
         return profile.h_rms
     if unit == "g_rms_lam_s":
@@ -148,13 +234,13 @@ def _length(profile, eps_f, unit):
     raise SceneError(f"unit: found {unit!r}, allowed: 'h_rms', 'g_rms_lam_s'")
 
 
-def _pressure(p_star, name="p_star"):
+def _pressure(p_star: ArrayLike, name: str = "p_star") -> np.ndarray:
     return within(name, p_star, 0, np.inf)
 
 
-def _positive(name, value):
+def _positive(name: str, value: ArrayLike) -> float:
     return float(within(name, value, 0, np.inf, open_low=True))
 
 
-def _gamma(gamma):
+def _gamma(gamma: ArrayLike) -> float:
     return float(within("gamma", gamma, 0, 1.5))

@@ -7,9 +7,12 @@ a file of the same form (rows may have a "sigma" of the coefficients). Fits: the
 """
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,11 +27,24 @@ _DATA = files(__package__).joinpath("data")
 # printed p_star are rounded; the runs were made at 0.01/sqrt(2) and 0.5/sqrt(2)
 _UNROUNDED = {0.007: 0.01 / np.sqrt(2), 0.353: 0.5 / np.sqrt(2)}
 
+Table = dict[str, Any]  # as in the data files
+
 
 @dataclass(frozen=True)
 class Correction:
-    """t, f, c: the three terms of eq. tfc; sigma: the uncertainty of their sum from the table, None if it has none; p_star: the
-    tabulated pressure that was used; notes: what to keep in mind, one line each."""
+    """What a finite simulation is off by.
+
+    Attributes
+    ----------
+    t, f, c : float
+        The three terms of eq. tfc.
+    sigma : float or None
+        The uncertainty of their sum from the table, None if it has none.
+    p_star : float
+        The tabulated pressure that was used.
+    notes : tuple of str
+        What to keep in mind, a line each.
+    """
 
     t: float
     f: float
@@ -43,18 +59,18 @@ class Correction:
         return self.t + self.f + self.c
 
 
-def paper_table() -> dict:
+def paper_table() -> Table:
     """The paper's four tables, as the dict of the data file."""
     return read_table(_DATA / "paper_tfc.json")
 
 
-def our_table() -> dict | None:
+def our_table() -> Table | None:
     """The same tables fitted to our own runs, with uncertainties; None if this installation has none."""
     path = _DATA / "our_tfc.json"
     return read_table(path) if path.is_file() else None
 
 
-def table_of(name: str) -> dict:
+def table_of(name: str) -> Table:
     """The table of a name: "paper", "ours", or the path of a JSON file. Raises SceneError."""
     if name == "paper":
         return paper_table()
@@ -66,8 +82,8 @@ def table_of(name: str) -> dict:
     return table
 
 
-def read_table(path) -> dict:
-    """A table of the same form from a JSON file; SceneError if it is not one."""
+def read_table(path: str | Traversable) -> Table:
+    """A table of the same form from the JSON file at path; SceneError if it is not one."""
     try:
         path = Path(path) if isinstance(path, str) else path
         table = json.loads(path.read_text(encoding="utf-8"))
@@ -78,7 +94,7 @@ def read_table(path) -> dict:
     return table
 
 
-def _check_part(part):
+def _check_part(part: Table) -> None:
     """Raise what is wrong with one of the tables, among others by its use."""
     if not (isinstance(part["observable"], str) and part["observable"].isprintable() and 0 < part["p_star"] < np.inf and part["rows"]):
         raise ValueError("a table needs an observable, a positive p_star and rows")
@@ -91,11 +107,30 @@ def _check_part(part):
 
 
 def correction(observable: str, hurst: float, p_star: float, eps_t: float, eps_f: float, eps_c: float,
-               table: dict | None = None) -> Correction:
+               table: Table | None = None) -> Correction:
     """The terms to subtract from a simulated value.
 
-    table: as of paper_table (default) or read_table. Only at a tabulated pressure (within 5 %) and between the tabulated H (0.3 to 0.8
-    in the paper; linear in H for every term). Raises SceneError elsewhere.
+    Parameters
+    ----------
+    observable : str
+        As the table names it: "kappa", "gap_over_h_rms", ...
+    hurst : float
+        Hurst exponent between the tabulated ones (0.3 to 0.8 in the paper); every term is linear in it.
+    p_star : float
+        p0/(E* g_rms), within 5 % of a tabulated one.
+    eps_t, eps_f, eps_c : float
+        lam_l/L, lam_s/lam_l and a/lam_s of the simulation, from 0 to 1.
+    table : dict
+        As of `paper_table` (default) or `read_table`.
+
+    Returns
+    -------
+    Correction
+
+    Raises
+    ------
+    SceneError
+        Outside of what is tabulated.
     """
     table = table or paper_table()
     part = _part(table, observable, float(within("p_star", p_star, 0, np.inf, True)))
@@ -115,10 +150,29 @@ def correction(observable: str, hurst: float, p_star: float, eps_t: float, eps_f
 
 
 def extrapolate(value: float, observable: str, hurst: float, p_star: float, eps_t: float, eps_f: float, eps_c: float,
-                sigma: float | None = None, table: dict | None = None) -> tuple[float, float | None, Correction]:
-    """A simulated value taken to the TFC limit: (extrapolated, its sigma or None, the Correction).
+                sigma: float | None = None, table: Table | None = None) -> tuple[float, float | None, Correction]:
+    """A simulated value taken to the TFC limit.
 
-    sigma: uncertainty of the value; the result adds the table's in squares, None if neither is known. Raises SceneError as correction.
+    Parameters
+    ----------
+    value : float
+        The simulated one.
+    observable, hurst, p_star, eps_t, eps_f, eps_c, table
+        As of `correction`.
+    sigma : float, optional
+        Uncertainty of the value.
+
+    Returns
+    -------
+    extrapolated : float
+    sigma : float or None
+        That of the value and that of the table in squares; None if neither is known.
+    correction : Correction
+
+    Raises
+    ------
+    SceneError
+        As `correction`.
     """
     value = float(within("value", value, -np.inf, np.inf))
     terms = correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table)
@@ -129,7 +183,7 @@ def extrapolate(value: float, observable: str, hurst: float, p_star: float, eps_
 _COEFFICIENTS = [f"{name}_{i}" for name in ("C", "alpha") for i in TERMS]
 
 
-def _part(table, observable, p_star):
+def _part(table: Table, observable: str, p_star: float) -> Table:
     names = sorted({part["observable"] for part in table["tables"]})
     if observable not in names:
         raise SceneError(f"observable: found {observable!r}, allowed: {', '.join(names)}")
@@ -143,11 +197,11 @@ def _part(table, observable, p_star):
                      "the coefficients are not known in between")
 
 
-def _term(row, i, eps):
+def _term(row: Table, i: str, eps: float) -> float:
     return row[f"C_{i}"] * eps ** row[f"alpha_{i}"] if eps > 0 else 0.0
 
 
-def _row_sigma(row, eps):
+def _row_sigma(row: Table, eps: dict[str, float]) -> float:
     """Uncertainty of the sum of the terms, from the "covariance" of the row (order "names") if given."""
     names = row.get("names", _COEFFICIENTS)
     gradient = []
@@ -159,7 +213,7 @@ def _row_sigma(row, eps):
     return np.sqrt(max(gradient @ np.asarray(covariance) @ gradient, 0.0))
 
 
-def _notes(part, hurst, tabulated):
+def _notes(part: Table, hurst: float, tabulated: list[float]) -> Iterator[str]:
     if hurst not in tabulated:
         yield f"coefficients interpolated in H between the tabulated {', '.join(f'{h:g}' for h in tabulated)}"
     if "label" in part and part["observable"] == "gap_over_h_rms":
@@ -169,7 +223,7 @@ def _notes(part, hurst, tabulated):
         yield "the paper gives no uncertainties of its coefficients"
 
 
-def _own_note(table):
+def _own_note(table: Table) -> Iterator[str]:
     note = table.get("note")
     if isinstance(note, str) and note.isprintable():
         yield note

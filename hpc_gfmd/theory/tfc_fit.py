@@ -87,6 +87,10 @@ def fit_tfc(eps_t, eps_f, eps_c, value, sigma=None, alpha=None, terms=TERMS, lim
     limit : float, optional
         A known value in the TFC limit; fitted if None.
 
+    Returns
+    -------
+    TfcFit
+
     Raises
     ------
     SceneError
@@ -144,7 +148,10 @@ def _enough(value, eps, free, names):
 
 
 def read_runs(path) -> dict:
-    """Columns eps_t, eps_f, eps_c, value and, if there, sigma of a CSV file with a header, as arrays for fit_tfc. Raises SceneError."""
+    """Columns eps_t, eps_f, eps_c, value and, if there, sigma of the CSV file at path, with a header, as arrays for fit_tfc.
+
+    Raises SceneError if it is not one.
+    """
     try:
         with open(path, newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))

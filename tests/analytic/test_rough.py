@@ -34,18 +34,18 @@ def test_kappa(hurst, ratio, seeds, kappa, sigma, corrected):
     assert error.max() < 0.2
 
 
-@pytest.mark.parametrize(("hurst", "p_star"), [(0.3, 0.004), (0.8, 0.5)])
+@pytest.mark.parametrize(("hurst", "p_star"), [(0.3, 0.03), (0.8, 0.2)])
 def test_the_published_curve(hurst, p_star):
-    """The same surfaces again give the means of the reference data, to the accuracy that both were solved to."""
-    curve = reference.load().curve(hurst, 1 / 64)
-    p_star = curve.p_star[np.argmin(np.abs(curve.p_star - p_star))]
+    """Other surfaces on a fine grid, edge-corrected, are where the reference data say that the limit of fine grids lies."""
     found = []
-    for seed in curve.seeds:
-        surface = rough((round(1 / curve.eps_t), round(1 / curve.eps_f), round(1 / curve.eps_c)), hurst=hurst, seed=seed)
-        contact = solve_scene(surface, p_star, accuracy=1e-3).contact
-        found.append([all_observables()[name](contact) for name in ("a_r", "gap_over_h_rms")])
-    for value, name in zip(np.mean(found, axis=0), ("a_r", "gap_over_h_rms"), strict=True):
-        assert value == pytest.approx(curve.at(p_star, name)[0], rel=2e-3), name
+    for seed in (101, 102, 103):
+        contact = solve_scene(rough((4, 16, 8), hurst=hurst, seed=seed), p_star, accuracy=1e-3).contact
+        found.append([all_observables()[name](contact) for name in ("a_r_corrected", "gap_over_h_rms")])
+    for value, spread, limit in zip(np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / 3**0.5,
+                                    (reference.contact_area, reference.mean_gap), strict=True):
+        expected, sigma = limit(p_star, hurst, 1 / 16)
+        assert abs(value - expected) < 3 * np.hypot(spread, sigma) + 0.01 * expected  # the correction leaves up to a per cent there
+        assert spread < 0.03 * expected
 
 
 def test_persson_at_high_load():

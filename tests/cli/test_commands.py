@@ -8,23 +8,12 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+from contacts import scene_text
 from mpi_harness import call, environment
 
 from hpc_gfmd.cli import main
 
-SCENE = """
-[surface]
-kind = "self-affine"
-hurst = 0.8
-L_over_lam_l = 2
-lam_l_over_lam_s = 8
-lam_s_over_a = 2
-seed = 1
-[load]
-p_star = [0.05, 0.1]
-[output]
-fields = ["pressure", "gap"]
-"""
+SCENE = scene_text(output={"fields": ["pressure", "gap"]})
 STEP = {"p", "p_star", "a_r", "kappa", "gap_mean", "gap_over_h_rms", "iterations", "fft_pairs", "wall_seconds", "status",
         "a_r_error", "gap_error", "pressure_error"}
 SURFACE = {"n", "physical_sizes", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c", "seed"}

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from contacts import scene_text
 from mpi_harness import call, environment, missing
 
 import hpc_gfmd
@@ -16,18 +17,7 @@ from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import _abort_on_error
 from hpc_gfmd.streams import Stream
 
-SCENE = """
-title = "Fl\u00e4che \u0394"
-[surface]
-kind = "self-affine"
-hurst = 0.8
-L_over_lam_l = 2
-lam_l_over_lam_s = 8
-lam_s_over_a = 2
-seed = 1
-[load]
-p_star = [0.05, 0.1]
-"""
+SCENE = scene_text(title="Fl\u00e4che \u0394")
 ASCII = {"PYTHONIOENCODING": "ascii", "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 HOW = {"a pipe that nobody reads": "2>/dev/full | true", "all closed": "<&- >&- 2>&-", "full disk": ">/dev/full 2>&-",
        "an ASCII terminal": ""}

@@ -38,7 +38,7 @@ def test_wrong_arguments(cli, args, said):
 
 def test_list(cli):
     lines = cli("--list").out.splitlines()
-    assert (len(lines), lines[0].split()[0], lines[-1].split()[0]) == (18, "fig1", "table5")
+    assert (len(lines), lines[0].split()[0], lines[17].split()[0], lines[-1].split()[0]) == (23, "fig1", "table5", "stiffness")
 
 
 def test_plan_solves_nothing(cli, tmp_path):

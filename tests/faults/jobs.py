@@ -21,7 +21,7 @@ from hpc_gfmd.output.read import partial_folder, read_result
 
 MARK = "HPC_GFMD_TEST_JOB"  # in the environment of all processes of a job
 SABOTAGE = Path(__file__).with_name("sabotage.py")
-PATIENCE = 60.0  # seconds that an undisturbed job may take here, where others compute as well
+PATIENCE = 120.0  # seconds that an undisturbed job may take here, where others compute as well
 AT_ONCE = 20.0  # seconds from a fault to the end of the last process; the machine of the tests may be busy
 
 needs_mpi = pytest.mark.skipif(bool(mpi_harness.missing()), reason="mpirun or mpi4py is missing")

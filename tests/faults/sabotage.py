@@ -5,6 +5,7 @@ The fault happens on one rank only (-1: on all), by replacing a function of the 
 
 import os
 import resource
+import shutil
 import sys
 import time
 from pathlib import Path
@@ -68,7 +69,7 @@ def write(count):
     """An exception while the rows of this rank are written."""
     from hpc_gfmd.parallel import h5
 
-    h5.rows_sum = after(h5.rows_sum, count, fail)
+    h5._checksum = after(h5._checksum, count, fail)
 
 
 def nan(count, value="nan"):
@@ -107,6 +108,28 @@ def slow(seconds):
     os.fsync = late
 
 
+def hold(function, text, flag):
+    """A function of parallel/h5.py, _transfer or sync, that does not get on when the file's name has this text; a file says when."""
+    from hpc_gfmd.parallel import h5
+
+    before = getattr(h5, function)
+
+    def called(what, *args):
+        if text in (str(what) if function == "sync" else what.file.filename) and args[-1:] != ("read",):
+            Path(flag).touch()
+            time.sleep(60)
+        return before(what, *args)
+
+    setattr(h5, function, called)
+
+
+def vanish(folder):
+    """A folder, when the third load is about to be written."""
+    from hpc_gfmd.output.record import RunFile
+
+    RunFile.write_step = after(RunFile.write_step, 3, lambda go_on, _: shutil.rmtree(folder) or go_on())
+
+
 def lag(seconds, flag):
     """Nothing happens for a while before the run begins to listen to signals; a file says when."""
     from hpc_gfmd import simulation
@@ -119,7 +142,7 @@ def lag(seconds, flag):
     simulation.surface_size = after(simulation.surface_size, 1, wait)
 
 
-FAULTS = {fault.__name__: fault for fault in (surface, solve, no_memory, write, nan, limit, slow, lag)}
+FAULTS = {fault.__name__: fault for fault in (surface, solve, no_memory, write, nan, limit, slow, hold, vanish, lag)}
 
 if __name__ == "__main__":
     sys.exit(main(*sys.argv[1:]))

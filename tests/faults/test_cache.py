@@ -5,7 +5,6 @@ import importlib.util
 import os
 import pickle
 import shutil
-import time
 
 import pytest
 from mpi_harness import call, environment
@@ -34,18 +33,15 @@ def compiled(tmp_path, monkeypatch):
 
 DAMAGE = {
     "index cut": ("nbi", lambda data: data[: len(data) // 2]),
-    "index empty": ("nbi", lambda data: b""),
-    "index of noise": ("nbi", lambda data: b"\x00\xff" * 100),
     "index of another version of numba": ("nbi", lambda data: pickle.dumps("0.0.1", -1) + b"anything"),
     "code cut": ("nbc", lambda data: data[:-100]),
-    "code empty": ("nbc", lambda data: b""),
     "code of another program": ("nbc", lambda data: pickle.dumps((b"", b""))),
     "code of noise": ("nbc", lambda data: b"\xcc" * len(data)),
 }
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_a_bad_cache_is_compiled_again(damage, compiled, record):
+def test_a_bad_cache_is_compiled_again(damage, compiled):
     assert compiled() == (6.0, 0)
     assert compiled() == (6.0, 1)
     kind, change = DAMAGE[damage]
@@ -53,14 +49,12 @@ def test_a_bad_cache_is_compiled_again(damage, compiled, record):
     data = path.read_bytes()
     assert change(data) != data
     path.write_bytes(change(data))
-    begun = time.monotonic()
     assert compiled() == (6.0, 0)
-    record("bad cache of compiled kernels", damage, 0, "none; compiled again", time.monotonic() - begun)
     assert compiled() == (6.0, 1)
 
 
 @pytest.mark.parametrize("how", ["no folder", "no room", "disk full"])
-def test_a_cache_that_cannot_be_written_is_none(how, compiled, record, monkeypatch, tmp_path):
+def test_a_cache_that_cannot_be_written_is_none(how, compiled, monkeypatch, tmp_path):
     def fails(*_, **__):
         raise OSError(errno.ENOSPC, how)
 
@@ -70,9 +64,7 @@ def test_a_cache_that_cannot_be_written_is_none(how, compiled, record, monkeypat
         monkeypatch.setattr(shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(10**9, 10**9, 0))
     else:
         monkeypatch.setattr(os, "replace", fails)
-    begun = time.monotonic()
     assert compiled() == (6.0, 0)
-    record("cache of compiled kernels cannot be written", how, 0, "none; compiled in every process", time.monotonic() - begun)
     assert compiled() == (6.0, 0)
     assert not list(tmp_path.rglob("*.nb?"))
 
@@ -103,7 +95,7 @@ def test_an_error_that_is_not_the_caches_is_raised(compiled):
 
 
 @pytest.mark.slow
-def test_a_run_with_a_garbled_cache(tmp_path, record):
+def test_a_run_with_a_garbled_cache(tmp_path):
     """Every file of it half overwritten; the run compiles, and gives the same numbers."""
     (tmp_path / "scene.toml").write_text(
         "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [32, 32]\nperiods = [1, 1]\n[load]\npressure = 0.1\n")
@@ -115,11 +107,8 @@ def test_a_run_with_a_garbled_cache(tmp_path, record):
     for path in files:
         data = path.read_bytes()
         path.write_bytes(data[: len(data) // 2] + b"\xcc" * (len(data) - len(data) // 2))
-    begun = time.monotonic()
     again = call(None, ["run", "scene.toml", "-o", "b.h5"], env=env, cwd=tmp_path, timeout=600)
     assert again.returncode == 0, again.stderr
-    record("garbled cache of compiled kernels", f"half of each of its {len(files)} files overwritten; run", 0, "none; compiled again",
-           time.monotonic() - begun)
     shown = [call(None, ["show", name, "--json"], env=env, cwd=tmp_path).stdout for name in ("a.h5", "b.h5")]
     assert [line for line in shown[0].splitlines() if "seconds" not in line] == [
         line for line in shown[1].splitlines() if "seconds" not in line]

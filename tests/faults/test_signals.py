@@ -17,12 +17,10 @@ def third_load(job, path):
 
 
 @pytest.mark.parametrize(("name", "ranks", "target"), [
-    ("SIGTERM", None, "the program"),
-    pytest.param("SIGINT", None, "the program", marks=pytest.mark.slow),
-    pytest.param("SIGUSR1", None, "the program", marks=pytest.mark.slow),
-    *[pytest.param(name, 2, target, marks=[needs_mpi, pytest.mark.slow])
-      for name in CODES for target in ("mpirun", "one rank")]])
-def test_signal(tmp_path, record, undisturbed, name, ranks, target):
+    ("SIGTERM", None, "the program"), pytest.param("SIGINT", None, "the program", marks=pytest.mark.slow),
+    *[pytest.param(*case, marks=[needs_mpi, pytest.mark.slow])
+      for case in (("SIGTERM", 2, "mpirun"), ("SIGUSR1", 2, "mpirun"), ("SIGUSR1", 2, "one rank"))]])
+def test_signal(tmp_path, undisturbed, name, ranks, target):
     path = write_scene(tmp_path)
     job = Job(["run", "scene.toml"], ranks, tmp_path, fault=SLOW)
     third_load(job, path)
@@ -40,19 +38,16 @@ def test_signal(tmp_path, record, undisturbed, name, ranks, target):
     assert nothing_wrong(path, wanted) >= 2
     finish(path, ranks)
     nothing_wrong(path, wanted)
-    record(f"{name} to {target}", f"after two of five loads, {ranks or 1} ranks; restart finishes, bit-identical",
-           "1, mpirun's own" if by_mpirun else job.code, (job.out.splitlines() or ["none"])[-1], job.seconds)
 
 
 @needs_mpi
 @pytest.mark.slow
-@pytest.mark.parametrize("target", ["mpirun", "one rank"])
-def test_twice(tmp_path, record, undisturbed, target):
+def test_twice(tmp_path, undisturbed):
     """The second signal ends the run at once: what was finished is there."""
     path = write_scene(tmp_path)
     job = Job(["run", "scene.toml"], 2, tmp_path, fault=["slow", -1, 0.5])
     assert job.wait_for((partial_folder(path) / "step-0000.h5.tmp").exists), job.end().err
-    pids = job.ranks()[-1:] if target == "one rank" else ()
+    pids = job.ranks()[-1:]
     job.kill(signal.SIGUSR1, *pids)
     time.sleep(0.1)
     assert job.process.poll() is None
@@ -62,26 +57,23 @@ def test_twice(tmp_path, record, undisturbed, target):
     assert not path.exists()
     finish(path, 2)
     nothing_wrong(path, undisturbed(2))
-    record(f"two signals to {target}", "SIGUSR1, then SIGTERM, while a file is synced", job.code, "none: ended at once", job.seconds)
 
 
-@pytest.mark.parametrize("name", [pytest.param("SIGTERM", marks=pytest.mark.slow), "SIGINT"])
 @needs_mpi
-def test_one_rank_at_start(tmp_path, record, name):
+def test_one_rank_at_start(tmp_path):
     """Before it has begun nothing has to be kept, but no rank may wait for the one that is gone."""
     path = write_scene(tmp_path)
     job = Job(["run", "scene.toml"], 2, tmp_path, fault=["lag", -1, 30, tmp_path / "begun"])
     assert job.wait_for(lambda: any(tmp_path.glob("begun-*"))), job.end().err
     flag = next(tmp_path.glob("begun-*"))
-    job.kill(getattr(signal, name), int(flag.name.removeprefix("begun-")))
+    job.kill(signal.SIGINT, int(flag.name.removeprefix("begun-")))
     job.end()
     assert job.code != 0
     assert not path.exists()
-    record(f"{name} to one rank at start", "before the surface is made", job.code, job.err or "none", job.seconds)
 
 
 @pytest.mark.parametrize("ranks", [None, pytest.param(2, marks=[needs_mpi, pytest.mark.slow])])
-def test_wall_seconds(tmp_path, record, undisturbed, ranks):
+def test_wall_seconds(tmp_path, undisturbed, ranks):
     path = write_scene(tmp_path)
     job = Job(["run", "scene.toml", "--set", "machine.wall_seconds=0.3"], ranks, tmp_path, fault=SLOW)
     job.end(60)
@@ -91,5 +83,3 @@ def test_wall_seconds(tmp_path, record, undisturbed, ranks):
     again = run(["restart", path.name, "--set", "machine.wall_seconds=1000"], ranks, tmp_path)
     assert again.code == 0, again.err
     nothing_wrong(path, wanted)
-    record("machine.wall_seconds is over", f"0.3 s, {ranks or 1} ranks; restart finishes, bit-identical", job.code,
-           job.out.splitlines()[-1], job.seconds)

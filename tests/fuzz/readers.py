@@ -9,10 +9,11 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from hpc_gfmd.commands.show import as_dict, as_text
-from hpc_gfmd.errors import GfmdError, SceneError
+from hpc_gfmd.errors import GfmdError
 from hpc_gfmd.output.checkpoint import read_checkpoint
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.h5 import Checked
 from hpc_gfmd.scene import File, Scene, load_scene
 from hpc_gfmd.surface.files import HeightMap
 from hpc_gfmd.theory import tfc
@@ -49,7 +50,7 @@ def read_results(path):
     for fields in result.fields:
         for stored in fields.values():
             if stored.shape[0] * stored.shape[1] <= MOST_POINTS:
-                assert _or_refused(stored.read, 0, stored.shape[0]).shape == stored.shape
+                assert Checked(stored).read(0, stored.shape[0]).shape == stored.shape
     Scene.from_toml(result.scene_toml)
 
 
@@ -122,11 +123,3 @@ def _in_a_fork(function):
     died = os.waitpid(child, 0)[1] != 0 or not answer or answer.startswith("-MemoryError")
     assert died or answer.startswith("+"), answer
     return None if died else answer[1:]
-
-
-def _or_refused(function, *args):
-    """What reading a piece of a stored field gives; its caller turns an OSError into one line."""
-    try:
-        return function(*args)
-    except OSError as error:
-        raise SceneError("unreadable") from error

@@ -1,5 +1,9 @@
 """hpc_gfmd.solve with a communicator: the numbers of one process, fields by rows, one file, errors on all ranks."""
 
+import runpy
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from contacts import random_heights
@@ -50,3 +54,16 @@ def test_a_communicator_of_mpi4py(comm):
     assert found.pressure.shape == (found.rows[1] - found.rows[0], 20)
     with pytest.raises(SceneError, match="spread over"):
         found.plot()
+
+
+def test_the_example(comm, shared_path, monkeypatch):
+    if comm.size == 1:
+        pytest.skip("needs several ranks")
+    example = Path(__file__).parents[2] / "examples" / "mpi_script.py"
+    monkeypatch.chdir(shared_path)
+    monkeypatch.setattr(sys, "argv", [str(example), "96"])
+    runpy.run_path(str(example), run_name="__main__")
+    comm.barrier()
+    assert (shared_path / "mpi_script.h5").is_file()
+    comm.barrier()
+    monkeypatch.undo()

@@ -77,20 +77,50 @@ def test_rows_of_all_ranks_make_the_grid(comm):
         assert max(b - a for a, b in rows) - min(b - a for a, b in rows) <= 1
 
 
-def test_halo_rows_wrap_around(comm):
-    rows, m = 3, 5
-    whole = np.arange(comm.size * rows * m, dtype=float).reshape(-1, m)
-    start = comm.rank * rows
-    a = np.zeros((rows + 2, m))
-    a[1:-1] = whole[start:start + rows]
-    halo.fill(comm, a)
-    assert np.array_equal(a, whole[np.arange(start - 1, start + rows + 1) % len(whole)])
-    ones = np.ones((1, rows + 2, m))
-    total = halo.sum_to_all(comm, ones, start, len(whole))
-    wanted = np.ones(len(whole))
+@pytest.mark.parametrize(("n", "lost"), [(1, 0), (2, 0), (7, 0), (24, 0), (24, 5)])
+@pytest.mark.parametrize("case", range(4))
+def test_windows(comm, n, lost, case):
+    """Any rows of a ring, owned by any ranks or (the last ones) by nobody: `fill` takes them, `add` is its transpose."""
+    random = np.random.default_rng(case)
+    starts = np.append(0, np.sort(random.integers(0, n - lost + 1, comm.size)))
+    starts[-1] = n - lost
+    lo = random.integers(-4, n, comm.size)
+    hi = lo + random.integers(0, n + 6, comm.size)
+    whole = random.standard_normal((2, n, 3))
+    whole[:, n - lost:] = 0
+    mine = slice(starts[comm.rank], starts[comm.rank + 1])
+    window = halo.rows_of(comm, whole[:, mine], starts, lo, hi, n)
+    taken = np.arange(lo[comm.rank], hi[comm.rank]) % n
+    assert np.array_equal(window, whole[:, taken])
+    total = np.zeros((2, n, 3))
     for rank in range(comm.size):
-        wanted[(rank * rows - 1) % len(whole)] += 1
-        wanted[(rank * rows + rows) % len(whole)] += 1
-    assert np.array_equal(total[0, :, 0], wanted)
-    halo.accumulate(comm, ones)
-    assert ones[0, 1:-1].sum() == pytest.approx((rows + 2) * m)
+        for i in range(lo[rank], hi[rank]):
+            total[:, i % n] += rank + 1
+    owned = np.zeros_like(whole[:, mine])
+    halo.Windows(comm.rank, starts, lo, hi, n).add(comm, np.full_like(window, comm.rank + 1), owned)
+    assert np.array_equal(owned, total[:, mine])
+
+
+@pytest.mark.parametrize("rows", [1, 3])
+def test_halo_rows_wrap_around(comm, rows):
+    """Around a rank's own rows in one array."""
+    m = 5
+    starts = np.arange(comm.size + 1) * rows
+    whole = np.arange(comm.size * rows * m, dtype=float).reshape(-1, m)
+    windows = halo.Windows(comm.rank, starts, starts[:-1] - 1, starts[1:] + 1)
+    assert windows.in_place
+    a = np.zeros((rows + 2, m))
+    a[1:-1] = whole[starts[comm.rank]:starts[comm.rank + 1]]
+    windows.fill(comm, a[1:-1], a)
+    assert np.array_equal(a, whole[np.arange(starts[comm.rank] - 1, starts[comm.rank + 1] + 1) % len(whole)])
+    ones = np.ones((1, rows + 2, m))
+    windows.add(comm, ones, ones[:, 1:-1])
+    assert comm.sum([ones[0, 1:-1].sum()])[0] == comm.size * (rows + 2) * m
+
+
+def test_next_row_skips_ranks_without_rows(comm):
+    for holes in ({0}, {comm.size - 1}, set(range(1, comm.size)), set()):
+        if len(holes) < comm.size:
+            rows = 0 if comm.rank in holes else 2
+            after = next(r for r in [(comm.rank + 1 + k) % comm.size for k in range(comm.size)] if r not in holes)
+            assert np.array_equal(halo.next_row(comm, np.full((3, rows, 4), comm.rank)), np.full((3, 4), after))

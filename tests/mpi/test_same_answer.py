@@ -138,6 +138,38 @@ def test_height_map(comm, shared_path, file):
     assert_same(comm, sweep_of(surface, 3.0, comm, **EXACT).solve(0.7), whole.solve(0.7))
 
 
+def test_height_map_in_hdf5_is_read_by_mpi_io(comm, shared_path, monkeypatch):
+    """By the driver that HDF5 itself names, every rank its own rows, also where they are packed; the file is closed at the end."""
+    import h5py
+
+    opened, asked, z = [], [], random_heights((70, 8))
+    own, getitem = h5py.File.__init__, h5py.Dataset.__getitem__
+
+    def spy(self, name, mode="r", **how):
+        own(self, name, mode, **how)
+        opened.append((self, self.driver))
+
+    def rows(self, key):
+        asked.append((opened[-1][1], key[0].start, key[0].stop))
+        return getitem(self, key)
+
+    if comm.rank == 0:
+        with h5py.File(shared_path / "z.h5", "w") as file:
+            file.create_dataset("surface", data=z, chunks=(16, 8), compression="gzip")
+    comm.barrier()
+    monkeypatch.setattr(h5py.File, "__init__", spy)
+    monkeypatch.setattr(h5py.Dataset, "__getitem__", rows)
+    surface = {"kind": "file", "path": str(shared_path / "z.h5"), "physical_sizes": [1, 1]}
+    made = sweep_of(surface, comm=comm).surface
+    first, last = made.rows
+    assert {driver for driver, *_ in asked} == {"mpio" if comm.size > 1 else "sec2"}
+    assert (asked[0][1], asked[-1][2]) == (first, last)
+    assert np.allclose(made.h * made.height_unit, z.max() - z[first:last], atol=1e-12)
+    assert opened
+    assert not any(file.id.valid for file, _ in opened)
+    comm.barrier()
+
+
 def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):
     from hpc_gfmd.surface.files import HeightMap
 

@@ -1,7 +1,4 @@
-"""Two hundred load steps with a checkpoint every second: memory, descriptors and files stay what they are.
-
-With --record-faults the numbers go to docs/faults/soak.json.
-"""
+"""Two hundred load steps with a checkpoint every second: memory, descriptors and files stay what they are."""
 
 import json
 import os
@@ -37,7 +34,6 @@ fields = ["gap"]
 [machine]
 checkpoint_seconds = 1
 """
-RECORD = Path(__file__).parents[2] / "docs" / "faults" / "soak.json"
 WARM = 0.25  # of the run, before which nothing is compared
 GROWTH_MB = 8.0  # of the memory of a rank afterwards; a field has 0.5 MB
 
@@ -90,13 +86,12 @@ def _command(pid):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", [1, 2])
-def test_soak(ranks, tmp_path, request):
+def test_soak(ranks, tmp_path):
     (tmp_path / "soak.toml").write_text(SCENE)
     env = environment(TMPDIR=str(tmp_path / "tmp"))
     (tmp_path / "tmp").mkdir()
     plan = subprocess.run([sys.executable, "-m", "hpc_gfmd", "plan", "soak.toml", "--json"], cwd=tmp_path, env=env,
                           capture_output=True, check=True)
-    begun = time.monotonic()
     command = [sys.executable, "-m", "hpc_gfmd", "run", "soak.toml"]
     with open(tmp_path / "log", "w") as log:
         process = subprocess.Popen(command if ranks == 1 else ["mpirun", "-n", str(ranks), *command], cwd=tmp_path, env=env,
@@ -105,7 +100,6 @@ def test_soak(ranks, tmp_path, request):
             samples, checkpoints = watch(process, tmp_path, ranks)
         finally:
             end(process)
-    seconds = time.monotonic() - begun
     assert process.returncode == 0, (tmp_path / "log").read_text()[-2000:]
     assert len(samples) == ranks
 
@@ -119,32 +113,12 @@ def test_soak(ranks, tmp_path, request):
     left = [p for p in (tmp_path / "tmp").rglob("*") if p.is_file()]
     assert left == []
 
-    lines = []
-    for rank, own in enumerate(samples.values()):
+    for own in samples.values():
         warm = [s for s in own if WARM * STEPS <= s[2] < STEPS]
         assert len(warm) > 20
         resident, descriptors = [s[0] for s in warm], [s[1] for s in warm]
         third = len(warm) // 3
-        growth = float(np.median(resident[-third:]) - np.median(resident[:third]))
-        lines.append({"process": rank, "resident_mb_after_warm_up": round(resident[0], 1),
-                      "resident_mb_at_the_end": round(resident[-1], 1), "largest_resident_mb": round(max(s[0] for s in own), 1),
-                      "growth_mb": round(growth, 2),
-                      "descriptors": [min(descriptors), max(descriptors)], "descriptors_at_the_end": descriptors[-1],
-                      "samples": len(warm)})
-    if request.config.getoption("--record-faults"):
-        _keep({"ranks": ranks, "steps": STEPS, "n": [N, N], "solver": "gfmd, accuracy 1e-7", "seconds": round(seconds, 1),
-               "checkpoints_seen": checkpoints,
-               "file_bytes": size, "predicted_bytes": int(predicted), "files_left": 0, "processes": lines,
-               "command": f"pytest -m slow --record-faults '{request.node.nodeid}'"})
+        assert np.median(resident[-third:]) - np.median(resident[:third]) < GROWTH_MB
+        assert max(descriptors) - min(descriptors) <= 4  # the file being written
+        assert descriptors[-1] <= min(descriptors) + 4
     assert checkpoints > 5
-    for line in lines:
-        assert line["growth_mb"] < GROWTH_MB, lines
-        assert line["descriptors"][1] - line["descriptors"][0] <= 4, lines  # the file being written
-        assert line["descriptors_at_the_end"] <= line["descriptors"][0] + 4
-
-
-def _keep(line):
-    lines = json.loads(RECORD.read_text()) if RECORD.exists() else []
-    lines = sorted([old for old in lines if old["ranks"] != line["ranks"]] + [line], key=lambda one: one["ranks"])
-    RECORD.parent.mkdir(parents=True, exist_ok=True)
-    RECORD.write_text(json.dumps(lines, indent=1) + "\n")

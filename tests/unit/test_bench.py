@@ -149,8 +149,8 @@ def test_kernels_and_transforms(what, count, tmp_path):
 def test_storage(tmp_path):
     assert main(["bench", "storage", "--n", "64", "--repeats", "1", "--folder", str(tmp_path), "-o", str(tmp_path / "out")]) == 0
     found = rows(tmp_path / "out" / "storage.jsonl")
-    assert [r["way"] for r in found] == ["raw", "result file", "read back"]
-    assert found[1]["times_raw"] == pytest.approx(found[1]["seconds"] / found[0]["seconds"])
+    assert [r["way"] for r in found] == ["raw", "raw, one file", "result file, serial", "read back"]
+    assert found[2]["times_raw"] == pytest.approx(found[2]["seconds"] / found[0]["seconds"])
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
@@ -166,8 +166,24 @@ def test_scaling_of_one_rank(tmp_path):
     machine = Machine.from_row(found[0])
     alone = predict(64, 1, replace(machine, cores=1), Network(latency=0))
     assert alone["seconds"] == pytest.approx(found[0]["seconds"])
-    assert {row["n"] for row in rows(tmp_path / "scaling-model.jsonl")} == {2**15, 2**17}
+    modelled = rows(tmp_path / "scaling-model.jsonl")
+    assert {(row["n"], row["network_gb_per_s"]) for row in modelled} == {(2**15, 12.5), (2**15, 25), (2**17, 12.5), (2**17, 25)}
+    assert all(row["ranks"] <= row["n"] and row["of_one_node"] <= 1 and row["of_bandwidth"] <= 1 for row in modelled)
     assert (tmp_path / "scaling.png").stat().st_size > 10_000
+
+
+def test_model_counts_what_ranks_send():
+    """A network without bandwidth or latency of its own costs nothing; each has its price otherwise."""
+    machine = Machine(fft=1e-10, kernel=5e-9, levels=0.05, pairs=7, coarse_pairs=3, cores=8)
+    free = Network(latency=0, overhead=0, bandwidth=1e30)
+    one, eight = (predict(4096, nodes, machine, free, 8) for nodes in (1, 8))
+    assert eight["of_one_node"] > 0.95
+    for slower in (replace(free, latency=1e-4), replace(free, overhead=1e-4), replace(free, bandwidth=1e9)):
+        assert predict(4096, 8, machine, slower, 8)["seconds"] > 1.2 * eight["seconds"]
+    assert predict(4096, 1024, machine, free, 8) is None
+    crowded = predict(4096, 1, replace(machine, bandwidth=1e9), free, 8)
+    assert crowded["seconds"] > 3 * one["seconds"]
+    assert crowded["of_bandwidth"] > 0.8  # the rest: transposes within the node
 
 
 def test_a_failing_launcher_is_quoted_without_its_frame(monkeypatch):

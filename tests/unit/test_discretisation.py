@@ -5,7 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
-from contacts import heights_of, rough, solve_scene, sweep_of
+from contacts import heights_of, rough, scene_text, solve_scene, sweep_of
 
 import hpc_gfmd
 from hpc_gfmd.cli import main
@@ -92,17 +92,7 @@ def test_nothing_to_estimate():
     assert nothing.a_r_discretisation == np.inf
 
 
-SCENE = """
-[surface]
-kind = "self-affine"
-hurst = 0.8
-L_over_lam_l = 2
-lam_l_over_lam_s = 16
-lam_s_over_a = 4
-seed = 1
-[load]
-p_star = [0.35, 1e-4]
-"""
+SCENE = scene_text((2, 16, 4), [0.35, 1e-4])
 
 
 def test_told_wherever_the_area_is(tmp_path, monkeypatch, capfd):

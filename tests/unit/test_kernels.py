@@ -30,24 +30,25 @@ def random():
 # ---- spectra ---------------------------------------------------------------------------------------------------------------
 
 
-def test_blocks(random):
+@pytest.mark.parametrize("edges", [[0, 4, 8, 12, 13], [0, 13], [0, 5, 9, 13, 13]], ids=str)
+def test_blocks(random, edges):
     rows = random.standard_normal((3, 13)) + 1j
-    blocks, back = np.zeros((4, 7, 4), complex), np.zeros((3, 13), complex)
-    spectral.to_blocks(rows, blocks, 2, 3)
-    whole = blocks.transpose(1, 0, 2).reshape(7, 16)
-    assert np.array_equal(whole[2:5, :13], rows)
+    edges, blocks, back = np.array(edges), np.zeros(7 * 13, complex), np.zeros((3, 13), complex)
+    spectral.to_blocks(rows, blocks, edges, 7, 2, 3)
+    whole = np.concatenate([blocks[7 * a:7 * b].reshape(7, b - a) for a, b in zip(edges, edges[1:])], axis=1)
+    assert np.array_equal(whole[2:5], rows)
     assert not whole[:2].any()
-    assert not whole[2:, 13:].any()
-    spectral.from_blocks(blocks, back, 2, 3)
+    assert not whole[5:].any()
+    spectral.from_blocks(blocks, back, edges, 7, 2, 3)
     assert np.array_equal(back, rows)
 
 
 @pytest.mark.parametrize("shape", [(24, 8), (13, 5), (7, 3)])
-def test_turn(random, shape):
+def test_transpose(random, shape):
     block, columns, back = random.standard_normal(shape), np.empty(shape[::-1]), np.empty(shape)
-    spectral.turn(block, columns)
+    spectral.transpose(block, columns)
     assert np.array_equal(columns, block.T)
-    spectral.turn_back(columns, back)
+    spectral.transpose_back(columns, back)
     assert np.array_equal(back, block)
 
 

@@ -5,7 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
-from contacts import heights_of, rough
+from contacts import heights_of, rough, scene_text
 from scene_tables import WAVE, tables
 
 import hpc_gfmd
@@ -13,20 +13,9 @@ from hpc_gfmd.cli import main
 from hpc_gfmd.errors import NotConverged, SceneError
 from hpc_gfmd.scene import Scene
 
-SCENE = """
-[surface]
-kind = "self-affine"
-hurst = 0.8
-L_over_lam_l = 2
-lam_l_over_lam_s = 16
-lam_s_over_a = 2
-seed = 1
-[load]
-p_star = {p_star}
-[solver]
-accuracy = {accuracy}
-precision = "{precision}"
-"""
+
+def scene(p_star, accuracy, precision):
+    return scene_text((2, 16, 2), p_star, solver={"accuracy": accuracy, "precision": precision})
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +34,7 @@ def run(tmp_path, monkeypatch, capfd):
         return code, capfd.readouterr().out
 
     def solve(p_star, accuracy=1e-3, precision="auto"):
-        (tmp_path / "scene.toml").write_text(SCENE.format(p_star=p_star, accuracy=accuracy, precision=precision))
+        (tmp_path / "scene.toml").write_text(scene(p_star, accuracy, precision))
         code, table = text("run", "scene.toml")
         shown, data, plotted = (text(*args, "contact.h5")[1] for args in (("show",), ("show", "--json"), ("plot",)))
         return code, table, shown, json.loads(data), plotted
@@ -112,7 +101,7 @@ def test_a_gap_of_rounding_errors_and_full_contact_are_told_everywhere(run):
 
 
 def test_the_python_interface_has_the_same_notes(z):
-    assert hpc_gfmd.solve(z, 0.1).note is None
+    assert hpc_gfmd.solve(z, 0.1, boundary="periodic").note is None
     assert "points touch" in hpc_gfmd.solve(z, 1e-4).note
     assert "1 point touches" in hpc_gfmd.solve(z, 1e-9).note
     assert "full contact" in hpc_gfmd.solve(z, 5.0).note
@@ -133,7 +122,7 @@ def test_waves_of_a_few_points_are_warned_of(periods, warned):
 
 
 def test_plan_tells_before_the_run(tmp_path, capfd):
-    (tmp_path / "scene.toml").write_text(SCENE.format(p_star=[1e-5], accuracy=1e-3, precision="auto"))
+    (tmp_path / "scene.toml").write_text(scene([1e-5], 1e-3, "auto"))
     assert main(["plan", str(tmp_path / "scene.toml")]) == 0
     assert "fewer than 100 of the 64 x 64 points touch" in capfd.readouterr().out
 
@@ -155,7 +144,7 @@ def test_a_flat_wall_has_no_p_star():
 
 
 def test_steep_heights_are_told(z):
-    assert hpc_gfmd.solve(3 * z, 0.1).note == "g_rms = 3: the theory is that of small slopes"
+    assert hpc_gfmd.solve(3 * z, 0.1, boundary="periodic").note == "g_rms = 3: the theory is that of small slopes"
 
 
 def test_doubts_of_a_height_map_are_told_everywhere(z, tmp_path, monkeypatch, capfd):

@@ -13,9 +13,9 @@ import hpc_gfmd
 from hpc_gfmd import SceneError
 from hpc_gfmd.output.read import partial_folder, read_result
 from hpc_gfmd.registry import all_distributions, all_observables, distribution_names, observable_names
-from hpc_gfmd.restored import LOST
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene
+from hpc_gfmd.solution import LOST
 
 N, SIZES = (24, 20), ("12 um", "10 um")
 Z = 2e-8 * random_heights(N, 3)
@@ -177,8 +177,9 @@ def test_an_interrupted_run(sweep, saved, tmp_path):
 def test_another_file_is_not_overwritten(sweep, tmp_path):
     path = tmp_path / "out.h5"
     sweep.save(path)
-    with pytest.warns(UserWarning, match=r"holds a result of this scene, which this run replaces"):
+    with pytest.warns(UserWarning, match=r"holds a result of this scene, which this run replaces") as caught:
         sweep.save(path)
+    assert [one.filename for one in caught] == [__file__]
     other = hpc_gfmd.solve(2 * Z, LOADS, "5 GPa", SIZES, distributions=["pressure"], observables=["perimeter"])
     with pytest.raises(SceneError, match=r"another scene"):
         other.save(path)
@@ -259,6 +260,12 @@ def test_import_is_lazy_and_reference_is_there():
     assert all(getattr(hpc_gfmd, name) is not None for name in hpc_gfmd.__all__)
     with pytest.raises(AttributeError):
         _ = hpc_gfmd.nothing
+
+
+def test_reading_a_file_compiles_nothing(saved):
+    code = "import sys, hpc_gfmd; one = hpc_gfmd.load(sys.argv[1])[0]; print(one.a_r, one.pressure.max(), 'numba' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code, str(saved.result.path)], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [str(saved[0].a_r), str(saved[0].pressure.max()), "False"]
 
 
 @pytest.mark.parametrize("name", [name for name in hpc_gfmd.__all__ if name not in ("reference",)])

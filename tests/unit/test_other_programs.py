@@ -25,7 +25,7 @@ def field(step, name):
 
 def write(path, loads=LOADS, **how):
     with RunFile(SerialComm(), path, N, (0, N[0]), HEAD, SURFACE, **how) as run:
-        run.write_heights(HEIGHTS)
+        run.update(height_field=HEIGHTS)
         for step, p in enumerate(loads):
             attributes = {"p": p, "a_r": 2 * p, "status": "converged", "note": "few points" if step else None, "patches": [1, 2]}
             run.write_step(step, attributes, {name: field(step, name) for name in ("pressure", "gap")})

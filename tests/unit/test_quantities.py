@@ -8,6 +8,7 @@ from scene_tables import SPHERE, SURFACE, WAVE, refusal, tables
 import hpc_gfmd
 from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
+from hpc_gfmd.output.table import table
 from hpc_gfmd.quantity import factor, parse, prefixed
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene
@@ -86,3 +87,12 @@ def test_the_python_interface_takes_them():
     assert named.gap_mean == pytest.approx(plain.gap_mean, rel=1e-6)
     with pytest.raises(SceneError, match="beside"):
         hpc_gfmd.solve(z, "20 MPa")
+
+
+def test_areas_and_lengths_of_the_table_have_units():
+    step = {"p": 2e7, "patch_largest": 4e-14, "perimeter": 1.2e-5, "status": "converged"}
+    heading, units, row = (line.split() for line in table([step], surface={"unit": "m", "pressure_unit": "Pa"}).splitlines())
+    found = dict(zip(heading[1:], zip(units, row[1:]), strict=False))
+    assert found["largest"] == ("[nm^2]", "4e+04")
+    assert found["perimeter"] == ("[um]", "12")
+    assert "[length^2]" in table([step])

@@ -103,6 +103,27 @@ def test_the_same_numbers_from_every_format(tmp_path):
         assert numbers == pytest.approx(found["z.nc"], rel=1e-6, abs=0)
 
 
+@pytest.mark.parametrize("unit", UNITS)
+def test_the_same_numbers_in_every_unit(unit, tmp_path):
+    """Path, load and modulus alone, in a notebook: every format in every unit."""
+    def numbers(one):
+        patches = one.observable("patches").values()
+        return [one.a_r, one.gap_mean, one.g_rms, one.h_rms, *one.sizes, one.pressure.max(), *patches]
+
+    plain = hpc_gfmd.solve(Z, 1e9, 5e10, SIZES)
+    assert 0 < plain.a_r < 1
+    for name, write in FORMATS.items():
+        write(tmp_path / name, unit)
+        found = hpc_gfmd.solve(hpc_gfmd.read_surface(tmp_path / name), "1 GPa", "50 GPa")
+        assert numbers(found) == pytest.approx(numbers(plain), rel=1e-6, abs=0), name
+
+
+def test_every_format_that_surface_topography_writes_is_here():
+    """But for pictures in tiles, whose heights are colours."""
+    writers = {name for name in dir(topography("m")) if name.startswith("to_")} - {"to_dzi", "to_nonuniform", "to_unit"}
+    assert writers == {"to_x3p", "to_gwy", "to_netcdf", "to_matrix"}
+
+
 @pytest.mark.parametrize("name", BARE)
 def test_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
     BARE[name](tmp_path / name, 1e9 * Z)

@@ -7,76 +7,81 @@ import sys
 import numpy as np
 import pytest
 from mpi_harness import environment
+from study_runs import runs_of
 
 from hpc_gfmd import reference
 from hpc_gfmd.errors import SceneError
-from hpc_gfmd.study.levels import gap_pressure_series, level_of
+from hpc_gfmd.study.items import curves
 from hpc_gfmd.study.reference_data import write_reference
 from hpc_gfmd.study.store import Store
 from hpc_gfmd.theory import persson
 
+AREA, GAP = 1.3, 0.8  # made-up runs over theory, at H = 0
 
-def fake_run(case, p_star, factor):
-    """A stored run with Persson's area and a gap that falls with p_star; factor: of this realisation."""
-    a_r = min(1.0, persson.contact_area(p_star) * factor)
-    gap = 0.0 if p_star > 1.9 else 0.3 * np.exp(-3 * p_star) * factor
-    return {name: getattr(case, name) for name in ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "n", "seed",
-                                                   "accuracy", "eps_t", "eps_f", "eps_c")} | {
-        "p_star": p_star, "a_r": a_r, "a_r_edge": 0.98 * a_r, "gap_over_h_rms": gap, "gap_over_g_rms_lam_s": 2 * gap,
-        "kappa": a_r / p_star, "a_r_error": 1e-4, "gap_error": 1e-4, "status": "converged", "version": "0.1.0"}
+
+def fake_runs(scatter=0.01):
+    """Runs with Persson's area and gap times AREA + 0.1 H, at full contact one; the gap closes at p_star = 1.5."""
+    runs = []
+    for run in runs_of(curves.series("quick"), scatter=scatter, kappa=lambda case: (1 + case.eps_c, 1 + 0.2 * case.eps_c)):
+        p_star, of = run["p_star"], (run["hurst"], run["eps_f"])
+        area = persson.contact_area(p_star) * (AREA + 0.1 * run["hurst"] if p_star < 0.5 else 1.0)
+        gap = persson.mean_gap(p_star, *of) * GAP * run["kappa_edge"] / (1 + 0.2 * run["eps_c"]) if p_star < 1.4 else 0.0
+        runs.append(run | {"kappa": run["kappa"] * area / p_star, "kappa_edge": run["kappa_edge"] * area / p_star,
+                           "gap_over_h_rms": float(gap)})
+    return runs
 
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     folder = tmp_path_factory.mktemp("reference")
     store = Store(folder)
-    for case in gap_pressure_series("quick"):
-        for p_star in case.p_star:
-            store.append(fake_run(case, p_star, 1 + 0.01 * (-1) ** case.seed))
-    write_reference(folder / "reference.json", store, "quick")
+    for run in fake_runs():
+        store.append(run)
+    assert write_reference(folder / "reference.json", store, "quick") == 2
     return folder / "reference.json"
 
 
-def test_means_uncertainties_and_provenance(written):
+def test_limits_uncertainties_and_provenance(written):
     found = reference.load(written)
-    curve = found.curve(0.8, 1 / 16)
-    assert curve.seeds == (1, 2)
-    assert curve.p_star.tolist() == list(level_of("quick").loads)
-    assert curve.a_r[:3] == pytest.approx([persson.contact_area(p) for p in curve.p_star[:3]], rel=1e-5)
-    assert np.all(curve.sigma["a_r"][:3] / curve.a_r[:3] == pytest.approx(0.01, rel=0.02))  # two values 1 % off their mean
-    assert found.provenance["versions"] == ["0.1.0"]
+    assert found.hurst.tolist() == [0.3, 0.8]
+    assert found.eps_f.tolist() == [0.25]
+    assert found.p_star["a_r"].tolist() == list(curves.LOADS)
+    assert found.p_star["gap_over_h_rms"].tolist() == [p for p in curves.LOADS if p < 1.4]
+    for hurst in (0.3, 0.8):
+        a_r, sigma = found.at("a_r", curves.LOADS[2], hurst, 0.25)
+        assert abs(a_r / persson.contact_area(curves.LOADS[2]) - AREA - 0.1 * hurst) < 4 * sigma / a_r < 0.15
     assert found.provenance["accuracy"] == [1e-3]
-    assert {"command", "level", "date", "runs"} <= set(found.provenance)
-    assert {c.hurst for c in found.curves} == {0.3, 0.5, 0.8}
+    assert {"command", "level", "date", "runs", "versions"} <= set(found.provenance)
+    assert written.stat().st_size < 1e6
 
 
 def test_interpolation(written):
-    curve = reference.load(written).curve(0.5, 1 / 32)
-    for p_star, value, sigma in zip(curve.p_star, curve.a_r, curve.sigma["a_r"], strict=True):
-        assert curve.at(p_star, "a_r") == pytest.approx((value, sigma), rel=1e-9)
-    dense = np.geomspace(curve.p_star[0], curve.p_star[-1], 200)
-    values, sigma = curve.at(dense, "a_r")
+    found = reference.load(written)
+    for p_star, value, sigma in zip(found.p_star["a_r"], found.value["a_r"][1, 0], found.sigma["a_r"][1, 0], strict=True):
+        assert found.at("a_r", p_star, 0.8, 0.25) == pytest.approx((value, value * sigma), rel=1e-9)
+    dense = np.geomspace(1e-4, 0.3, 200)
+    values, sigma = found.at("a_r", dense, 0.55, 0.25)
     assert values.shape == sigma.shape == (200,)
-    assert np.all(np.diff(values) >= 0)
-    assert np.abs(values / persson.contact_area(dense) - 1).max() < 0.05
-    with pytest.raises(SceneError, match=r"p_star: found 2\.0, allowed: from 0\.004 to 1"):
-        curve.at(2.0, "gap_over_h_rms")  # closed: there is no gap whose logarithm could be taken
-    with pytest.raises(SceneError, match="p_star"):
-        curve.at([0.1, 1e-5], "a_r")
-    with pytest.raises(SceneError, match="quantity"):
-        curve.at(0.1, "gap")
+    assert np.all(np.diff(values) > 0)
+    assert np.abs(values / persson.contact_area(dense) / (AREA + 0.055) - 1).max() < 0.05
+
+
+@pytest.mark.parametrize(("asked", "said"), [
+    (("a_r", 3.0, 0.8, 0.25), r"p_star: found 3\.0, allowed: from 0\.0001 to 2"), (("a_r", [0.1, 1e-5], 0.8, 0.25), "p_star: found"),
+    (("gap_over_h_rms", 1.5, 0.8, 0.25), "allowed: from 0.0001 to 1"),
+    (("a_r", 0.1, 0.2, 0.25), r"hurst: found 0\.2, allowed: from 0\.3 to 0\.8"),
+    (("a_r", 0.1, 0.5, 0.1), "eps_f: found 0.1"), (("a_r", 0.1, float("nan"), 0.25), "hurst"), (("gap", 0.1, 0.5, 0.25), "quantity"),
+])
+def test_out_of_range(written, asked, said):
+    with pytest.raises(SceneError, match=said):
+        reference.load(written).at(*asked)
 
 
 def test_refused(written, tmp_path):
-    found = reference.load(written)
-    with pytest.raises(SceneError, match=r"allowed for hurst = 0\.8: 1/16, 1/32, 1/8"):
-        found.curve(0.8, 0.3)
-    with pytest.raises(SceneError, match=r"hurst: found 0\.7, allowed: 0\.3, 0\.5, 0\.8"):
-        found.curve(0.7, 1 / 16)
-    with pytest.raises(SceneError, match="no sweep of level quick"):
+    with pytest.raises(SceneError, match="no curves of level quick"):
         write_reference(tmp_path / "x.json", Store(tmp_path), "quick")
     data = json.loads(written.read_text())
-    data["curves"][0]["a_r"].pop()
+    data["value"]["a_r"][0][0].pop()
     for text in ("", "{}", "[]", '{"format": "other"}', json.dumps(data)):
         (tmp_path / "bad.json").write_text(text)
         with pytest.raises(SceneError, match="reference: found"):
@@ -86,18 +91,25 @@ def test_refused(written, tmp_path):
 def test_shipped_data():
     shipped = reference.load()
     assert shipped.provenance["level"] == "desk"
-    assert {curve.hurst for curve in shipped.curves} == {0.0, 0.3, 0.5, 0.8}
-    for curve in shipped.curves:
-        assert np.all(np.diff(curve.a_r) >= 0)
-        assert np.all(np.diff(curve.gap_over_h_rms) <= 0)
-        low = curve.p_star < 0.05
-        assert np.all((curve.a_r_edge[low] > persson.contact_area(curve.p_star[low])) & (curve.a_r_edge[low] < 2.6 * curve.p_star[low]))
-        assert np.all((curve.sigma["a_r"] >= 0) & (curve.sigma["a_r"] < 0.1 * curve.a_r))
-        a_r, sigma = reference.contact_area(0.1, curve.hurst, curve.eps_f)
-        assert 0.16 < a_r < 0.22
-        assert 0 < sigma < 0.01
-        assert reference.mean_gap(0.1, curve.hurst, curve.eps_f)[0] > 0
-    with pytest.raises(SceneError, match="quantity"):
+    assert shipped.hurst.tolist() == [0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 1.0]
+    assert shipped.eps_f == pytest.approx([1 / 256, 1 / 64, 1 / 16])
+    assert (shipped.p_star["a_r"][0], shipped.p_star["a_r"][-1]) == (1e-4, 2.0)
+    dense = np.geomspace(1e-3, 0.9, 60)
+    for hurst in (0.1, 0.42, 0.8, 1.0):
+        for eps_f in (1 / 256, 1 / 100, 1 / 16):
+            (a_r, a_sigma), (gap, gap_sigma) = (of(dense, hurst, eps_f) for of in (reference.contact_area, reference.mean_gap))
+            assert np.all(np.diff(a_r) > 0)
+            assert np.all(np.diff(gap) < 0)
+            assert np.all((a_r > persson.contact_area(dense)) & (a_r < 2.7 * dense))
+            assert np.all((a_sigma > 0) & (a_sigma < 0.15 * a_r))
+            assert np.all((gap_sigma > 0) & (gap_sigma < 0.15 * gap))
+    assert reference.contact_area(2.0, 0.8, 1 / 64)[0] == pytest.approx(1, abs=1e-3)
+
+
+def test_units_of_the_gap():
+    gap, other = (reference.mean_gap(0.1, 0.8, 1 / 256, unit)[0] for unit in ("h_rms", "g_rms_lam_s"))
+    assert gap / other == pytest.approx(persson.g_rms_lam_s_over_h_rms(0.8, 1 / 256))
+    with pytest.raises(SceneError, match="unit"):
         reference.mean_gap(0.1, 0.8, 1 / 256, unit="h")
 
 

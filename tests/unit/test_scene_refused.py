@@ -62,6 +62,11 @@ def test_a_bad_value_is_named_with_its_key_and_what_is_allowed(path, value):
 @pytest.mark.parametrize(("data", "words"), [
     (tables({"hurst": "0.8"}), "found '0.8', allowed: a number from 0 to 1"),
     (tables({"seed": True}), "found true"),
+    (tables(load={"pressure": -3}), 'load.pressure: found -3, allowed: a number greater than 0, plain or as "20 MPa", or a list'),
+    (tables({"g_rms": -1}), "surface.g_rms: found -1, allowed: a number greater than 0"),
+    (tables({"g_rms": 1e-200}), "surface.g_rms: found 1e-200, allowed: a number greater than 0, from 1e-100 to 1e+100"),
+    (tables({"physical_sizes": 1e-4}), "surface.physical_sizes: found 0.0001, allowed: two numbers greater than 0, [L_x, L_y]"),
+    (tables({"physical_sizes": [1, 2, 3]}), "surface.physical_sizes: found [1, 2, 3], allowed: two numbers greater than 0, [L_x, L_y]"),
     (tables(solver={"options": {"mass": True}}), "solver.options.mass: found true, allowed: a table"),
     (tables(solver={"options": {"mass": int("9" * 400)}}), "solver.options.mass: found 9999"),
     (tables(load={"p_star": [0.1, -1]}), "load.p_star[1]: found -1"),

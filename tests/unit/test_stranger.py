@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 import hpc_gfmd
 from hpc_gfmd.surface.instruments import surface_topography
@@ -13,9 +14,9 @@ SIZE = 12e-6  # m
 SIX_LINES = """\
 import hpc_gfmd
 scan = hpc_gfmd.read_surface("scan.x3p", detrend="tilt", boundary="free")
-solution = hpc_gfmd.solve(scan, "20 MPa", "2 GPa")
+solution = hpc_gfmd.solve(scan, "0.2 MPa", "20 MPa")
 print(f"a_r = {100 * solution.a_r:.2f} %")
-solution.plot().savefig("pressure.png")
+solution.plot("pressure").savefig("pressure.png")
 print(solution.distribution("patches"))
 """
 EIGHT_LINES = """\
@@ -23,8 +24,8 @@ surface.kind = "file"
 surface.path = "scan.x3p"
 surface.detrend = "tilt"
 surface.boundary = "free"
-material.E_star = "2 GPa"
-load.pressure = "20 MPa"
+material.E_star = "20 MPa"
+load.pressure = "0.2 MPa"
 output.fields = ["pressure", "gap"]
 output.distributions = ["patches"]
 """
@@ -52,11 +53,14 @@ def test_six_lines_of_python(folder):
     (folder / "six.py").write_text(SIX_LINES)
     first, *rest = run(folder, "six.py").splitlines()
     scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
-    solution = hpc_gfmd.solve(scan, "20 MPa", "2 GPa")
+    solution = hpc_gfmd.solve(scan, "0.2 MPa", "20 MPa")
     assert first == f"a_r = {100 * solution.a_r:.2f} %"
     assert 1 < 100 * solution.a_r < 50
     assert all(word in "".join(rest) for word in ("edges", "density"))
     assert (folder / "pressure.png").read_bytes().startswith(b"\x89PNG")
+    texts = [text.get_text() for text in solution.plot("pressure").findobj(Text)]
+    assert any("(MPa)" in text for text in texts)
+    assert {"$x$ (µm)", "$y$ (µm)"} <= set(texts)
     sizes = solution.distribution("patches")
     assert 0 < sizes["edges"][0] <= sizes["edges"][-1] < SIZE**2
     assert np.diff(sizes["edges"]) @ sizes["density"] == pytest.approx(1)
@@ -71,7 +75,7 @@ def test_a_scene_of_eight_lines(folder):
     (solution,) = hpc_gfmd.load(folder / "contact.h5")
     assert f"{100 * solution.a_r:.2f} " in told.replace("+-", " ")
     assert "[% +- solver]" in told
-    assert "[MPa]" in told
-    python = hpc_gfmd.solve(hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free"), "20 MPa", "2 GPa")
+    assert "[kPa]" in told
+    python = hpc_gfmd.solve(hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free"), "0.2 MPa", "20 MPa")
     assert (solution.a_r, solution.status) == (python.a_r, "converged")
     assert solution.distributions["patches"]["density"] == pytest.approx(python.distribution("patches")["density"])

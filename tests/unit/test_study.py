@@ -107,7 +107,7 @@ def test_parts_are_read_together_and_once(tmp_path):
     Store(tmp_path, 2).append(run_of(SMALL, 0.35))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["runs-1.jsonl", "runs-2.jsonl", "runs.jsonl"]
     assert sorted(run["p_star"] for run in Store(tmp_path).load()) == [0.05, 0.35]
-    assert missing(SMALL, {key_of(run) for run in Store(tmp_path, 1).load()}) is None
+    assert missing(SMALL, {key_of(run): set(run) for run in Store(tmp_path, 1).load()}) is None
 
 
 @pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGINT])
@@ -199,8 +199,8 @@ def test_levels(level):
 
 
 def test_catalogue():
-    assert catalogue.names() == [f"fig{k}" for k in range(1, 14)] + [f"table{k}" for k in range(1, 6)]
-    for name in catalogue.names():
+    assert catalogue.of_paper() == [f"fig{k}" for k in range(1, 14)] + [f"table{k}" for k in range(1, 6)]
+    for name in catalogue.of_paper():
         study = catalogue.study(name)
         assert (study.name, bool(study.title), bool(study.paper)) == (name, True, True)
         assert study.cases("quick")
@@ -208,6 +208,24 @@ def test_catalogue():
         catalogue.study("figg1")
     with pytest.raises(SceneError, match="quick, desk, paper"):
         levels.eps_f_series("dusk")
+
+
+def test_more_of_a_stored_load_is_solved_for(solved, tmp_path):
+    store, more = Store(tmp_path), replace(SMALL, p_star=(0.05,), observables=("perimeter",), distributions=("pressure",))
+    for run in solved[0].runs_of([SMALL]):
+        store.append(run)
+    assert store.has(SMALL)
+    assert not store.has(more)
+    assert not store.runs_of([more])
+    outcome, _ = solve([SMALL, more], store)
+    assert outcome.solved == 1
+    (run,) = store.runs_of([more])
+    assert set(run) == SCHEMA | {"perimeter", "pressure_distribution"}
+    density = run["pressure_distribution"]
+    assert np.sum(np.diff(density["edges"]) * density["density"]) == pytest.approx(1)
+    assert store.has(more)
+    assert store.has(SMALL)
+    assert solve([SMALL, more], store)[0].solved == 0
 
 
 def test_stored_lines_are_plain_json(solved):

@@ -16,7 +16,7 @@ from hpc_gfmd.study.store import Store
 from hpc_gfmd.theory import persson, tfc
 
 PNG = b"\x89PNG\r\n"
-STUDIES = [catalogue.study(name) for name in catalogue.names()]
+STUDIES = [catalogue.study(name) for name in catalogue.of_paper()]
 
 
 @pytest.fixture(scope="module")

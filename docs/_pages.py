@@ -1,0 +1,83 @@
+"""Pages made of the program: every scene key, every command, the Python API, the gallery of examples/."""
+
+import ast
+import contextlib
+import inspect
+import io
+from pathlib import Path
+
+import hpc_gfmd
+from hpc_gfmd.cli import COMMANDS, main
+
+HERE = Path(__file__).parent
+EXAMPLES, PICTURES = HERE.parent / "examples", HERE / "gallery"
+MODULES = (  # beside hpc_gfmd.__all__: title, name, what it is
+    ("Reference curves", "hpc_gfmd.reference",
+     "Contact areas and mean gaps of self-affine surfaces, with uncertainties, from the runs of [the study](../study/README.md)."),
+    ("Persson's theory", "hpc_gfmd.theory.persson", "NumPy and SciPy alone: nothing of it needs a solver."),
+    ("Closed forms", "hpc_gfmd.theory.elastic", "What the tests compare solutions with."),
+)
+
+
+def write(folder):
+    """All of them into a folder; pages that have not changed keep their date."""
+    folder.mkdir(exist_ok=True)
+    for name, text in {"scene": scene(), "commands": commands(), "api": api(), "gallery": gallery()}.items():
+        path = folder / f"{name}.md"
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+
+
+def scene():
+    """What `hpc-gfmd help scene --markdown` prints."""
+    return _printed("help", "scene", "--markdown")
+
+
+def commands():
+    """`--help` of every command."""
+    sections = [f"## hpc-gfmd {name}\n\n```text\n{_printed(name, '--help').strip()}\n```\n" for name in (*COMMANDS, "restart")]
+    about = "Made of what `hpc-gfmd COMMAND --help` prints. `python -m hpc_gfmd` is the same program."
+    return f"# Commands\n\n{about}\n\n" + "\n".join(sections)
+
+
+def _printed(*argv):
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.suppress(SystemExit):
+        main(list(argv))
+    assert out.getvalue(), f"hpc-gfmd {' '.join(argv)} printed nothing"
+    return out.getvalue()
+
+
+def api():
+    """Everything in hpc_gfmd.__all__, and the modules beside it that are meant for users."""
+    found = {name: getattr(hpc_gfmd, name) for name in hpc_gfmd.__all__}
+    groups = {"Functions": "autofunction", "Results": "autoclass", "Errors": "autoexception"}
+    lines = ["# Python", "", "`import hpc_gfmd` neither starts MPI nor compiles anything.", ""]
+    for title, directive in groups.items():
+        names = [name for name, value in found.items() if _directive(value) == directive]
+        lines += [f"## {title}", ""] * bool(names)
+        for name in names:
+            members = ["   :members:"] * (directive == "autoclass")
+            lines += ["```{eval-rst}", f".. {directive}:: hpc_gfmd.{name}", *members, "```", ""]
+    for title, module, about in MODULES:
+        lines += [f"## {title}", "", about, "", "```{eval-rst}", f".. automodule:: {module}", "   :members:", "```", ""]
+    return "\n".join(lines)
+
+
+def _directive(value):
+    if inspect.isclass(value):
+        return "autoexception" if issubclass(value, Exception) else "autoclass"
+    return "autofunction" if callable(value) else None
+
+
+def gallery():
+    """Every script in examples/: the first line of its docstring, its pictures (docs/gallery/SCRIPT*.png), all of it."""
+    lines = ["# Gallery", "", "The scripts of `examples/`; each runs in the tests. Pictures are those of a small grid.", ""]
+    for script in sorted(EXAMPLES.glob("*.py")):
+        source = script.read_text(encoding="utf-8")
+        title, _, rest = (ast.get_docstring(ast.parse(source)) or script.stem).partition("\n")
+        lines += [f"## {title.strip().rstrip('.')}", "", rest.strip(), ""]
+        for picture in sorted(PICTURES.glob(f"{script.stem}*.png")):
+            lines += [f"![{script.stem}](../gallery/{picture.name})", ""]
+        lines += [f"`examples/{script.name}`", "", "```python", source.strip(), "```", ""]
+    return "\n".join(lines)

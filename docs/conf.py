@@ -1,0 +1,57 @@
+"""The site: Markdown pages beside this file, and pages made of the program itself (_pages.py). Built by scripts/docs."""
+
+import sys
+from pathlib import Path
+
+from latex2mathml.converter import convert
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+import _pages  # noqa: E402
+
+import hpc_gfmd  # noqa: E402
+
+project, author = "hpc-gfmd", "the hpc_gfmd developers"
+copyright = author
+version = release = hpc_gfmd.__version__
+extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
+exclude_patterns = ["_build", "study/*.txt"]
+
+myst_enable_extensions = ["dollarmath", "deflist"]
+myst_heading_anchors = 3
+numpydoc_show_class_members = False
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # numpydoc's sections say them
+
+html_theme = "furo"
+html_title = f"hpc-gfmd {version}"
+html_math_renderer = "mathml"
+html_show_copyright = False
+html_copy_source = False
+
+
+def _inline(writer, node):
+    writer.body.append(convert(node.astext()))
+    raise _skip()
+
+
+def _display(writer, node):
+    writer.body.append(convert(node.astext(), display="block"))
+    raise _skip()
+
+
+def _skip():
+    from docutils.nodes import SkipNode
+
+    return SkipNode()
+
+
+def _plain_bars(app, what, name, thing, options, lines):
+    lines[:] = [line.replace("|", "\\|") for line in lines]  # |q| is a formula, not a substitution
+
+
+def setup(app):
+    """Formulas are MathML, which browsers draw themselves: the site needs no network. Docstrings are read in a terminal, too."""
+    app.add_html_math_renderer("mathml", (_inline, None), (_display, None))
+    app.connect("autodoc-process-docstring", _plain_bars, priority=100)
+    _pages.write(HERE / "generated")

@@ -1,0 +1,33 @@
+"""A sphere on an elastic half-space, pressed with five forces: the profiles of the pressure and the radius of the contact, and Hertz.
+
+The surface ends (boundary="free"): it has no periodic images, and its arrays have the size of the nominal area.
+"""
+
+import sys
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import hpc_gfmd
+from hpc_gfmd.theory.elastic import Hertz
+
+n = int(sys.argv[1]) if sys.argv[1:] else 256  # points along each axis
+R, L, E_star = 1e-3, 80e-6, 1e9  # m, m, Pa
+forces = np.array([0.3, 1, 2, 5, 9]) * 1e-3  # N
+ball = hpc_gfmd.make_surface("sphere", radius=R, n=(n, n), physical_sizes=(L, L), boundary="free")
+solutions = hpc_gfmd.solve(ball, forces / L**2, E_star)
+
+fig, (profile, radius) = plt.subplots(1, 2, figsize=(7.2, 3), layout="constrained")
+x = (np.arange(n) - n / 2) * L / n
+for k, (F, solution) in enumerate(zip(forces, solutions)):
+    hertz = Hertz(R, F, E_star)
+    profile.plot(x * 1e6, solution.pressure[:, n // 2] / 1e6, f"C{k}.", markersize=3, label=f"{1e3 * F:.3g}")
+    profile.plot(x * 1e6, hertz.pressure(np.abs(x)) / 1e6, "0.4", linewidth=0.8)
+    radius.loglog(1e3 * F, 1e6 * np.sqrt(solution.a_r / np.pi) * L, f"C{k}o")
+F = np.geomspace(forces[0] / 2, 2 * forces[-1], 50)
+radius.plot(1e3 * F, 1e6 * Hertz(R, F, E_star).a, "0.4", linewidth=0.8, label="Hertz")
+profile.set(xlabel="x (um)", ylabel="p (MPa)", xlim=(-50, 30))
+radius.set(xlabel="F (mN)", ylabel="contact radius (um)")
+profile.legend(title="F (mN)", loc="upper left", frameon=False)
+radius.legend()
+fig.savefig("sphere.png", dpi=200)

@@ -1,0 +1,125 @@
+"""What a rank has and sends: worked out by the code that runs, for any rank of any number of ranks, without memory and messages."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..grid import Grid
+from ..operators.multilevel import FIELDS, steps_of, traffic_of
+from ..parallel.comm import stages
+from ..parallel.fft import Layout
+from ..parallel.imagined import Imagined
+from .nested import Decimation
+
+REDUCTIONS = 1, 2, 15  # numbers that a step of bpx sums over all ranks, for each reduction
+
+
+@dataclass(frozen=True)
+class Share:
+    """What one rank has of a grid; dtype: of the fields. With nested=False there are no coarser grids to be solved on."""
+
+    grid: Grid
+    dtype: np.dtype
+    nested: bool = True
+
+    @property
+    def points(self):
+        """Points of its slab."""
+        return self.grid.shape[0] * self.grid.shape[1]
+
+    @cached_property
+    def layout(self):
+        """Rows and columns of the transforms of the finest grid."""
+        return self.layout_of(self.grid, self.dtype)
+
+    @staticmethod
+    def layout_of(grid, dtype):
+        """The same of any grid."""
+        return Layout(grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize)
+
+    @cached_property
+    def grids(self):
+        """The coarser grids of the nested start that this rank has a part in, finest first."""
+        found, grid = [], self.grid
+        while self.nested and (step := Decimation.of(grid)) is not None and step.coarse is not None:
+            grid = step.coarse
+            found.append(grid)
+        return found
+
+    @cached_property
+    def _hierarchy(self):
+        return steps_of(self.grid, self.dtype)
+
+    @property
+    def steps(self):
+        """The steps of the preconditioner that are distributed, and the first one that is not."""
+        return self._hierarchy[0]
+
+    @property
+    def levels(self):
+        """All levels of the preconditioner."""
+        return self._hierarchy[1]
+
+    @property
+    def level_points(self):
+        """Points of all coarse levels of the preconditioner, halo rows not counted."""
+        alone = sum(level.n[0] * level.n[1] for level in self.levels[len(self.steps) + 1:]) if self.grid.comm.rank == 0 else 0
+        return sum(step.owned * step.transfer.m[1] for step in self.steps) + alone
+
+    @property
+    def level_bytes(self):
+        """What the preconditioner holds, windows counted, too."""
+        steps, levels = self._hierarchy
+        numbers = sum(FIELDS[min(k, 1)] * step.transfer.window_rows * step.transfer.m[1] for k, step in enumerate(steps))
+        numbers += sum(FIELDS[min(k, 1)] * (step.owned + 2) * step.transfer.m[1] for k, step in enumerate(steps[:-1])
+                       if step.owned and not step.windows.in_place)
+        if self.grid.comm.rank == 0:
+            numbers += 2 * sum(level.n[0] * level.n[1] for level in levels[len(steps):])
+        return numbers * self.dtype.itemsize
+
+    @property
+    def nested_points(self):
+        """Points of all coarser grids that it has a part in."""
+        return sum(grid.shape[0] * grid.shape[1] for grid in self.grids)
+
+    @property
+    def coarse_points(self):
+        """Points of the coarse levels, or of the coarser grids, whichever are more."""
+        return max(self.level_points, self.nested_points)
+
+    @cached_property
+    def transpose_traffic(self):
+        """(bytes, messages) that it sends in the transforms of an FFT pair."""
+        return self.layout.traffic()
+
+    @cached_property
+    def level_traffic(self):
+        """(bytes, messages) that it sends in a sweep over the levels."""
+        return traffic_of(self.steps, self.dtype.itemsize)
+
+    @property
+    def reduction_traffic(self):
+        """(bytes, messages) that it sends in the reductions of an iteration."""
+        depth = stages(self.grid.comm.size)
+        return 8 * sum(REDUCTIONS) * depth, len(REDUCTIONS) * depth
+
+    @property
+    def traffic(self):
+        """(bytes, messages) that it sends in an iteration of bpx: one FFT pair."""
+        return tuple(map(sum, zip(self.transpose_traffic, self.level_traffic, self.reduction_traffic)))
+
+    @property
+    def padding(self):
+        """Columns that all ranks hold over those of the half spectrum."""
+        return float(self.layout.columns_held.sum() / self.layout.n_c)
+
+
+def share_of(n, dtype, ranks, rank=0, nominal=None, nested=True, sizes=(1.0, 1.0)):
+    """The Share of one rank of a grid of n points; nominal: those of the surface."""
+    return Share(Grid(n, sizes, Imagined(rank, ranks), nominal=nominal), np.dtype(dtype), nested)
+
+
+def busiest(n, dtype, ranks, **how):
+    """Shares of ranks among which is the one with most of everything: rank 0 has a part in all levels, and all remainders."""
+    return [share_of(n, dtype, ranks, rank, **how) for rank in sorted({0, min(1, ranks - 1), ranks // 2, ranks - 1})]

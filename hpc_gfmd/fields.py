@@ -1,0 +1,33 @@
+"""The fields of a contact by name, and one that is computed as it is read."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+FIELDS = ("pressure", "gap", "displacement")
+STORABLE = (*FIELDS, "heights")  # the last one once for all loads
+LAZY_ROWS = 64  # of a field that are computed at a time
+
+
+class LazyField:
+    """A local slab that is computed a few rows at a time when it is sliced; np.asarray makes all of it."""
+
+    ndim = 2
+
+    def __init__(self, rows: Callable[[int, int], np.ndarray], shape: tuple[int, int], dtype: np.dtype):
+        self.rows, self.shape, self.dtype = rows, shape, np.dtype(dtype)
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, rows: slice) -> np.ndarray:
+        i0, i1, _ = rows.indices(self.shape[0])
+        out = np.empty((max(i1 - i0, 0), self.shape[1]), self.dtype)
+        for i in range(i0, i1, LAZY_ROWS):
+            j = min(i + LAZY_ROWS, i1)
+            out[i - i0:j - i0] = self.rows(i, j)
+        return out
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        return np.array(self[:], dtype=dtype)

@@ -1,0 +1,92 @@
+"""What theory says of a surface, where there is one: Persson's of self-affine surfaces, Hertz' of spheres, Westergaard's of waves."""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from ..errors import SceneError
+from ..scene import Scene
+from ..theory import persson
+from ..theory.elastic import Hertz, Westergaard
+from .units import Scale, good
+
+
+@dataclass(frozen=True)
+class Theory:
+    """area(p), gap(p), approach(p): relative contact area, mean gap, approach under the mean pressures p; density(x, p): of the local
+    pressure x > 0, integrates to the area; all in the units of the result, None where it does not say. height: what heights are
+    measured in."""
+
+    name: str
+    area: object
+    gap: object = None
+    density: object = None
+    approach: object = None
+    height: Scale | None = None
+
+
+def theory_of(result) -> Theory | None:
+    """The theory of a Result's surface; None for measured ones, layers, and where a theory is only of periodic or of free ones."""
+    try:
+        scene = Scene.from_toml(result.scene_toml)
+    except SceneError:
+        return None  # heights of an array, or a scene of another version
+    surface, E_star = scene.surface, float(scene.material.E_star)
+    if scene.material.thickness is not None:
+        return None
+    if any(surface.free) and surface.kind != "sphere":
+        return None
+    known = {"self-affine": _persson, "wave": _westergaard, "sphere": _hertz}.get(surface.kind)
+    return known and known(surface, E_star, result.surface)
+
+
+def _persson(surface, E_star, found):
+    h_rms, g_rms, eps_f = (found.get(name) for name in ("h_rms", "g_rms", "eps_f"))
+    if not good(g_rms):
+        return None
+    unit, gap = E_star * g_rms, None
+    if good(eps_f) and eps_f < 1 and surface.lam_l_over_lam_r == 1:  # the theory's spectrum has no roll-off
+
+        def gap(p):
+            return h_rms * np.ma.masked_less(persson.mean_gap(p / unit, surface.hurst, eps_f), 1e-12)
+
+    def density(x, p):
+        return persson.pressure_distribution(x / unit, p / unit) / unit
+
+    name = "Persson" if gap is None else f"Persson ($\\gamma = {persson.GAMMA:g}$)"
+    return Theory(name, lambda p: persson.contact_area(p / unit), gap, density)
+
+
+def _hertz(surface, E_star, _):
+    radius, area = float(surface.radius), float(surface.physical_sizes[0]) * float(surface.physical_sizes[1])
+
+    def contact(p):
+        return Hertz(radius, p * area, E_star)
+
+    def density(x, p):
+        hertz = contact(p)
+        return np.where(x <= hertz.peak_pressure, 2 * pi * hertz.a**2 * x / (hertz.peak_pressure**2 * area), np.nan)
+
+    return Theory("Hertz", lambda p: pi * contact(p).a ** 2 / area, None, density,
+                  (lambda p: contact(p).approach) if all(surface.free) else None, Scale(float(surface.physical_sizes[0]), "L_x", True))
+
+
+def _westergaard(surface, E_star, _):
+    height = Scale(abs(float(surface.amplitude)), "A", True)
+    axis = 0 if surface.periods[0] else 1
+    if surface.periods[1 - axis] or not height.unit:
+        return Theory("", None, height=height) if height.unit else None
+    length = float(surface.physical_sizes[axis]) / surface.periods[axis]
+
+    def contact(p):
+        return Westergaard(p, height.unit, length, E_star)
+
+    def density(x, p):
+        solved = contact(p)
+        where = np.linspace(0, length / 2 * float(solved.a_r), 2001)  # p falls from the crest to the edge
+        pressures = solved.pressure(where)
+        slope = np.abs(np.gradient(where, pressures, edge_order=1))
+        return np.interp(x, pressures[::-1], 2 / length * slope[::-1], right=np.nan)
+
+    return Theory("Westergaard", lambda p: contact(p).a_r, lambda p: contact(p).gap_mean, density, height=height)

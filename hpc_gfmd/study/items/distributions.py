@@ -1,0 +1,147 @@
+"""Distributions of pressure, gap and patch size, over many surfaces, beside Persson's theory."""
+
+import numpy as np
+
+from ...plotting.style import COLOURS, THEORY, figure
+from ...theory import persson
+from ..case import Case
+from ..levels import P_HIGH, P_LOW, cases_of, level_of
+from ..markdown import table
+from ..paper import quoted, saying
+from ..rows import Rows, by_hurst, near
+from ..study import Study
+
+HURST = (0.3, 0.5, 0.8)
+LOADS = (P_LOW, 0.06, P_HIGH)
+ROWS = {"quick": ((2, 8, 4, 3, (0.5,)),), "desk": ((2, 64, 4, 67),), "paper": ((4, 256, 8, 200),)}  # as in levels.py
+KINDS = {  # what it is a distribution of: (its unit in terms of a run, edges of bins in that unit)
+    "pressure": (lambda run: run["g_rms"], np.arange(0, 4.0001, 0.05)),
+    "gap": (lambda run: run["h_rms"], np.geomspace(1e-3, 8, 40)),
+    "patches": (lambda run: run["lam_s"] ** 2, np.geomspace(1 / 16, 65536, 41)),
+}
+QUANTILES = (0.1, 0.5, 0.9)
+SHOWN = {"pressure": (1e-4, 5), "gap": (1e-5, 20), "patches": (1e-7, 10)}  # range of the densities
+UNITS = {"pressure": r"$p/(E^*\bar g)$", "gap": r"$g/\bar h$", "patches": r"$A/\lambda_s^2$"}
+POWER_LAW = (1.0, 100.0)  # patches, in lam_s^2, whose sizes may follow a power law
+
+
+def series(level: str) -> list[Case]:
+    """All surfaces of a level."""
+    level_of(level)
+    return cases_of(ROWS[level], HURST, LOADS, distributions=tuple(KINDS))
+
+
+def means(runs: Rows, level: str) -> Rows:
+    """A row for each H, p_star, kind and bin: low, high, density (integrates to 1), density_se, surfaces.
+
+    Of pressure: of points in contact, in units of E* g_rms; of gap: of points that do not touch, in units of h_rms; of patches: number
+    of patches, in units of lam_s^2. Surfaces count as they have points or patches.
+    """
+    rows = []
+    for hurst, part in by_hurst(runs).items():
+        for p_star in LOADS:
+            same = [run for run in part if near(run["p_star"], p_star)]
+            for kind, (unit, edges) in KINDS.items():
+                found = [_binned(run, kind, unit(run), edges) for run in same if run[f"{kind}_distribution"]]
+                if len(found) < 2:
+                    continue
+                mean, error = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(len(found))
+                rows += [{"hurst": hurst, "p_star": p_star, "kind": kind, "low": low, "high": high, "density": m, "density_se": e,
+                          "surfaces": len(found)}
+                         for low, high, m, e in zip(edges[:-1].tolist(), edges[1:].tolist(), mean.tolist(), error.tolist(), strict=True)
+                         if m > 0]
+    return rows
+
+
+def _binned(run, kind, unit, edges):
+    """The density of a run in other bins, in units of `unit`; it is even within each of its own."""
+    own, density = np.array(run[f"{kind}_distribution"]["edges"]) / unit, np.array(run[f"{kind}_distribution"]["density"]) * unit
+    below = np.append(0.0, np.cumsum(density * np.diff(own)))
+    return np.diff(np.interp(edges, own, below)) / np.diff(edges)
+
+
+def of(rows: Rows, hurst: float, p_star: float, kind: str) -> Rows:
+    """The bins of one distribution."""
+    return [row for row in rows if (row["hurst"], row["kind"]) == (hurst, kind) and near(row["p_star"], p_star)]
+
+
+def patch_exponent(rows: Rows) -> tuple[float, float]:
+    """tau of n(A) ~ A^-tau for the bins of POWER_LAW, and its standard error."""
+    part = [row for row in rows if POWER_LAW[0] <= row["low"] < row["high"] <= POWER_LAW[1] and row["density"] > 3 * row["density_se"]]
+    if len(part) < 4:
+        return np.nan, np.nan
+    at = np.log([np.sqrt(row["low"] * row["high"]) for row in part])
+    error = np.array([row["density_se"] / row["density"] for row in part])
+    line, covariance = np.polyfit(at, np.log([row["density"] for row in part]), 1, w=1 / error, cov=True)
+    return float(-line[0]), float(np.sqrt(covariance[0, 0]))
+
+
+def theory(p_star: float, low, high) -> np.ndarray:
+    """Persson's P(p) of points in contact, means over bins from low to high (units of E* g_rms)."""
+    inside = np.linspace(low, high, 17)
+    return np.mean(persson.pressure_distribution(inside, p_star), axis=0) / float(persson.contact_area(p_star))
+
+
+def _columns(rows, *names):
+    return [np.array([row[name] for row in rows]) for name in names]
+
+
+def findings(rows: Rows) -> Rows:
+    """Pressure beside theory, exponents of the patch sizes."""
+    lines = []
+    for hurst in by_hurst(rows):
+        for p_star in LOADS:
+            pressure, patches = of(rows, hurst, p_star, "pressure"), of(rows, hurst, p_star, "patches")
+            if pressure and patches:
+                low, high, density = _columns(pressure, "low", "high", "density")
+                apart = np.sum(np.abs(density - theory(p_star, low, high)) * (high - low)) / 2
+                lines.append(saying(
+                    f"H = {hurst:g}, p* = {p_star:.3g}",
+                    f"{apart:.1%} of the contact is at other pressures than in Persson's theory; patch sizes as A^-tau with tau = "
+                    f"{quoted(*patch_exponent(patches))}",
+                    f"{pressure[0]['surfaces']} surfaces, patches of {POWER_LAW[0]:g} to {POWER_LAW[1]:g} lam_s²"))
+    return lines
+
+
+def numbers(rows: Rows) -> str:
+    """Quantiles of the distributions."""
+    lines = []
+    for kind in KINDS:
+        for hurst in by_hurst(rows):
+            for p_star in LOADS:
+                if part := of(rows, hurst, p_star, kind):
+                    low, high, density = _columns(part, "low", "high", "density")
+                    below = np.append(0.0, np.cumsum(density * (high - low)))
+                    lines.append({"kind": kind, "H": f"{hurst:g}", "p": f"{p_star:.3g}", "surfaces": part[0]["surfaces"]}
+                                 | {f"{q:g}": f"{np.interp(q * below[-1], below, np.append(low[0], high)):.3g}" for q in QUANTILES})
+    return table(lines, {"kind": "of", "H": "H", "p": "p*", "surfaces": "surfaces"} | {f"{q:g}": f"{q:.0%} below" for q in QUANTILES})
+
+
+def draw(rows, path):
+    """A row for each kind, a column for each load; colours: H; line: Persson's P(p)."""
+    with figure(path, 8.4, 7.2) as fig:
+        axes = fig.subplots(len(KINDS), len(LOADS), sharey="row", sharex="row")
+        for line, kind in zip(axes, KINDS, strict=True):
+            for ax, p_star in zip(line, LOADS, strict=True):
+                for hurst, shade in zip(by_hurst(rows), COLOURS, strict=False):
+                    part = [row for row in of(rows, hurst, p_star, kind) if row["density"] > 2 * row["density_se"]]
+                    low, high, density, error = _columns(part, "low", "high", "density", "density_se")
+                    at = np.sqrt(low * high) if kind != "pressure" else (low + high) / 2
+                    ax.errorbar(at, density, error, color=shade, linewidth=1, label=f"$H = {hurst:g}$")
+                if kind == "pressure":
+                    edges = KINDS[kind][1]
+                    ax.plot((edges[1:] + edges[:-1]) / 2, theory(p_star, edges[:-1], edges[1:]), label="Persson", **THEORY)
+                    ax.set(title=f"$p^* = {p_star:.3g}$")
+                ax.set(yscale="log", xscale="linear" if kind == "pressure" else "log", xlabel=UNITS[kind], ylim=SHOWN[kind])
+            line[0].set_ylabel("density")
+        axes[0][0].legend()
+
+
+QUESTION = """How are pressure, gap and the sizes of contact patches distributed, and how far is Persson's theory off? Means over
+surfaces; pressure: of points in contact, in units of E* g_rms; gap: of points out of contact, in units of h_rms;
+patches: by number, in units of lam_s² (points that share sides)."""
+
+STUDIES = (
+    Study("distributions", "Distributions of pressure, gap and patch size", "Persson's P(p); patch sizes follow a power law",
+          series, means, draw, findings, QUESTION, numbers),
+)

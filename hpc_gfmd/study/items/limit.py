@@ -1,0 +1,156 @@
+"""kappa in the limit of large cells, many decades of roughness and fine grids: does 2 - 2H hold, do the routes meet?"""
+
+from collections import defaultdict
+from dataclasses import replace
+
+import numpy as np
+
+from ...errors import SceneError
+from ...plotting.style import COLOURS, figure
+from ..case import Case
+from ..levels import HURST, P_HIGH, P_LOW, PRESSURES, cases_of, tfc_series
+from ..limits import ALPHA_F, fit_limit
+from ..markdown import table
+from ..paper import of_hurst, quoted, saying
+from ..rows import Rows, families
+from ..scatter import Scatter
+from ..study import Study
+from . import curves
+
+MORE = {"quick": (), "desk": ((2, 128, 2, 144, (0.8,)), (1, 128, 2, 256, (0.8,)), (2, 128, 4, 72, (0.8,))),
+        "paper": ((2, 256, 4, 256, (0.8,)), (1, 256, 4, 256, (0.8,)))}  # as in levels.py
+ROUTES = {"counted": "kappa", "edge": "kappa_edge"}
+LEFT_OUT = 4  # up to so many of the coarsest octaves of eps_f
+BASE = {"quick": 0, "desk": 3, "paper": 3}  # so many are left out of what is given as the limit: no power law reaches there
+AGREE = 6.6  # chi2 that 2 - 2H may be above the best exponent, in units of chi2/dof or 1: with more it has a chance of one per cent
+
+
+def series(level: str) -> list[Case]:
+    """The series of tables 1 to 5, and the surfaces of the study "curves", which tell the limit of fine grids more sharply."""
+    both = (P_LOW, P_HIGH)
+    fine = [replace(case, p_star=both) for case in curves.series(level) if case.hurst in HURST]
+    return tfc_series(level) + cases_of(MORE[level], HURST, both) + fine
+
+
+def limits(runs: Rows, level: str) -> Rows:
+    """A row for each H, pressure, route, exponent ("free", "2 - 2H") and number of coarsest octaves left out.
+
+    Columns kappa_tfc and its standard error, enlarged where the model does not fit, alpha_f (its error where fitted), chi2, dof; base:
+    whether the limit is taken there.
+    """
+    rows = []
+    for _, hurst, part in families(runs):
+        octaves = sorted({run["eps_f"] for run in part})
+        for route, observable in ROUTES.items():
+            scatter = Scatter.of(part, observable)
+            for left in range(LEFT_OUT + 1):
+                for name, exponent in (("free", None), ("2 - 2H", float(np.clip(2 - 2 * hurst, *ALPHA_F)))):
+                    row = {"hurst": hurst, "p_star": part[0]["p_star"], "route": route, "exponent": name, "left_out": left,
+                           "base": left == BASE[level]}
+                    try:
+                        rows.append(row | _row(part, octaves, left, observable, scatter, exponent))
+                    except (SceneError, IndexError):  # too few octaves, grids or cells
+                        continue
+    return rows
+
+
+def _row(runs, octaves, left, observable, scatter, exponent):
+    chosen = [run for run in runs if run["eps_f"] <= octaves[-1 - left] * 1.01]
+    fit = fit_limit(chosen, observable, scatter, exponent)
+    scale = max(1.0, fit.chi2 / fit.dof) ** 0.5
+    return {"eps_f_coarsest": octaves[-1 - left], "kappa_tfc": fit.kappa, "kappa_tfc_se": fit.sigma * scale,
+            "alpha_f": fit.values["alpha_f"],
+            "alpha_f_se": float(np.sqrt(fit.covariance[-1, -1])) * scale if exponent is None else None,
+            "chi2": fit.chi2, "dof": fit.dof, "runs": len(chosen)}
+
+
+def conclusions(rows: Rows) -> Rows:
+    """For each H and pressure: alpha_f that both routes find, and the limit: with 2 - 2H where that agrees, else with what is found.
+
+    kappa_tfc is the mean of both routes, its error that of the routes, half their difference, what one octave less changes and, where
+    the exponents disagree, half of what that does, together.
+    """
+    groups = defaultdict(dict)
+    for row in rows:
+        groups[row["hurst"], row["p_star"]][row["route"], row["exponent"], row["left_out"]] = row
+    found = []
+    for (hurst, p_star), group in sorted(groups.items(), key=lambda item: (item[0][1], item[0][0])):
+        base = next((row["left_out"] for row in group.values() if row["base"]), None)
+        if any((route, name, base) not in group for route in ROUTES for name in ("free", "2 - 2H")):
+            continue
+        free = [group[route, "free", base] for route in ROUTES]
+        error = np.array([row["alpha_f_se"] for row in free])
+        alpha = float(np.average([row["alpha_f"] for row in free], weights=error**-2))
+        worse = [(group[row["route"], "2 - 2H", base]["chi2"] - row["chi2"]) / max(1.0, row["chi2"] / row["dof"]) for row in free]
+        agrees = max(worse) < AGREE
+        names = ("2 - 2H", "free") if agrees else ("free", "2 - 2H")
+        ours, other, less = ([group[route, name, left]["kappa_tfc"] for route in ROUTES if (route, name, left) in group]
+                             for name, left in ((names[0], base), (names[1], base), (names[0], base + 1)))
+        kappa = float(np.mean(ours))
+        parts = [max(group[route, names[0], base]["kappa_tfc_se"] for route in ROUTES), np.diff(ours)[0] / 2,
+                 np.mean(less) - kappa if less else 0.0, 0.0 if agrees else (np.mean(other) - kappa) / 2]
+        found.append({"hurst": hurst, "p_star": p_star, "alpha_f": alpha, "alpha_f_se": float(error.min()), "agrees": agrees,
+                      "kappa_tfc": kappa, "kappa_tfc_se": float(np.hypot.reduce(parts)), "counted": ours[0], "edge": ours[1]})
+    return found
+
+
+def findings(rows: Rows) -> Rows:
+    """The limits beside the paper's, the exponent beside 2 - 2H and the paper's 0.67."""
+    lines = []
+    for row in conclusions(rows):
+        printed = of_hurst("kappa_tfc", row["hurst"]) if row["p_star"] < 0.1 else None
+        lines.append(saying(
+            f"H = {row['hurst']:g}, p* = {row['p_star']:.3g}" + (f" (paper: {printed:g})" if printed else ""),
+            f"kappa = {quoted(row['kappa_tfc'], row['kappa_tfc_se'])} ({row['kappa_tfc_se'] / row['kappa_tfc']:.2%}); alpha_f = "
+            f"{quoted(row['alpha_f'], row['alpha_f_se'])}",
+            f"2 - 2H = {2 - 2 * row['hurst']:g} {'agrees' if row['agrees'] else 'does not hold here'}; as counted "
+            f"{row['counted']:.4f}, edge-corrected {row['edge']:.4f}"))
+    return lines
+
+
+def numbers(rows: Rows) -> str:
+    """Every fit."""
+    lines = [{"H": f"{row['hurst']:g}", "p": f"{row['p_star']:.3g}", "route": row["route"], "x": row["exponent"],
+              "from": f"1/{1 / row['eps_f_coarsest']:g}", "kappa": quoted(row["kappa_tfc"], row["kappa_tfc_se"]),
+              "alpha": quoted(row["alpha_f"], row["alpha_f_se"]), "chi2": f"{row['chi2']:.0f}/{row['dof']}"} for row in rows]
+    return table(lines, {"H": "H", "p": "p*", "route": "area", "x": "exponent", "from": "eps_f from", "kappa": "kappa in the limit",
+                         "alpha": "alpha_f", "chi2": "chi²/dof"})
+
+
+def draw(rows, path):
+    """The limit against the coarsest eps_f that is kept, both routes and both exponents."""
+    with figure(path, 8.4, 5.0) as fig:
+        axes = fig.subplots(2, len(HURST), squeeze=False)
+        for line, (pressure, p_star) in zip(axes, PRESSURES.items(), strict=True):
+            for ax, hurst in zip(line, HURST, strict=True):
+                for shade, route in zip(COLOURS, ROUTES, strict=False):
+                    for shift, (name, mark) in enumerate((("free", "s"), ("2 - 2H", "o"))):
+                        part = [row for row in rows if (row["hurst"], row["route"], row["exponent"]) == (hurst, route, name)
+                                and abs(row["p_star"] / p_star - 1) < 1e-6]
+                        ax.errorbar([row["left_out"] + 0.12 * shift + 0.24 * (route == "edge") for row in part],
+                                    [row["kappa_tfc"] for row in part], [row["kappa_tfc_se"] for row in part], color=shade, marker=mark,
+                                    markersize=4, linestyle="", capsize=2, markerfacecolor=shade if name != "free" else "white",
+                                    label=f"{route}, {name}")
+                for row in conclusions(rows):
+                    if row["hurst"] == hurst and abs(row["p_star"] / p_star - 1) < 1e-6:
+                        low, high = (row["kappa_tfc"] + k * row["kappa_tfc_se"] for k in (-1, 1))
+                        ax.axhspan(low, high, color="0.88", zorder=0)
+                        wide = 6 * row["kappa_tfc_se"]
+                        ax.set_ylim(row["kappa_tfc"] - wide, row["kappa_tfc"] + wide)
+                ax.set(title=f"$H = {hurst:g}$" if pressure == "low" else None)
+            line[0].set_ylabel(r"$\kappa$ in the limit, $p^* = " + f"{p_star:.3g}$")
+        for ax in axes[1]:
+            ax.set_xlabel("octaves left out")
+        fig.legend(*axes[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+
+
+QUESTION = """What is kappa = a_r/p\\* in the limit of large cells, many decades of roughness and fine grids? kappa = kappa_TFC +
+C_t eps_t + (C_f + D eps_c) eps_f^alpha_f + C_1 eps_c + C_2 eps_c² + C_3 eps_c³ is fitted to all runs of an H and
+p\\*, with the covariance of runs that share a surface; once with a free alpha_f, once with 2 - 2H, the share of the
+mean square slope that missing long waves would have; with the coarsest eps_f left out, one octave after the other;
+as counted and edge-corrected."""
+
+STUDIES = (
+    Study("limit", "kappa in the thermodynamic, fractal and continuum limit", "2.16 (H = 0) to 1.93 (H = 0.8) with eps_f^0.67",
+          series, limits, draw, findings, QUESTION, numbers),
+)

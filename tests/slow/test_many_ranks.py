@@ -1,0 +1,47 @@
+"""More ranks than there are cores: the same contact as on one, and as many messages as planned."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import mpi_harness
+import pytest
+
+SCRIPT = Path(__file__).parents[1] / "many_ranks.py"
+RANKS = (2, 4, 8, 16)
+ROUNDING = 1e-9
+
+
+def solved(ranks, lam_l_over_lam_s, folder):
+    process = mpi_harness.start(ranks, [SCRIPT, lam_l_over_lam_s, folder], subprocess.PIPE)
+    try:
+        out, err = process.communicate(timeout=3000)
+    finally:
+        mpi_harness.end(process)
+    assert process.returncode == 0, err.decode()
+    return json.loads(out.decode().splitlines()[-1])
+
+
+def check(lam_l_over_lam_s, rank_counts, folder):
+    if mpi_harness.missing():
+        pytest.skip(f"{mpi_harness.missing()} is missing")
+    alone = solved(1, lam_l_over_lam_s, folder)
+    assert alone["status"] == "converged"
+    for ranks in rank_counts:
+        found = solved(ranks, lam_l_over_lam_s, folder)
+        assert {name: found[name] for name in ("n", "status", "contact")} == {name: alone[name] for name in ("n", "status", "contact")}
+        assert abs(found["iterations"] - alone["iterations"]) <= 1
+        assert found["gap_mean"] == pytest.approx(alone["gap_mean"], rel=ROUNDING)
+        assert max(found["pressure"], found["gap"]) <= ROUNDING
+        assert len(found["messages"]) == ranks
+        assert all(counted == planned for counted, planned in found["messages"])
+        assert 0 < found["grids"][0] <= ranks
+    return found
+
+
+@pytest.mark.slow
+def test_2048(tmp_path):
+    found = check(512, RANKS, tmp_path)
+    assert found["n"] == 2048
+    assert found["levels"] == 4
+    assert found["grids"] == [16, 16, 8, 2, 1, 1]

@@ -1,0 +1,91 @@
+"""What ranks have and send, for any number of them: nobody has more than its share, and nothing is padded."""
+
+import json
+
+import numpy as np
+import pytest
+from contacts import rough
+
+from hpc_gfmd.bodies.halfspace import HALF_SPACE
+from hpc_gfmd.cli import main
+from hpc_gfmd.driver.decomposition import Share, busiest, share_of
+from hpc_gfmd.grid import Grid
+from hpc_gfmd.operators.multilevel import Multilevel
+from hpc_gfmd.parallel.fft import SlabFFT
+from hpc_gfmd.scene import Scene
+
+MIB = 2**20
+SIZES = [2**k for k in range(12, 18)]
+RANKS = [1, 2, 3, 7, 16, 60, 64, 96, 256, 1000, 1024, 4096, 16384, 65536]
+
+
+def cases():
+    return [(n, ranks) for n in SIZES for ranks in RANKS if ranks <= n]
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("n", SIZES)
+def test_no_rank_has_more_than_its_share(n, dtype):
+    """In points to work on, in memory and in messages: a tenth of the slab or a MiB more at most."""
+    for ranks in [k for k in RANKS if k <= n]:
+        for share in busiest((n, n), dtype, ranks):
+            itemsize, slab = share.dtype.itemsize, n * n / ranks
+            more = max(0.1 * slab, MIB / itemsize)
+            assert share.points <= slab + n
+            assert share.coarse_points <= slab / 3 + more, (ranks, share.grid.comm.rank)
+            halo = 2 * 6 * n  # the rows beside its own on all levels: 3 fields of n/2 points and 2 of n/4, n/8, ... each side
+            assert share.level_bytes <= (23 / 24 * slab + halo) * itemsize + max(0.1 * slab * itemsize, MIB), ranks
+            assert share.level_traffic[0] <= max(0.1 * slab * itemsize, MIB) + halo * itemsize
+            assert share.level_traffic[1] <= 8 * np.log2(n)
+
+
+@pytest.mark.parametrize("n", SIZES)
+def test_columns_are_not_padded(n):
+    for ranks in [k for k in (*RANKS, n // 16) if k <= n // 16]:
+        share = share_of((n, n), np.float32, ranks)
+        assert share.padding <= 1.05
+        assert share.layout.columns_held.max() <= -(-share.layout.n_c // ranks)
+
+
+@pytest.mark.parametrize(("n", "ranks"), [((48, 30), 1), ((64, 64), 5), ((300, 200), 7), ((7, 11), 9), ((1, 40), 3), ((256, 512), 16)],
+                         ids=str)
+def test_everything_has_one_owner(n, ranks):
+    """All ranks together have all rows, columns, levels and coarser grids once, and every message that is sent is received."""
+    shares = [share_of(n, np.float64, ranks, rank) for rank in range(ranks)]
+    assert sum(share.points for share in shares) == n[0] * n[1]
+    assert sum(share.layout.columns_held[rank] for rank, share in enumerate(shares)) == n[1] // 2 + 1
+    assert sum(share.level_points for share in shares) == sum(a.n[0] * a.n[1] for a in shares[0].levels[1:])
+    grids = [grid for share in shares for grid in share.grids]
+    for size in {grid.n for grid in grids}:
+        assert sum(grid.shape[0] for grid in grids if grid.n == size) == size[0]
+    for a, share in enumerate(shares):
+        for b, other in enumerate(shares):
+            for step, of_other in zip(share.steps, other.steps, strict=True):
+                for adding in (True, False):
+                    assert step.windows.sent_rows(adding).get(b, 0) == of_other.windows.sent_rows(not adding).get(a, 0)
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_bytes_are_those_that_are_held(ranks):
+    n = (96, 80)
+    grid = Grid(n)
+    share = Share(grid, np.dtype(np.float32))
+    levels = Multilevel(grid, HALF_SPACE, np.float32, 32)
+    assert share.level_bytes == levels.nbytes - levels.edges.nbytes
+    fft = SlabFFT(grid.comm, n, grid.starts, np.float32, 2)
+    assert share.layout.bytes + 2 * share.layout.scratch_bytes == fft.nbytes
+
+
+def test_plan_says_it(tmp_path, capsys):
+    scene = {"surface": rough((2, 4096, 8)), "load": {"p_star": [0.1]}, "solver": {"precision": "single"}}
+    path = tmp_path / "scene.toml"
+    path.write_text(Scene.from_dict(scene).to_toml())
+    assert main(["plan", str(path), "--ranks", "4096", "--threads", "2", "--json"]) == 0
+    plan = json.loads(capsys.readouterr().out)
+    share = share_of((65536, 65536), np.float32, 4096)
+    assert (plan["ranks"], plan["threads"]) == (4096, 2)
+    assert plan["points_per_rank"] == 65536 * 16
+    assert plan["coarse_points_per_rank"] == share.coarse_points <= 65536 * 16 * (1 / 3 + 0.1)
+    assert plan["padding"] <= 1.05
+    assert (plan["message_bytes_per_pair"], plan["messages_per_pair"]) == share.traffic
+    assert plan["bytes_per_rank"] > plan["points_per_rank"] * 4 * 6

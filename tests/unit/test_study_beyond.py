@@ -1,0 +1,180 @@
+"""Studies beyond the paper: limits, thresholds, exponents and distributions are found where they are known; pages are written."""
+
+import json
+
+import numpy as np
+import pytest
+from study_runs import runs_of
+
+from hpc_gfmd.cli import main
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.study import catalogue, levels
+from hpc_gfmd.study.case import Case
+from hpc_gfmd.study.continuum import continuum
+from hpc_gfmd.study.items import curves, distributions, limit, percolation, stiffness
+from hpc_gfmd.study.publish import publish
+from hpc_gfmd.study.store import Store
+from hpc_gfmd.study.study import Study
+
+BEYOND = ("curves", "distributions", "limit", "percolation", "stiffness")
+GRIDS = ((8, 16, 2), (8, 16, 4), (8, 16, 8), (8, 16, 16), (2, 16, 2), (2, 64, 2), (2, 64, 4), (2, 64, 8), (2, 64, 16), (8, 64, 2))
+
+
+def made_up(scatter, seed=0):
+    """Runs whose kappa is (2 + H + eps_f) exp(0.1 eps_t + H eps_c + 0.3 eps_c^2) as counted, with half of that edge-corrected."""
+    cases = [Case(H, *ratios, s, (0.1,)) for H in (0.3, 0.5, 0.8) for ratios in GRIDS for s in (1, 2, 3, 4)]
+
+    def kappa(case):
+        excess = case.hurst * case.eps_c + 0.3 * case.eps_c**2
+        return [(2 + case.hurst + case.eps_f) * np.exp(0.1 * case.eps_t + share * excess) for share in (1, 0.5)]
+
+    return runs_of(cases, scatter=scatter, noise=scatter / 10, kappa=kappa, seed=seed)
+
+
+def test_continuum_without_scatter_is_exact():
+    for observable in ("kappa", "kappa_edge"):
+        found = continuum(made_up(1e-7), observable)
+        for (hurst, eps_f), value in found.value.items():
+            assert value == pytest.approx(2 + hurst + eps_f, rel=1e-5)
+        assert len(found.value) == 6
+
+
+def test_continuum_knows_its_errors():
+    pulls = []
+    for seed in range(8):
+        found = continuum(made_up(0.02, seed), "kappa_edge")
+        pulls += [(value / (2 + sum(key)) - 1) / found.error[key] for key, value in found.value.items()]
+        assert max(found.error.values()) < 0.02
+    assert 0.6 < np.std(pulls) < 1.6
+    assert np.abs(pulls).max() < 4.5
+
+
+def test_continuum_refuses_what_it_cannot_tell():
+    runs = made_up(0.01)
+    with pytest.raises(SceneError, match="too few grids"):
+        continuum([run for run in runs if run["eps_c"] == 0.5], "kappa_edge")
+    with pytest.raises(SceneError, match="at least two"):
+        continuum([run for run in runs if run["seed"] == 1], "kappa_edge")
+    with pytest.raises(SceneError, match="zeros"):
+        continuum([run | {"gap_over_h_rms": 0.0} for run in runs], "gap_over_h_rms")
+
+
+def sweeps(thresholds, hurst=0.5, size=2):
+    """Runs of surfaces that percolate along x and y where their area exceeds the thresholds, shape (surfaces, 2)."""
+    loads = np.linspace(0.1, 0.4, 12)
+    return [{"hurst": hurst, "L_over_lam_l": size, "lam_l_over_lam_s": 16, "lam_s_over_a": 8, "seed": seed, "p_star": p,
+             "a_r_edge": 1.75 * p} | {f"contact_percolates_{axis}{end}": 1.75 * p > at + 0.004 * (1 - bool(end))
+                                      for axis, at in zip("xy", pair, strict=True) for end in ("", "_8")}
+            for seed, pair in enumerate(thresholds) for p in loads[::-1]]
+
+
+def test_critical_area_between_loads():
+    rng = np.random.default_rng(1)
+    runs = [run for size in (1, 2, 4) for run in sweeps(rng.normal(0.42, 0.06 * size**-0.75, (60, 2)), size=size)]
+    rows = percolation.thresholds(runs, "quick")
+    assert [row["surfaces"] for row in rows] == [60, 60, 60]
+    for row in rows:
+        assert row["width"] == pytest.approx(0.06 * row["L_over_lam_l"] ** -0.75, rel=0.25)
+        assert abs(row["a_c"] - 0.422 - 0.053 * row["width"]) < 4 * row["a_c_se"] < 0.04
+        assert 0.001 < row["a_c_sides"] - row["a_c_corners"] < 0.007
+        assert row["along_x_or_y"] < row["a_c"] < row["along_x_and_y"]
+    large = percolation.large(rows)[0.5]
+    assert large["a_c"] == pytest.approx(0.424, abs=4 * large["a_c_se"])
+    assert large["exponent"] == pytest.approx(-0.75, abs=0.2)
+
+
+def test_surfaces_beyond_the_loads_count():
+    rows = percolation.thresholds(sweeps([(0.1, 0.9), (0.3, 0.4), (0.4, 0.5), (0.9, 0.35)]), "quick")
+    assert 0.2 < rows[0]["a_c"] < 0.75
+
+
+def test_stiffness_of_a_power_law_that_ends():
+    def stiffness_at(p):
+        return p**0.6 if p < 0.004 else 0.004**0.6 * (p / 0.004) ** 1.4
+
+    rng = np.random.default_rng(2)
+    system = {"hurst": 0.5, "L_over_lam_l": 1, "lam_l_over_lam_s": 256, "lam_s_over_a": 2, "h_rms": 2.0, "g_rms": 1.0}
+    runs = [system | {"seed": seed, "p_star": p, "stiffness": 3 * stiffness_at(p) * factor * (1 + 0.02 * rng.normal())}
+            for seed, factor in enumerate(rng.uniform(0.5, 2, 20)) for p in stiffness.LOADS]
+    rows = stiffness.means(runs, "desk")
+    (law,) = stiffness.power_laws(rows)
+    assert law["exponent"] == pytest.approx(0.6, abs=0.02)
+    assert 0.002 < law["ends"] < 0.008
+    assert rows[-1]["exponent"] == pytest.approx(1.4, abs=0.05)
+    assert rows[0]["stiffness"] == pytest.approx(6 * stiffness_at(1e-4) * 1.2, rel=0.35)
+
+
+def test_distributions_keep_their_integral_and_mean():
+    edges = np.linspace(0, 2, 33)
+    density = np.exp(-edges[:-1])
+    density /= np.sum(density * np.diff(edges))
+    run = {"pressure_distribution": {"edges": (3 * edges).tolist(), "density": (density / 3).tolist()}}
+    new = np.linspace(0, 2.5, 41)
+    found = distributions._binned(run, "pressure", 3.0, new)
+    middle, old = (new[1:] + new[:-1]) / 2, (edges[1:] + edges[:-1]) / 2
+    assert np.sum(found * np.diff(new)) == pytest.approx(1, rel=1e-12)
+    assert np.sum(found * middle * np.diff(new)) == pytest.approx(np.sum(density * old * np.diff(edges)), rel=2e-3)
+
+
+def test_theory_and_exponent_of_patches():
+    edges = distributions.KINDS["pressure"][1]
+    inside = distributions.theory(0.3, edges[:-1], edges[1:])
+    assert np.sum(inside * np.diff(edges)) == pytest.approx(1, abs=1e-3)
+    rows = [{"low": x, "high": 2 * x, "density": x**-1.7, "density_se": 0.01 * x**-1.7} for x in 2.0 ** np.arange(-3, 8)]
+    assert distributions.patch_exponent(rows) == pytest.approx((1.7, 0), abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def long_series():
+    """Cases of levels.tfc_series at one H with all octaves that a limit needs."""
+    return [case for case in levels.tfc_series("quick") if case.hurst == 0.5]
+
+
+@pytest.mark.parametrize(("alpha", "agrees"), [(1.0, True), (0.5, False)])
+def test_the_limit_and_its_exponent(long_series, alpha, agrees):
+    def kappa(case):
+        grids = [0.9 * case.eps_c, 0.1 * case.eps_c**2]
+        return [2.1 + 1.5 * case.eps_f**alpha * (1 + case.eps_c) + grid + 0.01 * case.eps_t for grid in grids]
+
+    rows = limit.limits(runs_of(long_series, scatter=0.002, kappa=kappa), "quick")
+    found = limit.conclusions(rows)
+    assert len(found) == 2
+    for row in found:
+        assert row["agrees"] is agrees
+        assert abs(row["kappa_tfc"] - 2.1) < 4 * row["kappa_tfc_se"] < (0.15 if agrees else 0.5)
+    assert {row["exponent"] for row in rows} == {"free", "2 - 2H"}
+
+
+def test_pages(tmp_path):
+    """From nothing, by one command; those of many surfaces from made-up runs."""
+    names = [name for name in BEYOND if name not in ("limit", "curves")]
+    assert main(["study", *names, "--level", "quick", "-o", str(tmp_path)]) == 0
+    store = Store(tmp_path)
+    for run in runs_of(catalogue.study("limit").cases("quick") + catalogue.study("curves").cases("quick")):
+        store.append(run)
+    for name in ("limit", "curves"):
+        assert publish(catalogue.study(name), store, "quick")
+    for name in BEYOND:
+        page, rows = (tmp_path / f"{name}.md").read_text(), json.loads((tmp_path / f"{name}.json").read_text())["rows"]
+        assert rows
+        assert catalogue.study(name).question in page
+        assert f"]({name}.png)" in page
+        assert f"hpc-gfmd study {name} --level quick" in page
+        assert page.count("\n- ") >= 2
+        assert "nan" not in page.replace("finance", "")
+        assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+    assert all(row["kappa"] > 1 for row in json.loads((tmp_path / "curves.json").read_text())["rows"] if row["p_star"] < 0.3)
+
+
+def test_what_goes_beyond_has_a_question():
+    assert catalogue.names()[-len(BEYOND):] == list(BEYOND)
+    for name in BEYOND:
+        study = catalogue.study(name)
+        assert isinstance(study, Study)
+        for level in levels.LEVELS:
+            cases = study.cases(level)
+            assert cases
+            assert all(case.scene().n == (case.n, case.n) for case in cases)
+        with pytest.raises(SceneError, match="quick, desk, paper"):
+            study.cases("dusk")
+    assert {case.hurst for case in curves.series("desk")} == set(curves.HURST)
