@@ -30,6 +30,11 @@ RC = {
 }
 
 
+def shade(x: float):
+    """A colour between dark blue (0) and yellow (1), for what varies evenly."""
+    return matplotlib.colormaps["viridis"](x)
+
+
 @contextmanager
 def figure(path: Path, width: float, height: float):
     """`with figure(path, width, height) as fig`: drawn by Agg and saved under path in one move; inches."""

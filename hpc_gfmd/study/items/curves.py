@@ -5,7 +5,7 @@ from collections import defaultdict
 import numpy as np
 
 from ...errors import SceneError
-from ...plotting.style import THEORY, figure
+from ...plotting.style import THEORY, figure, shade
 from ...theory import persson
 from ..case import Case
 from ..continuum import POWERS, continuum
@@ -113,11 +113,8 @@ def numbers(rows: Rows) -> str:
 
 def draw(rows, path):
     """kappa and gap/h_rms against p_star, a column for each eps_f; lines: Persson."""
-    import matplotlib
-
     eps = sorted({row["eps_f"] for row in rows}, reverse=True) or [1.0]
     p_star = np.geomspace(LOADS[0], 1.6, 60)
-    shade = matplotlib.colormaps["viridis"]
     with figure(path, 3.0 * len(eps), 5.2) as fig:
         axes = fig.subplots(2, len(eps), sharex=True, sharey="row", squeeze=False)
         for column, eps_f in zip(axes.T, eps, strict=True):
