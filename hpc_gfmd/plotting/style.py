@@ -60,6 +60,11 @@ class Picture(Figure):
             return png.getvalue()
 
 
+def shade(x: float):
+    """A colour between dark blue (0) and yellow (1), for what varies evenly."""
+    return matplotlib.colormaps["viridis"](x)
+
+
 def ticks(axis):
     """Of a logarithmic axis: a label for every decade; of hardly two decades, for 1, 2 and 5."""
     low, high = axis.get_view_interval()

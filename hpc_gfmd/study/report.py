@@ -48,8 +48,8 @@ def report(folder: str | Path, level: str) -> Path:
     ours = coefficients.our_table(series, level)
     if ours["tables"]:
         coefficients.write_our_table(ours, store.folder / OUR_TABLE)
-    parts = [_head(runs, level), _beyond(store), questions.section(series, tables, level), _figures(studies, tables, lines, store),
-             _says(lines), _errata(tables)]
+    parts = [_head(runs, level), _beyond(store), questions.section(series, tables, level),
+             _figures(studies, tables, lines, store), _says(lines), _errata(tables)]
     path = store.folder / FILE
     write_whole(path, "\n\n".join(part for part in parts if part) + "\n")
     return path

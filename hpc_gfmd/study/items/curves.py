@@ -5,7 +5,7 @@ from collections import defaultdict
 import numpy as np
 
 from ...errors import SceneError
-from ...plotting.style import THEORY, figure
+from ...plotting.style import THEORY, figure, shade
 from ...theory import persson
 from ..case import Case
 from ..continuum import POWERS, continuum
@@ -22,7 +22,7 @@ ROWS = {  # as in levels.py; at the end the loads, if not all
     "quick": tuple((*row, (0.3, 0.8)) for row in ((2, 4, 2, 3), (2, 4, 4, 3), (2, 4, 8, 2), (2, 4, 16, 2), (4, 4, 2, 2))),
     "desk": (
         (8, 16, 2, 4), (8, 16, 4, 4), (8, 16, 8, 4), (8, 16, 16, 1, (0.1, 0.5, 1.0)), (32, 16, 2, 2),
-        *((8, 16, C, 8, HURST, LIGHT) for C in (2, 4, 8)), (8, 16, 16, 2, (0.1, 0.5, 1.0), LIGHT),
+        *((8, 16, C, 8, HURST, LIGHT) for C in (2, 4, 8)),
         (2, 64, 2, 8), (2, 64, 4, 8), (2, 64, 8, 1), (2, 64, 16, 4, FEW, HEAVY), (8, 64, 2, 2),
         (1, 256, 2, 4), (1, 256, 4, 2), (2, 256, 8, 4, FEW, HEAVY), (4, 256, 2, 2),
     ),
@@ -113,11 +113,8 @@ def numbers(rows: Rows) -> str:
 
 def draw(rows, path):
     """kappa and gap/h_rms against p_star, a column for each eps_f; lines: Persson."""
-    import matplotlib
-
     eps = sorted({row["eps_f"] for row in rows}, reverse=True) or [1.0]
     p_star = np.geomspace(LOADS[0], 1.6, 60)
-    shade = matplotlib.colormaps["viridis"]
     with figure(path, 3.0 * len(eps), 5.2) as fig:
         axes = fig.subplots(2, len(eps), sharex=True, sharey="row", squeeze=False)
         for column, eps_f in zip(axes.T, eps, strict=True):

@@ -65,11 +65,11 @@ def of(rows: Rows, hurst: float, p_star: float, kind: str) -> Rows:
     return [row for row in rows if (row["hurst"], row["kind"]) == (hurst, kind) and near(row["p_star"], p_star)]
 
 
-def patch_exponent(rows: Rows) -> tuple[float, float]:
-    """tau of n(A) ~ A^-tau for the bins of POWER_LAW, and its standard error."""
+def patch_exponent(rows: Rows) -> tuple[float | None, float | None]:
+    """tau of n(A) ~ A^-tau for the bins of POWER_LAW, and its standard error; None of too few."""
     part = [row for row in rows if POWER_LAW[0] <= row["low"] < row["high"] <= POWER_LAW[1] and row["density"] > 3 * row["density_se"]]
     if len(part) < 4:
-        return np.nan, np.nan
+        return None, None
     at = np.log([np.sqrt(row["low"] * row["high"]) for row in part])
     error = np.array([row["density_se"] / row["density"] for row in part])
     line, covariance = np.polyfit(at, np.log([row["density"] for row in part]), 1, w=1 / error, cov=True)

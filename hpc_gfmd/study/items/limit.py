@@ -28,7 +28,7 @@ AGREE = 6.6  # chi2 that 2 - 2H may be above the best exponent, in units of chi2
 def series(level: str) -> list[Case]:
     """The series of tables 1 to 5, and the surfaces of the study "curves", which tell the limit of fine grids more sharply."""
     both = (P_LOW, P_HIGH)
-    fine = [replace(case, p_star=both) for case in curves.series(level) if case.hurst in HURST]
+    fine = [replace(case, p_star=tuple(p for p in both if p in case.p_star)) for case in curves.series(level) if case.hurst in HURST]
     return tfc_series(level) + cases_of(MORE[level], HURST, both) + fine
 
 

@@ -17,7 +17,7 @@ HURST = (0.3, 0.5, 0.8)
 LOADS = tuple(1e-4 * 2**k for k in range(11))
 ROWS = {  # as in levels.py
     "quick": ((1, 16, 2, 2, (0.5,)), (2, 16, 2, 2, (0.5,))),
-    "desk": ((1, 256, 2, 40), (2, 256, 2, 8)),
+    "desk": ((1, 256, 2, 20, (0.3,)), (1, 256, 2, 13, (0.5,)), (1, 256, 2, 10, (0.8,))),
     "paper": ((1, 1024, 2, 100), (2, 1024, 2, 50), (4, 1024, 2, 20), (8, 1024, 2, 10)),
 }
 LOW, LINEAR = 0.0015, 0.01  # p_star up to which the power law is fitted, and about which K is compared with a line
