@@ -126,7 +126,9 @@ def _errors(problem, levels, g, p, sums, uKu):
 
     spread = participation_number(sums.open_pp, sums.open_p4, contact, N)
     wrong = misclassified_points(problem, g, p, compliance, pressure**2 * closed_pp, spread)
-    if gap > 0:
+    if contact == N and wrong == 0:
+        mean_gap = 0.0  # nothing is open, nor could be
+    elif gap > 0:
         mean_gap += problem.rounding * (N - contact) / gap + STORED * float(np.finfo(problem.dtype).eps)
     pressure = np.hypot(pressure, rounding_error(problem, contact, np.sqrt(closed_pp / contact)))
     return relative_area(wrong, contact), float(mean_gap), float(pressure)
