@@ -62,9 +62,11 @@ def as_text(result: Result) -> str:
 
 
 def _finite(value):
-    """JSON knows no infinity and no NaN."""
+    """JSON knows no infinity, no NaN and no complex numbers."""
     if isinstance(value, dict):
         return {key: _finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not isfinite(value) else value
+    if isinstance(value, float) and not isfinite(value):
+        return None
+    return value if value is None or isinstance(value, bool | int | float | str) else str(value)

@@ -21,6 +21,8 @@ PIECE_GIB = 1 / 16  # of a field that is written at a time
 PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
 GIB = 2**30
 
+LONGEST_AXIS = 2**26  # points: for more, which no machine holds, not even the tables of an axis are worth making
+
 
 @dataclass(frozen=True)
 class Memory:
@@ -43,6 +45,8 @@ def memory_of(scene, n, ranks, threads=1):
     dtype = largest_precision(scene, n)
     itemsize, free = dtype.itemsize, scene.surface.free
     cell = cell_of(n, free)
+    if max(cell) > LONGEST_AXIS:
+        return Memory(FIELDS * np.prod(cell, dtype=float) * itemsize / ranks / GIB, 0.0, 0.0, PROCESS_GIB)
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
     share = share_of(cell, dtype, ranks, nominal=n, nested=nested)
     rows = share.grid.shape[0]

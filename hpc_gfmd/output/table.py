@@ -53,8 +53,9 @@ def table(steps: list[dict], indices: list[int] | None = None, surface: dict | N
 
 def cells(steps: list[dict], indices: list[int], surface: dict | None = None) -> list[list[str]]:
     """The same as rows of texts: headings, units, and one row per step."""
+    steps = [{key: value for key, value in step.items() if isinstance(value, int | float | str)} for step in steps]  # of any file
     scales = _scales(steps, surface or {})
-    steps = [step | {key: step[key] / scale for key, (scale, _) in scales.items() if step.get(key) is not None} for step in steps]
+    steps = [step | {key: step[key] / scale for key, (scale, _) in scales.items() if _is_number(step.get(key))} for step in steps]
     columns = [(key, name, scales[key][1] if key in scales else unit, error) for key, name, unit, error in COLUMNS
                if any(step.get(key) is not None for step in steps)]
     rows = [["step", *(name for _, name, _, _ in columns)], ["", *(unit for _, _, unit, _ in columns)]]
@@ -81,13 +82,13 @@ def summary(step: dict, surface: dict) -> str:
 
 def _scales(steps, surface):
     """{attribute: (scale, heading)} of a_r in per cent, and of what has a unit, with the prefix that suits its largest value."""
-    length, pressure = surface.get("unit", ""), surface.get("pressure_unit", "")
+    length, pressure = _text(surface, "unit"), _text(surface, "pressure_unit")
     units = {"p": pressure, **dict.fromkeys(("gap_mean", "approach", "perimeter", "target_gap_mean", "target_approach"), length),
              "target_force": "N" if length and pressure else "", "stiffness": f"{pressure}/{length}" if pressure and length else ""}
-    given = {key: [step[key] for step in steps if step.get(key) is not None] for key in (*units, "patch_largest")}
+    given = {key: [step[key] for step in steps if _is_number(step.get(key))] for key in (*units, "patch_largest")}
     found = {key: prefixed(given[key], unit) for key, unit in units.items() if unit}
     if length:
-        scale, unit = prefixed([value**0.5 for value in given["patch_largest"]], length)
+        scale, unit = prefixed([abs(value)**0.5 for value in given["patch_largest"]], length)
         found["patch_largest"] = scale**2, f"{unit}^2"
     per_cent = {key: (0.01, heading) for key, _, heading, _ in COLUMNS if key == "a_r"}
     return per_cent | {key: (scale, f"[{unit}]") for key, (scale, unit) in found.items()}
@@ -120,22 +121,36 @@ def with_error(value: float, relative: float | None) -> str:
 def surface_line(surface: dict) -> str:
     """One line about the surface: points, size, roughness and the three ratios of lengths."""
     parts = []
-    if "n" in surface:
-        parts.append(" x ".join(str(int(n)) for n in surface["n"]) + " points")
-    if "physical_sizes" in surface:
-        scale, unit = prefixed(surface["physical_sizes"], surface.get("unit", ""))
-        parts.append(" ".join(["L =", " x ".join(f"{size / scale:.4g}" for size in surface["physical_sizes"]), unit]).strip())
-    if isinstance(surface.get("h_rms"), int | float) and isfinite(surface["h_rms"]):
-        scale, unit = prefixed([surface["h_rms"]], surface.get("unit", ""))
+    if points := _numbers(surface.get("n")):
+        parts.append(" x ".join(f"{n:.0f}" for n in points) + " points")
+    if sizes := _numbers(surface.get("physical_sizes")):
+        scale, unit = prefixed(sizes, _text(surface, "unit"))
+        parts.append(" ".join(["L =", " x ".join(f"{size / scale:.4g}" for size in sizes), unit]).strip())
+    if _is_number(surface.get("h_rms")) and isfinite(surface["h_rms"]):
+        scale, unit = prefixed([surface["h_rms"]], _text(surface, "unit"))
         parts.append(f"h_rms = {surface['h_rms'] / scale:.{DIGITS}g} {unit}".strip())
     for name in ("hurst", "g_rms", "eps_t", "eps_f", "eps_c"):
-        if isinstance(surface.get(name), int | float) and isfinite(surface[name]):
+        if _is_number(surface.get(name)) and isfinite(surface[name]):
             parts.append(f"{name} = {surface[name]:.{DIGITS}g}")
     if surface.get("prepared"):
-        parts.append(surface["prepared"])
-    if surface.get("seed", -1) >= 0:  # other surfaces have none
+        parts.append(str(surface["prepared"]))
+    if isinstance(surface.get("seed"), int) and surface["seed"] >= 0:  # other surfaces have none
         parts.append(f"seed = {surface['seed']}")
     return ", ".join(parts)
+
+
+def _numbers(found: object) -> list[float]:
+    """A list of finite numbers as it is, anything else as none: files may hold what they like."""
+    right = isinstance(found, list | tuple) and all(_is_number(x) and isfinite(x) for x in found)
+    return list(found) if right else []
+
+
+def _is_number(found: object) -> bool:
+    return isinstance(found, int | float)
+
+
+def _text(surface: dict, key: str) -> str:
+    return surface[key] if isinstance(surface.get(key), str) else ""
 
 
 def _cell(step, key, error_key) -> str:

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..errors import GfmdError
 from .comm import SerialComm
-from .guard import guarded
+from .guard import guarded, one_line
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
 CHECKSUM = "checksum"  # attribute of a field
@@ -63,11 +63,14 @@ class Stored:
         return found
 
     def read(self, start, stop) -> np.ndarray:
-        """Rows start <= i < stop, unchecked. Not collective: every rank may read what it needs."""
+        """Rows start <= i < stop, unchecked. Not collective: every rank may read what it needs. Raises GfmdError if they cannot be read."""
         import h5py
 
-        with h5py.File(self.path, "r", locking=False) as file:
-            return file[self.dataset][start:stop]
+        try:
+            with h5py.File(self.path, "r", locking=False) as file:
+                return file[self.dataset][start:stop]
+        except (OSError, KeyError, ValueError) as error:
+            raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged ({one_line(error)})") from error
 
 
 @dataclass(frozen=True)

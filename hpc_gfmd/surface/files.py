@@ -25,7 +25,7 @@ class HeightMap:
 
     def __init__(self, spec):
         self.path = Path(spec.path)
-        self.said, self._file = Said(), None
+        self.said, self._hdf5_data = Said(), None
         if not self.path.is_file():
             raise SceneError(f"surface.path: found {self.path}, which is no file, allowed: the path of a height map")
         opener = {"npy": self._npy, "npz": self._npz, "hdf5": self._hdf5, "netcdf": self._netcdf}.get(spec.format, self._whole)
@@ -55,14 +55,14 @@ class HeightMap:
 
     def read_together(self, comm):
         """From here to `close` an HDF5 file is read by MPI-IO where there are several ranks, each of its own rows. Collective."""
-        if self._file is not None and io_way(comm) == "mpio":
-            self.close()
-            self._open_by(driver(comm))
+        if self._hdf5_data is not None and io_way(comm) == "mpio":
+            self._hdf5_data.close()
+            self._hdf5_data.open(**driver(comm))
 
     def close(self):
         """Of an HDF5 file; collective after read_together."""
-        if self._file is not None:
-            self._file.close()
+        if self._hdf5_data is not None:
+            self._hdf5_data.close()
 
     def _npy(self, spec):
         with open(self.path, "rb") as file:
@@ -94,16 +94,8 @@ class HeightMap:
             self.said = by_axes(dict(data.attrs), axes) if len(axes) == 2 else by_attributes(data.attrs, file.attrs)
             packing = Packing(data.attrs)
             band = data.chunks[0] * data.shape[1] * data.dtype.itemsize if data.chunks and data.ndim == 2 else 0
-        # chunks that the next rows need as well are kept while the data set is open: unpacking a large one each time takes for ever
-        cache = {"rdcc_nbytes": max(2 * band, 2**20), "rdcc_nslots": 10007}
-
-        def open_by(how):
-            self._file = h5py.File(self.path, "r", **how, **cache)
-            self._data = self._file[name]
-
-        self._open_by = open_by
-        open_by({"locking": False})
-        return lambda rows, columns: packing.unpacked(self._data[rows, columns])
+        self._hdf5_data = _Hdf5Data(self.path, name, packing, band)
+        return self._hdf5_data.read
 
     def _netcdf(self, spec):
         with open(self.path, "rb") as file:
@@ -152,3 +144,25 @@ class HeightMap:
     def _no_dataset(self, spec, names):
         found, allowed = errors.one_line(repr(spec.dataset)), errors.one_line(", ".join(names[:10]), 400)
         raise SceneError(f"surface.dataset: found {found}, allowed in {self.path}: {allowed or 'nothing, it has no data set'}")
+
+
+class _Hdf5Data:
+    """A data set that stays open: chunks that the next rows need as well are kept, because unpacking a large one each time takes for
+    ever. band: bytes of the chunks that make complete rows. Refers to no HeightMap, so that it is closed as soon as that is gone."""
+
+    def __init__(self, path, name, packing, band):
+        self.path, self.name, self.packing = path, name, packing
+        self.cache = {"rdcc_nbytes": max(2 * band, 2**20), "rdcc_nslots": 10007}
+        self.open(locking=False)
+
+    def open(self, **how):
+        import h5py
+
+        self.file = h5py.File(self.path, "r", **how, **self.cache)
+        self.data = self.file[self.name]
+
+    def read(self, rows, columns):
+        return self.packing.unpacked(self.data[rows, columns])
+
+    def close(self):
+        self.file.close()

@@ -10,7 +10,7 @@ FULL = {  # when: KiB of the disk, of the scene, what the message names
     "at start": (4, {}, "output.path: cannot write to|writing .*head.h5: No space left"),
     "during a checkpoint": (300, {}, r"checkpoint\.h5: No space left on device \(.* MB needed\)"),
     "during a field write": (300, {"checkpoint": 600, "fields": '["gap", "pressure", "displacement"]'}, r"step-0000\.h5: No space"),
-    "while the result is put together": (1700, {"checkpoint": 600}, r"out\.h5: No space left.*the finished steps are safe in"),
+    "while the result is put together": (2000, {"checkpoint": 600}, r"out\.h5: No space left.*the finished steps are safe in"),
 }
 
 
