@@ -4,6 +4,7 @@ comm:    and then run inside mpirun on every rank at once (see mpi_harness.py), 
 mpirun:  a function that runs the command line on that many ranks and returns its exit code, stdout and stderr.
 """
 
+import os
 import shutil
 import signal
 import tempfile
@@ -12,6 +13,10 @@ from pathlib import Path
 
 import mpi_harness
 import pytest
+from hypothesis import settings
+
+settings.register_profile("repeatable", derandomize=True)  # what fails, fails for everybody; HYPOTHESIS_PROFILE=default looks further
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 _results = {}  # ranks: {child's node id: (outcome, text)}
 

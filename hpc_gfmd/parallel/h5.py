@@ -63,7 +63,7 @@ class Stored:
         return found
 
     def read(self, start, stop) -> np.ndarray:
-        """Rows start <= i < stop, unchecked. Not collective: every rank may read what it needs. Raises GfmdError if they cannot be read."""
+        """Rows start <= i < stop, unchecked. Not collective: every rank may read what it needs. Raises GfmdError if it cannot."""
         import h5py
 
         try:

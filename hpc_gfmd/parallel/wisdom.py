@@ -30,10 +30,10 @@ def planned(comm, dtype, make):
     if comm.rank == 0:
         if len(wisdom.text()) > LIMIT:
             wisdom.replace(b"")
-        known = wisdom.add(_content(wisdom.path, LIMIT))
+        known = wisdom.read()
         plans = make()
         if launcher_rank() == 0 and not _lines(wisdom.text()) <= known:
-            wisdom.add(_content(wisdom.path, LIMIT))  # what others have found meanwhile
+            wisdom.read()  # what others have found meanwhile
             keep(wisdom.path, wisdom.text())
     if comm.size > 1:
         text = comm.bcast(wisdom.text() if comm.rank == 0 else None)
@@ -64,6 +64,7 @@ class _Wisdom:
         from mpi4py_fft.fftw import fftw_xfftn, fftwf_xfftn
 
         self.name, self.library = name, fftw_xfftn if name == "float64" else fftwf_xfftn
+        self._lines, self._stamp = set(), None
         tiny = empty_aligned((8,), np.result_type(name, np.complex64))
         # The first plan initialises the threads of FFTW, which forgets wisdom read before it.
         load_fftw().fftn(tiny, None, (0,), 1, (load_fftw().FFTW_ESTIMATE,), tiny)
@@ -74,6 +75,14 @@ class _Wisdom:
     def path(self):
         """The file of this kind of machine in the cache."""
         return cache_folder() / "wisdom" / f"{self.kind}-{self.name}"
+
+    def read(self):
+        """Know what is in the cache, too; returns its lines. The file is taken over only where it has changed: that takes longer than
+        making plans that are known."""
+        stamp = _stamp(self.path)
+        if stamp is None or stamp != self._stamp:
+            self._lines, self._stamp = self.add(_content(self.path, LIMIT)), stamp
+        return self._lines
 
     def text(self):
         """All of it, as FFTW writes it; empty where there is no room for a temporary file."""
@@ -96,6 +105,7 @@ class _Wisdom:
 
     def replace(self, text):
         """Know this and nothing else."""
+        self._stamp = None
         self.library.forget_wisdom()
         self.add(text)
 
@@ -116,6 +126,15 @@ def _content(path, most=np.inf):
     except OSError:
         return b""
     return content if len(content) <= most else b""
+
+
+def _stamp(path):
+    """Changes with the file; None where there is none."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_mtime_ns, found.st_size
 
 
 def _lines(text):
