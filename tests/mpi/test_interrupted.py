@@ -33,6 +33,7 @@ def test_time_limit_and_restart(comm, shared_path):
     assert (run.status, run.exit_code) == ("interrupted", 143)
     assert not path.exists()
     assert (partial_folder(path) / "checkpoint.h5").exists()
+    comm.barrier()  # until rank 0 has let go of the lock it is "running"
     assert read_result(path).status == "interrupted"
     comm.barrier()
     again = run_scene(scene(wall_seconds=1e-9), out=path, resume=True, quiet=True, comm=comm)
