@@ -43,5 +43,5 @@ def check(lam_l_over_lam_s, rank_counts, folder):
 def test_2048(tmp_path):
     found = check(512, RANKS, tmp_path)
     assert found["n"] == 2048
-    assert found["levels"] == 4
+    assert found["levels"] == 3  # of 1024, 512 and 256 points; rank 0 alone has those up to 128 x 128
     assert found["grids"] == [16, 16, 8, 2, 1, 1]
