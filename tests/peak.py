@@ -7,7 +7,7 @@ for the same libraries), and they are given back when memory is short. getrusage
 import json
 import sys
 
-from hpc_gfmd.parallel.comm import world
+from hpc_gfmd.parallel.world import world
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene
 

@@ -1,16 +1,14 @@
 """Strong and weak scaling of a whole solve under mpirun, where its time goes, and what the model makes of it on a cluster."""
 
-import json
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
-from ..errors import GfmdError
+import numpy as np
+
 from .model import Machine, Network, predict
 from .report import Report
 from .scaling_picture import scaling_picture
 from .scaling_worker import PARTS
+from .workers import Worker, in_turn
 
 COLUMNS = {"kind": ("kind", "8s"), "n": ("n", "6d"), "ranks": ("ranks", "d"), "threads": ("threads", "d"),
            "precision": ("precision", "s"), "p_star": ("p*", "6.3g"),
@@ -28,28 +26,20 @@ ACCURACY = 1e-2
 
 
 def bench_scaling(args):
-    """Measure every n on all ranks (strong), on the threads of one rank, and the smallest n grown with sqrt(ranks) (weak); then predict
-    larger machines from it. args: n, ranks, threads, precision (lists), p_star, repeats, out."""
+    """Measure every n on all ranks (strong), on the threads of one rank, and the smallest n grown with sqrt(ranks) (weak), all of a
+    size in turn; then predict larger machines from it. args: n, ranks, threads, precision (lists), p_star, repeats, out."""
     report = Report("scaling", COLUMNS, args.out)
-    alone = {}
     for precision in args.precision:
         for n in args.n:
-            for k in args.ranks:
-                row = measure(n, k, precision, args.p_star, args.repeats)
-                alone.setdefault((n, precision), (row["seconds"] * k, k))
-                best = alone[n, precision][0]
-                _add(report, "strong", row, best / (row["seconds"] * k))
-            for t in (t for t in args.threads if t > 1 and 1 in args.ranks):
-                row = measure(n, 1, precision, args.p_star, args.repeats, t)
-                _add(report, "threads", row, alone[n, precision][0] / (row["seconds"] * t))
-        n = min(args.n)
-        first = None
-        for k in args.ranks:
-            grown = _grown(n, k)
-            row = measure(grown, k, precision, args.p_star, args.repeats)
-            per_point = row["seconds"] * k / (grown * grown)
-            first = first or per_point
-            _add(report, "weak", row, first / per_point)
+            several = [t for t in args.threads if t > 1 and 1 in args.ranks]
+            rows = measure([(n, k, precision, 1) for k in args.ranks] + [(n, 1, precision, t) for t in several], args)
+            for row in rows:
+                alone = rows[0]["seconds"] * rows[0]["ranks"]
+                _add(report, "threads" if row["threads"] > 1 else "strong", row, alone / (row["seconds"] * row["ranks"] * row["threads"]))
+        rows = measure([(_grown(min(args.n), k), k, precision, 1) for k in args.ranks], args)
+        per_pair = [row["seconds"] * row["ranks"] / (row["n"]**2 * row["fft_pairs"]) for row in rows]
+        for row, one in zip(rows, per_pair, strict=True):
+            _add(report, "weak", row, per_pair[0] / one)
     model = _predict(report, args.out)
     if args.out:
         scaling_picture(report.rows, model.rows, args.out)
@@ -67,16 +57,20 @@ def _grown(n, ranks):
     return m
 
 
-def measure(n, ranks, precision, p_star, repeats, threads=1):
-    """One row of scaling_worker.py on a number of ranks. Raises GfmdError if it fails."""
-    worker = [sys.executable, "-m", "hpc_gfmd.bench.scaling_worker", str(n), precision, str(p_star), str(ACCURACY), str(repeats),
-              str(threads)]
-    command = worker if ranks == 1 else ["mpirun", "-n", str(ranks), *worker]
-    done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
-    if done.returncode != 0:
-        said = [line for line in done.stderr.splitlines() if any(map(str.isalpha, line))]  # not the frame around an mpirun's words
-        raise GfmdError(f"scaling on {ranks} ranks failed: {said[-1].strip() if said else '?'}")
-    return json.loads(done.stdout.strip().splitlines()[-1])
+def measure(cases, args):
+    """The fastest row of scaling_worker.py for each (n, ranks, precision, threads), with the median time; all are measured in turn.
+
+    Raises GfmdError if one fails."""
+    workers = {}
+    try:
+        for n, ranks, precision, threads in cases:
+            workers[n, ranks, threads] = Worker("scaling_worker", ranks, n, precision, args.p_star, ACCURACY, threads)
+        found = in_turn(workers, args.repeats)
+    finally:
+        for worker in workers.values():
+            worker.close()
+    return [min(rows, key=lambda row: row["seconds"]) | {"median_seconds": float(np.median([row["seconds"] for row in rows]))}
+            for rows in found.values()]
 
 
 def _add(report, kind, row, efficiency):

@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from ..parallel.comm import world
+from ..parallel.world import world
 from ..parallel.fft import row_starts
 from ..parallel.h5 import CHECKSUM, Stored, io_way, write_file
 from .report import Report

@@ -36,7 +36,7 @@ class Share:
     @staticmethod
     def layout_of(grid, dtype):
         """The same of any grid."""
-        return Layout(grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize)
+        return Layout(grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize, grid.comm.beside)
 
     @cached_property
     def grids(self):

@@ -5,12 +5,13 @@ make or use a few rows at a time (they stay in cache between the caller's arithm
 work on a few complete columns of the spectrum (likewise). One field of complex numbers is all the memory a convolution needs:
 
     forward_rows(fill)    fill(i0, i1, x) makes rows i0..i1 of the real field -> row spectra
-    columns(apply)        all-to-all of a block of columns, transpose, transform, apply(block, m), and all of it back
+    columns(apply)        transpose a block of columns, transform it, apply(block, m), and all of it back
     backward_rows(use)    use(i0, i1, x) gets rows i0..i1 of the convolved field
 
 The columns are cut into M blocks of nearly the same width; block m = k P + r belongs to rank r. The row spectra are stored block by
-block, so the send buffers of the all-to-all number k are contiguous as they stand, and nothing is padded. To be transformed a block is
-transposed: contiguous columns (width, n_x) are transformed up to twice as fast.
+block. To be transformed a block is transposed: contiguous columns (width, n_x) are transformed up to twice as fast. What ranks on the
+same node have of it is read where it stands, in memory that they have in common (shared.py), and written back there; what ranks on
+other nodes have is sent, in the all-to-all number k, whose send buffers are contiguous as they stand. Nothing is padded.
 
 Convention: h_q = (1/N) sum_r h(r) exp(-i q r), h(r) = sum_q h_q exp(i q r). The transforms here leave out 1/N in both directions;
 `scale` = 1/N is folded into the kernels that work on columns.
@@ -24,6 +25,7 @@ import numpy as np
 from ..aligned import zeros_aligned
 from ..kernels.spectral import from_blocks, to_blocks, transpose, transpose_back
 from .plans import Plans
+from .shared import common_memory
 from .wisdom import planned
 
 COLUMN_BYTES = 256 * 1024  # of a block of columns, which is transposed in the second-level cache
@@ -39,11 +41,12 @@ def row_starts(n_x, size):
 class Layout:
     """Who has which rows of a field and which columns of its half spectrum, and what is sent: no memory, no message.
 
-    n: (n_x, n_y) global; starts: first row of each rank plus n_x; itemsize: of a complex number. edges: first column of every block,
-    and their number n_c; K: blocks of each rank; W: columns of the widest block; R: rows that are transformed at a time.
+    n: (n_x, n_y) global; starts: first row of each rank plus n_x; itemsize: of a complex number; beside: the ranks that have memory in
+    common with this one, itself among them. edges: first column of every block, and their number n_c; K: blocks of each rank; W:
+    columns of the widest block; R: rows that are transformed at a time; far: which ranks have to be sent what they want.
     """
 
-    def __init__(self, n, starts, rank, itemsize):
+    def __init__(self, n, starts, rank, itemsize, beside=None):
         self.n, self.starts, self.rank, self.itemsize = n, np.asarray(starts), rank, itemsize
         self.size = len(self.starts) - 1
         self.n_c = n[1] // 2 + 1
@@ -53,6 +56,9 @@ class Layout:
         self.K = self.M // self.size
         self.W = int(np.diff(self.edges).max())
         self.R = self._rows_per_pass()
+        self.beside = np.array([rank] if beside is None else beside)
+        self.far = np.ones(self.size, bool)
+        self.far[self.beside] = False
 
     def _edges(self):
         """Blocks of complete columns that fit the cache. On several ranks all have the same number of them, and as many columns but for
@@ -92,7 +98,7 @@ class Layout:
     def scratch_bytes(self):
         """Bytes that each thread has for itself."""
         rows = self.R * (self.n[1] * self.itemsize // 2 + self.n_c * self.itemsize)
-        return rows + self.W * self.n[0] * self.itemsize * (2 if self.size > 1 else 1)
+        return rows + self.W * self.n[0] * self.itemsize * (2 if self.far.any() else 1)
 
     @property
     def bytes(self):
@@ -102,20 +108,20 @@ class Layout:
     def sent(self, k):
         """Bytes to every rank, and their offsets in the slab of the all-to-all number k."""
         edges = self.edges[k * self.size:(k + 1) * self.size + 1]
-        return np.diff(edges) * (self.n_loc * self.itemsize), (edges[:-1] - edges[0]) * (self.n_loc * self.itemsize)
+        return self.far * np.diff(edges) * (self.n_loc * self.itemsize), (edges[:-1] - edges[0]) * (self.n_loc * self.itemsize)
 
     def received(self, k):
         """Bytes from every rank of complete columns, and their offsets."""
         j0, j1 = self.columns_of(k * self.size + self.rank)
-        return np.diff(self.starts) * ((j1 - j0) * self.itemsize), self.starts[:-1] * ((j1 - j0) * self.itemsize)
+        return self.far * np.diff(self.starts) * ((j1 - j0) * self.itemsize), self.starts[:-1] * ((j1 - j0) * self.itemsize)
 
     def traffic(self):
-        """(bytes, messages) that this rank sends to others in a transform there and back."""
-        widths, mine, rows = np.diff(self.edges), self.columns_held[self.rank], np.diff(self.starts)
-        nbytes = (self.n_loc * (self.n_c - mine) + (self.n[0] - self.n_loc) * mine) * self.itemsize
-        blocks, of_others = np.count_nonzero(widths[self.rank::self.size]), np.count_nonzero(rows) - (self.n_loc > 0)
-        there = (np.count_nonzero(widths) - blocks) * (self.n_loc > 0)
-        return int(nbytes), int(there + blocks * of_others)
+        """(bytes, messages) that this rank sends to ranks on other nodes in a transform there and back."""
+        widths, rows = np.diff(self.edges).reshape(self.K, self.size), np.diff(self.starts) * self.far
+        mine = widths[:, self.rank]
+        nbytes = (self.n_loc * widths[:, self.far].sum() + rows.sum() * mine.sum()) * self.itemsize
+        there = np.count_nonzero(widths[:, self.far]) * (self.n_loc > 0)
+        return int(nbytes), int(there + np.count_nonzero(mine) * np.count_nonzero(rows))
 
 
 class SlabFFT(Layout):
@@ -127,15 +133,17 @@ class SlabFFT(Layout):
     def __init__(self, comm, n, starts, dtype, threads=1):
         self.comm, self.dtype = comm, np.dtype(dtype)
         complex_dtype = np.result_type(self.dtype, np.complex64)
-        super().__init__(n, starts, comm.rank, complex_dtype.itemsize)
+        super().__init__(n, starts, comm.rank, complex_dtype.itemsize, comm.beside)
         n_x, n_y = n
         self.scale = 1.0 / (n_x * n_y)
         self.threads = threads
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
-        self.blocks = zeros_aligned((self.n_loc * self.n_c,), complex_dtype)
+        self._memory, self._first, self.blocks = self._common(complex_dtype)
+        self._rows = np.stack([self.starts[self.beside], self.starts[self.beside + 1]], axis=1)
+        self._far_rows = _runs(np.repeat(self.far, np.diff(self.starts)))
         self._scratch = []
         for _ in range(threads):
-            received = (n_x * self.W,) if comm.size > 1 else (0,)
+            received = (n_x * self.W,) if self.far.any() else (0,)
             self._scratch.append((zeros_aligned((self.R, n_y), self.dtype), zeros_aligned((self.R, self.n_c), complex_dtype),
                                   zeros_aligned((self.W, n_x), complex_dtype), zeros_aligned(received, complex_dtype)))
         real, half, columns, _ = self._scratch[0]
@@ -143,6 +151,19 @@ class SlabFFT(Layout):
         self.plans = planned(comm, self.dtype, lambda: Plans(real, half, [columns[:w] for w in self.widths]))
         for a in (real, half, columns):
             a[...] = 0  # planning has left noise
+
+    def _common(self, dtype):
+        """(memory, first, blocks): memory that the ranks of the node have in common, where the part of each begins in it, and that of
+        this rank, which holds its rows of the blocks."""
+        node, length = self.comm.node, self.n_loc * self.n_c
+        if node.size == 1:
+            blocks = zeros_aligned((length,), dtype)
+            return blocks, np.zeros(1, int), blocks
+        memory, offsets = common_memory(node, length * dtype.itemsize)
+        memory, first = memory.view(dtype), offsets // dtype.itemsize
+        blocks = memory[first[node.rank]:][:length]
+        blocks[...] = 0  # every rank its own: pages belong where they are touched first
+        return memory, first, blocks
 
     @property
     def nbytes(self):
@@ -184,59 +205,66 @@ class SlabFFT(Layout):
     def columns(self, apply, forward=True, backward=True):
         """Call apply(block, m) on every block of complete columns of this rank, block: (width, n_x); returns the results in order.
 
-        forward/backward=False leaves out the transform along axis 0 (and the all-to-all) on that side; a block that was not
-        transformed forward is all zero.
+        forward/backward=False leaves out the transform along axis 0 (and what goes before and after it) on that side; a block that was
+        not transformed forward is all zero. Collective.
         """
-        if self.comm.size > 1:
-            return self._columns_mpi(apply, forward, backward)
+        at_once = self.threads if self.far.any() else self.K
+        results = []
+        self.comm.node.barrier()  # all rows of the node are there
+        for k0 in range(0, self.K, at_once):
+            group = [k for k in range(k0, min(k0 + at_once, self.K))]
+            if forward:
+                self._send(group)
 
-        def one(m, _, scratch):
-            return self._one_block(self._slab(m, m + 1), scratch[2], m, apply, forward, backward)
+            def one(k, _, scratch, first=k0):
+                received = self._scratch[k - first][3] if self.far.any() else None
+                return self._one_block(k * self.size + self.rank, scratch[2], received, apply, forward, backward)
 
-        return self._map(one, [(m, m) for m in range(self.M)])
+            results += self._map(one, [(k, k) for k in group if np.diff(self.columns_of(k * self.size + self.rank))])
+            if backward:
+                self._send_back(group)
+        self.comm.node.barrier()  # all columns are back
+        return results
+
+    def _send(self, group):
+        """The all-to-alls of some numbers, each into the scratch of a thread."""
+        if self.far.any():
+            for k, scratch in zip(group, self._scratch):
+                sent, received = self._rounds[k]
+                self.comm.alltoall_bytes((self._round(k), *sent), (scratch[3], *received))
+
+    def _send_back(self, group):
+        if self.far.any():
+            for k, scratch in zip(group, self._scratch):
+                sent, received = self._rounds[k]
+                self.comm.alltoall_bytes((scratch[3], *received), (self._round(k), *sent))
 
     def _slab(self, first, last):
         """The memory of some blocks of this rank's rows."""
         return self.blocks[self.n_loc * self.edges[first]:self.n_loc * self.edges[last]]
 
-    def _one_block(self, block, columns, m, apply, forward, backward):
-        """block: complete columns as they are stored, rows of them one after another."""
+    def _one_block(self, m, columns, received, apply, forward, backward):
+        """received: rows of the block that come from other nodes, and go back there."""
         j0, j1 = self.columns_of(m)
         width = j1 - j0
-        block = block[:width * self.n[0]].reshape(self.n[0], width)
         for_plan = columns[:next(w for w in self.widths if w >= width)]  # as many as there is a plan for
         columns = for_plan[:width]
+        pieces = [(_moved(self._memory), self._first + np.diff(self._rows)[:, 0] * j0, self._rows)]
+        if received is not None:
+            pieces.append((_moved(received), self._far_rows[:, 0] * width, self._far_rows))
         if forward:
             for_plan[width:] = 0
-            transpose(_moved(block), _moved(columns))
+            for memory, first, rows in pieces:
+                transpose(memory, first, rows, _moved(columns))
             self.plans.columns_forward(for_plan)
         else:
             for_plan[...] = 0
         result = apply(columns, m)
         if backward:
             self.plans.columns_backward(for_plan)
-            transpose_back(_moved(columns), _moved(block))
+            for memory, first, rows in pieces:
+                transpose_back(_moved(columns), memory, first, rows)
         return result
-
-    def _columns_mpi(self, apply, forward, backward):
-        results = []
-        for k0 in range(0, self.K, self.threads):
-            group = range(k0, min(k0 + self.threads, self.K))
-            for k, scratch in zip(group, self._scratch):
-                if forward:
-                    sent, received = self._rounds[k]
-                    self.comm.alltoall_bytes((self._round(k), *sent), (scratch[3], *received))
-
-            def one(k, first, _):
-                _, _, columns, block = self._scratch[k - first]
-                return self._one_block(block, columns, k * self.size + self.rank, apply, forward, backward)
-
-            results += self._map(one, [(k, k0) for k in group if self._rounds[k][1][0].any()])
-            for k, scratch in zip(group, self._scratch):
-                if backward:
-                    sent, received = self._rounds[k]
-                    self.comm.alltoall_bytes((scratch[3], *received), (self._round(k), *sent))
-        return results
 
     def _round(self, k):
         """The memory of the blocks that go out in the all-to-all number k."""
@@ -257,3 +285,8 @@ class SlabFFT(Layout):
 def _moved(a):
     """The same memory in a type that the compiler moves at once."""
     return a.view(np.float64) if a.dtype == np.complex64 else a
+
+
+def _runs(mask):
+    """(runs, 2): where a mask is true, from ... to."""
+    return np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)

@@ -11,7 +11,7 @@ from ..driver.timing import expected_seconds
 from ..driver.warmup import compile_once
 from ..errors import GfmdError, SceneError
 from ..observables import area, gap
-from ..parallel.comm import threads_of
+from ..parallel.world import threads_of
 from ..parallel.guard import guarded
 from ..parallel.interrupt import Interrupt, Stopped
 from ..registry import distributions_named, observables_named
