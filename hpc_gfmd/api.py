@@ -20,9 +20,9 @@ from .fields import FIELDS
 from .kernels.cache import announced, sound
 from .keywords import loads_of, scene_of_keywords
 from .output.read import Result
-from .parallel.world import comm_of, threads_of
 from .parallel.guard import guarded
 from .parallel.h5 import Slab
+from .parallel.world import comm_of, threads_of
 from .prepared import PreparedSurface
 from .progress import Reporter
 from .registry import observables_named

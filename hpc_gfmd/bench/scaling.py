@@ -33,9 +33,9 @@ def bench_scaling(args):
         for n in args.n:
             several = [t for t in args.threads if t > 1 and 1 in args.ranks]
             rows = measure([(n, k, precision, 1) for k in args.ranks] + [(n, 1, precision, t) for t in several], args)
-            for row in rows:
-                alone = rows[0]["seconds"] * rows[0]["ranks"]
-                _add(report, "threads" if row["threads"] > 1 else "strong", row, alone / (row["seconds"] * row["ranks"] * row["threads"]))
+            cores = [row["seconds"] * row["ranks"] * row["threads"] for row in rows]
+            for row, spent in zip(rows, cores, strict=True):
+                _add(report, "threads" if row["threads"] > 1 else "strong", row, cores[0] / spent)
         rows = measure([(_grown(min(args.n), k), k, precision, 1) for k in args.ranks], args)
         per_pair = [row["seconds"] * row["ranks"] / (row["n"]**2 * row["fft_pairs"]) for row in rows]
         for row, one in zip(rows, per_pair, strict=True):

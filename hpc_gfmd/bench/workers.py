@@ -20,7 +20,7 @@ class Worker:
         if ranks > 1:
             command = ["mpirun", "-n", str(ranks), *command]
         self.what = f"{module} on {ranks} rank{'s' * (ranks > 1)}"
-        self._errors = tempfile.TemporaryFile("w+")
+        self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115
         try:
             self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors, text=True,
                                              env=os.environ | {"OMP_NUM_THREADS": "1"})
@@ -60,7 +60,7 @@ def in_turn(workers, repeats):
 
 
 def what_failed(text):
-    """The line of standard error that says most: the last one of ours, or else the first one of mpirun's, which are framed by dashes."""
+    """The line of standard error that says most: the last one of ours, or else the first one of mpirun's, which dashes frame."""
     lines = [line.strip() for line in text.splitlines()]
     frame = next((k for k, line in enumerate(lines) if line.startswith("-----")), len(lines))
     ours, launchers = ([line for line in part if any(map(str.isalpha, line))] for part in (lines[:frame], lines[frame:]))

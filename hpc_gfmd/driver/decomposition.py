@@ -8,8 +8,8 @@ import numpy as np
 from ..grid import Grid
 from ..operators.multilevel import FIELDS, steps_of, traffic_of
 from ..parallel.comm import stages
-from ..parallel.fft import Layout
 from ..parallel.imagined import Imagined
+from ..parallel.layout import Layout
 from .nested import Decimation
 
 REDUCTIONS = 1, 2, 15  # numbers that a step of bpx sums over all ranks, for each reduction

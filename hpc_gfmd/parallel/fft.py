@@ -18,110 +18,15 @@ Convention: h_q = (1/N) sum_r h(r) exp(-i q r), h(r) = sum_q h_q exp(i q r). The
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from functools import cached_property
 
 import numpy as np
 
 from ..aligned import zeros_aligned
 from ..kernels.spectral import from_blocks, to_blocks, transpose, transpose_back
+from .layout import Layout
 from .plans import Plans
 from .shared import common_memory
 from .wisdom import planned
-
-COLUMN_BYTES = 256 * 1024  # of a block of columns, which is transposed in the second-level cache
-ROW_BYTES = 256 * 1024  # of the spectra of one pass of rows: these share the second-level cache with the rows of the caller's fields
-MIN_WIDTH, MAX_WIDTH = 8, 64
-
-
-def row_starts(n_x, size):
-    """First row of every rank, and n_x: the block distribution of mpi4py-fft."""
-    return np.array([r * (n_x // size) + min(r, n_x % size) for r in range(size + 1)])
-
-
-class Layout:
-    """Who has which rows of a field and which columns of its half spectrum, and what is sent: no memory, no message.
-
-    n: (n_x, n_y) global; starts: first row of each rank plus n_x; itemsize: of a complex number; beside: the ranks that have memory in
-    common with this one, itself among them. edges: first column of every block, and their number n_c; K: blocks of each rank; W:
-    columns of the widest block; R: rows that are transformed at a time; far: which ranks have to be sent what they want.
-    """
-
-    def __init__(self, n, starts, rank, itemsize, beside=None):
-        self.n, self.starts, self.rank, self.itemsize = n, np.asarray(starts), rank, itemsize
-        self.size = len(self.starts) - 1
-        self.n_c = n[1] // 2 + 1
-        self.n_loc = int(self.starts[rank + 1] - self.starts[rank])
-        self.edges = self._edges()
-        self.M = len(self.edges) - 1
-        self.K = self.M // self.size
-        self.W = int(np.diff(self.edges).max())
-        self.R = self._rows_per_pass()
-        self.beside = np.array([rank] if beside is None else beside)
-        self.far = np.ones(self.size, bool)
-        self.far[self.beside] = False
-
-    def _edges(self):
-        """Blocks of complete columns that fit the cache. On several ranks all have the same number of them, and as many columns but for
-        one; one rank needs no such balance, and has blocks that begin on cache lines."""
-        wanted = int(np.clip(COLUMN_BYTES // (self.n[0] * self.itemsize), MIN_WIDTH, MAX_WIDTH))
-        if self.size > 1:
-            K = max(1, round(self.n_c / self.size / wanted))
-            return row_starts(self.n_c, K * self.size)
-        K = -(-self.n_c // wanted)
-        W = -(-self.n_c // K)
-        if K > 1:
-            W = -(-W // (64 // self.itemsize)) * (64 // self.itemsize)
-        return np.append(np.arange(0, self.n_c, W), self.n_c)
-
-    def _rows_per_pass(self):
-        wanted = int(np.clip(ROW_BYTES // (self.n_c * self.itemsize), 8, 256))
-        longest = int(np.diff(self.starts).max())  # on any rank: all plan alike
-        passes = max(1, -(-longest // wanted))
-        R = max(1, -(-longest // passes))
-        return R + R % 2 if R > 1 else R  # even: a coarse row then belongs to one pass
-
-    def columns_of(self, m):
-        """The columns [j0, j1) of the half spectrum that block m holds."""
-        return int(self.edges[m]), int(self.edges[m + 1])
-
-    @property
-    def columns_held(self):
-        """Number of columns of every rank."""
-        return np.diff(self.edges).reshape(self.K, self.size).sum(axis=0)
-
-    @cached_property
-    def widths(self):
-        """The numbers of columns that are transformed at a time."""
-        return sorted({int(w) for w in np.diff(self.edges) if w and self.size > 1} | {self.W})
-
-    @property
-    def scratch_bytes(self):
-        """Bytes that each thread has for itself."""
-        rows = self.R * (self.n[1] * self.itemsize // 2 + self.n_c * self.itemsize)
-        return rows + self.W * self.n[0] * self.itemsize * (2 if self.far.any() else 1)
-
-    @property
-    def bytes(self):
-        """Bytes of the spectrum on this rank."""
-        return self.n_loc * self.n_c * self.itemsize
-
-    def sent(self, k):
-        """Bytes to every rank, and their offsets in the slab of the all-to-all number k."""
-        edges = self.edges[k * self.size:(k + 1) * self.size + 1]
-        return self.far * np.diff(edges) * (self.n_loc * self.itemsize), (edges[:-1] - edges[0]) * (self.n_loc * self.itemsize)
-
-    def received(self, k):
-        """Bytes from every rank of complete columns, and their offsets."""
-        j0, j1 = self.columns_of(k * self.size + self.rank)
-        return self.far * np.diff(self.starts) * ((j1 - j0) * self.itemsize), self.starts[:-1] * ((j1 - j0) * self.itemsize)
-
-    def traffic(self):
-        """(bytes, messages) that this rank sends to ranks on other nodes in a transform there and back."""
-        widths, rows = np.diff(self.edges).reshape(self.K, self.size), np.diff(self.starts) * self.far
-        mine = widths[:, self.rank]
-        nbytes = (self.n_loc * widths[:, self.far].sum() + rows.sum() * mine.sum()) * self.itemsize
-        there = np.count_nonzero(widths[:, self.far]) * (self.n_loc > 0)
-        return int(nbytes), int(there + np.count_nonzero(mine) * np.count_nonzero(rows))
 
 
 class SlabFFT(Layout):
@@ -138,9 +43,11 @@ class SlabFFT(Layout):
         self.scale = 1.0 / (n_x * n_y)
         self.threads = threads
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
-        self._memory, self._first, self.blocks = self._common(complex_dtype)
-        self._rows = np.stack([self.starts[self.beside], self.starts[self.beside + 1]], axis=1)
+        self._memory, first, self.blocks = self._common(complex_dtype)
+        self._rows = np.stack([self.starts[self.beside], self.starts[self.beside + 1]], axis=1)  # of the node
         self._far_rows = _runs(np.repeat(self.far, np.diff(self.starts)))
+        own = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
+        self._first = first + np.diff(self._rows)[:, 0] * own[:, None]  # where the node's rows of this rank's blocks begin
         self._scratch = []
         for _ in range(threads):
             received = (n_x * self.W,) if self.far.any() else (0,)
@@ -208,48 +115,48 @@ class SlabFFT(Layout):
         forward/backward=False leaves out the transform along axis 0 (and what goes before and after it) on that side; a block that was
         not transformed forward is all zero. Collective.
         """
-        at_once = self.threads if self.far.any() else self.K
+        sends = self.far.any()
+        at_once = self.threads if sends else self.K
         results = []
         self.comm.node.barrier()  # all rows of the node are there
         for k0 in range(0, self.K, at_once):
-            group = [k for k in range(k0, min(k0 + at_once, self.K))]
-            if forward:
+            group = range(k0, min(k0 + at_once, self.K))
+            if forward and sends:
                 self._send(group)
 
-            def one(k, _, scratch, first=k0):
-                received = self._scratch[k - first][3] if self.far.any() else None
-                return self._one_block(k * self.size + self.rank, scratch[2], received, apply, forward, backward)
+            def one(k, first, scratch):
+                received = self._scratch[k - first][3] if sends else None
+                return self._one_block(k, scratch[2], received, apply, forward, backward)
 
-            results += self._map(one, [(k, k) for k in group if np.diff(self.columns_of(k * self.size + self.rank))])
-            if backward:
+            results += self._map(one, [(k, k0) for k in group if np.diff(self.columns_of(k * self.size + self.rank))[0]])
+            if backward and sends:
                 self._send_back(group)
         self.comm.node.barrier()  # all columns are back
         return results
 
     def _send(self, group):
         """The all-to-alls of some numbers, each into the scratch of a thread."""
-        if self.far.any():
-            for k, scratch in zip(group, self._scratch):
-                sent, received = self._rounds[k]
-                self.comm.alltoall_bytes((self._round(k), *sent), (scratch[3], *received))
+        for k, scratch in zip(group, self._scratch):
+            sent, received = self._rounds[k]
+            self.comm.alltoall_bytes((self._round(k), *sent), (scratch[3], *received))
 
     def _send_back(self, group):
-        if self.far.any():
-            for k, scratch in zip(group, self._scratch):
-                sent, received = self._rounds[k]
-                self.comm.alltoall_bytes((scratch[3], *received), (self._round(k), *sent))
+        for k, scratch in zip(group, self._scratch):
+            sent, received = self._rounds[k]
+            self.comm.alltoall_bytes((scratch[3], *received), (self._round(k), *sent))
 
     def _slab(self, first, last):
         """The memory of some blocks of this rank's rows."""
         return self.blocks[self.n_loc * self.edges[first]:self.n_loc * self.edges[last]]
 
-    def _one_block(self, m, columns, received, apply, forward, backward):
-        """received: rows of the block that come from other nodes, and go back there."""
+    def _one_block(self, k, columns, received, apply, forward, backward):
+        """This rank's block number k; received: rows of it that come from other nodes, and go back there."""
+        m = k * self.size + self.rank
         j0, j1 = self.columns_of(m)
         width = j1 - j0
         for_plan = columns[:next(w for w in self.widths if w >= width)]  # as many as there is a plan for
         columns = for_plan[:width]
-        pieces = [(_moved(self._memory), self._first + np.diff(self._rows)[:, 0] * j0, self._rows)]
+        pieces = [(_moved(self._memory), self._first[k], self._rows)]
         if received is not None:
             pieces.append((_moved(received), self._far_rows[:, 0] * width, self._far_rows))
         if forward:

@@ -26,9 +26,9 @@ def common_memory(comm, nbytes):
             os.ftruncate(made, total)
         except OSError as found:
             error = found
-    pid, there, token = (int(number) for number in comm.share([os.getpid(), made, token]))
+    pid, there, token = (int(number) for number in comm.share([os.getpid(), -1 if error else made, token]))
     try:
-        if there >= 0 and error is None:
+        if there >= 0:
             memory = _mapped(f"/proc/{pid}/fd/{there}", token, total)
     except OSError as found:
         error = found

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..parallel.fft import row_starts
+from ..parallel.layout import row_starts
 from .slabs import local, own_rows, own_slabs
 
 

@@ -1,7 +1,7 @@
 """Passes over a height map: every rank reads a share of the rows, a few at a time."""
 
-from ..parallel.fft import row_starts
 from ..parallel.guard import guarded
+from ..parallel.layout import row_starts
 
 ROWS = 64  # read at a time
 

@@ -13,8 +13,8 @@ from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel import launcher, world
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.parallel.launcher import launched, launcher_rank
 from hpc_gfmd.parallel.interrupt import Interrupt, Stopped, check
+from hpc_gfmd.parallel.launcher import launched, launcher_rank
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import restart, run_scene
 from hpc_gfmd.surface import selfaffine
