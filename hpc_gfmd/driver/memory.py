@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SceneError
+from ..parallel.guard import agree
 from ..registry import body_of
 from ..surface import cell_of
 from .decomposition import share_of
@@ -135,14 +136,13 @@ def limit_gib():
 def require_memory(comm, scene, n, threads):
     """Raise SceneError on all ranks if the ranks of some machine need more memory than it has. Collective."""
     need = memory_of(scene, n, comm.size, threads).total
-    here = comm.allgather((os.uname().nodename, available_gib()))
     own = float(comm.min([limit_gib()])[0])
     if need > own:
         raise SceneError(f"surface: {n[0]} x {n[1]} points need {need:.2f} GiB on each of {comm.size} ranks, a process may have "
                          f"{max(own, 0.0):.2f} GiB more (ulimit -v): raise the limit, use more ranks, fewer points or single precision")
-    for node in {name for name, _ in here}:
-        count = sum(name == node for name, _ in here)
-        there = scene.machine.memory_gib or min(gib for name, gib in here if name == node)
-        if need * count > there:
-            raise SceneError(f"surface: {n[0]} x {n[1]} points need {need:.2f} GiB on each of {count} ranks, {node} has "
-                             f"{there:.2f} GiB: use more machines, fewer points or single precision")
+    count, there = comm.machine.size, scene.machine.memory_gib or float(comm.machine.min([available_gib()])[0])
+    error = None
+    if need * count > there:
+        error = SceneError(f"surface: {n[0]} x {n[1]} points need {need:.2f} GiB on each of {count} ranks, {os.uname().nodename} has "
+                           f"{there:.2f} GiB: use more machines, fewer points or single precision")
+    agree(comm, error)

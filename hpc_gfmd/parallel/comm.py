@@ -22,8 +22,8 @@ class SerialComm:
 
     max = min = sum
 
-    def bcast(self, obj):
-        """The object of rank 0."""
+    def bcast(self, obj, root=0):
+        """The object of one rank."""
         return obj
 
     def allgather(self, obj):
@@ -34,9 +34,9 @@ class SerialComm:
         """The list of every rank's object on rank 0, None on the others."""
         return [obj]
 
-    def alltoall(self, objects):
-        """The list of what every rank had for this one; objects: one for each rank."""
-        return objects
+    def alltoall(self, arrays):
+        """The list of what every rank had for this one; arrays: one for each rank, of two axes and one dtype."""
+        return arrays
 
     def counts(self, number):
         """Every rank's whole number, an array."""
@@ -61,11 +61,16 @@ class SerialComm:
         """Wait for all ranks."""
 
     @property
-    def node(self):
-        """The communicator of the ranks that have memory in common with this one."""
+    def machine(self):
+        """The communicator of the ranks on the same machine."""
         return self
 
+    node = machine  # of those that have memory in common with this one
     beside = np.zeros(1, int)  # these ranks
+
+    def before(self, number):
+        """The sum of the whole numbers of all ranks before this one."""
+        return 0
 
 
 @dataclass
@@ -122,9 +127,9 @@ class MpiComm:
 
         return self._reduce(values, MPI.MIN)
 
-    def bcast(self, obj):
-        """The object of rank 0."""
-        return self.mpi.bcast(obj, root=0)
+    def bcast(self, obj, root=0):
+        """The object of one rank."""
+        return self.mpi.bcast(obj, root=root)
 
     def allgather(self, obj):
         """The list of every rank's object."""
@@ -134,9 +139,21 @@ class MpiComm:
         """The list of every rank's object on rank 0, None on the others."""
         return self.mpi.gather(obj, root=0)
 
-    def alltoall(self, objects):
-        """The list of what every rank had for this one; objects: one for each rank."""
-        return self.mpi.alltoall(objects)
+    def alltoall(self, arrays):
+        """The list of what every rank had for this one; arrays: one for each rank, of two axes and one dtype."""
+        shapes, dtype = np.empty((self.size, 2), np.int64), arrays[0].dtype
+        self.mpi.Alltoall(np.array([a.shape for a in arrays], np.int64), shapes)
+        lengths = [np.array([a.nbytes for a in arrays]), shapes.prod(axis=1) * dtype.itemsize]
+        offsets = [np.cumsum(n) - n for n in lengths]
+        found = np.empty(lengths[1].sum() // dtype.itemsize, dtype)
+        self.alltoall_bytes((np.concatenate([a.ravel() for a in arrays]), lengths[0], offsets[0]), (found, lengths[1], offsets[1]))
+        return [part.reshape(shape) for part, shape in zip(np.split(found, offsets[1][1:] // dtype.itemsize), shapes)]
+
+    def before(self, number):
+        """The sum of the whole numbers of all ranks before this one."""
+        found = np.zeros(1, np.int64)
+        self.mpi.Exscan(np.array([number], np.int64), found)
+        return int(found[0]) if self.rank else 0
 
     def counts(self, number):
         """Every rank's whole number, an array."""
@@ -192,10 +209,14 @@ class MpiComm:
         self.mpi.Barrier()
 
     @cached_property
+    def machine(self):
+        """The communicator of the ranks on the same machine. Collective where it is asked for first."""
+        return MpiComm(same_machine(self.mpi), self)
+
+    @cached_property
     def node(self):
-        """The communicator of the ranks that have memory in common with this one. Collective where it is asked for first."""
-        node = MpiComm(same_node(self.mpi), self)
-        return node if node.size > 1 and can_share(node) else SerialComm(self)
+        """That of the ranks that have memory in common with this one: all on the machine, or none. Collective as `machine`."""
+        return self.machine if self.machine.size > 1 and can_share(self.machine) else SerialComm(self)
 
     @cached_property
     def beside(self):
@@ -205,7 +226,7 @@ class MpiComm:
         return self.node.counts(self.rank)
 
 
-def same_node(mpi):
+def same_machine(mpi):
     """The part of an mpi4py communicator that is on one machine. Collective."""
     from mpi4py import MPI
 

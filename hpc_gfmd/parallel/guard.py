@@ -31,10 +31,10 @@ def agree(comm, error):
         if error is not None:
             raise error
         return
-    if not comm.max([error is not None])[0]:
+    first = int(comm.min([comm.size if error is None else comm.rank])[0])
+    if first == comm.size:
         return
-    failed = comm.allgather(None if error is None else (type(error), str(error)))
-    kind, text = next(f for f in failed if f is not None)
+    kind, text = comm.bcast(None if error is None else (type(error), str(error)), first)
     raise error if error is not None else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))
 
 

@@ -72,8 +72,7 @@ def threads_of(comm, wanted):
     of_slurm = os.environ.get("SLURM_CPUS_PER_TASK", "")
     if comm.min([of_slurm.isdigit() and int(of_slurm)])[0] > 0:
         return min(int(of_slurm), len(cores))
-    here = comm.allgather((os.uname().nodename, cores))
-    beside = sum(other == here[comm.rank] for other in here)  # ranks that are bound elsewhere do not share our cores
+    beside = comm.machine.allgather(cores).count(cores)  # ranks that are bound elsewhere do not share our cores
     return max(1, len(cores) // beside)
 
 

@@ -25,7 +25,7 @@ def machines(comm, nodes, monkeypatch):
     if comm is None or comm.size == 1:
         return comm
     node_of = NODES[nodes]
-    monkeypatch.setattr(communicators, "same_node", lambda mpi: mpi.Split(node_of(comm.rank), mpi.Get_rank()))
+    monkeypatch.setattr(communicators, "same_machine", lambda mpi: mpi.Split(node_of(comm.rank), mpi.Get_rank()))
     made = MpiComm(comm.mpi)
     assert list(made.beside) == [rank for rank in range(comm.size) if node_of(rank) == node_of(comm.rank)]
     return made
