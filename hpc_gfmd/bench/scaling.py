@@ -20,8 +20,11 @@ MODEL_COLUMNS = {"n": ("n", "6d"), "network_gb_per_s": ("link", "5.3g"), "nodes"
                  "share_transpose": ("transpose", ".0%"), "share_latency": ("latency", ".0%"),
                  "gib_per_node": ("GiB/node", ".3g")}
 NODES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)
-NETWORKS = (Network(), Network(bandwidth=25e9))
-HERE = 1e12  # bytes per second: two cores do not use up the memory of this machine
+# A link of 100 Gbit/s, what P3DFFT reached of such a one on 26 nodes (docs/clusters.md), and one of 200 Gbit/s.
+NETWORKS = (Network(), Network(bandwidth=7e9), Network(bandwidth=25e9))
+MESSAGES = {"latency": ("latency (us)", 1e6), "barrier": ("barrier (us)", 1e6), "bandwidth": ("one way (GB/s)", 1e-9),
+            "alltoall_bandwidth": ("all-to-all (GB/s)", 1e-9), "copy_bandwidth": ("copy, one core (GB/s)", 1e-9),
+            "copy_bandwidth_of_two": ("copy, two cores (GB/s)", 1e-9)}
 ACCURACY = 1e-2
 
 
@@ -40,7 +43,8 @@ def bench_scaling(args):
         per_pair = [row["seconds"] * row["ranks"] / (row["n"]**2 * row["fft_pairs"]) for row in rows]
         for row, one in zip(rows, per_pair, strict=True):
             _add(report, "weak", row, per_pair[0] / one)
-    model = _predict(report, args.out)
+    found = _messages(args) if max(args.ranks) > 1 else None
+    model = _predict(report, found, args.out)
     if args.out:
         scaling_picture(report.rows, model.rows, args.out)
         model.finish()
@@ -78,20 +82,36 @@ def _add(report, kind, row, efficiency):
     report.add(kind=kind, efficiency=efficiency, **row, **shares)
 
 
-def _predict(report, out):
+def _messages(args):
+    """What two ranks of this machine find of messages and memory (messages.py), the best of each; recorded as it is."""
+    worker = Worker("messages", 2)
+    try:
+        rows = [worker.measure() for _ in range(args.repeats)]
+    finally:
+        worker.close()
+    found = {name: (min if name in ("latency", "barrier") else max)(row[name] for row in rows) for name in MESSAGES}
+    report = Report("messages", {name: (heading, ".3g") for name, (heading, _) in MESSAGES.items()}, args.out)
+    report.add(**{name: value * MESSAGES[name][1] for name, value in found.items()})
+    report.finish()
+    return found
+
+
+def _predict(report, found, out):
+    """The model's rows; found: of `_messages`, None on one rank."""
     model = Report("scaling-model", MODEL_COLUMNS, out)
-    serial = max((row for row in report.rows if row["ranks"] == 1), key=lambda row: row["n"], default=None)
+    serial = max((row for row in report.rows if row["ranks"] * row["threads"] == 1), key=lambda row: row["n"], default=None)
     if serial is None:
         return model
     machine = Machine.from_row(serial)
     model.say(f"# {machine.describe()}")
     for network in NETWORKS:
         model.say(f"# {network.describe()}")
-    for row in report.rows:  # what the model makes of this machine, beside what was measured
+    for row in report.rows if found else ():  # what the model makes of this machine, beside what was measured
         if row["kind"] == "strong" and row["ranks"] > 1 and row["precision"] == serial["precision"]:
-            here = replace(machine, cores=row["ranks"], bandwidth=HERE)
-            said = predict(row["n"], 1, here, NETWORKS[0], row["ranks"])["seconds"]
-            model.say(f"# n = {row['n']}, {row['ranks']} ranks: measured {row['seconds']:.3g} s, model {said:.3g} s")
+            here = replace(machine, cores=row["ranks"], bandwidth=found["copy_bandwidth_of_two"], barrier=found["barrier"])
+            network = Network(found["latency"], found["latency"], found["bandwidth"])
+            said = predict(row["n"], 1, here, network, row["ranks"])["seconds"]
+            model.say(f"# this machine, n = {row['n']}, {row['ranks']} ranks: measured {row['seconds']:.3g} s, model {said:.3g} s")
     for network in NETWORKS:
         for n in (2**15, 2**17):
             for nodes in NODES:
