@@ -112,7 +112,8 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         check(scene)
         z = _checked(heights if known is None else known.heights)
     _require_the_same(comm, scene, z.shape)
-    threads, head = threads_of(comm, scene.machine.threads), {}
+    threads: int = threads_of(comm, scene.machine.threads)
+    head: dict[str, Any] = {}
     sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
 
     def rows_of(start, stop):
