@@ -67,5 +67,5 @@ def test_memory_of_a_machine(comm, monkeypatch):
     """One machine that is too small is an error on all ranks, with its need: that of all ranks on it."""
     scene = Scene.from_dict({"surface": rough((1, 16, 2)), "load": {"p_star": [0.1]}})
     monkeypatch.setattr(memory, "available_gib", lambda: 0.1)
-    with pytest.raises(SceneError, match=rf"on each of {comm.size} ranks, {os.uname().nodename} has 0.10 GiB"):
+    with pytest.raises(SceneError, match=rf"GiB on {comm.size} of {comm.size} ranks, {os.uname().nodename} has 0.10 GiB"):
         require_memory(comm, scene, (32, 32), 1)
