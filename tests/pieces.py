@@ -5,7 +5,8 @@ import pytest
 from contacts import rough
 
 from hpc_gfmd import simulation
-from hpc_gfmd.output.read import partial_folder, read_result
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.interrupt import Interrupt
 from hpc_gfmd.scene import Scene

@@ -26,6 +26,15 @@ def guarded(comm, doing: str):
     agree(comm, error)
 
 
+def on_rank_0(comm, doing: str, work):
+    """What work() gives on rank 0, for all ranks; where it fails, every rank leaves with its error, as of `guarded`. Collective."""
+    found = None
+    with guarded(comm, doing):
+        if comm.rank == 0:
+            found = work()
+    return comm.bcast(found)
+
+
 def one_line(error: BaseException) -> str:
     """What went wrong in one line; of HDF5's long messages only the reason the system gave."""
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__

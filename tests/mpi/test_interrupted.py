@@ -12,7 +12,8 @@ from mpi_harness import end
 from pieces import Pieces
 from pieces import scene as small
 
-from hpc_gfmd.output.read import partial_folder, read_result
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import restart, run_scene

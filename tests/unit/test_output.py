@@ -14,7 +14,8 @@ import pytest
 
 from hpc_gfmd.commands import show
 from hpc_gfmd.errors import GfmdError, SceneError
-from hpc_gfmd.output.read import FORMAT_VERSION, partial_folder, read_partial, read_result
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import FORMAT_VERSION, read_partial, read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.output.table import table, with_error
 from hpc_gfmd.parallel import h5

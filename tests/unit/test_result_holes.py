@@ -11,7 +11,8 @@ import pytest
 from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.checkpoint import read_checkpoint, write_checkpoint
-from hpc_gfmd.output.read import partial_folder, read_partial, read_result
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 
