@@ -36,8 +36,8 @@ class LazyField:
 
 @dataclass(frozen=True)
 class Slab:
-    """A field in memory that is read as a parallel.h5.Stored one; data: the rows of this rank, start: the global index of its first one;
-    shape: (n_x, n_y) of the field."""
+    """A field in memory that is read as a parallel.h5.Stored one; shape: (n_x, n_y) of all of it; data: the rows of this rank;
+    start: the global index of its first one."""
 
     data: Any
     start: int

@@ -21,7 +21,6 @@ from .output.checkpoint import read_checkpoint, write_checkpoint
 from .output.folder import partial_folder, tidy
 from .output.read import read_partial
 from .output.record import RunFile
-from .output.table import surface_line, table
 from .parallel import wisdom
 from .parallel.comm import threads_of, world
 from .parallel.guard import guarded, on_rank_0
@@ -29,6 +28,7 @@ from .parallel.interrupt import Interrupt, Stopped
 from .progress import Reporter
 from .scene import Scene, load_scene, with_overrides
 from .surface import build_surface, grid_of, surface_size
+from .table import surface_line, table
 from .units import field_dtype
 from .versions import versions
 

@@ -45,7 +45,7 @@ class Pieces:
         self.chance = type("Chance", (Chance,), {})
         monkeypatch.setattr(simulation, "Interrupt", self.chance)
         monkeypatch.setattr(simulation, "compile_once", lambda *_: None)  # for speed: there are many runs
-        monkeypatch.setattr(h5, "sync", lambda _: None)
+        monkeypatch.setattr(h5, "sync", lambda *_, **__: None)
 
     def undisturbed(self, scene):
         """Run without interruption; returns how often it was polled."""

@@ -75,16 +75,14 @@ class RunFile:
             self._write(self.path, status, steps, fields)
         except GfmdError as error:
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
-        on_rank_0(self.comm, f"removing {self.partial}", self._done)
+        on_rank_0(self.comm, f"removing {self.partial}", lambda: self.close(finished=True))
 
-    def _done(self):
-        (self.partial / HEAD).unlink()
-        self.close()
-
-    def close(self) -> None:
-        """Give the file back without finishing it: what is there can be resumed."""
+    def close(self, finished=False) -> None:
+        """Give the file back; unless it is finished, what is there can be resumed."""
         if self._lock is not None:
-            if not (self.partial / HEAD).exists():  # finished, or never begun
+            if finished:
+                (self.partial / HEAD).unlink()
+            if not (self.partial / HEAD).exists():  # otherwise never begun
                 clear(self.partial)
             os.close(self._lock)
             self._lock = None

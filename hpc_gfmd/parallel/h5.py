@@ -127,7 +127,7 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
                         with guarded(comm, doing):
                             for one in parts:
                                 _transfer(file[name], *one, "write")
-                                _begin_sync(tmp)
+                                sync(tmp, wait=False)
                     found = sum(comm.allgather(found)) % 2**64
                     if file is not None:
                         file[name].attrs.modify(CHECKSUM, np.uint64(found))
@@ -141,19 +141,13 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
         raise
 
 
-def sync(path) -> None:
-    """Ask the system to bring a file or folder to the disk."""
+def sync(path, wait=True) -> None:
+    """Bring a file or folder to the disk, or have the system begin to: the disk is busy then while the next piece is made."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
-        os.fsync(descriptor)
+        os.fsync(descriptor) if wait else os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
     finally:
         os.close(descriptor)
-
-
-def _begin_sync(path) -> None:
-    """Advise the system to write what a file has so far, while the next piece is made: otherwise the disk waits for `sync`."""
-    with suppress(OSError), open(path, "rb") as file:
-        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
 
 
 @contextmanager

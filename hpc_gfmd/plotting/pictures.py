@@ -9,8 +9,8 @@ import numpy as np
 
 from ..errors import GfmdError, SceneError
 from ..output.read import Result, read_result
-from ..output.table import surface_line
 from ..parallel.guard import one_line
+from ..table import surface_line
 from .curves import curves
 from .distributions import distributions, stored
 from .maps import SYMBOLS, maps

@@ -114,11 +114,11 @@ def hold(function, text, flag):
 
     before = getattr(h5, function)
 
-    def called(what, *args):
-        if text in (str(what) if function == "sync" else what.file.filename) and args[-1:] != ("read",):
+    def called(what, *args, **named):
+        if not named and text in (str(what) if function == "sync" else what.file.filename) and args[-1:] != ("read",):
             Path(flag).touch()
             time.sleep(60)
-        return before(what, *args)
+        return before(what, *args, **named)
 
     setattr(h5, function, called)
 
