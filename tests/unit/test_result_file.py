@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from result_files import FIELD, STEP, SURFACE, N, begin, complete, names
 
+from hpc_gfmd import load
 from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.read import FORMAT_VERSION, read_result
 from hpc_gfmd.parallel import h5
@@ -86,6 +87,23 @@ def test_copies_made_by_h5py_are_read(path, tmp_path):
         old.copy("surface", new)
         old.copy("steps", new)
     assert read_result(copy).steps == [STEP]
+
+
+def test_a_damaged_field_is_neither_read_nor_copied(path, tmp_path):
+    """Nobody would notice in the copy, which has a checksum of its own."""
+    content = bytearray(complete(path, 1).read_bytes())
+    content[content.index(FIELD.tobytes()) + 13] ^= 1
+    path.write_bytes(content)
+    stored, damaged = read_result(path).fields[0]["gap"], "the numbers of steps/0000/gap are damaged"
+    for _ in range(2):
+        assert np.array_equal(stored.read(3, 6), FIELD[3:])  # not all of them, so that nobody can tell
+        for start in (0, 2):
+            assert stored.read(start, start + 2).shape == (2, 5)
+        with pytest.raises(GfmdError, match=damaged):
+            stored.read(4, 6)
+    with pytest.raises(GfmdError, match=damaged):
+        load(path).save(tmp_path / "copy.h5")
+    assert not (tmp_path / "copy.h5").exists()
 
 
 def refused(path, match):
