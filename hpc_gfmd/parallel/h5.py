@@ -50,13 +50,13 @@ class Stored:
         comm, found, doing = comm or SerialComm(), 0, f"reading {self.path}"
         with opened(comm, self.path, "r", doing) as file:
             def read(start, stop):
+                nonlocal found
                 part = np.empty((stop - start, self.shape[1]), self.dtype)
                 _transfer(file[self.dataset], start, part, "read")
+                found += _checksum(part, start)
                 return part
 
-            for start, part in _pieces(comm, rows or self.span, self.shape[1] * self.dtype.itemsize, doing, read):
-                found += _checksum(part, start)
-                yield start, part
+            yield from _pieces(comm, rows or self.span, self.shape[1] * self.dtype.itemsize, doing, read)
         self._check(sum(comm.allgather(found)))
 
     def slab(self, comm, rows) -> np.ndarray:
@@ -122,12 +122,12 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
                 for name, field in fields.items():
                     found = 0
                     for start, part in _parts(comm, field, types[name], n, rows, doing):
-                        found += _checksum(part, start)
                         parts = [(start, part)] if together else comm.gather((start, part)) or ()
                         with guarded(comm, doing):
                             for one in parts:
                                 _transfer(file[name], *one, "write")
                                 sync(tmp, wait=False)
+                            found += _checksum(part, start)
                     found = sum(comm.allgather(found)) % 2**64
                     if file is not None:
                         file[name].attrs.modify(CHECKSUM, np.uint64(found))

@@ -123,6 +123,11 @@ def hold(function, text, flag):
     setattr(h5, function, called)
 
 
+def unreserved():
+    """Disk space is promised that is not there, as by file systems that cannot reserve it."""
+    os.posix_fallocate = lambda *_: None
+
+
 def vanish(folder):
     """A folder, when the third load is about to be written."""
     from hpc_gfmd.output.record import RunFile
@@ -142,7 +147,7 @@ def lag(seconds, flag):
     simulation.surface_size = after(simulation.surface_size, 1, wait)
 
 
-FAULTS = {fault.__name__: fault for fault in (surface, solve, no_memory, write, nan, limit, slow, hold, vanish, lag)}
+FAULTS = {fault.__name__: fault for fault in (surface, solve, no_memory, write, nan, limit, slow, hold, unreserved, vanish, lag)}
 
 if __name__ == "__main__":
     sys.exit(main(*sys.argv[1:]))
