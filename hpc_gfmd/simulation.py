@@ -22,9 +22,9 @@ from .output.folder import partial_folder, tidy
 from .output.read import read_partial
 from .output.record import RunFile
 from .parallel import wisdom
-from .parallel.comm import threads_of, world
 from .parallel.guard import guarded, on_rank_0
 from .parallel.interrupt import Interrupt, Stopped
+from .parallel.world import threads_of, world
 from .progress import Reporter
 from .scene import Scene, load_scene, with_overrides
 from .surface import build_surface, grid_of, surface_size
