@@ -7,8 +7,8 @@ not pass between two points that touch and share a corner. By names that end in 
 that shares sides goes around, a gap that shares corners does. At random both happen near a contact area of 0.42 (Dapp, Luecke, Persson,
 Mueser 2012), the truth being between the two.
 
-gap_spans_x: whether the gap reaches from one edge across x to the other, while the cell stays periodic along the other axis: a fluid that
-enters along one edge of a square seal comes out at the other. In a finite cell it does so up to larger contact areas.
+gap_spans_x: whether the gap reaches along x from edge to edge, the cell being periodic along y alone: a fluid that enters along one
+edge of a seal comes out at the other. In a finite cell it does so up to larger contact areas.
 """
 
 from __future__ import annotations

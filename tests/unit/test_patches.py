@@ -115,4 +115,5 @@ def test_only_on_request():
     assert set(found.observables) == default
     assert not found.distributions
     assert "a_r" in default
-    assert not {name for name in all_observables() if name.startswith(("patch", "perimeter", "contact_", "gap_perc", "gap_spans"))} & default
+    counted = ("patch", "perimeter", "contact_", "gap_perc", "gap_spans")
+    assert not {name for name in all_observables() if name.startswith(counted)} & default
