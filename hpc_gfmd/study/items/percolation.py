@@ -208,30 +208,38 @@ def numbers(rows: Rows) -> str:
 
 
 def draw(rows, path):
-    """a_c and its width against L/lam_l, the two rules as thin lines."""
-    with figure(path, 7.6, 3.2) as fig:
-        left, right = fig.subplots(1, 2)
-        for (hurst, part), shade in zip(by_hurst(rows).items(), COLOURS, strict=False):
-            part = sorted(longest(part, "eps_t", "grid"), key=lambda row: row["L_over_lam_l"])
+    """a_c and its width against L/lam_l, the two rules as thin lines; what the grid does to the areas of the same surfaces."""
+    with figure(path, 10.6, 3.2) as fig:
+        left, middle_, right = fig.subplots(1, 3)
+        for (hurst, family), shade in zip(by_hurst(rows).items(), COLOURS, strict=False):
+            part = sorted(longest(family, "eps_t", "grid"), key=lambda row: row["L_over_lam_l"])
             size = [row["L_over_lam_l"] for row in part]
             left.errorbar(size, [row["a_c"] for row in part], [row["a_c_se"] for row in part], color=shade, marker="o", capsize=2,
                           label=f"$H = {hurst:g}$")
             for name in RULES:
                 left.plot(size, [row[name] for row in part], color=shade, linewidth=0.6, linestyle="--")
             many = [row for row in part if row["surfaces"] >= SEVERAL]
-            right.plot([row["L_over_lam_l"] for row in many], [row["width"] for row in many], color=shade, marker="o")
+            middle_.plot([row["L_over_lam_l"] for row in many], [row["width"] for row in many], color=shade, marker="o")
+            grids = sorted((row for row in family if row["shift"] is not None and row["L_over_lam_l"] == SMALL),
+                           key=lambda row: row["eps_c"])
+            for name, mark in (("a_c_sides", "o"), ("a_c_corners", "s"), ("a_c_counted", "^")):
+                right.plot([0, *(row["eps_c"] for row in grids)], [0, *(row[name] - row["a_c"] - row["shift"] for row in grids)],
+                           color=shade, marker=mark, markersize=4,
+                           label=name.removeprefix("a_c_") if hurst == rows[0]["hurst"] else None)
         left.axhspan(0.415, 0.42, color="0.85", zorder=0, label="literature")
         if rows:
             size = np.array([1.0, max(row["L_over_lam_l"] for row in rows)])
-            right.plot(size, 0.08 * size ** (-1 / NU), label=r"$\propto\mathcal{L}^{-3/4}$", **THEORY)
+            middle_.plot(size, 0.08 * size ** (-1 / NU), label=r"$\propto\mathcal{L}^{-3/4}$", **THEORY)
         left.set(xscale="log", xlabel=r"$\mathcal{L}/\lambda_l$", ylabel="contact area at percolation")
-        right.set(xscale="log", yscale="log", xlabel=r"$\mathcal{L}/\lambda_l$", ylabel="width")
+        middle_.set(xscale="log", yscale="log", xlabel=r"$\mathcal{L}/\lambda_l$", ylabel="width")
+        right.set(xlabel=r"$a/\lambda_s$", ylabel=r"area minus limit for $a \to 0$")
         sizes = sorted({row["L_over_lam_l"] for row in rows})
-        for ax in (left, right):
+        for ax in (left, middle_):
             ax.set_xticks(sizes, [f"{size:g}" for size in sizes])
             ax.set_xticks([], minor=True)
-        left.legend()
-        right.legend()
+        for ax in (left, middle_, right):
+            if ax.get_legend_handles_labels()[0]:
+                ax.legend()
 
 
 QUESTION = """At which contact area does contact first go around the periodic cell along a given axis (in 52.1% of the cells, as at the
