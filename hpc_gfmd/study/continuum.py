@@ -8,7 +8,8 @@ which hardly know of H, eps_f and a small load; what it does is therefore common
 and known well even where one surface has few contacts.
 """
 
-from dataclasses import dataclass
+from collections import defaultdict
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def continuum(runs: Rows, observable: str) -> Continuum:
     value = np.array([run[observable] for run in runs])
     if not runs or not (value > 0).all():
         raise SceneError(f"{observable}: found no runs or zeros, allowed: positive values")
-    scatter = [Scatter.of(part, observable) for part in parts]
+    scatter = _same_jitter(families, [Scatter.of(part, observable) for part in parts])
     if any(one.law is None for one in scatter):
         raise SceneError("runs: found one realisation of each surface, allowed: at least two of some")
     errors = _covariance(runs, [one for one, part in zip(scatter, parts, strict=True) for _ in part], observable)
@@ -66,6 +67,14 @@ def continuum(runs: Rows, observable: str) -> Continuum:
 
 def _family(run):
     return run["hurst"], run["eps_f"], run["p_star"]
+
+
+def _same_jitter(families, scatter):
+    """What a grid adds is alike for all H, of each of which few surfaces were solved on several grids: the root mean square."""
+    squares = defaultdict(list)
+    for (_, *rest), one in zip(families, scatter, strict=True):
+        squares[tuple(rest)].append(one.jitter**2)
+    return [replace(one, jitter=float(np.sqrt(np.mean(squares[family[1:]])))) for family, one in zip(families, scatter, strict=True)]
 
 
 def _covariance(runs, scatter, observable):
