@@ -25,7 +25,7 @@ ROWS = {  # as in levels.py; at the end the loads, if not all
         *((8, 16, C, 8, HURST, LIGHT) for C in (2, 4, 8)),
         (2, 64, 2, 8), (2, 64, 4, 8), (2, 64, 8, 1), (2, 64, 16, 4, FEW, HEAVY), (8, 64, 2, 2),
         (1, 256, 2, 4), (1, 256, 4, 2), (2, 256, 8, 4, FEW, HEAVY), (4, 256, 2, 2),
-        *((*row, HURST, LIGHT) for row in ((32, 16, 2, 5), (16, 64, 2, 1), (1, 256, 2, 8), (1, 256, 4, 5), (4, 256, 2, 3))),
+        *((*row, HURST, LIGHT) for row in ((32, 16, 2, 5), (16, 64, 2, 1))),
     ),
     "paper": (
         (8, 64, 2, 16), (8, 64, 4, 16), (8, 64, 8, 8), (8, 64, 16, 4), (32, 64, 2, 4),
@@ -138,9 +138,10 @@ def draw(rows, path):
 
 
 QUESTION = """How do kappa = a_r/p\\* and the mean gap depend on the load, in a large cell and on a fine grid, for H from 0.1 to 1
-and three eps_f = lam_s/lam_l? Each pressure is fitted as a whole: ln value = its limit at this H and eps_f + a term
-in eps_t + terms in eps_c common to all H and eps_f; surfaces are common along each series. `hpc_gfmd.reference`
-interpolates these numbers. Dashed: Persson's theory with the missing factor 2."""
+and three eps_f = lam_s/lam_l? Each pressure is fitted as a whole (the area at light loads, up to 0.007, together: there
+single contacts meet the grid alike): ln value = its limit at this H and eps_f + a term in eps_t + terms in eps_c common
+to all H and eps_f; surfaces are common along each series. `hpc_gfmd.reference` interpolates these numbers; the gap ends
+at p\\* = 1.5, above which it closes (contact everywhere) in some cells. Dashed: Persson's theory with the missing factor 2."""
 
 STUDIES = (
     Study("curves", "Contact area and mean gap against the load, for many H", "Persson's theory, and the paper at a few H",

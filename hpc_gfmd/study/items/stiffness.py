@@ -18,7 +18,7 @@ LOADS = tuple(1e-4 * 2**k for k in range(11))
 WIDE = tuple(1e-5 * 4**k for k in range(7))  # of cells with more decades of roughness
 ROWS = {  # as in levels.py; at the end other loads
     "quick": ((1, 16, 2, 2, (0.5,)), (2, 16, 2, 2, (0.5,))),
-    "desk": ((1, 256, 2, 20, (0.3,)), (1, 256, 2, 13, (0.5,)), (1, 256, 2, 10, (0.8,))),
+    "desk": ((1, 256, 2, 20, (0.3,)), (1, 256, 2, 13, (0.5,)), (1, 256, 2, 10, (0.8,)), (2, 128, 2, 6)),
     "paper": ((1, 1024, 2, 100), (2, 1024, 2, 50), (4, 1024, 2, 20), (8, 1024, 2, 10)),
 }
 LOW, LINEAR = 0.0015, 0.01  # p_star up to which the power law is fitted, and about which K is compared with a line
@@ -139,7 +139,7 @@ def draw(rows, path):
 
 
 QUESTION = """How does the stiffness -dp/d(mean gap) of a finite rough contact fall at low pressures, and where does the power law
-end? In large systems Persson's theory (dashed) makes it proportional to the pressure; Pastewka, Prodanov, Lorenz,
+end, also in larger cells? In large systems Persson's theory (dashed) makes it proportional to the pressure; Pastewka, Prodanov, Lorenz,
 Müser, Robbins and Persson (2013) find p^1/(1 + H) (line in the lower panels) where the contact is one clump on the
 highest hill. The stiffness is the tangent while no point changes sides; means over surfaces are geometric."""
 
