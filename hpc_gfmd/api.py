@@ -112,7 +112,8 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         check(scene)
         z = _checked(heights if known is None else known.heights)
     _require_the_same(comm, scene, z.shape)
-    threads, head = threads_of(comm, scene.machine.threads), {}
+    of_each_rank = threads_of(comm, scene.machine.threads)
+    head: dict[str, Any] = {}
     sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
 
     def rows_of(start, stop):
@@ -122,7 +123,7 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
 
     def make_surface(dtype):
         unit = known.unit if known else ""
-        made = surface_from_rows(z.shape, sizes, rows_of, comm, dtype, threads, scene.surface.free, Checksum(), unit)
+        made = surface_from_rows(z.shape, sizes, rows_of, comm, dtype, of_each_rank, scene.surface.free, Checksum(), unit)
         head["heights"] = made.checksum
         head.setdefault("setup_seconds", time.monotonic() - begun)
         measured = hasattr(scene.surface, "path")
