@@ -197,12 +197,13 @@ class Multilevel:
         return float(squares - self.grid.cell_points * mean2 * np.sum(self.softness))
 
     def response(self, contact, tt, ts, rt, rs, mean):
-        """share^2 |v|_S^2 and share <v, S r> over the compliance of the shortest wave, by sums over levels: v is the test pressure of
-        bounds.py, share that of the surface in contact. contact: points; the others: sums over all ranks of what `sweep` returned."""
+        """share^2 |v|_S^2 and share <v, S r> over the compliance of the shortest wave, by sums over levels: v = t/share - s is the test
+        pressure of bounds.py, share that of the surface in contact; on the finest level s is left out. contact: points; the others:
+        sums over all ranks of what `sweep` returned."""
         share, norm = contact / self.grid.N, self.surface.norm
         if not self.grid.padded:
             return max(contact + tt - share**2 * norm, 0.0), self.without_mean(rt, mean * share)
-        return max(contact + tt - 2 * share * (contact + ts) + share**2 * norm, 0.0), rt - share * rs
+        return max(contact + tt - 2 * share * ts + share**2 * norm, 0.0), rt - share * rs
 
     def restrict(self, g, p, excess):
         """From a state that no step has led to, what the update passes restrict; returns UpdateSums. excess: see kernels/bpx.py."""

@@ -23,8 +23,8 @@ class NominalArea:
 
     @cached_property
     def norm(self):
-        """sum over levels of softness <s, s> N/N_l."""
-        return float(sum(weight * np.dot(x, x) * np.dot(y, y) for weight, (x, y) in zip(self.weights, self.s)))
+        """sum over the coarse levels of softness <s, s> N/N_l."""
+        return float(sum(weight * np.dot(x, x) * np.dot(y, y) for weight, (x, y) in zip(self.weights[1:], self.s[1:])))
 
     def product(self, k, field, start):
         """softness <field, s> N/N_l on level k; field: its rows from `start` on, restricted to that level."""
