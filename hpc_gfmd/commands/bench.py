@@ -39,7 +39,11 @@ def add_parser(subparsers):
     storage.add_argument("--folder", default=".", metavar="DIR", help="where to write (default: here)")
 
     peers = _part(parts, "peers", "ASPHER, Tamaas, ContactMechanics at equal true error (scripts/bench-peers-setup first)", (1024,), 5)
-    peers.add_argument("--p-star", type=number, nargs="+", default=[0.007, 0.353], metavar="P")
+    peers.add_argument("--boundary", choices=("periodic", "free"), default="periodic", help="of the surface (default periodic)")
+    loads = peers.add_mutually_exclusive_group()
+    loads.add_argument("--p-star", type=number, nargs="+", metavar="P", help="loads (default 0.007 0.353)")
+    loads.add_argument("--a-r", type=number, nargs="+", metavar="A", help="the loads at which such shares of the nominal area touch "
+                       "(default with free edges: 0.02 0.2)")
     peers.add_argument("--hurst", type=number, default=0.8, metavar="H")
     peers.add_argument("--codes", nargs="*", default=None, metavar="NAME", help="which of the other codes (default: all)")
     peers.add_argument("--error", type=number, default=1e-5, metavar="E", help="relative L2 error of the pressure (default 1e-5)")
