@@ -22,9 +22,9 @@ from .output.read import partial_folder, read_partial
 from .output.record import RunFile, tidy
 from .output.table import surface_line, table
 from .parallel import wisdom
-from .parallel.comm import threads_of, world
 from .parallel.guard import guarded
 from .parallel.interrupt import Interrupt, Stopped
+from .parallel.world import threads_of, world
 from .progress import Reporter
 from .scene import Scene, load_scene, with_overrides
 from .surface import build_surface, grid_of, surface_size

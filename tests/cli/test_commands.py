@@ -159,7 +159,7 @@ def test_interrupted(cli, folder):
     (["run", "scene.toml", "--set", "solver.accuracy=0"], "solver.accuracy"), (["run", "gone.toml"], "gone.toml"), (["run"], "SCENE"),
     (["walk", "scene.toml"], "walk"), (["show", "gone.h5"], "gone.h5"), (["show", "scene.toml"], "scene.toml"),
     (["plot", "gone.h5"], "gone.h5"), (["restart", "gone.h5"], "gone.h5"), (["plan", "scene.toml", "--ranks", "0"], "--ranks"),
-    (["plan", "scene.toml", "--set", "surface.lam_l_over_lam_s=4194304"], "GiB"),
+    (["plan", "scene.toml", "--set", "surface.lam_l_over_lam_s=262144"], "GiB"),
     (["persson", "--hurst", "2", "--eps-f", "0.1", "--p-star", "0.1"], "urst"),
     (["run", "scene.toml", "--set", "solver.name=gfdm"], "solver.name"), (["run", "scene.toml", "-o", "here.txt"], "output.path"),
     (["run", "scene.toml", "--set", "machine.memory_gib=1e-6"], "GiB"), ([], "COMMAND")], ids=lambda x: " ".join(x)[:40])

@@ -14,7 +14,7 @@ from pathlib import Path
 def main(fault, rank, *rest):
     """Prepare the fault, then run the command line."""
     cut = rest.index("--")
-    from hpc_gfmd.parallel.comm import world
+    from hpc_gfmd.parallel.world import world
 
     if int(rank) in (-1, world().rank):
         FAULTS[fault](*rest[:cut])

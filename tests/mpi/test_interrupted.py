@@ -51,7 +51,7 @@ def test_time_limit_and_restart(comm, shared_path):
 
 # tests/unit/test_restart.py has all solvers, on one process
 @pytest.mark.parametrize(("solver", "boundary", "loads"), [
-    ("bpx", "periodic", [0.1, 0.11, 0.12]), ("ccg", "periodic", [0.1, 0.11, 0.12]), ("bpx", "free", [0.1, 0.11, 0.12]),
+    ("bpx", "periodic", [0.1, 0.11, 0.12]), ("ccg", "periodic", [0.1, 0.11, 0.12]),
     ("bpx", "free", {"approach": [0.1, 0.02, 0.03]})], ids=str)
 def test_bit_identical(comm, shared_path, monkeypatch, solver, boundary, loads):
     """On as many ranks: stopped in the first load and at the end of the second, then dead without a word."""
