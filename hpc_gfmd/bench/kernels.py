@@ -75,7 +75,8 @@ def _add(report, samples, n, precision, cores, node, **of_all):
     for what in [*fields, *(name for name in samples if name not in fields)]:
         sample, nbytes = samples[what], counted.get(what)
         row = {"n": n, "precision": precision, "what": what, "cores": cores, "ms_min": 1e3 * sample.min,
-               "ms_median": 1e3 * sample.median, "ns_per_point": 1e9 * sample.min / N, "iteration_over_this": ratio(samples["iteration"], sample)}
+               "ms_median": 1e3 * sample.median, "ns_per_point": 1e9 * sample.min / N,
+               "iteration_over_this": ratio(samples["iteration"], sample)}
         if nbytes:
             row |= {"bytes_per_point": nbytes, "gb_per_s": 1e-9 * N * nbytes / sample.min,
                     "share_of_copy": nbytes / sample.median / copy}
