@@ -5,7 +5,7 @@ from importlib import import_module
 from .number import number
 
 PRECISIONS = ("single", "double")
-ALONE = ("accuracy", "peers")  # these run on one rank
+ALONE = ("accuracy", "kernels", "peers")  # these run on one rank
 
 
 def add_parser(subparsers):
@@ -13,8 +13,9 @@ def add_parser(subparsers):
                                    description="Measure speed. Alternating runs, warmed up; compare numbers of one call only.")
     parts = parser.add_subparsers(metavar="WHAT", required=True)
 
-    kernels = _part(parts, "kernels", "passes of the default solver: bytes moved, share of a copy, iteration over FFT pair",
+    kernels = _part(parts, "kernels", "passes of the default solver: bytes moved, time, share of a copy, on one core and on more",
                     (1024, 2048, 4096), 12)
+    kernels.add_argument("--ranks", type=int, nargs="+", default=[1, 2], metavar="K", help="numbers of ranks, a core each (1 2)")
     kernels.add_argument("--p-star", type=number, default=0.05, metavar="P", help="load of the contact that is iterated (default 0.05)")
 
     _part(parts, "fft", "our passes against mpi4py-fft's PFFT and FFTW's plan; on all ranks", (1024, 2048, 4096), 12)
