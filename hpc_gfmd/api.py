@@ -17,12 +17,11 @@ from .composition import check, load_shown, step_attributes, surface_attributes,
 from .contact import heights_of
 from .driver.warmup import compile_once
 from .errors import NotConverged, SceneError, one_line
-from .fields import FIELDS
+from .fields import FIELDS, Slab
 from .kernels.cache import announced, sound
 from .keywords import loads_of, scene_of_keywords
 from .output.read import Result
 from .parallel.guard import guarded
-from .parallel.h5 import Slab
 from .parallel.world import comm_of, threads_of
 from .prepared import PreparedSurface
 from .progress import Reporter
@@ -140,8 +139,7 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
     if known is None or known.table is None:
         head["identity"] += f" of {head['heights']}"
     stored = [_fields(scene.output.fields, contact) for contact in contacts]
-    result = Result(None, surface_attributes(scene, surface), steps, list(range(len(steps))), worst(steps), head["scene"], versions(),
-                    head, stored)
+    result = Result(None, surface_attributes(scene, surface), steps, list(range(len(steps))), worst(steps), head, stored)
     rows = surface.rows
     found = solutions_of(result, contacts, rows, comm)
     _warn(comm, steps)

@@ -25,6 +25,15 @@ def guarded(comm, doing: str):
     agree(comm, error)
 
 
+def on_rank_0(comm, doing: str, work):
+    """What work() gives on rank 0, for all ranks; where it fails, every rank leaves with its error, as of `guarded`. Collective."""
+    found = None
+    with guarded(comm, doing):
+        if comm.rank == 0:
+            found = work()
+    return comm.bcast(found)
+
+
 def agree(comm, error):
     """Raise on every rank if any rank has an error (an exception or None): the first one's, as the same type."""
     if comm.size == 1:
