@@ -2,16 +2,19 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 from ..output.read import Result
 from ..parallel.h5 import Slab
 from .pictures import plot
+from .style import Picture
 
 
-def height_map(heights, sizes=(1.0, 1.0), unit="", title="surface", window=None, dpi=None):
+def height_map(heights: Any, sizes: tuple[float, ...] = (1.0, 1.0), unit: str = "", title: str = "surface", window: Any = None,
+               dpi: float | None = None) -> Picture:
     """The picture of heights (n_x, n_y), peaks up, on a cell of these sizes; unit: "m" where both are in it; window, dpi: see plot.
     Returns a matplotlib Figure."""
     surface = {"n": list(heights.shape), "physical_sizes": list(sizes), "h_rms": float(heights.std()), "unit": unit}
-    result = Result(Path(title), surface, [{"status": "converged"}], [0], "converged", f"title = {json.dumps(title)}", {}, {},
-                    [{"heights": Slab(heights, 0, heights.shape)}])
+    fields: Any = {"heights": Slab(heights, 0, heights.shape)}
+    result = Result(Path(title), surface, [{"status": "converged"}], [0], "converged", f"title = {json.dumps(title)}", {}, {}, [fields])
     return plot(result, "heights", window=window, dpi=dpi)

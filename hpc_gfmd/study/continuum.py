@@ -64,7 +64,7 @@ def continuum(runs: Rows, observable: str) -> Continuum:
                      dict(zip(families, sigma[:count].tolist(), strict=True)), chi2)
 
 
-def _of_families(runs, families, powers):
+def _of_families(runs: Rows, families: list, powers: tuple[int, ...]) -> list[np.ndarray]:
     """A column for the limit of each family, one for its C_t where its cells differ, one for each power of eps_c of its own."""
     which = np.array([families.index((run["hurst"], run["eps_f"])) for run in runs])
     eps_t, eps_c = (np.array([run[name] for run in runs]) for name in ("eps_t", "eps_c"))
@@ -72,7 +72,7 @@ def _of_families(runs, families, powers):
     return [*own, *(mask * eps_t for mask in own if np.ptp(eps_t[mask > 0]) > 0), *(mask * eps_c**k for k in powers for mask in own)]
 
 
-def _of_grids(runs, powers, start):
+def _of_grids(runs: Rows, powers: tuple[int, ...], start: int) -> list[np.ndarray]:
     """Columns of eps_c^k times smooth functions of H and ln eps_f, the fewer the higher the power, as far as they differ. start: number
     of powers below."""
     eps_c, hurst, log = (np.array(x) for x in zip(*((r["eps_c"], r["hurst"], np.log(r["eps_f"])) for r in runs), strict=True))

@@ -1,6 +1,8 @@
 """kappa and mean gap against p_star for many H and three eps_f, in the limit of fine grids and large cells: hpc_gfmd.reference."""
 
 from collections import defaultdict
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -9,16 +11,17 @@ from ...plotting.style import THEORY, figure, shade
 from ...theory import persson
 from ..case import Case
 from ..continuum import POWERS, continuum
+from ..draw import points
 from ..levels import P_HIGH, P_LOW, cases_of, level_of
 from ..markdown import table
 from ..paper import quoted, saying
-from ..rows import Rows, near
+from ..rows import Rows, at_load
 from ..study import Study
 
 HURST = (0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 1.0)
 LOADS = (1e-4, 3e-4, 0.001, P_LOW, 0.03, 0.06, 0.12, 0.2, P_HIGH, 0.6, 1.0, 1.5, 2.0)
 FEW, HEAVY, LIGHT = (0.3, 0.5, 0.8), LOADS[2:], LOADS[:4]  # what is solved of the finest grids, and of more surfaces
-ROWS = {  # as in levels.py; at the end the loads, if not all
+ROWS: dict[str, Any] = {  # as in levels.py; at the end the loads, if not all
     "quick": tuple((*row, (0.3, 0.8)) for row in ((2, 4, 2, 3), (2, 4, 4, 3), (2, 4, 8, 2), (2, 4, 16, 2), (4, 4, 2, 2))),
     "desk": (
         (8, 16, 2, 4), (8, 16, 4, 4), (8, 16, 8, 4), (8, 16, 16, 1, (0.1, 0.5, 1.0)), (32, 16, 2, 2),
@@ -47,7 +50,7 @@ def limits(runs: Rows, level: str) -> Rows:
     gap_over_h_rms, NAME_se, Persson's; None where the gap is closed in some realisation."""
     rows = []
     for p_star in LOADS:
-        part = [run for run in runs if near(run["p_star"], p_star)]
+        part = at_load(runs, p_star)
         found = {name: _limit(part, name) for name in POWERS}
         for hurst, eps_f in sorted({(run["hurst"], run["eps_f"]) for run in part}):
             one = {name: at.get((hurst, eps_f)) for name, at in found.items()}
@@ -62,7 +65,7 @@ def limits(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def _limit(runs, name):
+def _limit(runs: Rows, name: str) -> dict[tuple, tuple[float, float]]:
     """{(H, eps_f): (limit, standard error)}; {} where there is none."""
     try:
         found = continuum(runs, name)
@@ -78,7 +81,7 @@ def findings(rows: Rows) -> Rows:
     if not known or not gaps:
         return []
 
-    def worst(part, name, low=0.0, high=np.inf):
+    def worst(part: Rows, name: str, low: Any = 0.0, high: Any = np.inf) -> str:
         return f"{max((row[f'{name}_se'] / row[name] for row in part if low <= row['p_star'] <= high), default=0):.1%}"
 
     apart = [(row["kappa_counted"] - row["kappa_edge"]) / np.hypot(row["kappa_counted_se"], row["kappa_edge_se"]) for row in known]
@@ -111,7 +114,7 @@ def numbers(rows: Rows) -> str:
     return table(lines, {"what": "", "eps_f": "eps_f", "hurst": "H"} | {f"{p:.3g}": f"p* = {p:.3g}" for p in SHOWN})
 
 
-def draw(rows, path):
+def draw(rows: Rows, path: Path) -> None:
     """kappa and gap/h_rms against p_star, a column for each eps_f; lines: Persson."""
     eps = sorted({row["eps_f"] for row in rows}, reverse=True) or [1.0]
     p_star = np.geomspace(LOADS[0], 1.6, 60)
@@ -120,9 +123,8 @@ def draw(rows, path):
         for column, eps_f in zip(axes.T, eps, strict=True):
             for ax, name, label in zip(column, ("kappa", "gap_over_h_rms"), (r"$\kappa$", r"$\Delta\bar u/\bar h$"), strict=True):
                 for hurst in sorted({row["hurst"] for row in rows}):
-                    part = [row for row in rows if (row["eps_f"], row["hurst"]) == (eps_f, hurst) and row[name]]
-                    ax.errorbar([row["p_star"] for row in part], [row[name] for row in part], [row[f"{name}_se"] for row in part],
-                                color=shade(0.9 * hurst), marker="o", markersize=3, linewidth=0.8, capsize=2, label=f"$H = {hurst:g}$")
+                    part = [row for row in rows if (row["eps_f"], row["hurst"]) == (eps_f, hurst)]
+                    points(ax, part, "p_star", name, shade(0.9 * hurst), label=f"$H = {hurst:g}$", line="-", size=3)
                     if name != "kappa":
                         ax.plot(p_star, persson.mean_gap(p_star, hurst, eps_f), color=shade(0.9 * hurst), linestyle="--", linewidth=0.7)
                 ax.set(xscale="log", ylabel=label if eps_f == eps[0] else None)

@@ -1,14 +1,16 @@
 """The contact area at which contact first percolates, by finite-size scaling."""
 
 from collections import defaultdict
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import norm
 
 from ...plotting.style import COLOURS, THEORY, figure
-from ..case import Case
-from ..levels import cases_of, level_of
+from ..draw import points
+from ..levels import series_of
 from ..markdown import table
 from ..paper import quoted, saying
 from ..rows import Rows, by_hurst, longest
@@ -28,12 +30,6 @@ NU = 4 / 3  # of the correlation length in two dimensions
 HALF = 0.521058  # share of square cells in which a cluster wraps along a given axis, at the threshold of large ones (Newman, Ziff 2001)
 
 
-def series(level: str) -> list[Case]:
-    """All surfaces of a level."""
-    level_of(level)
-    return cases_of(ROWS[level], HURST, LOADS, observables=("percolation", "percolation_8"))
-
-
 def thresholds(runs: Rows, level: str) -> Rows:
     """A row for each H and size.
 
@@ -42,7 +38,7 @@ def thresholds(runs: Rows, level: str) -> Rows:
     do; a_c_shared: a_c of those surfaces that were solved on all grids; for each of RULES the area at which half of the surfaces fulfil
     it.
     """
-    systems = defaultdict(lambda: defaultdict(list))
+    systems: dict[tuple, dict[int, Rows]] = defaultdict(lambda: defaultdict(list))
     for run in sorted(runs, key=lambda run: run["p_star"]):
         systems[tuple(run[name] for name in SYSTEM)][run["seed"]].append(run)
     rows = []
@@ -65,28 +61,28 @@ def thresholds(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def _between(sweep, name):
+def _between(sweep: Rows, name: str) -> tuple[float, float]:
     """(area at the last load without, area at the first load with percolation), 0 and 1 where there is none."""
     first = next((k for k, run in enumerate(sweep) if run[name]), len(sweep))
     area = [0.0, *(run["a_r_edge"] for run in sweep), 1.0]
     return area[first], area[first + 1]
 
 
-def _middle(bounds, share):
+def _middle(bounds: Any, share: float) -> tuple[float, float]:
     """(area at which `share` of the surfaces percolate, standard deviation) of a normal distribution, the likeliest for these bounds,
     shape (surfaces, ..., 2)."""
     low, high = np.reshape(bounds, (-1, 2)).T
     inside = (low > 0) & (high < 1)
     start = np.mean((low + high)[inside]) / 2 if inside.any() else 0.4, np.log(0.03)
 
-    def misfit(x):
+    def misfit(x: np.ndarray) -> float:
         return -np.sum(np.log(np.maximum(norm.cdf((high - x[0]) / np.exp(x[1])) - norm.cdf((low - x[0]) / np.exp(x[1])), 1e-12)))
 
     mean, log = minimize(misfit, start, method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-4}).x
     return float(mean + np.exp(log) * norm.ppf(share)), float(np.exp(log))
 
 
-def _jackknife(bounds):
+def _jackknife(bounds: np.ndarray) -> float:
     """Standard error of the area, from what each of at most 20 groups of surfaces changes."""
     groups = np.array_split(np.arange(len(bounds)), min(len(bounds), 20))
     left = [_middle(np.delete(bounds, group, axis=0), HALF)[0] for group in groups]
@@ -147,23 +143,22 @@ def numbers(rows: Rows) -> str:
                          "a_c_corners": "corners", "along_x_or_y": "x or y", "along_x_and_y": "x and y", "width": "width"})
 
 
-def draw(rows, path):
+def draw(rows: Rows, path: Path) -> None:
     """a_c and its width against L/lam_l, the two rules as thin lines."""
     with figure(path, 7.6, 3.2) as fig:
         left, right = fig.subplots(1, 2)
         for (hurst, part), shade in zip(by_hurst(rows).items(), COLOURS, strict=False):
             part = sorted(longest(part, "eps_t", "grid"), key=lambda row: row["L_over_lam_l"])
             size = [row["L_over_lam_l"] for row in part]
-            left.errorbar(size, [row["a_c"] for row in part], [row["a_c_se"] for row in part], color=shade, marker="o", capsize=2,
-                          label=f"$H = {hurst:g}$")
+            points(left, part, "L_over_lam_l", "a_c", shade, label=f"$H = {hurst:g}$", line="-")
             for name in RULES:
                 left.plot(size, [row[name] for row in part], color=shade, linewidth=0.6, linestyle="--")
             many = [row for row in part if row["surfaces"] >= SEVERAL]
             right.plot([row["L_over_lam_l"] for row in many], [row["width"] for row in many], color=shade, marker="o")
         left.axhspan(0.415, 0.42, color="0.85", zorder=0, label="literature")
         if rows:
-            size = np.array([1.0, max(row["L_over_lam_l"] for row in rows)])
-            right.plot(size, 0.08 * size ** (-1 / NU), label=r"$\propto\mathcal{L}^{-3/4}$", **THEORY)
+            ends = np.array([1.0, max(row["L_over_lam_l"] for row in rows)])
+            right.plot(ends, 0.08 * ends ** (-1 / NU), label=r"$\propto\mathcal{L}^{-3/4}$", **THEORY)
         left.set(xscale="log", xlabel=r"$\mathcal{L}/\lambda_l$", ylabel="contact area at percolation")
         right.set(xscale="log", yscale="log", xlabel=r"$\mathcal{L}/\lambda_l$", ylabel="width")
         sizes = sorted({row["L_over_lam_l"] for row in rows})
@@ -180,5 +175,5 @@ distribution is fitted to these bounds (largest likelihood). Dashed in the pictu
 
 STUDIES = (
     Study("percolation", "The contact area at which contact percolates", "critical area near 0.42",
-          series, thresholds, draw, findings, QUESTION, numbers),
+          series_of(ROWS, HURST, LOADS, observables=("percolation", "percolation_8")), thresholds, draw, findings, QUESTION, numbers),
 )
