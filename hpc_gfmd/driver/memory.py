@@ -151,5 +151,5 @@ def require_memory(comm, scene, n, threads):
         needs = [need for name, _, need in here if name == node]
         there = scene.machine.memory_gib or min(gib for name, gib, _ in here if name == node)
         if sum(needs) > there:
-            raise SceneError(f"surface: {n[0]} x {n[1]} points need {sum(needs):.2f} GiB on {len(needs)} of {comm.size} ranks, {node} has "
-                             f"{there:.2f} GiB: use more machines, fewer points or single precision")
+            raise SceneError(f"surface: {n[0]} x {n[1]} points need {sum(needs):.2f} GiB on {len(needs)} of {comm.size} ranks, "
+                             f"{node} has {there:.2f} GiB: use more machines, fewer points or single precision")
