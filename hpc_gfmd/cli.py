@@ -52,7 +52,7 @@ def main(argv=None):
 
 def _run(argv):
     """(exit code, whether the result is what was printed)."""
-    from .parallel.comm import leave_together
+    from .parallel.leaving import leave_together
 
     # The restart command lives with run; what is not asked for is not imported.
     asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
@@ -84,6 +84,6 @@ def _complain(error, before=""):
 
 def _where():
     """Which of several ranks this is."""
-    from .parallel.comm import launched, launcher_rank
+    from .parallel.launcher import launched, launcher_rank
 
     return f" on rank {launcher_rank()}" if launched()[0] else ""

@@ -7,7 +7,7 @@ not counted, neither here nor for the copy that they are compared with.
 
 import numpy as np
 
-from ..parallel.comm import world
+from ..parallel.world import world
 from ..problem import Problem
 from ..registry import solver_class
 from .cases import DTYPES, Case

@@ -61,7 +61,7 @@ def _part(parts, what, text, sizes, repeats):
 def main(args) -> int:
     """Run one benchmark, bench_WHAT(args) of bench/WHAT.py. Raises SceneError for arguments that make no sense."""
     from ..errors import SceneError
-    from ..parallel.comm import world
+    from ..parallel.world import world
 
     if min(args.n) < 8 or any(n % 4 for n in args.n):
         raise SceneError(f"--n: found {args.n}, allowed: multiples of 4 from 8")

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SceneError
+from ..parallel.guard import agree
 from ..registry import body_of
 from ..surface import cell_of
 from .decomposition import share_of
@@ -141,15 +142,13 @@ def limit_gib():
 def require_memory(comm, scene, n, threads):
     """Raise SceneError on all ranks if the ranks of some machine need more memory than it has. Collective."""
     need = memory_of(scene, n, comm.size, threads, comm.rank).total
-    here = comm.allgather((os.uname().nodename, available_gib(), need))
-    own = float(comm.min([limit_gib()])[0])
-    most = max(need for *_, need in here)
+    most, own = float(comm.max([need])[0]), float(comm.min([limit_gib()])[0])
     if most > own:
         raise SceneError(f"surface: {n[0]} x {n[1]} points need {most:.2f} GiB on each of {comm.size} ranks, a process may have "
                          f"{max(own, 0.0):.2f} GiB more (ulimit -v): raise the limit, use more ranks, fewer points or single precision")
-    for node in {name for name, *_ in here}:
-        needs = [need for name, _, need in here if name == node]
-        there = scene.machine.memory_gib or min(gib for name, gib, _ in here if name == node)
-        if sum(needs) > there:
-            raise SceneError(f"surface: {n[0]} x {n[1]} points need {sum(needs):.2f} GiB on {len(needs)} of {comm.size} ranks, "
-                             f"{node} has {there:.2f} GiB: use more machines, fewer points or single precision")
+    together, error = float(comm.machine.sum([need])[0]), None
+    there = scene.machine.memory_gib or float(comm.machine.min([available_gib()])[0])
+    if together > there:
+        error = SceneError(f"surface: {n[0]} x {n[1]} points need {together:.2f} GiB on {comm.machine.size} of {comm.size} ranks, "
+                           f"{os.uname().nodename} has {there:.2f} GiB: use more machines, fewer points or single precision")
+    agree(comm, error)

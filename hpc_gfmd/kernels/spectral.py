@@ -56,31 +56,38 @@ def from_blocks(blocks, rows, edges, n_loc, i0, count):
 
 
 @kernel
-def transpose(block, columns):
-    """columns (W, n_x) = block (n_x, W) transposed, a cache line of either at a time."""
-    n_x, W = block.shape
-    whole = n_x - n_x % TILE
-    for i in range(0, whole, TILE):
-        for w in range(W):
-            for k in range(TILE):
-                columns[w, i + k] = block[i + k, w]
-    for i in range(whole, n_x):
-        for w in range(W):
-            columns[w, i] = block[i, w]
+def transpose(memory, first, rows, columns):
+    """columns (W, n_x) = a block (n_x, W) transposed, a cache line of either at a time. The block is in pieces: its rows
+    rows[k, 0] <= i < rows[k, 1] stand at memory[first[k]:]."""
+    W = columns.shape[0]
+    for k in range(first.shape[0]):
+        i0, n = rows[k, 0], rows[k, 1] - rows[k, 0]
+        block = memory[first[k]:first[k] + n * W].reshape(n, W)
+        whole = n - n % TILE
+        for i in range(0, whole, TILE):
+            for w in range(W):
+                for j in range(TILE):
+                    columns[w, i0 + i + j] = block[i + j, w]
+        for i in range(whole, n):
+            for w in range(W):
+                columns[w, i0 + i] = block[i, w]
 
 
 @kernel
-def transpose_back(columns, block):
+def transpose_back(columns, memory, first, rows):
     """The inverse of `transpose`."""
-    n_x, W = block.shape
-    whole = n_x - n_x % TILE
-    for i in range(0, whole, TILE):
-        for w in range(W):
-            for k in range(TILE):
-                block[i + k, w] = columns[w, i + k]
-    for i in range(whole, n_x):
-        for w in range(W):
-            block[i, w] = columns[w, i]
+    W = columns.shape[0]
+    for k in range(first.shape[0]):
+        i0, n = rows[k, 0], rows[k, 1] - rows[k, 0]
+        block = memory[first[k]:first[k] + n * W].reshape(n, W)
+        whole = n - n % TILE
+        for i in range(0, whole, TILE):
+            for w in range(W):
+                for j in range(TILE):
+                    block[i + j, w] = columns[w, i0 + i + j]
+        for i in range(whole, n):
+            for w in range(W):
+                block[i, w] = columns[w, i0 + i]
 
 
 @kernel

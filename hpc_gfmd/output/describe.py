@@ -22,19 +22,17 @@ def describe(file) -> None:
     about = surface.attrs
     if "n" not in about:
         return  # before the surface is made
-    loads = [step.attrs.get("p", np.nan) for step in steps]
-    scales = coordinates(file, about, loads)
+    scales = coordinates(file, about, [step.attrs.get("p", np.nan) for step in steps])
     for group in (surface, *steps):
-        names = _fields(group)
-        for name in names:
+        for name in _fields(group):
             name_it(group[name], about, scales[1:])
-        if names:
+            if group != surface:
+                group[name].attrs["coordinates"] = "p"
+        if _fields(group):
             group["x"], group["y"] = scales[1:]  # hard links
-    for step, p in zip(steps, loads, strict=True):
+    for step, p in zip(steps, file["loads"]):
         step["p"] = p
         name_it(step["p"], about)
-        for name in _fields(step):
-            step[name].attrs["coordinates"] = "p"
         if "heights" in surface:
             step["heights"] = surface["heights"]
     if steps and min(about["n"]) > 1:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..output.table import converged
+from ..table import converged
 from .style import COLOURS, THEORY, WARNING, WIDTH, legend_below, ticks
 from .units import Scale, good
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..output.table import converged
+from ..table import converged
 from .style import COLOURS, THEORY, WIDTH, legend_below
 from .survey import density
 

@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from ..fields import Slab
 from ..output.read import Result
-from ..parallel.h5 import Slab
 from .pictures import plot
 from .style import Picture
 
@@ -16,5 +16,6 @@ def height_map(heights: Any, sizes: tuple[float, ...] = (1.0, 1.0), unit: str = 
     Returns a matplotlib Figure."""
     surface = {"n": list(heights.shape), "physical_sizes": list(sizes), "h_rms": float(heights.std()), "unit": unit}
     fields: Any = {"heights": Slab(heights, 0, heights.shape)}
-    result = Result(Path(title), surface, [{"status": "converged"}], [0], "converged", f"title = {json.dumps(title)}", {}, {}, [fields])
+    head = {"scene": f"title = {json.dumps(title)}"}
+    result = Result(Path(title), surface, [{"status": "converged"}], [0], "converged", head, [fields])
     return plot(result, "heights", window=window, dpi=dpi)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..parallel.fft import row_starts
+from ..parallel.layout import row_starts
 from .slabs import local, own_rows, own_slabs
 from .topography import Topography
 

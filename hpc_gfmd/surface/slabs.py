@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..parallel.fft import row_starts
 from ..parallel.guard import guarded
+from ..parallel.layout import row_starts
 
 ROWS = 64  # read at a time
 

@@ -39,6 +39,22 @@ def test_full(small_disk, undisturbed, when, ranks):
 
 
 @pytest.mark.parametrize("ranks", [None, SEVERAL])
+def test_full_in_the_middle_of_a_write(small_disk, undisturbed, ranks):
+    """Where the space could not be reserved: HDF5 and MPI meet the full disk, in a collective write on several ranks."""
+    how = {"checkpoint": 600, "fields": '["gap", "pressure", "displacement"]'}
+    disk = small_disk(300 * 1024)
+    path = write_scene(disk, **how)
+    job = run(["run", "scene.toml", "-q"], ranks, disk, fault=["unreserved", -1])
+    assert job.code == 1, job.err
+    job.says(r"writing .*step-0000\.h5: (No space left on device|.*write failed)")
+    assert not path.exists()
+    assert not list(disk.rglob("*.tmp"))
+    subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
+    finish(path, ranks)
+    nothing_wrong(path, undisturbed(ranks, **how))
+
+
+@pytest.mark.parametrize("ranks", [None, SEVERAL])
 def test_read_only(small_disk, ranks):
     disk = small_disk("4m")
     write_scene(disk)

@@ -12,7 +12,8 @@ from mpi_harness import end
 from pieces import Pieces
 from pieces import scene as small
 
-from hpc_gfmd.output.read import partial_folder, read_result
+from hpc_gfmd.output.folder import is_held, partial_folder
+from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import restart, run_scene
@@ -116,5 +117,7 @@ def test_signal(mpirun, tmp_path):
     assert process.returncode != 0
     assert b"Traceback" not in err
     assert not (tmp_path / "slow.h5").exists()
+    while is_held(head.parent) and time.monotonic() - since < 120:
+        time.sleep(0.02)  # mpirun does not wait for ranks that it has killed
     assert read_result(tmp_path / "slow.h5").status == "interrupted"
     assert [p for p in head.parent.iterdir() if p.name.startswith(("checkpoint", "step"))], err

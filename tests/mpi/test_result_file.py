@@ -1,5 +1,6 @@
 """The result file on any number of ranks: empty slabs, MPI-IO or not, restart, agreed errors."""
 
+import os
 import shutil
 
 import numpy as np
@@ -161,6 +162,20 @@ def test_several_ranks_write_and_read_by_mpi_io(comm, shared_path, monkeypatch):
         assert [found.get_dxpl_mpio() for found in collective].count(h5py.h5fd.MPIO_COLLECTIVE) == 2
     else:
         assert not any(mpio for *_, mpio in drivers)
+    comm.barrier()
+
+
+def test_the_disk_is_busy_while_the_next_piece_is_made(comm, shared_path, monkeypatch):
+    """The system is told to write what is there after each piece, not after the last one alone."""
+    told, advise, fsync, rows = [], os.posix_fadvise, os.fsync, slab(comm, 60)
+    monkeypatch.setattr(h5, "PIECE_BYTES", 7 * 50 * 8)
+    monkeypatch.setattr(os, "posix_fadvise", lambda *args: told.append(args[1:]) or advise(*args))
+    monkeypatch.setattr(os, "fsync", lambda file: told.append("sync") or fsync(file))
+    h5.write_file(comm, shared_path / "a.h5", (60, 50), rows, {"u": field((60, 50))[slice(*rows)]})
+    if comm.size == 1 or h5.io_way(comm) == "mpio":
+        pieces = told.index("sync")
+        assert pieces == -(-(60 // comm.size) // 7)
+        assert set(told[:pieces]) == {(0, 0, os.POSIX_FADV_DONTNEED)}
     comm.barrier()
 
 

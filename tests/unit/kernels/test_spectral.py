@@ -38,13 +38,20 @@ def test_large_blocks(random, dtype, offset):
     assert np.array_equal(back, rows)
 
 
-@pytest.mark.parametrize("shape", [(24, 8), (13, 5), (7, 3)])
-def test_transpose(random, shape):
-    block, columns, back = random.standard_normal(shape), np.empty(shape[::-1]), np.empty(shape)
-    spectral.transpose(block, columns)
+@pytest.mark.parametrize("cuts", [[0, 24], [0, 9, 9, 24], [8, 16, 0, 8, 16, 24]], ids=["whole", "ranks", "in another order"])
+@pytest.mark.parametrize("width", [8, 5, 1])
+def test_transpose(random, width, cuts):
+    """Of a block whose rows are in pieces, somewhere in memory."""
+    block, columns = random.standard_normal((24, width)), np.empty((width, 24))
+    rows = np.array(list(zip(cuts, cuts[1:])) if cuts[0] == 0 else np.reshape(cuts, (-1, 2)))
+    first = 3 + 2 * np.arange(len(rows)) + np.cumsum([0, *np.diff(rows)[:-1, 0]]) * width
+    memory, back = np.full(200, np.nan), np.full(200, np.nan)
+    for start, (i0, i1) in zip(first, rows, strict=True):
+        memory[start:start + (i1 - i0) * width] = block[i0:i1].ravel()
+    spectral.transpose(memory, first, rows, columns)
     assert np.array_equal(columns, block.T)
-    spectral.transpose_back(columns, back)
-    assert np.array_equal(back, block)
+    spectral.transpose_back(columns, back, first, rows)
+    assert np.array_equal(back, memory, equal_nan=True)
 
 
 @pytest.mark.parametrize(("kernel", "power"), [(spectral.multiply_stiffness, 1), (spectral.multiply_compliance, -1)])
