@@ -55,7 +55,8 @@ class SlabFFT(Layout):
                                   zeros_aligned((self.W, n_x), complex_dtype), zeros_aligned(received, complex_dtype)))
         real, half, columns, _ = self._scratch[0]
         self._rounds = [(self.sent(k), self.received(k)) for k in range(self.K)]
-        self.plans = planned(comm, self.dtype, lambda: Plans(real, half, [columns[:w] for w in self.widths]))
+        self.plans = planned(comm, self.dtype, lambda: Plans(real, half, [columns[:w] for w in self.widths]),
+                             (real.shape, columns.shape, *self.widths))
         for a in (real, half, columns):
             a[...] = 0  # planning has left noise
 

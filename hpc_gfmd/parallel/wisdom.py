@@ -22,11 +22,14 @@ from .launcher import launcher_rank
 LIMIT = 2**20  # bytes beyond which what a file or this process knows is left, and begun anew
 
 
-def planned(comm, dtype, make):
-    """make() makes plans by measurement; returns what it returned, planned alike on all ranks. Collective."""
+def planned(comm, dtype, make, shapes):
+    """make() makes plans by measurement; returns what it returned, planned alike on all ranks. shapes: of these plans. Collective."""
     if load_fftw() is None:
         return make()
     wisdom, plans = _wisdom(np.dtype(dtype).name), None
+    if comm.size == 1 and shapes in wisdom.made:  # writing out all that FFTW knows takes longer than making a plan that is known
+        return make()
+    wisdom.made.add(shapes)
     if comm.rank == 0:
         if len(wisdom.text()) > LIMIT:
             wisdom.replace(b"")
@@ -58,13 +61,13 @@ def take_from(folder):
 
 
 class _Wisdom:
-    """The wisdom of this process in one precision. What it knows already wins over what is read."""
+    """The wisdom of this process in one precision. What it knows already wins over what is read. made: shapes of plans it has made."""
 
     def __init__(self, name):
         from mpi4py_fft.fftw import fftw_xfftn, fftwf_xfftn
 
         self.name, self.library = name, fftw_xfftn if name == "float64" else fftwf_xfftn
-        self._lines, self._stamp = set(), None
+        self._lines, self._stamp, self.made = set(), None, set()
         tiny = empty_aligned((8,), np.result_type(name, np.complex64))
         # The first plan initialises the threads of FFTW, which forgets wisdom read before it.
         load_fftw().fftn(tiny, None, (0,), 1, (load_fftw().FFTW_ESTIMATE,), tiny)
@@ -106,6 +109,7 @@ class _Wisdom:
     def replace(self, text):
         """Know this and nothing else."""
         self._stamp = None
+        self.made.clear()
         self.library.forget_wisdom()
         self.add(text)
 

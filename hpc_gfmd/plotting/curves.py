@@ -1,6 +1,8 @@
 """Contact area, mean gap and what else was asked for over the load, with the theory of the surface."""
 
+from collections.abc import Callable, Iterator
 from math import hypot, isfinite
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -8,10 +10,13 @@ from ..table import converged
 from .style import COLOURS, THEORY, WARNING, WIDTH, legend_below, ticks
 from .units import Scale, good
 
+if TYPE_CHECKING:
+    from .pictures import Drawn
+
 COLUMNS = 3
 
 
-def curves(fig, drawn) -> None:
+def curves(fig: Any, drawn: "Drawn") -> None:
     """A panel for every quantity that the loads have. drawn: pictures.Drawn."""
     steps = [step for step in (drawn.result.steps[k] for k in drawn.chosen) if good(step.get("p"))]
     panels = [panel for panel in _panels(drawn, steps) if any(good(step.get(key)) for step in steps for key, *_ in panel[1])]
@@ -31,14 +36,15 @@ def curves(fig, drawn) -> None:
     legend_below(fig)
 
 
-def _panels(drawn, steps):
+def _panels(drawn: "Drawn", steps: list[dict]) -> Iterator[Any]:
     """(label, [(key, keys of its errors, scale, colour, marker, name)], (name, function of p) or None) of every panel."""
-    theory, one = drawn.theory, Scale(1.0)
+    theory: Any = drawn.theory
+    one = Scale(1.0)
     heights = drawn.units.heights([step.get("gap_mean") for step in steps])
     depths = drawn.units.heights([step.get("approach") for step in steps])
     area = ("a_r_error", "a_r_discretisation")
 
-    def of(name):
+    def of(name: str) -> Any:
         function = theory and getattr(theory, name)
         return (theory.name, function) if function else None
 
@@ -53,7 +59,8 @@ def _panels(drawn, steps):
     yield depths.label(r"\delta"), [("approach", (), depths, COLOURS[0], "o", simulated[0])], of("approach")
 
 
-def _points(ax, steps, scale_x, key, error_keys, scale, colour, marker, name) -> None:
+def _points(ax: Any, steps: list[dict], scale_x: Scale, key: Any, error_keys: Any, scale: Scale, colour: str, marker: str,
+            name: str) -> None:
     for good_ones in (True, False):
         chosen = [s for s in steps if isinstance(s.get(key), int | float) and isfinite(s[key]) and converged(s) == good_ones]
         if not chosen:
@@ -67,7 +74,7 @@ def _points(ax, steps, scale_x, key, error_keys, scale, colour, marker, name) ->
         ax.errorbar(x, y, bars, linestyle="", capsize=1.5, elinewidth=0.8, **how)
 
 
-def _line(ax, steps, x, scale, name, function) -> None:
+def _line(ax: Any, steps: list[dict], x: Any, scale: Scale, name: Any, function: Callable) -> None:
     loads = [step["p"] for step in steps]
     p = np.geomspace(min(loads) / 2, max(loads) * 2, 80)
     low, high = ax.get_ylim()
@@ -76,7 +83,7 @@ def _line(ax, steps, x, scale, name, function) -> None:
     ax.set_ylim(min(low, shown[0] / 2), max(high, shown[1] * 2))
 
 
-def _axes(ax, x, y_label) -> None:
+def _axes(ax: Any, x: Any, y_label: str) -> None:
     ax.set_xlabel(x.label("p_0") if not x.relative or " " not in x.name else r"$p^* = p_0/(E^* \bar{g})$")
     ax.set_ylabel(y_label)
     ax.set_xscale("log")

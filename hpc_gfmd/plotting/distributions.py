@@ -1,16 +1,21 @@
 """Distributions of pressure, gap and patch sizes, with what theory says of the pressure."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ..table import converged
 from .style import COLOURS, THEORY, WIDTH, legend_below
 from .survey import density
 
+if TYPE_CHECKING:
+    from .pictures import Drawn
+
 BINS = 48  # of pressure
 HEIGHT = 3.0
 
 
-def distributions(fig, drawn) -> None:
+def distributions(fig: Any, drawn: "Drawn") -> None:
     """A panel for each of them that the result has, stored or in its fields. drawn: pictures.Drawn."""
     there = set().union(*(_has(drawn, k) for k in range(len(drawn.chosen))))
     panels = [panel for name, panel in PANELS.items() if name in there]
@@ -20,17 +25,17 @@ def distributions(fig, drawn) -> None:
     legend_below(fig)
 
 
-def stored(step, name) -> bool:
+def stored(step: Any, name: str) -> bool:
     """Whether a load step has a distribution of this name."""
     return f"{name}_edges" in step
 
 
-def _has(drawn, k):
+def _has(drawn: "Drawn", k: int) -> set[str]:
     step, fields = drawn.result.steps[drawn.chosen[k]], drawn.result.fields[drawn.chosen[k]]
     return {name for name in PANELS if stored(step, name) or (name in fields)}
 
 
-def _of(drawn, k, name):
+def _of(drawn: "Drawn", k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
     """(edges, density), which integrates to the share of the area; empty where there is none."""
     step = drawn.result.steps[drawn.chosen[k]]
     if stored(step, name):
@@ -42,7 +47,7 @@ def _of(drawn, k, name):
     return density({n: fields[n] for n in ("pressure", "gap") if n in fields}, name, drawn.units.of(name, [step["p"]]).unit)
 
 
-def _pressures(ax, drawn):
+def _pressures(ax: Any, drawn: "Drawn") -> None:
     found = [_of(drawn, k, "pressure") for k in range(len(drawn.chosen))]
     scale = drawn.units.pressures([edges[-1] for edges, _ in found])
     lowest, highest = np.inf, 0.0
@@ -63,7 +68,7 @@ def _pressures(ax, drawn):
         ax.set_ylim(lowest / 2, highest * 3)
 
 
-def _gaps(ax, drawn):
+def _gaps(ax: Any, drawn: "Drawn") -> None:
     found = [_of(drawn, k, "gap") for k in range(len(drawn.chosen))]
     scale = drawn.units.heights([edges[-1] for edges, _ in found])
     for k, (edges, values) in enumerate(found):
@@ -78,7 +83,7 @@ def _gaps(ax, drawn):
     _no_more_than(ax, 5)
 
 
-def _patches(ax, drawn):
+def _patches(ax: Any, drawn: "Drawn") -> None:
     scale = drawn.units.lengths()
     for k in range(len(drawn.chosen)):
         edges, values = _of(drawn, k, "patches")
@@ -92,14 +97,14 @@ def _patches(ax, drawn):
 PANELS = {"pressure": _pressures, "gap": _gaps, "patches": _patches}
 
 
-def _no_more_than(ax, decades):
+def _no_more_than(ax: Any, decades: float) -> None:
     """Of the largest values; what lies below is rounding."""
     low, high = ax.dataLim.intervalx
     if high > low * 10**decades > 0:
         ax.set_xlim(high / 10**decades, high * 1.5)
 
 
-def _coarser(edges, values, wanted):
+def _coarser(edges: np.ndarray, values: Any, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same density in fewer bins, whose edges are those that are nearest to `wanted`."""
     chosen = np.unique(np.abs(edges[:, None] - wanted).argmin(axis=0))
     if len(chosen) < 2:
@@ -107,6 +112,6 @@ def _coarser(edges, values, wanted):
     return edges[chosen], np.add.reduceat(values * np.diff(edges), chosen[:-1])[: len(chosen) - 1] / np.diff(edges[chosen])
 
 
-def _label(drawn, k):
+def _label(drawn: "Drawn", k: int) -> str:
     step = drawn.result.steps[drawn.chosen[k]]
     return drawn.name_of(k) + ("" if converged(step) else ", not converged")

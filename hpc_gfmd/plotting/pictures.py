@@ -4,6 +4,7 @@ import textwrap
 import tomllib
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -31,18 +32,18 @@ class Drawn:
     """What a picture is made of. result; chosen: indices into its steps; window: (x0, x1, y0, y1) in the unit of its sizes, points:
     the same in grid points; units, theory, lengths: how it is scaled, and what else is drawn; dpi: of the print."""
 
-    def __init__(self, result, chosen, window, dpi, dimensionless):
+    def __init__(self, result: Result, chosen: list[int], window: Any, dpi: float | None, dimensionless: bool) -> None:
         self.result, self.chosen, self.dpi = result, chosen, dpi
         self.window, self.points = window_of(result.surface, window)
         self.theory = theory_of(result)
         self.units = Units(result, self.theory, dimensionless)
         self.lengths = self.units.lengths([self.window[1] - self.window[0], self.window[3] - self.window[2]])
 
-    def fields(self, k):
+    def fields(self, k: int) -> dict:
         """The fields of the k-th of the chosen steps."""
         return self.result.fields[self.chosen[k]]
 
-    def name_of(self, k):
+    def name_of(self, k: int) -> str:
         """Its step and load."""
         step, index = self.result.steps[self.chosen[k]], self.result.indices[self.chosen[k]]
         if self.units.rough and not self.units.pressure_unit and good(step.get("p_star")):
@@ -50,7 +51,8 @@ class Drawn:
         return f"step {index}: {self.units.pressures([step['p']]).value('p_0', step['p'])}" if good(step.get("p")) else f"step {index}"
 
 
-def plot(result, what=None, step=None, window=None, dpi=None, dimensionless=False) -> Picture:
+def plot(result: Any, what: Any = None, step: Any = None, window: Any = None, dpi: float | None = None,
+         dimensionless: bool = False) -> Picture:
     """One picture of a result.
 
     Parameters
@@ -96,7 +98,7 @@ def plot(result, what=None, step=None, window=None, dpi=None, dimensionless=Fals
     return fig
 
 
-def figures(result, what=None, **how) -> dict[str, Picture]:
+def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
     """{name: picture} of the maps, distributions, spectra and curves that there are, or of `what` (names); how: see plot."""
     result = result if isinstance(result, Result) else read_result(result)
     if not result.steps:
@@ -109,15 +111,15 @@ def figures(result, what=None, **how) -> dict[str, Picture]:
     return {name: plot(result, name, **how) for name in wanted}
 
 
-def plot_result(file, where=None, what=None, **how) -> list[Path]:
+def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> list[Path]:
     """Draw and save; returns the paths.
 
     file: a path or a Result; where: a folder, made if only itself is missing, or a file .png, .pdf or .svg (of several pictures each
     has its name added); by default they lie beside the result as RESULT_NAME.png. what, how: see figures and plot. Raises SceneError
     and GfmdError as plot, and where the pictures cannot be written.
     """
-    result = file if isinstance(file, Result) else read_result(file)
-    where = Path(where) if where else result.path.with_suffix(SUFFIXES[0])
+    result: Any = file if isinstance(file, Result) else read_result(file)
+    where = Path(where or result.path.with_suffix(SUFFIXES[0]))
     as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
     folder = where.parent if as_file else where
     try:
@@ -139,7 +141,7 @@ def plot_result(file, where=None, what=None, **how) -> list[Path]:
     return paths
 
 
-def chosen_steps(result, what, step=None) -> list[int]:
+def chosen_steps(result: Result, what: Any, step: Any = None) -> list[int]:
     """Places in result.steps of the load steps that a picture shows. Raises SceneError for numbers that it does not have."""
     if step is not None:
         numbers = [int(number) for number in np.atleast_1d(step)]
@@ -155,7 +157,7 @@ def chosen_steps(result, what, step=None) -> list[int]:
     return [able[k] for k in np.linspace(0, len(able) - 1, MAX_STEPS).round().astype(int)]
 
 
-def _shows(result, k, what):
+def _shows(result: Result, k: int, what: Any) -> bool:
     """Whether a picture can show the k-th step."""
     step, fields = result.steps[k], result.fields[k]
     contact = {"pressure", "gap"} & set(fields)
@@ -166,12 +168,12 @@ def _shows(result, k, what):
     return what == "curves" or bool(contact) if what in ("maps", "contact", "curves") else what in fields
 
 
-def _there(result):
+def _there(result: Result) -> list[str]:
     """Names of the pictures that this result has."""
     return [what for what in WHAT if any(_shows(result, k, what) for k in range(len(result.steps)))]
 
 
-def _title(result, drawn, what):
+def _title(result: Result, drawn: Drawn, what: Any) -> str:
     title = result.path.stem if result.path else "contact"
     with suppress(tomllib.TOMLDecodeError):
         title = tomllib.loads(result.scene_toml).get("title") or title

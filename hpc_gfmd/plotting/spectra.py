@@ -1,13 +1,19 @@
 """Power spectra and autocorrelations of heights, pressure and gap."""
 
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from .style import COLOURS, WIDTH, legend_below
 
+if TYPE_CHECKING:
+    from .pictures import Drawn
+
 FIELDS = {"heights": "z", "pressure": "p", "gap": "g"}
 
 
-def spectra(fig, drawn) -> None:
+def spectra(fig: Any, drawn: "Drawn") -> None:
     """A column for each field, spectra above autocorrelations, as far as the result has them. drawn: pictures.Drawn."""
     steps = [drawn.result.steps[k] for k in drawn.chosen]
     rows = [(kind, [name for name in FIELDS if any(f"{name}_{kind}_{x}" in step for step in steps)])
@@ -24,12 +30,12 @@ def spectra(fig, drawn) -> None:
     legend_below(fig)
 
 
-def has_spectra(step) -> bool:
+def has_spectra(step: Any) -> bool:
     """Whether a load step has any."""
     return any(f"{name}_{rest}" in step for name in FIELDS for rest in ("spectrum_q", "autocorrelation_r"))
 
 
-def _curves(drawn, steps, name, x, y):
+def _curves(drawn: "Drawn", steps: list[dict], name: str, x: str, y: str) -> Iterator[Any]:
     """(colour, label, x, y) of every load; the heights are the same under all."""
     for k, step in enumerate(steps):
         if f"{name}_{x}" in step:
@@ -40,7 +46,7 @@ def _curves(drawn, steps, name, x, y):
                 return
 
 
-def _spectrum(ax, drawn, steps, name):
+def _spectrum(ax: Any, drawn: "Drawn", steps: list[dict], name: str) -> None:
     length = drawn.units.lengths()
     lines = list(_curves(drawn, steps, name, "spectrum_q", "spectrum_power"))
     size = np.sqrt(max(power.max() for *_, power in lines)) / drawn.units.size
@@ -52,7 +58,7 @@ def _spectrum(ax, drawn, steps, name):
     ax.set(xlabel="$q\\,L_x$" if length.relative else f"$q$ (1/{length.name})", ylabel=f"$C_{FIELDS[name]}(q)$ {squared}", title=name)
 
 
-def _autocorrelation(ax, drawn, steps, name):
+def _autocorrelation(ax: Any, drawn: "Drawn", steps: list[dict], name: str) -> None:
     length = drawn.units.lengths()
     for colour, label, r, found in _curves(drawn, steps, name, "autocorrelation_r", "autocorrelation_correlation"):
         ax.plot(r / length.unit, found / found[0], "-", color=colour, label=label)

@@ -2,8 +2,10 @@
 
 import io
 import os
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 from matplotlib.colors import LinearSegmentedColormap
@@ -13,12 +15,12 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 # Okabe and Ito; the last one is kept for warnings
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 WARNING = "#D55E00"
-THEORY = {"color": "0.35", "linewidth": 1.2}
+THEORY: dict[str, Any] = {"color": "0.35", "linewidth": 1.2}
 WIDTH = 7.2  # inches across two columns
 DPI = 200
 
 
-def _part(name, low, high):
+def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
     """A colour map without its ends."""
     whole = matplotlib.colormaps[name]
     return LinearSegmentedColormap.from_list(f"{name}_part", whole([low + (high - low) * k / 255 for k in range(256)]))
@@ -29,7 +31,7 @@ CONTACT_MAP, PRESSURE_MAP = _part("Greys", 0.5, 1.0), _part("magma_r", 0.22, 1.0
 GAP_MAP, HEIGHT_MAP, OTHER_MAP = "viridis", "cividis", "viridis"
 GROUND = "0.93"  # where nothing touches
 
-RC = {
+RC: Any = {
     "font.size": 8,
     "axes.labelsize": 8,
     "axes.titlesize": 8,
@@ -54,18 +56,18 @@ RC = {
 class Picture(Figure):
     """A figure that a notebook shows, without pyplot."""
 
-    def _repr_png_(self):
+    def _repr_png_(self) -> bytes:
         with io.BytesIO() as png, styled():
             self.savefig(png, format="png")
             return png.getvalue()
 
 
-def shade(x: float):
+def shade(x: float) -> Any:
     """A colour between dark blue (0) and yellow (1), for what varies evenly."""
     return matplotlib.colormaps["viridis"](x)
 
 
-def ticks(axis):
+def ticks(axis: Any) -> None:
     """Of a logarithmic axis: a label for every decade; of hardly two decades, for 1, 2 and 5."""
     low, high = axis.get_view_interval()
     if high < 200 * low:
@@ -74,23 +76,23 @@ def ticks(axis):
     axis.set_minor_formatter(NullFormatter())
 
 
-def legend_below(fig):
+def legend_below(fig: Any) -> None:
     """One legend of all panels, below them."""
-    handles = {}
+    handles: dict[str, Any] = {}
     for ax in fig.axes:
         handles |= dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
-    fig.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=min(4, max(1, len(handles))))
+    fig.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=min(4, max(1, len(handles))))
 
 
 @contextmanager
-def styled():
+def styled() -> Iterator[None]:
     """Block in which everything drawn looks like this."""
     with matplotlib.rc_context(RC):
         yield
 
 
 @contextmanager
-def figure(path: Path, width: float, height: float):
+def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
     """`with figure(path, width, height) as fig`: drawn by Agg and saved under path; inches."""
     with styled():
         fig = Picture(figsize=(width, height), layout="constrained")
@@ -98,7 +100,7 @@ def figure(path: Path, width: float, height: float):
         save(fig, path)
 
 
-def save(fig, path: Path, dpi=None) -> None:
+def save(fig: Any, path: Path, dpi: float | None = None) -> None:
     """Under path in one move, in the format that its suffix names; dpi: default that of RC."""
     tmp = path.with_name(f".{path.name}.tmp")
     with styled():

@@ -1,11 +1,14 @@
 """What theory says of a surface, where there is one: Persson's of self-affine surfaces, Hertz' of spheres, Westergaard's of waves."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 import numpy as np
 
 from ..errors import SceneError
+from ..output.read import Result
 from ..scene import Scene
 from ..theory import persson
 from ..theory.elastic import Hertz, Westergaard
@@ -20,14 +23,14 @@ class Theory:
     measured in."""
 
     name: str
-    area: object
-    gap: object = None
-    density: object = None
-    approach: object = None
+    area: Callable | None
+    gap: Callable | None = None
+    density: Callable | None = None
+    approach: Callable | None = None
     height: Scale | None = None
 
 
-def theory_of(result) -> Theory | None:
+def theory_of(result: Result) -> Theory | None:
     """The theory of a Result's surface; None for measured ones, layers, and where a theory is only of periodic or of free ones."""
     try:
         scene = Scene.from_toml(result.scene_toml)
@@ -42,7 +45,7 @@ def theory_of(result) -> Theory | None:
     return known and known(surface, E_star, result.surface)
 
 
-def _persson(surface, E_star, found):
+def _persson(surface: Any, E_star: float, found: Any) -> Theory | None:
     h_rms, g_rms, eps_f = (found.get(name) for name in ("h_rms", "g_rms", "eps_f"))
     if not good(g_rms):
         return None
@@ -52,24 +55,24 @@ def _persson(surface, E_star, found):
         spectrum = np.maximum(q, surface.lam_l_over_lam_r) ** (-2 - 2 * surface.hurst)
         profile = SlopeProfile.from_spectrum(q, spectrum)
 
-        def gap(p):
+        def gap(p: Any) -> np.ndarray:
             in_h_rms = persson.mean_gap_spectrum(q, spectrum, p / unit * profile.g_rms) / profile.h_rms
             return h_rms * np.ma.masked_less(in_h_rms, 1e-12)
 
-    def density(x, p):
+    def density(x: Any, p: Any) -> np.ndarray:
         return persson.pressure_distribution(x / unit, p / unit) / unit
 
     name = "Persson" if gap is None else f"Persson ($\\gamma = {persson.GAMMA:g}$)"
     return Theory(name, lambda p: persson.contact_area(p / unit), gap, density)
 
 
-def _hertz(surface, E_star, _):
+def _hertz(surface: Any, E_star: float, _: object) -> Theory:
     radius, area = float(surface.radius), float(surface.physical_sizes[0]) * float(surface.physical_sizes[1])
 
-    def contact(p):
+    def contact(p: Any) -> Any:
         return Hertz(radius, p * area, E_star)
 
-    def density(x, p):
+    def density(x: Any, p: Any) -> np.ndarray:
         hertz = contact(p)
         return np.where(x <= hertz.peak_pressure, 2 * pi * hertz.a**2 * x / (hertz.peak_pressure**2 * area), np.nan)
 
@@ -77,17 +80,17 @@ def _hertz(surface, E_star, _):
                   (lambda p: contact(p).approach) if all(surface.free) else None, Scale(float(surface.physical_sizes[0]), "L_x", True))
 
 
-def _westergaard(surface, E_star, _):
+def _westergaard(surface: Any, E_star: float, _: object) -> Theory | None:
     height = Scale(abs(float(surface.amplitude)), "A", True)
     axis = 0 if surface.periods[0] else 1
     if surface.periods[1 - axis] or not height.unit:
         return Theory("", None, height=height) if height.unit else None
     length = float(surface.physical_sizes[axis]) / surface.periods[axis]
 
-    def contact(p):
+    def contact(p: Any) -> Any:
         return Westergaard(p, height.unit, length, E_star)
 
-    def density(x, p):
+    def density(x: Any, p: Any) -> np.ndarray:
         solved = contact(p)
         where = np.linspace(0, length / 2 * float(solved.a_r), 2001)  # p falls from the crest to the edge
         pressures = solved.pressure(where)

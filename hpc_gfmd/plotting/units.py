@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 from math import isfinite
+from typing import Any
 
+from ..output.read import Result
 from ..quantity import prefixed
 
 
-def good(value) -> bool:
+def good(value: Any) -> bool:
     """A finite positive number."""
     return isinstance(value, int | float) and isfinite(value) and value > 0
 
@@ -46,7 +48,7 @@ class Scale:
 class Units:
     """Of a Result: absolute where it has units and `dimensionless` does not say otherwise."""
 
-    def __init__(self, result, theory=None, dimensionless=False):
+    def __init__(self, result: Result, theory: Any = None, dimensionless: bool = False) -> None:
         surface = result.surface
         self.length_unit, self.pressure_unit = ("" if dimensionless else surface.get(unit, "") for unit in ("unit", "pressure_unit"))
         self.size = surface.get("physical_sizes", (1.0, 1.0))[0]
@@ -58,25 +60,25 @@ class Units:
         name, factor = (r"E^* \bar{g}", slope) if self.rough else ("E^*", 1.0)
         self.pressure_scale = Scale(moduli[0] * factor, name, True) if moduli else Scale(1.0)
 
-    def lengths(self, values=()):
+    def lengths(self, values: Any = ()) -> Scale:
         """Of positions."""
         return _absolute(values or [self.size], self.length_unit) if self.length_unit else Scale(self.size, "L_x", True)
 
-    def heights(self, values):
+    def heights(self, values: Any) -> Scale:
         """Of gaps and heights."""
         if self.length_unit:
             return _absolute(values, self.length_unit)
         return self.height_scale if good(self.height_scale.unit) else Scale(1.0)
 
-    def pressures(self, values):
+    def pressures(self, values: Any) -> Scale:
         """Of pressures."""
         return _absolute(values, self.pressure_unit) if self.pressure_unit else self.pressure_scale
 
-    def of(self, name, values):
+    def of(self, name: str, values: Any) -> Scale:
         """Of a field by its name."""
         return self.pressures(values) if name == "pressure" else self.heights(values)
 
 
-def _absolute(values, unit):
+def _absolute(values: Any, unit: str) -> Scale:
     factor, name = prefixed(values, unit)
     return Scale(factor, name.replace("u", "µ", 1) if name.startswith("u") else name)

@@ -1,12 +1,13 @@
 """The part of the cell that maps show."""
 
 from math import ceil
+from typing import Any
 
 from ..errors import SceneError, one_line
 from ..quantity import parse
 
 
-def window_of(surface, window=None):
+def window_of(surface: Any, window: Any = None) -> tuple:
     """((x0, x1, y0, y1) in the unit of the sizes, at the edges of grid points; the same as points, or None for all of them).
 
     surface: attributes of a result; window: four numbers, or texts such as "2um". Raises SceneError.
@@ -30,13 +31,13 @@ def window_of(surface, window=None):
     return (i0 * a_x, i1 * a_x, j0 * a_y, j1 * a_y), (i0, i1, j0, j1)
 
 
-def _length(edge):
+def _length(edge: Any) -> float:
     try:
         return float(edge)
     except ValueError:
         return float(parse(edge, "length"))
 
 
-def _points(low, high, size, n):
+def _points(low: float, high: float, size: float, n: int) -> tuple[int, int]:
     first = min(int(low / size * n + 1e-9), n - 1)
     return first, min(max(first + 1, ceil(high / size * n - 1e-9)), n)

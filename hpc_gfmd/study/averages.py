@@ -1,6 +1,7 @@
 """Means over realisations with their standard errors: the rows of the figures."""
 
 from collections import defaultdict
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -21,7 +22,7 @@ def average(runs: Rows, observables: tuple[str, ...]) -> Rows:
     families = defaultdict(list)
     for run in runs:
         families[run["hurst"], run["p_star"]].append(run)
-    rows = []
+    rows: Rows = []
     for key in sorted(families):
         scatter = {name: Scatter.of(families[key], name) for name in observables}
         surfaces = defaultdict(list)
@@ -38,8 +39,8 @@ def relative_scatter(row: dict, observable: str) -> float | None:
     return se * row["n_seeds"] ** 0.5 / abs(row[observable]) if se is not None else None
 
 
-def _grids_of(runs, observables, scatter):
-    grids = defaultdict(dict)
+def _grids_of(runs: Rows, observables: tuple[str, ...], scatter: dict[str, Scatter]) -> Iterator[dict]:
+    grids: dict[float, dict] = defaultdict(dict)
     for run in runs:
         grids[run["lam_s_over_a"]][run["seed"]] = run
     base = max(sorted(grids), key=lambda grid: len(grids[grid]))
@@ -52,7 +53,7 @@ def _grids_of(runs, observables, scatter):
         yield row
 
 
-def _mean(name, seeds, base, scatter):
+def _mean(name: str, seeds: dict, base: dict, scatter: Scatter) -> tuple[float, float | None]:
     """Mean and standard error of an observable over seeds; base: the same surfaces, and more, on another grid."""
     some = next(iter(seeds.values()))
     relative = scatter.relative(some["eps_t"], some["eps_f"])

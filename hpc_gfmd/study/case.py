@@ -30,52 +30,52 @@ class Case:
     distributions: tuple[str, ...] = ()
 
     @property
-    def n(self):
+    def n(self) -> int:
         """Points along an axis."""
         return round(self.L_over_lam_l * self.lam_l_over_lam_s * self.lam_s_over_a)
 
     @property
-    def eps_t(self):
+    def eps_t(self) -> float:
         """lam_l/L."""
         return 1 / self.L_over_lam_l
 
     @property
-    def eps_f(self):
+    def eps_f(self) -> float:
         """lam_s/lam_l."""
         return 1 / self.lam_l_over_lam_s
 
     @property
-    def eps_c(self):
+    def eps_c(self) -> float:
         """a/lam_s."""
         return 1 / self.lam_s_over_a
 
     @property
-    def surface(self):
+    def surface(self) -> tuple[float, ...]:
         """What makes the surface and its grid, and how accurately it is solved; cases that agree in it can be one sweep."""
         return (*(getattr(self, name) for name in SURFACE), self.accuracy)
 
     @property
-    def columns(self):
+    def columns(self) -> set[str]:
         """Names under which a stored load has the observables and distributions."""
         return {*observables_named(self.observables), *map(DISTRIBUTION.format, self.distributions)}
 
     @property
-    def cost(self):
+    def cost(self) -> int:
         """Grid points times loads."""
         return self.n**2 * len(self.p_star)
 
     @cached_property
-    def _scene(self):
+    def _scene(self) -> Scene:
         surface = {"kind": "self-affine"} | {name: getattr(self, name) for name in SURFACE}
         return Scene.from_dict(
             {"surface": surface, "load": {"p_star": list(self.p_star)}, "solver": {"accuracy": self.accuracy}}, "study"
         )
 
-    def scene(self):
+    def scene(self) -> Scene:
         """The scene.Scene of this sweep, with the default solver. Raises SceneError for ratios that make no grid."""
         return self._scene
 
-    def __str__(self):
+    def __str__(self) -> str:
         return (
             f"H = {self.hurst:g}, L/lam_l = {self.L_over_lam_l:g}, lam_l/lam_s = {self.lam_l_over_lam_s:g}, "
             f"lam_s/a = {self.lam_s_over_a:g} (n = {self.n}), seed {self.seed}"

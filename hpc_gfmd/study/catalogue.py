@@ -19,7 +19,7 @@ def names() -> list[str]:
 def of_paper() -> list[str]:
     """Names of its figures and tables, figures first, by their numbers."""
     found = [name for name, study in _studies().items() if not study.question]
-    return sorted(found, key=lambda name: (re.sub(r"\d+", "", name), int(re.search(r"\d+", name)[0])))
+    return sorted(found, key=lambda name: (re.sub(r"\d+", "", name), int(re.sub(r"\D+", "", name))))
 
 
 def study(name: str) -> Study:
@@ -30,6 +30,6 @@ def study(name: str) -> Study:
 
 
 @cache
-def _studies():
+def _studies() -> dict[str, Study]:
     modules = (importlib.import_module(f"{items.__name__}.{module.name}") for module in pkgutil.iter_modules(items.__path__))
     return {study.name: study for module in modules for study in module.STUDIES}

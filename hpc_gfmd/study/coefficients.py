@@ -1,9 +1,11 @@
 """The rows of the coefficient tables, and our own table in the form of the paper's, for `hpc-gfmd tfc`."""
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import SceneError
+from ..theory.tfc_fit import TfcFit
 from . import fits, paper
 from .levels import PRESSURES, level_of
 from .publish import write_whole
@@ -73,7 +75,7 @@ def write_our_table(table: dict, path: str | Path) -> None:
     write_whole(path, json.dumps(table, indent=1, allow_nan=False) + "\n")
 
 
-def _fits(runs, level, observable):
+def _fits(runs: Rows, level: str, observable: str) -> Iterator[tuple[str, str, TfcFit]]:
     """(area, exponents, TfcFit) of all fits that the runs allow."""
     for area, name in FITS[observable]:
         for exponents in ("free", "paper"):
@@ -83,8 +85,8 @@ def _fits(runs, level, observable):
                 continue
 
 
-def _columns(fit, eps):
-    row = {}
+def _columns(fit: TfcFit, eps: dict[str, float]) -> dict:
+    row: dict = {}
     for name, values in (("C", fit.C), ("alpha", fit.alpha)):
         for i in TERMS:
             row |= {f"{name}_{i}": values[i], f"{name}_{i}_se": fit.sigma.get(f"{name}_{i}")}
@@ -94,5 +96,5 @@ def _columns(fit, eps):
     return row
 
 
-def _quoted(row, name):
+def _quoted(row: dict, name: str) -> str:
     return paper.quoted(row[name], row[f"{name}_se"])

@@ -65,19 +65,19 @@ def continuum(runs: Rows, observable: str) -> Continuum:
                      dict(zip(families, sigma[:count].tolist(), strict=True)), chi2)
 
 
-def _family(run):
+def _family(run: dict) -> tuple[float, float, float]:
     return run["hurst"], run["eps_f"], run["p_star"]
 
 
-def _same_jitter(families, scatter):
+def _same_jitter(families: list[tuple[float, float, float]], scatter: list[Scatter]) -> list[Scatter]:
     """What a grid adds is alike for all H, of each of which few surfaces were solved on several grids: the root mean square."""
-    squares = defaultdict(list)
+    squares: dict[tuple, list[float]] = defaultdict(list)
     for (_, *rest), one in zip(families, scatter, strict=True):
         squares[tuple(rest)].append(one.jitter**2)
     return [replace(one, jitter=float(np.sqrt(np.mean(squares[family[1:]])))) for family, one in zip(families, scatter, strict=True)]
 
 
-def _covariance(runs, scatter, observable):
+def _covariance(runs: Rows, scatter: list[Scatter], observable: str) -> np.ndarray:
     """Relative, shape (runs, runs); scatter: the Scatter of each run.
 
     What a grid adds is not correlated at different loads. At neighbouring H of a seed it is (by 0.7 at 0.7 and 0.8): left out here,
@@ -91,7 +91,7 @@ def _covariance(runs, scatter, observable):
     return shared * np.outer(sigma, sigma) + np.diag(np.square(alone) + ROUNDING**2)
 
 
-def _of_families(runs, families, powers):
+def _of_families(runs: Rows, families: list[tuple[float, float, float]], powers: tuple[int, ...]) -> list[np.ndarray]:
     """A column for the limit of each family, one for its C_t where its cells differ, and one (two where there are several loads) for
     each of its own powers of eps_c for each H and eps_f."""
     which = np.array([families.index(_family(run)) for run in runs])
@@ -103,7 +103,7 @@ def _of_families(runs, families, powers):
             *(mask * term * eps_c**k for k in powers for mask in kinds.values() for term in terms)]
 
 
-def _of_grids(runs, powers, start):
+def _of_grids(runs: Rows, powers: tuple[int, ...], start: int) -> list[np.ndarray]:
     """Columns of eps_c^k times smooth functions of H, ln eps_f and ln p_star, the fewer the higher the power, as far as they differ.
     start: number of powers below."""
     eps_c, hurst, log, load = (np.array(x) for x in zip(

@@ -3,7 +3,9 @@
 Colours tell H, marks tell what else differs. Every public function writes one PNG of rows.
 """
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +34,7 @@ LARGEST_EPS_F = 0.5  # up to which theory is drawn
 CLOSED = 1e-5  # gap/h_rms below which theory is not drawn
 
 
-def two_pressures(rows: Rows, path: Path, x: str, observable: str, series: str = "lam_l_over_lam_s", theory=None,
+def two_pressures(rows: Rows, path: Path, x: str, observable: str, series: str = "lam_l_over_lam_s", theory: Callable | None = None,
                   base: int = 2) -> None:
     """Two panels, the low and the high pressure of the paper: an observable, and NAME_edge where there is one, against a ratio.
 
@@ -54,18 +56,18 @@ def two_pressures(rows: Rows, path: Path, x: str, observable: str, series: str =
         _legend(fig, rows, any(f"{observable}_edge" in row for row in rows), marks if len(marks) > 1 else (), series)
 
 
-def kappa_lines(ax, pressure, _hursts, _range):
+def kappa_lines(ax: Any, pressure: str, _hursts: object, _range: object) -> None:
     """Persson's kappa and, at low load, that of Bush, Gibson and Thomas."""
     ax.axhline(float(persson.kappa(PRESSURES[pressure])), label="Persson", **THEORY)
     if pressure == "low":
         ax.axhline(elastic.KAPPA_BGT, linestyle=":", label="BGT", **THEORY)
 
 
-def gap_lines(unit, widest=None):
+def gap_lines(unit: str, widest: tuple[float, float] | None = None) -> Callable:
     """A function for two_pressures: the mean gap of Persson's theory in a unit over the range of eps_f of the data or over `widest`,
     with logarithmic ordinates."""
 
-    def draw(ax, pressure, hursts, eps_range):
+    def draw(ax: Any, pressure: str, hursts: Sequence[float], eps_range: tuple[float, float]) -> None:
         low, high = widest or (eps_range[0] / 2, eps_range[1] * 2)
         eps_f = np.geomspace(low, min(high, LARGEST_EPS_F), 25)
         for hurst in hursts:
@@ -84,7 +86,7 @@ def pressure_against_gap(rows: Rows, path: Path) -> None:
         p_star = np.geomspace(min((row["p_star"] for row in rows), default=1e-3) / 2, 2.5, 60)
         for eps_f, shade, mark in zip(sorted({row["eps_f"] for row in rows}, reverse=True), COLOURS, MARKS, strict=False):
             chosen = [row for row in rows if row["eps_f"] == eps_f]
-            _points(ax, chosen, "gap_over_h_rms", "p_star", shade, mark, label=f"$\\epsilon_f = 1/{1 / eps_f:g}$")
+            points(ax, chosen, "gap_over_h_rms", "p_star", shade, mark, label=f"$\\epsilon_f = 1/{1 / eps_f:g}$")
             _both_theories(ax, shade, lambda printed, hurst=chosen[0]["hurst"], eps_f=eps_f: (
                 np.ma.masked_less(persson.mean_gap(p_star, hurst, eps_f, printed=printed), CLOSED), p_star))
         _theory_keys(ax)
@@ -93,7 +95,7 @@ def pressure_against_gap(rows: Rows, path: Path) -> None:
         ax.legend()
 
 
-def areas(rows: Rows, path: Path, panels, width: float) -> None:
+def areas(rows: Rows, path: Path, panels: Sequence[tuple], width: float) -> None:
     """One panel for each (x, y, function of p_star that gives the theory's y, keywords of ax.set): as counted and edge-corrected."""
     with figure(path, width, 3.3) as fig:
         axes = fig.subplots(1, len(panels), squeeze=False)[0]
@@ -114,7 +116,7 @@ def coefficients(rows: Rows, path: Path) -> None:
             for k, (area, label) in enumerate((("raw", "ours"), ("edge", "ours, edge-corrected"), ("paper", "paper"))):
                 chosen = [row | {"at": row["hurst"] + 0.012 * (k - 1)} for row in rows
                           if row["area"] == area and row["exponents"] in ("free", "printed")]
-                _points(ax, chosen, "at", f"term_{term}", COLOURS[k], MARKS[k], area == "edge", label)
+                points(ax, chosen, "at", f"term_{term}", COLOURS[k], MARKS[k], area == "edge", label)
             ax.axhline(0, color="0.8", linewidth=0.8, zorder=0)
             ax.set(xlabel="$H$", ylabel=f"$C_{term} \\epsilon_{term}^{{\\alpha_{term}}}$ at the reference")
         _legend(fig)
@@ -128,62 +130,63 @@ def limits(rows: Rows, path: Path) -> None:
         ax = fig.subplots()
         for area, shift, shade, mark, open_mark, label in kinds:
             chosen = [row | {"at": row["hurst_number"] + shift} for row in rows if row["area"] == area]
-            _points(ax, chosen, "at", "kappa_tfc", COLOURS[shade], mark, open_mark, label)
+            points(ax, chosen, "at", "kappa_tfc", COLOURS[shade], mark, open_mark, label)
         for row, mark in zip((row for row in rows if row["area"] == "literature"), MARKS[2:], strict=False):
             label = f"{row['authors'].split(',')[0]} {row['year']}"
-            _points(ax, [row | {"at": 0.8}], "at", "kappa_08", COLOURS[2], mark, label=label)
+            points(ax, [row | {"at": 0.8}], "at", "kappa_08", COLOURS[2], mark, label=label)
         ax.axhline(persson.KAPPA_LOW_LOAD, label="Persson", **THEORY)
         ax.axhline(elastic.KAPPA_BGT, linestyle=":", label="BGT", **THEORY)
         ax.set(xlabel="$H$", ylabel=KAPPA_TFC)
         _legend(fig)
 
 
-def _colour(hurst):
-    """The colour of a Hurst exponent, the same in all pictures."""
-    return COLOURS[min(range(len(HURST)), key=lambda i: abs(HURST[i] - hurst))]
-
-
-def _points(ax, rows, x, y, shade, mark, open_mark=False, label=None):
-    """Data with the error bars that they have; rows without y are left out."""
+def points(ax: Any, rows: Rows, x: str, y: str, shade: str, mark: str = "o", open_mark: bool = False, label: str | None = None,
+           line: str = "", size: float = 4) -> None:
+    """Data with the error bars that they have (columns NAME_se), joined by a line where one is wanted; rows without y are left out."""
     rows = [row for row in rows if row.get(y) is not None]
     if rows:
         errors = [[row.get(f"{name}_se") or 0.0 for row in rows] for name in (y, x)]
         bars = (values if any(values) else None for values in errors)
-        ax.errorbar([row[x] for row in rows], [row[y] for row in rows], *bars, color=shade, marker=mark, linestyle="",
-                    markerfacecolor="white" if open_mark else shade, capsize=2, markersize=4, label=label, zorder=3)
+        ax.errorbar([row[x] for row in rows], [row[y] for row in rows], *bars, color=shade, marker=mark, linestyle=line, linewidth=0.8,
+                    markerfacecolor="white" if open_mark else shade, capsize=2, markersize=size, label=label, zorder=3)
 
 
-def _both_areas(ax, rows, x, y, shade, mark):
+def _colour(hurst: float) -> str:
+    """The colour of a Hurst exponent, the same in all pictures."""
+    return COLOURS[min(range(len(HURST)), key=lambda i: abs(HURST[i] - hurst))]
+
+
+def _both_areas(ax: Any, rows: Rows, x: str, y: str, shade: str, mark: str) -> None:
     """Filled marks for y as counted, open ones for y edge-corrected."""
-    _points(ax, rows, x, y, shade, mark)
-    _points(ax, rows, x, f"{y}_edge", shade, mark, open_mark=True)
+    points(ax, rows, x, y, shade, mark)
+    points(ax, rows, x, f"{y}_edge", shade, mark, open_mark=True)
 
 
-def _both_theories(ax, shade, curve):
+def _both_theories(ax: Any, shade: str, curve: Callable) -> None:
     """curve(printed), corrected (solid) and as printed (dashed)."""
     for printed, style in ((False, "-"), (True, "--")):
         ax.plot(*curve(printed), color=shade, linestyle=style, linewidth=1)
 
 
-def _theory_keys(ax):
+def _theory_keys(ax: Any) -> None:
     ax.plot([], [], label="Persson, corrected", **THEORY)
     ax.plot([], [], linestyle="--", label="Persson, as printed", **THEORY)
 
 
-def _legend(fig, rows=(), edge=False, marks=(), series=None):
+def _legend(fig: Any, rows: Rows | None = None, edge: bool = False, marks: Sequence[tuple] = (), series: str = "") -> None:
     """One legend for all panels, beside them: colours of the rows' H, filled and open marks, marks of a series, labelled lines."""
-    def key(shade, mark, label, face=None):
+    def key(shade: str, mark: str, label: str | None, face: str | None = None) -> None:
         fig.axes[0].plot([], [], color=shade, marker=mark, linestyle="", markersize=4, markerfacecolor=face or shade, label=label)
 
-    for hurst in by_hurst(rows):
+    for hurst in by_hurst(rows or []):
         key(_colour(hurst), "o", f"$H = {hurst:g}$")
     if edge:
         key("0.35", "o", "as counted")
         key("0.35", "o", "edge-corrected", "white")
     for member, mark in marks:
         key("0.35", mark, f"${SYMBOLS[series]} = 1/{member:g}$")
-    handles = {}
+    handles: dict[str, Any] = {}
     for ax in fig.axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
-    fig.legend(handles.values(), handles.keys(), loc="outside right upper")
+    fig.legend(list(handles.values()), list(handles), loc="outside right upper")

@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -24,9 +25,9 @@ def fit_runs(runs: Rows, observable: str, alpha: dict, terms: str = "tfc", limit
     scatter = scatter or Scatter.of(runs, observable)
     if scatter.law is None:
         raise SceneError("runs: found one realisation of each surface, allowed: at least two of some")
-    eps = [np.array([run[f"eps_{i}"] for run in runs]) for i in "tfc"]
+    eps_t, eps_f, eps_c = (np.array([run[f"eps_{i}"] for run in runs]) for i in "tfc")
     value = [run[observable] for run in runs]
-    fit = fit_tfc(*eps, value, sigma=scatter.covariance(runs, observable), alpha=alpha, terms=tuple(terms), limit=limit)
+    fit = fit_tfc(eps_t, eps_f, eps_c, value, sigma=scatter.covariance(runs, observable), alpha=alpha, terms=tuple(terms), limit=limit)
     return replace(fit, covariance=fit.covariance * max(1.0, fit.chi2 / fit.dof if fit.dof else 1.0))
 
 
@@ -34,13 +35,13 @@ def axes(runs: Rows, level: str) -> dict[str, Rows]:
     """The runs in which one ratio at a time differs from a system of the eps_f series: {"t", "f", "c": runs}, the last at the
     reference lam_l/lam_s, and "fine", those along eps_c at the lam_l/lam_s with most grids."""
     L, F, C = level_of(level).reference
-    grids = defaultdict(set)
+    grids: dict[float, set] = defaultdict(set)
     for run in runs:
         if near(run["L_over_lam_l"], L):
             grids[run["lam_l_over_lam_s"]].add(run["lam_s_over_a"])
     finest = max(sorted(grids), key=lambda f: len(grids[f]), default=F)
 
-    def picked(**fixed):
+    def picked(**fixed: float) -> Rows:
         return [run for run in runs if all(near(run[name], x) for name, x in fixed.items())]
 
     return {"t": picked(lam_s_over_a=C), "f": picked(L_over_lam_l=L, lam_s_over_a=C),
@@ -61,13 +62,13 @@ def fit_observable(runs: Rows, observable: str, level: str, paper_exponents: boo
         chosen = [run for run in runs if run["eps_f"] <= octaves[len(octaves) // 2] * 1.01]
     part = axes(chosen, level)
     chosen = list({id(run): run for run in (*part["t"], *part["f"], *part["c"])}.values())
-    how = {"limit": 0.0 if gap else None, "scatter": Scatter.of(runs, observable)}
+    how: dict[str, Any] = {"limit": 0.0 if gap else None, "scatter": Scatter.of(runs, observable)}
     if paper_exponents:
         return fit_runs(chosen, observable, GAP_ALPHA if gap else PAPER_ALPHA, **how)
     return _with_exponent(chosen, observable, exponent_c(runs, observable, level, scatter=how["scatter"]), **how)
 
 
-def exponent_c(runs: Rows, observable: str, level: str, coarsest: float = 0.5, scatter=None) -> TfcFit:
+def exponent_c(runs: Rows, observable: str, level: str, coarsest: float = 0.5, scatter: Scatter | None = None) -> TfcFit:
     """limit + C_c eps_c^alpha_c along the longest eps_c series, from eps_c = coarsest down; a TfcFit."""
     series = [run for run in axes(runs, level)["fine"] if run["eps_c"] <= coarsest * 1.01]
     return fit_runs(series, observable, {"c": None}, "c", scatter=scatter or Scatter.of(runs, observable))
@@ -84,7 +85,7 @@ def local_exponents(runs: Rows, observable: str, level: str) -> Rows:
     Rows eps_c (the middle grid of three), alpha, alpha_se (jackknife over three seeds or more, and solver), n_seeds; alpha None where
     the differences change sign.
     """
-    grids = defaultdict(dict)
+    grids: dict[float, dict] = defaultdict(dict)
     for run in axes(runs, level)["fine"]:
         grids[run["lam_s_over_a"]][run["seed"]] = run
     rows = []
@@ -109,7 +110,7 @@ def power_law(rows: Rows, x: str, observable: str) -> tuple[float | None, float 
     return float(line[0]), float(np.sqrt(covariance[0, 0]))
 
 
-def _with_exponent(runs, observable, along_c, limit, scatter):
+def _with_exponent(runs: Rows, observable: str, along_c: TfcFit, limit: float | None, scatter: Scatter) -> TfcFit:
     """The fit with the alpha_c of another fit; its covariance holds what the uncertainty of that does to the other parameters.
 
     Raises SceneError where the series is no power law: alpha_c at the end of its range, or far outside the error bars.
@@ -118,7 +119,7 @@ def _with_exponent(runs, observable, along_c, limit, scatter):
     if not is_power_law(alpha_c, sigma):
         raise SceneError(f"alpha_c: found {alpha_c:.2f} +- {sigma:.2f}, allowed: a power law of eps_c")
 
-    def fit_at(exponent):
+    def fit_at(exponent: float) -> TfcFit:
         return fit_runs(runs, observable, {"t": 1.0, "f": None, "c": exponent}, limit=limit, scatter=scatter)
 
     best, step = fit_at(alpha_c), 0.1 * sigma
@@ -127,10 +128,10 @@ def _with_exponent(runs, observable, along_c, limit, scatter):
     return replace(best, names=(*best.names, "alpha_c"), covariance=np.pad(best.covariance, (0, 1)) + np.outer(direction, direction))
 
 
-def _log_ratio(steps, solver):
+def _log_ratio(steps: np.ndarray, solver: np.ndarray) -> tuple[float | None, float | None]:
     """log2 of the ratio of the mean steps, and its standard error; steps: (seeds, 2), solver: errors of the three means."""
 
-    def exponent(part):
+    def exponent(part: np.ndarray) -> float:
         first, second = part.mean(axis=0)
         return np.log2(first / second) if first * second > 0 else np.nan
 

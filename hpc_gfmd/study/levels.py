@@ -4,8 +4,10 @@ A series is a tuple of rows (L/lam_l, lam_l/lam_s, lam_s/a, realisations[, hurst
 the same surfaces in every series. Levels: quick takes a minute, desk about an hour of one core, paper a cluster.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
+from typing import Any
 
 from ..errors import SceneError
 from .case import Case
@@ -117,10 +119,20 @@ def gap_pressure_series(level: str, hurst: tuple[float, ...] = HURST_GAP) -> lis
     return cases_of(level_of(level).gap, hurst, level_of(level).loads)
 
 
-def cases_of(rows: tuple, hurst: tuple[float, ...], p_star: tuple[float, ...], **more) -> list[Case]:
-    """The cases of a series; hurst: those of rows that name none; more: other fields of the cases."""
+def series_of(rows: dict[str, tuple], hurst: tuple[float, ...], p_star: tuple[float, ...], **more: Any) -> Callable[[str], list[Case]]:
+    """A function of the level: the cases of a study with series of its own, rows[level]; hurst, p_star, more: as of cases_of."""
+
+    def of_level(level: str) -> list[Case]:
+        level_of(level)
+        return cases_of(rows[level], hurst, p_star, **more)
+
+    return of_level
+
+
+def cases_of(rows: tuple, hurst: tuple[float, ...], p_star: tuple[float, ...], **more: Any) -> list[Case]:
+    """The cases of a series; hurst, p_star: those of rows that name none of their own; more: other fields of the cases."""
     return [
-        Case(H, L, F, C, seed, p_star, **more)
+        Case(H, L, F, C, seed, (*only[1:], p_star)[0], **more)
         for L, F, C, seeds, *only in rows
         for H in hurst
         if not only or H in only[0]

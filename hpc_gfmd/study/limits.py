@@ -103,7 +103,7 @@ def compare_routes(runs: Rows) -> tuple[Limit, Limit, float, float]:
     return raw, edge, raw.kappa - edge.kappa, float(np.hypot.reduce([sigma, raw.shift - edge.shift, raw.lean - edge.lean]))
 
 
-def _check(runs):
+def _check(runs: Rows) -> None:
     octaves = {run["eps_f"] for run in runs}
     for name, needed in (("eps_t", 2), ("eps_f", 3), ("eps_c", 4)):
         found = len({run[name] for run in runs})
@@ -116,10 +116,10 @@ def _check(runs):
         raise SceneError("runs: found one realisation of each surface, allowed: at least two of some")
 
 
-def _limit(runs, observable, scatter, alpha, error, own):
+def _limit(runs: Rows, observable: str, scatter: Scatter, alpha: float, error: float, own: tuple) -> Limit:
     """The Limit with alpha_f given as alpha +- error."""
 
-    def fit_at(exponent, chosen=runs):
+    def fit_at(exponent: float, chosen: Rows = runs) -> Limit:
         return fit_limit(chosen, observable, scatter, float(np.clip(exponent, *ALPHA_F)))
 
     best, octaves = fit_at(alpha), sorted({run["eps_f"] for run in runs})
@@ -132,21 +132,21 @@ def _limit(runs, observable, scatter, alpha, error, own):
     return replace(best, shift=shift, lean=lean, alpha_error=float(error), alpha_own=own, kappa_paper=(paper.kappa, paper.sigma))
 
 
-def fit_limit(runs, observable, scatter, alpha_f=None):
+def fit_limit(runs: Rows, observable: str, scatter: Scatter, alpha_f: float | None = None) -> Limit:
     """A Limit by generalised least squares; alpha_f: given, or fitted if None."""
     eps_t, eps_f, eps_c = (np.array([run[name] for run in runs]) for name in ("eps_t", "eps_f", "eps_c"))
     value = np.array([run[observable] for run in runs])
     errors = scatter.covariance(runs, observable)
     fitted = len(NAMES) - (alpha_f is not None)
 
-    def design(x):
+    def design(x: np.ndarray) -> np.ndarray:
         power = eps_f ** (x[-1] if alpha_f is None else alpha_f)
         return np.stack([np.ones_like(value), eps_t, power, power * eps_c, eps_c, eps_c**2, eps_c**3], axis=1)
 
-    def model(x):
+    def model(x: np.ndarray) -> np.ndarray:
         return design(x) @ x[:7]
 
-    def jacobian(x):
+    def jacobian(x: np.ndarray) -> np.ndarray:
         terms = design(x)
         return np.column_stack([terms, terms[:, 2:4] @ x[2:4] * np.log(eps_f)])[:, :fitted]
 

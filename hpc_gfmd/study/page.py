@@ -29,7 +29,8 @@ def page(study: Study, rows: Rows, runs: Rows, level: str) -> str:
                       for line in lines)
     sizes = [run["n"] for run in runs]
     return PAGE.format(
-        title=study.title, name=study.name, question=study.question, found=found, numbers=study.numbers(rows), level=level,
-        version=__version__, loads=len(runs), surfaces=len({(run["hurst"], run["seed"], run["eps_t"], run["eps_f"]) for run in runs}),
-        low=min(sizes), high=max(sizes), minutes=sum(run["wall_seconds"] for run in runs) / 60,
-        poor=sum(run["status"] != "converged" for run in runs), accuracy=max(run["accuracy"] for run in runs))
+        title=study.title, name=study.name, question=study.question, found=found, level=level, version=__version__,
+        numbers=study.numbers(rows) if study.numbers else "", loads=len(runs),
+        surfaces=len({(run["hurst"], run["seed"], run["eps_t"], run["eps_f"]) for run in runs}), low=min(sizes), high=max(sizes),
+        minutes=sum(run["wall_seconds"] for run in runs) / 60, poor=sum(run["status"] != "converged" for run in runs),
+        accuracy=max(run["accuracy"] for run in runs))

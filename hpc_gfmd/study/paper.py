@@ -3,6 +3,7 @@
 import json
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 from ..theory import tfc
 from .rows import near
@@ -16,7 +17,7 @@ def numbers() -> dict:
     return json.loads(files(__package__).joinpath("paper_numbers.json").read_text(encoding="utf-8"))
 
 
-def of_hurst(name: str, hurst: float, *keys) -> float | None:
+def of_hurst(name: str, hurst: float, *keys: str) -> Any:
     """A number that the paper gives for a Hurst exponent, e.g. of_hurst("area_high", 0.8); None where it gives none."""
     table = numbers()[name]
     for key in keys:
@@ -24,7 +25,7 @@ def of_hurst(name: str, hurst: float, *keys) -> float | None:
     return table.get(f"{hurst:g}")
 
 
-def coefficients(observable: str, pressure: str, hurst: float) -> dict | None:
+def coefficients(observable: str, pressure: str, hurst: float) -> Any:
     """The row of a printed coefficient table, {"C_c": ..., "alpha_t": ...}; None where the paper has none.
 
     pressure: "low" or "high".
@@ -46,7 +47,7 @@ def saying(paper: str, ours: str, why: str = "") -> dict:
     return {"paper": paper, "ours": ours, "why": why}
 
 
-def quoted(value, sigma=None, digits=3) -> str:
+def quoted(value: Any, sigma: float | None = None, digits: int = 3) -> str:
     """A number with its uncertainty in two digits, "2.060 ± 0.012"; "-" for None."""
     if value is None:
         return "-"

@@ -5,6 +5,7 @@ import io
 import json
 import os
 from pathlib import Path
+from typing import Any
 
 from .page import page
 from .rows import Rows
@@ -62,7 +63,7 @@ def write_whole(path: str | Path, text: str) -> None:
     os.replace(aside, path)
 
 
-def _cell(value):
+def _cell(value: Any) -> str:
     if value is None:
         return "-"
     return f"{value:.5g}" if isinstance(value, float) else str(value)

@@ -1,6 +1,8 @@
 """What the paper leaves open: kappa in the TFC limit by two routes, the exponents alpha_c and alpha_f, and what the missing factor of
 Persson's theory explains."""
 
+from typing import Any
+
 from ..errors import SceneError
 from . import fits, paper
 from .items.gap import share_explained
@@ -54,7 +56,7 @@ def section(runs: Rows, tables: dict[str, Rows], level: str) -> str:
     return "\n\n".join(part for part in parts if part)
 
 
-def _limits(runs):
+def _limits(runs: Rows) -> str:
     rows = []
     for pressure, hurst, part in families(runs):
         row = _family(pressure, hurst)
@@ -76,7 +78,7 @@ def _limits(runs):
         "chi2": "chi²/dof"})
 
 
-def _alpha_c(runs, level):
+def _alpha_c(runs: Rows, level: str) -> str:
     rows = []
     for pressure, hurst, part in families(runs):
         row = _family(pressure, hurst)
@@ -91,7 +93,7 @@ def _alpha_c(runs, level):
         "kappa_edge": "local, edge-corrected", "kappa_edge_fine": "fit, fine grids, edge-corrected"})
 
 
-def _exponent(runs, observable, level, coarsest):
+def _exponent(runs: Rows, observable: str, level: str, coarsest: float) -> str:
     try:
         fit = fits.exponent_c(runs, observable, level, coarsest)
     except SceneError:
@@ -100,7 +102,7 @@ def _exponent(runs, observable, level, coarsest):
     return quoted(*found) if fits.is_power_law(*found) else "-"
 
 
-def _theory(fig6):
+def _theory(fig6: Rows) -> Any:
     rows = []
     for pressure, hurst, part in families(fig6):
         high = pressure == "high"
@@ -115,5 +117,5 @@ def _theory(fig6):
         "paper": "paper"})
 
 
-def _family(pressure, hurst):
+def _family(pressure: str, hurst: float) -> dict:
     return {"hurst": f"{hurst:g}", "p_star": f"{PRESSURES[pressure]:.3f}"}

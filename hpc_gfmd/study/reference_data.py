@@ -3,6 +3,7 @@
 import json
 import time
 from pathlib import Path
+from typing import Any
 
 from ..errors import SceneError
 from ..reference.data import FORMAT
@@ -27,7 +28,7 @@ def write_reference(path: str | Path, store: Store, level: str) -> int:
     runs = [run for run in store.runs_of(study.cases(level)) if run["status"] == "converged"]
     rows = study.tabulate(runs, level)
     axes = {name: sorted({row[name] for row in rows}) for name in ("hurst", "eps_f")}
-    tables = {"p_star": {}, "value": {}, "sigma": {}}
+    tables: dict[str, dict] = {"p_star": {}, "value": {}, "sigma": {}}
     for name, column, factor in (("a_r", "kappa", "p_star"), ("gap_over_h_rms", "gap_over_h_rms", None)):
         loads = _loads(rows, column, len(axes["hurst"]) * len(axes["eps_f"]))
         if len(loads) < 2:
@@ -46,9 +47,9 @@ def write_reference(path: str | Path, store: Store, level: str) -> int:
     return len(axes["hurst"]) * len(axes["eps_f"])
 
 
-def _loads(rows: Rows, column, curves):
+def _loads(rows: Rows, column: str, curves: int) -> list[float]:
     """The loads at which all curves are known well enough, up to the first where they are not."""
-    loads = []
+    loads: list[float] = []
     for p_star in sorted({row["p_star"] for row in rows}):
         known = [row for row in rows if row["p_star"] == p_star and row[column] and row[f"{column}_se"] < WORST * row[column]]
         if len(known) < curves:
@@ -59,5 +60,5 @@ def _loads(rows: Rows, column, curves):
     return loads
 
 
-def _rounded(value):
+def _rounded(value: Any) -> float:
     return float(f"{value:.{DIGITS}g}")

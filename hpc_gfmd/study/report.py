@@ -6,6 +6,7 @@ paper_numbers.json and its coefficient tables.
 
 import json
 from pathlib import Path
+from typing import Any
 
 from .. import __version__
 from . import catalogue, coefficients, questions
@@ -13,7 +14,9 @@ from .errata import area, formulas, gap
 from .levels import level_of, tfc_series
 from .markdown import literal, table
 from .publish import publish, write_whole
+from .rows import Rows
 from .store import Store
+from .study import Study
 
 FILE, OUR_TABLE = "README.md", "our_tfc.json"
 ERRATA = (*formulas.ERRATA, *area.ERRATA, *gap.ERRATA)
@@ -55,7 +58,7 @@ def report(folder: str | Path, level: str) -> Path:
     return path
 
 
-def _rows(study, store, level):
+def _rows(study: Study, store: Store, level: str) -> Rows:
     """The rows that were published for exactly these runs, or published now."""
     path = store.folder / f"{study.name}.json"
     picture = path.with_suffix(".png")
@@ -68,7 +71,7 @@ def _rows(study, store, level):
     return publish(study, store, level)
 
 
-def _head(runs, level):
+def _head(runs: Rows, level: str) -> str:
     sizes = [run["n"] for run in runs] or [0]
     return HEAD.format(
         version=__version__, level=level, loads=len(runs), low=min(sizes), high=max(sizes),
@@ -76,12 +79,12 @@ def _head(runs, level):
         poor=sum(run["status"] != "converged" for run in runs))
 
 
-def _beyond(store):
+def _beyond(store: Store) -> Any:
     pages = [name for name in catalogue.names() if (store.folder / f"{name}.md").is_file()]
     return pages and "Beyond the paper: " + ", ".join(f"[{catalogue.study(name).title}]({name}.md)" for name in pages) + "."
 
 
-def _figures(studies, tables, lines, store):
+def _figures(studies: list[Study], tables: dict[str, Rows], lines: dict[str, Rows], store: Store) -> str:
     parts = ["## Figures and tables"]
     if (store.folder / OUR_TABLE).is_file():
         parts.append(f"Our coefficients with their covariances, for `hpc-gfmd tfc --table`: [{OUR_TABLE}]({OUR_TABLE}).")
@@ -99,13 +102,13 @@ def _figures(studies, tables, lines, store):
     return "\n\n".join(parts)
 
 
-def _says(lines):
+def _says(lines: dict[str, Rows]) -> str:
     rows = [{"study": name} | line for name, said in lines.items() for line in said]
     columns = {"study": "where", "paper": "paper says", "ours": "we find", "why": "why"}
     return "## Paper says / we find / why\n\n" + table(rows, columns)
 
 
-def _errata(tables):
+def _errata(tables: dict[str, Rows]) -> str:
     rows = [row for erratum in ERRATA if (row := erratum.row(tables))]
     columns = {"number": "", "printed": "printed", "right": "right", "shown": "shown by"}
     return "## Errata of the paper\n\n" + table([{"number": i + 1} | row for i, row in enumerate(rows)], columns)

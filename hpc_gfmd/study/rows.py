@@ -1,6 +1,7 @@
 """Choosing among rows: by pressure, by H, along a ratio."""
 
 from collections.abc import Iterator
+from typing import Any
 
 from .levels import PRESSURES
 
@@ -12,9 +13,14 @@ def near(a: float, b: float) -> bool:
     return abs(a - b) <= 1e-6 * abs(b)
 
 
+def at_load(rows: Rows, p_star: float) -> Rows:
+    """The rows (or runs) at a pressure."""
+    return [row for row in rows if near(row["p_star"], p_star)]
+
+
 def low_high(rows: Rows) -> dict[str, Rows]:
     """The rows (or runs) at the two pressures of the paper, {"low": [...], "high": [...]}."""
-    return {name: [row for row in rows if near(row["p_star"], p)] for name, p in PRESSURES.items()}
+    return {name: at_load(rows, p) for name, p in PRESSURES.items()}
 
 
 def by_hurst(rows: Rows) -> dict[float, Rows]:
@@ -29,12 +35,12 @@ def families(rows: Rows) -> Iterator[tuple[str, float, Rows]]:
             yield pressure, hurst, family
 
 
-def finest(rows: Rows, ratio: str) -> dict | None:
+def finest(rows: Rows, ratio: str) -> Any:
     """The row with the smallest value of eps_c, eps_f or eps_t; None of no rows."""
     return min(rows, key=lambda row: row[ratio], default=None)
 
 
-def coarsest(rows: Rows, ratio: str) -> dict | None:
+def coarsest(rows: Rows, ratio: str) -> Any:
     """The row with the largest value of a ratio; None of no rows."""
     return max(rows, key=lambda row: row[ratio], default=None)
 

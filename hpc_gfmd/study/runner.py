@@ -1,8 +1,10 @@
 """Solve what is missing of a study, cheapest first, and store every load as soon as it is finished. Collective."""
 
 import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import Any
 
 from .. import __version__
 from ..driver.memory import require_memory
@@ -42,7 +44,7 @@ class NotStored(GfmdError):
 
 def merged(cases: list[Case]) -> list[Case]:
     """Cases that share a surface as one sweep over all their loads, cheapest first."""
-    loads = {}
+    loads: dict[tuple, tuple] = {}
     for case in cases:
         for kept, more in zip(loads.setdefault(case.surface, (case, set(), set(), set()))[1:],
                               (case.p_star, case.observables, case.distributions), strict=True):
@@ -72,7 +74,8 @@ def seconds_of(case: Case, ranks: int = 1) -> float:
         return 0.0
 
 
-def run_missing(cases: list[Case], store: Store, comm, threads: int | str = 1, say=print, dry: bool = False) -> Outcome:
+def run_missing(cases: list[Case], store: Store, comm: Any, threads: int | str = 1, say: Callable[[str], object] = print,
+                dry: bool = False) -> Outcome:
     """Solve the loads of these cases that are not stored; returns an Outcome. Collective.
 
     say(text) prints on rank 0. A case that cannot be solved is reported and left out. A signal ends the run; what is finished
@@ -90,13 +93,13 @@ def run_missing(cases: list[Case], store: Store, comm, threads: int | str = 1, s
     with guarded(comm, f"making {store.folder}"):
         if comm.rank == 0:
             store.folder.mkdir(parents=True, exist_ok=True)
-    threads, solved, unconverged, failed = threads_of(comm, threads), 0, 0, []
+    each, solved, unconverged, failed = threads_of(comm, threads), 0, 0, []
     begun = time.monotonic()
     with Interrupt(comm) as interrupt:
         compile_once(comm, Solver(accuracy=todo[0].accuracy))
         for index, case in enumerate(todo):
             started = time.monotonic()
-            statuses, error = _attempt(case, store, comm, threads, interrupt)
+            statuses, error = _attempt(case, store, comm, each, interrupt)
             solved += len(statuses)
             unconverged += sum(status != "converged" for status in statuses)
             if error:
@@ -112,23 +115,23 @@ def run_missing(cases: list[Case], store: Store, comm, threads: int | str = 1, s
     return Outcome(solved, tuple(failed), unconverged, 1 if failed else 3 if unconverged else 0)
 
 
-def _silent(_text):
+def _silent(_text: str) -> None:
     """What ranks other than 0 say."""
 
 
-def _estimate(comm, todo):
+def _estimate(comm: Any, todo: list[Case]) -> list[float]:
     with guarded(comm, "estimating the time"):
         seconds = [seconds_of(case, comm.size) for case in todo] if comm.rank == 0 else None  # may measure the machine first
     return comm.bcast(seconds)
 
 
-def _plan(cases, todo, seconds):
+def _plan(cases: list[Case], todo: list[Case], seconds: list[float]) -> str:
     whole, left = sum(len(c.p_star) for c in merged(cases)), sum(len(c.p_star) for c in todo)
     text = f"{whole} loads, {whole - left} of them stored"
     return f"{text}; to solve: {left} on {len(todo)} surfaces, about {sum(seconds) / 60:.1f} minutes" if todo else text
 
 
-def _attempt(case, store, comm, threads, interrupt):
+def _attempt(case: Case, store: Store, comm: Any, threads: int, interrupt: Any) -> tuple[list[str], str | None]:
     """(status of every finished load, what went wrong or None). Only errors that all ranks see can be survived on several ranks."""
     statuses = []
     try:
@@ -147,8 +150,8 @@ def _attempt(case, store, comm, threads, interrupt):
     return statuses, None
 
 
-def _solve(case, store, comm, threads, interrupt):
-    scene = case.scene()
+def _solve(case: Case, store: Store, comm: Any, threads: int, interrupt: Any) -> Iterator[str]:
+    scene: Any = case.scene()
     require_memory(comm, scene, scene.n, threads)
     sweep = Sweep(lambda dtype: build_surface(scene.surface, comm, dtype, threads), scene.solver, lam_s=scene.surface.lam_s)
     for p_star, p in zip(case.p_star, sweep.pressures(scene.load), strict=True):
@@ -163,7 +166,7 @@ def _solve(case, store, comm, threads, interrupt):
             return
 
 
-def _keep(run, store, comm):
+def _keep(run: dict, store: Store, comm: Any) -> None:
     problem = None
     if comm.rank == 0:
         try:
@@ -175,12 +178,12 @@ def _keep(run, store, comm):
         raise NotStored(problem)
 
 
-def _run(case, p_star, step, seconds, ranks):
+def _run(case: Case, p_star: float, step: Any, seconds: float, ranks: int) -> dict:
     """What is kept of a load: dimensionless numbers, lengths in units of the cell."""
-    contact = step.contact
-    a_r, a_r_edge = area.a_r(contact), area.a_r_corrected(contact)
+    contact, a_r = step.contact, area.a_r(step.contact)
+    a_r_edge: Any = area.a_r_corrected(contact)  # known of a self-affine surface
     a_r_error, gap_error, pressure_error = contact.outcome.errors
-    more = {name: of_contact(contact) for name, of_contact in observables_named(case.observables).items()}
+    more: dict[str, Any] = {name: of_contact(contact) for name, of_contact in observables_named(case.observables).items()}
     found = distributions_named(case.distributions, contact)
     more |= {DISTRIBUTION.format(name): found.get(name) and {what: values.tolist() for what, values in found[name].items()}
              for name in case.distributions}

@@ -7,9 +7,12 @@ fits of paired differences where there are pairs, and of averages where there ar
 
 from collections import defaultdict
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy.special import digamma
+
+from .rows import Rows
 
 SOLVER_SHARE = 0.2  # of the solver's error estimate is one sigma: the estimate is nearly an upper bound
 ERROR_OF = {"kappa": "a_r_error", "a_r": "a_r_error"}  # which estimate belongs to which observable; the others are gaps
@@ -29,10 +32,11 @@ class Scatter:
     memory: float
 
     @classmethod
-    def of(cls, runs, observable):
+    def of(cls, runs: Rows, observable: str) -> Self:
         """From runs at one H and p* that differ in seed and ratios."""
         groups = _groups(runs)
-        points, deviations = [], defaultdict(dict)
+        points = []
+        deviations: dict[tuple, dict] = defaultdict(dict)
         for (eps_t, eps_f, eps_c), group in groups.items():
             values = np.array([run[observable] for run in group])
             if len(group) < 2 or values.mean() == 0:
@@ -44,15 +48,15 @@ class Scatter:
                     deviations[eps_t, eps_c, run["seed"]][np.log2(eps_f)] = x / np.sqrt(np.mean(relative**2) or 1)
         return cls(_law(points), _jitter(groups, observable), _memory(deviations))
 
-    def relative(self, eps_t, eps_f):
+    def relative(self, eps_t: float, eps_f: float) -> float:
         """Standard deviation of one realisation over the mean; nan where it is not known."""
         return float(np.exp(self.law[0]) * eps_f ** self.law[1] * eps_t) if self.law else np.nan
 
-    def grid(self, run):
+    def grid(self, run: dict) -> float:
         """Standard deviation over the mean of what the grid of a run adds to what all grids of its surface have."""
         return self.jitter * run["eps_t"] * run["eps_f"] * run["eps_c"]
 
-    def covariance(self, runs, observable, error=None):
+    def covariance(self, runs: Rows, observable: str, error: str | None = None) -> np.ndarray:
         """Shape (runs, runs), of the values of an observable: realisation (shared), grid and solver (not shared).
 
         error: name of the solver's error estimate, if not the observable's own.
@@ -73,14 +77,14 @@ def error_of(observable: str) -> str:
     return ERROR_OF.get(observable.removesuffix("_edge"), "gap_error")
 
 
-def _groups(runs):
+def _groups(runs: Rows) -> dict[tuple, Rows]:
     groups = defaultdict(list)
     for run in runs:
         groups[run["eps_t"], run["eps_f"], run["eps_c"]].append(run)
     return groups
 
 
-def _law(points):
+def _law(points: list[tuple]) -> tuple[float, float] | None:
     """A straight line through the logarithms of the variances, each as uncertain as its degrees of freedom say."""
     points = [point for point in points if point[1] > 0]
     if not points:
@@ -91,7 +95,7 @@ def _law(points):
     return float(np.average(log - slope * at, weights=dof) / 2), float(slope / 2)
 
 
-def _jitter(groups, observable):
+def _jitter(groups: dict, observable: str) -> float:
     squares, dof = 0.0, 0
     for (eps_t, eps_f, eps_c), group in groups.items():
         coarser = {run["seed"]: run[observable] for run in groups.get((eps_t, eps_f, 2 * eps_c), ())}
@@ -102,7 +106,7 @@ def _jitter(groups, observable):
     return float(np.sqrt(squares / dof)) if dof else 0.0
 
 
-def _memory(deviations):
+def _memory(deviations: dict) -> float:
     """Mean product of a seed's normalised deviations one octave apart, in [0, 0.99]."""
     products = [x * series[at - 1] for series in deviations.values() for at, x in series.items() if at - 1 in series]
     return float(np.clip(np.mean(products), 0.0, 0.99)) if products else 0.0

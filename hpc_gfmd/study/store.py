@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from .case import SURFACE, Case
+from .rows import Rows
 
 KEY = (*SURFACE, "p_star", "accuracy")
 DIGITS = 9  # of a number in the key
@@ -15,13 +16,13 @@ DIGITS = 9  # of a number in the key
 class Store:
     """The lines of all runs*.jsonl in a folder. part: write runs-<part>.jsonl, so that several jobs can share the folder."""
 
-    def __init__(self, folder, part=None):
+    def __init__(self, folder: str | Path, part: int | None = None) -> None:
         self.folder = Path(folder)
         self.path = self.folder / ("runs.jsonl" if part is None else f"runs-{part}.jsonl")
 
-    def load(self):
+    def load(self) -> Rows:
         """All runs as dicts, a run that was stored twice once, with the columns of both. A line not written to its end is left out."""
-        found = {}
+        found: dict[tuple, dict] = {}
         for path in sorted(self.folder.glob("runs*.jsonl")):
             for line in path.read_bytes().split(b"\n"):
                 run = _parsed(line)
@@ -29,7 +30,7 @@ class Store:
                     found[key_of(run)] = found.get(key_of(run), {}) | run
         return list(found.values())
 
-    def runs_of(self, cases):
+    def runs_of(self, cases: list[Case]) -> Rows:
         """The stored runs that these cases ask for, with all that they ask for."""
         wanted = defaultdict(list)
         for case in cases:
@@ -37,7 +38,7 @@ class Store:
                 wanted[key].append(case.columns)
         return [run for run in self.load() if any(columns <= set(run) for columns in wanted.get(key_of(run), ()))]
 
-    def append(self, run):
+    def append(self, run: dict) -> None:
         """Add one run; it is on the disk when this returns. Raises OSError."""
         self.folder.mkdir(parents=True, exist_ok=True)
         line = json.dumps(run, allow_nan=False).encode() + b"\n"
@@ -64,12 +65,12 @@ def missing(case: Case, stored: dict) -> Case | None:
     return replace(case, p_star=left) if left else None
 
 
-def _keys(case):
+def _keys(case: Case) -> list[tuple[float, ...]]:
     surface = {name: getattr(case, name) for name in (*SURFACE, "accuracy")}
     return [key_of(surface | {"p_star": p}) for p in case.p_star]
 
 
-def _parsed(line):
+def _parsed(line: bytes) -> dict | None:
     try:
         run = json.loads(line)
         key_of(run)

@@ -1,6 +1,7 @@
 """The contact area at which something first happens as the load grows, of surfaces for which it is known between two loads only."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,7 +28,7 @@ def middle(bounds: ArrayLike, share: float = 0.5) -> tuple[float, float]:
     inside = (low > 0) & (high < 1)
     start = np.mean((low + high)[inside]) / 2 if inside.any() else 0.4, np.log(0.03)
 
-    def misfit(x):
+    def misfit(x: np.ndarray) -> float:
         return -np.sum(np.log(np.maximum(ndtr((high - x[0]) / np.exp(x[1])) - ndtr((low - x[0]) / np.exp(x[1])), 1e-12)))
 
     mean, log = minimize(misfit, start, method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-4}).x
@@ -38,5 +39,5 @@ def jackknife(of: Callable[[np.ndarray], ArrayLike], count: int) -> tuple[np.nda
     """(of(all), its standard errors) of a function of the indices of `count` surfaces, from what each group of them changes."""
     everyone = np.arange(count)
     groups = np.array_split(everyone, min(count, GROUPS))
-    left = [of(np.delete(everyone, group)) for group in groups] if count > 1 else [np.full_like(of(everyone), np.nan)]
+    left: Any = [of(np.delete(everyone, group)) for group in groups] if count > 1 else [np.full_like(of(everyone), np.nan)]
     return np.asarray(of(everyone)), np.sqrt((len(groups) - 1) * np.var(left, axis=0))

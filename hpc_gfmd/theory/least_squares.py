@@ -45,17 +45,15 @@ def least_squares(model: Function, jacobian: Function, starts: list[np.ndarray],
         Where sigma is no covariance, no start converges, or the data do not determine every parameter.
     """
     best: Solution | None = None
+    white = _whitening(sigma, len(value))
     for start in starts:
         try:
             x, covariance, info, *_ = curve_fit(
-                lambda _, *x: model(np.array(x)), None, value, start, sigma, absolute_sigma=True, bounds=bounds, method="trf",
-                jac=lambda _, *x: jacobian(np.array(x)), x_scale="jac", full_output=True, ftol=TOLERANCE, xtol=TOLERANCE,
+                lambda _, *x: white @ model(np.array(x)), None, white @ value, start, absolute_sigma=True, bounds=bounds, method="trf",
+                jac=lambda _, *x: white @ jacobian(np.array(x)), x_scale="jac", full_output=True, ftol=TOLERANCE, xtol=TOLERANCE,
                 gtol=TOLERANCE)
         except RuntimeError:  # not converged from here
             continue
-        except ValueError:
-            allowed = f"errors or a covariance matrix of the {len(value)} runs"
-            raise SceneError(f"sigma: found shape {np.shape(sigma)}, allowed: {allowed}") from None
         chi2 = float(np.sum(info["fvec"] ** 2))
         if best is None or chi2 < best.chi2:
             best = Solution(x, covariance, jacobian(x), chi2)
@@ -63,3 +61,14 @@ def least_squares(model: Function, jacobian: Function, starts: list[np.ndarray],
     if best is None or not scale.all() or np.linalg.cond(best.jacobian / scale) > WORST:
         raise SceneError("runs: found ratios that vary together, or no trend, allowed: runs that determine every term")
     return best
+
+
+def _whitening(sigma: Any, runs: int) -> np.ndarray:
+    """What makes errors independent and 1, shape (runs, runs)."""
+    errors = np.ones(runs) if sigma is None else np.asarray(sigma, dtype=float)
+    try:
+        if errors.shape not in ((runs,), (runs, runs)) or not np.isfinite(errors).all():
+            raise ValueError
+        return np.diag(1 / errors) if errors.ndim == 1 else np.linalg.inv(np.linalg.cholesky(errors))
+    except ValueError:  # also of a matrix that is no covariance
+        raise SceneError(f"sigma: found shape {errors.shape}, allowed: errors or a covariance matrix of the {runs} runs") from None

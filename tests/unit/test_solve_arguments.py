@@ -92,7 +92,7 @@ changes = st.lists(st.sampled_from(list(USUAL)), max_size=3, unique=True).flatma
     lambda keys: st.fixed_dictionaries({key: USUAL[key] | anything for key in keys}))
 
 
-@settings(max_examples=400, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(changes, st.integers(1, 40))
 def test_any_arguments_give_a_solution_or_a_scene_error(changes, iterations):
     found, refusal = None, ""

@@ -108,11 +108,11 @@ def test_ranks_plan_as_rank_0_does(memory):
         plan((16, 250)) if len(made) == 1 else None
         return len(made)
 
-    assert wisdom.planned(Rank(0), np.float64, make) == 1
+    assert wisdom.planned(Rank(0), np.float64, make, N) == 1
     wanted = memory.text()
     memory.replace(b"")
     plan((64, 100))
-    assert wisdom.planned(Rank(1), np.float64, make) == 2
+    assert wisdom.planned(Rank(1), np.float64, make, N) == 2
     assert wisdom._lines(made[1]) == wisdom._lines(wanted)
 
 

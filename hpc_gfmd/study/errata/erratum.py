@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ..rows import Rows
+
 
 @dataclass(frozen=True)
 class Erratum:
@@ -12,7 +14,7 @@ class Erratum:
     right: str
     show: Callable[[dict], str]
 
-    def row(self, tables) -> dict | None:
+    def row(self, tables: dict[str, Rows]) -> dict | None:
         """{"printed", "right", "shown"}; None while some study has no rows and this erratum cannot do without."""
         try:
             shown = self.show(tables)
@@ -26,10 +28,10 @@ class Erratum:
 class Errata(list):
     """The errata of a file, in order."""
 
-    def add(self, printed, right):
+    def add(self, printed: str, right: str) -> Callable:
         """A decorator: the function shows this erratum."""
 
-        def added(show):
+        def added(show: Callable[[dict], str]) -> Callable[[dict], str]:
             self.append(Erratum(printed, right, show))
             return show
 

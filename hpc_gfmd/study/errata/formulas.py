@@ -17,7 +17,7 @@ ERRATA = Errata()
 
 @ERRATA.add("h_rms² = (1/N) Σ |h_q|², g_rms² likewise (eqs. barH, barG)",
             "no 1/N with the transform that the paper states, nor in its eq. totalBroad")
-def parseval(_=None):
+def parseval(_: object | None = None) -> str:
     """h_rms and g_rms from the transform."""
     z = small_surface()
     share = np.sum(np.abs(np.fft.fft2(z) / z.size) ** 2) / np.mean(z**2)
@@ -27,7 +27,7 @@ def parseval(_=None):
 
 @ERRATA.add("h_rms² = q_l² C(q_l)/H {1 - (q_l/q_s)^2H} (eq. scalHeight), so h_f = q_l √(C(q_l)/H)",
             "/(2H), and h_f = q_l √(C(q_l)/(2H)); both scal equations leave out A_0/(2π)")
-def height_scale(_=None):
+def height_scale(_: object | None = None) -> str:
     """The rms height of a self-affine spectrum."""
     whole, slope = _moment(2, EPS_F), _moment(4, EPS_F)  # of C = q^(-2-2H) from q_l = 1 to q_s, in units A_0/(2 pi) = 1
     printed = (1 - EPS_F ** (2 * H)) / H
@@ -40,7 +40,7 @@ def height_scale(_=None):
 
 
 @ERRATA.add("g_rms lam_s = 2π h_rms √(H/(1-H)) eps_f^H", "only to leading order: times √((1 - eps_f^(2-2H))/(1 - eps_f^2H))")
-def slope_relation(_=None):
+def slope_relation(_: object | None = None) -> str:
     """g_rms lam_s in units of h_rms."""
     parts = []
     for hurst in HURST:
@@ -51,7 +51,7 @@ def slope_relation(_=None):
 
 
 @ERRATA.add("rms height of the shortest wavelengths of order √(2-2H) g_rms lam_s", "√(2-2H) g_rms lam_s/(2π), since q_s = 2π/lam_s")
-def short_wave_height(_=None):
+def short_wave_height(_: object | None = None) -> str:
     """The rms height of the roughness on the shortest wavelengths."""
     claim = np.sqrt(2 - 2 * H) * np.sqrt(_moment(4, EPS_F)) * 2 * np.pi * EPS_F
     share = np.sqrt(_moment(2, EPS_F, from_q=1 / EPS_F / np.e)) / claim
@@ -60,7 +60,7 @@ def short_wave_height(_=None):
 
 
 @ERRATA.add("p_new(q_new) = p_old(q_new/s)/s", "p_old(s q_new)/s, as one line before: q_new = q_old/s")
-def scaling(_=None):
+def scaling(_: object | None = None) -> str:
     """The pressure of a surface that is stretched in the plane."""
     s, q_old, u = 2.0, 3.0, 1.0
     q_new = q_old / s
@@ -70,7 +70,7 @@ def scaling(_=None):
 
 
 @ERRATA.add("stiffness K is the derivative of the mean gap with respect to pressure", "K = -dp/d(gap): the negative inverse of that")
-def stiffness(_=None):
+def stiffness(_: object | None = None) -> str:
     """The contact stiffness."""
     p_star, h = 0.05, 1e-4
     low, high = (float(persson.mean_gap(p, H, EPS_F)) for p in (p_star * (1 - h), p_star * (1 + h)))
@@ -81,7 +81,7 @@ def stiffness(_=None):
 
 @ERRATA.add("eq. gapFinal: 3 (1-gamma) ∫ erf(tx)² exp(-t²x²) dt/t",
             "6 (1-gamma): E1(x²) = 2 ∫ exp(-t²x²) dt/t, so this term lacks the 2")
-def missing_factor(_=None):
+def missing_factor(_: object | None = None) -> str:
     """The mean gap of Persson's theory from its elastic energy, by quadrature."""
     hurst, eps_f, parts = 0.8, 1 / 256, []
     for gamma in (1.0, persson.GAMMA):
@@ -94,14 +94,14 @@ def missing_factor(_=None):
 
 
 @ERRATA.add("GFMD: F_q ← F_q + eta (u_now - u_old)", "minus: the printed sign feeds energy")
-def damping_sign(_=None):
+def damping_sign(_: object | None = None) -> str:
     """Damped Verlet dynamics with the printed sign of the damping and with the other, on a small contact."""
     good, bad = (_range(gfmd(damping=sign)["speed"]) for sign in (-1, +1))
     return f"{N_SMALL} × {N_SMALL}, {STEPS} steps: largest speed {good} with the minus, {bad} as printed"
 
 
 @ERRATA.add("GFMD: F(0) ← F(0) + p with u >= -h", "minus p: printed, it pulls the solids apart")
-def load_sign(_=None):
+def load_sign(_: object | None = None) -> str:
     """The external pressure with the printed sign and with the other, on a small contact."""
     good, bad = gfmd(load=-1), gfmd(load=+1)
     return (f"mean gap/h_rms from {good['gap'][0]:.2f} to {good['gap'][-1]:.3f} with the minus (a_r = {good['a_r']:.3f}), to "
@@ -110,7 +110,7 @@ def load_sign(_=None):
 
 @ERRATA.add("start: set all grid points to h_max",
             "any u >= -h will do; touching in one point (u = 0), or a coarser solution, is nearer")
-def start(_=None):
+def start(_: object | None = None) -> str:
     """Starting heights of the elastic solid."""
     touching, above = gfmd()["gap"], gfmd(lifted=True)["gap"]
     steps = [_settled(gap, touching[-1]) for gap in (touching, above)]
@@ -119,7 +119,7 @@ def start(_=None):
 
 
 @ERRATA.add("p* = 0.007 and 0.353", "0.01/√2 and 0.5/√2")
-def rounded_pressures(_=None):
+def rounded_pressures(_: object | None = None) -> str:
     """The two pressures."""
     parts = []
     for name, p in PRESSURES.items():
@@ -130,7 +130,7 @@ def rounded_pressures(_=None):
 
 
 @ERRATA.add("L/lam_s = 1/512 is more than sufficient (H = 0)", "L/lam_s = 512: inverted")
-def inverted_ratio(_=None):
+def inverted_ratio(_: object | None = None) -> str:
     """The system that the text recommends for H = 0."""
     return f"with the recommended a/lam_s = 1/{GRID} the cell has {GRID * 512:.0f} points along an axis, printed {GRID / 512:.3f}"
 
@@ -138,7 +138,7 @@ def inverted_ratio(_=None):
 def gap_from_energy(p_star: float, hurst: float, eps_f: float, gamma: float) -> float:
     """gap/h_rms = ∫ (dU/dp)/p dp from p_star up (eq. gap), integrated by parts, with the energy of eq. elasticEnergy."""
 
-    def energy(p):
+    def energy(p: float) -> float:
         return float(persson.elastic_energy(p, hurst, eps_f, gamma))
 
     top = 40.0  # full contact: the energy no longer changes
@@ -146,16 +146,16 @@ def gap_from_energy(p_star: float, hurst: float, eps_f: float, gamma: float) -> 
     return rest + (energy(top) - energy(p_star)) / top
 
 
-def _moment(power, eps_f, from_q=1.0):
+def _moment(power: float, eps_f: float, from_q: float = 1.0) -> float:
     """∫ q^power C dq/q of C = q^(-2-2H) up to q_s = 1/eps_f by quadrature."""
     return quad(lambda y: np.exp((power - 2 - 2 * H) * y), np.log(from_q), -np.log(eps_f), epsabs=0, epsrel=1e-12)[0]
 
 
-def _range(speed):
+def _range(speed: list[float]) -> str:
     begun, ended = max(speed[:20]), speed[-1]
     return f"falls from {begun:.2g} to {ended:.1e}" if ended < begun else f"grows from {begun:.2g} to {ended:.1e} in {len(speed)} steps"
 
 
-def _settled(gap, last):
+def _settled(gap: list[float], last: float) -> int:
     off = np.flatnonzero(np.abs(np.array(gap) / last - 1) > 0.01)
     return int(off[-1]) + 2 if off.size else 1

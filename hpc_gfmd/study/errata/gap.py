@@ -1,10 +1,13 @@
 """Errata of what the paper says about the mean gap, each shown by the rows of our figures and tables."""
 
+from collections.abc import Iterator
+from typing import Any
+
 from ...theory import persson
 from .. import paper
 from ..items import gap
 from ..paper import of_hurst
-from ..rows import by_hurst, families, fine_half, finest, low_high
+from ..rows import Rows, by_hurst, families, fine_half, finest, low_high
 from .erratum import Errata
 
 GAP = "gap_over_h_rms"
@@ -12,7 +15,7 @@ ERRATA = Errata()
 
 
 @ERRATA.add("caption of the second gap table: p* = 0.007", "p* = 0.353, as its label says")
-def caption_pressure(tables):
+def caption_pressure(tables: dict[str, Rows]) -> Any:
     """The caption of the second gap table."""
     parts = []
     for pressure, hurst, rows in _printed(tables):
@@ -25,7 +28,7 @@ def caption_pressure(tables):
 
 
 @ERRATA.add("gap tables 3 and 4: C_c eps_c + C_f eps_f^alpha_f + C_t eps_t (the limit is zero)", "too large at the high pressure")
-def gap_tables(tables):
+def gap_tables(tables: dict[str, Rows]) -> Any:
     """The gap tables against our gaps, at all eps_f solved."""
     parts = []
     for pressure, hurst, rows in _printed(tables):
@@ -36,7 +39,7 @@ def gap_tables(tables):
 
 @ERRATA.add("figure 6: the printed theory is 3, 3, 2 times below the simulations (H = 0.3, 0.5, 0.8)",
             "table 4 says something else of the same simulations")
-def tables_against_captions(tables):
+def tables_against_captions(tables: dict[str, Rows]) -> Any:
     """The gap table against the factors that the captions give for the same simulations."""
     parts = []
     for pressure, hurst, rows in _printed(tables):
@@ -49,7 +52,7 @@ def tables_against_captions(tables):
 
 @ERRATA.add("tables 3 and 4 serve to extrapolate the gap to the TFC limit",
             'gap/h_rms vanishes in the fractal limit: the "correction" is nearly the whole gap')
-def fractal_term_is_the_gap(tables):
+def fractal_term_is_the_gap(tables: dict[str, Rows]) -> Any:
     """The fractal "correction" of the gap tables."""
     parts = [f"{row['term_f'] / sum(row[f'term_{i}'] for i in 'cft'):.0%} (H = {row['hurst']:g}, p* = {paper.PRINTED[pressure]})"
              for table, pressure in (("table3", "low"), ("table4", "high")) for row in tables[table] if row["area"] == "paper"]
@@ -58,14 +61,14 @@ def fractal_term_is_the_gap(tables):
 
 @ERRATA.add("gap/(g_rms lam_s) increases with eps_f with exponents 0.25 and 0.75 (p* = 0.007), 0.002 and 0.14 (0.353)",
             "it decreases: exponents in the two units differ by H, so these are negative")
-def sign_of_exponents(tables):
+def sign_of_exponents(tables: dict[str, Rows]) -> Any:
     """The exponents of the gap in units of g_rms lam_s."""
     return "; ".join(f"{line['paper']}, ours {line['ours']}" for line in gap.exponents(tables["fig7"], "g_rms_lam_s"))
 
 
 @ERRATA.add("self-affine between the cutoffs, L/lam_l = 2 (nothing is said of which modes at the cutoffs are included)",
             "a cell of two lam_l has few long modes: their number changes g_rms lam_s/h_rms, and with it every gap in units of h_rms")
-def realised_slope(tables):
+def realised_slope(tables: dict[str, Rows]) -> Any:
     """g_rms lam_s/h_rms of the surfaces that were solved."""
     parts, same = [], ("hurst", "p_star", "eps_f", "eps_t", "eps_c")
     for hurst, rows in by_hurst(low_high(tables["fig6"])["low"]).items():
@@ -77,11 +80,11 @@ def realised_slope(tables):
                       + ", ".join(parts))
 
 
-def _printed(tables):
+def _printed(tables: dict[str, Rows]) -> Iterator[tuple]:
     """families of figure 6 for which the paper's tables have coefficients."""
     return (family for family in families(tables["fig6"]) if paper.coefficients(GAP, *family[:2]))
 
 
-def _printed_gap(pressure, row):
+def _printed_gap(pressure: str, row: dict) -> float:
     """The gap at a row's ratios by the paper's table."""
     return paper.correction(paper.coefficients(GAP, pressure, row["hurst"]), row["eps_t"], row["eps_f"], row["eps_c"])

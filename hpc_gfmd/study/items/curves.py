@@ -1,24 +1,26 @@
 """kappa and mean gap against p_star for many H and three eps_f, in the limit of fine grids and large cells: hpc_gfmd.reference."""
 
 from collections import defaultdict
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...errors import SceneError
 from ...plotting.style import THEORY, figure, shade
 from ...theory import persson
-from ..case import Case
 from ..continuum import POWERS, continuum
-from ..levels import P_HIGH, P_LOW, cases_of, level_of
+from ..draw import points
+from ..levels import P_HIGH, P_LOW, series_of
 from ..markdown import table
 from ..paper import quoted, saying
-from ..rows import Rows, near
+from ..rows import Rows, at_load
 from ..study import Study
 
 HURST = (0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 1.0)
 LOADS = (1e-4, 3e-4, 0.001, P_LOW, 0.03, 0.06, 0.12, 0.2, P_HIGH, 0.6, 1.0, 1.5, 2.0)
 FEW, HEAVY, LIGHT = (0.3, 0.5, 0.8), LOADS[2:], LOADS[:4]  # what is solved of the finest grids, and of more surfaces
-ROWS = {  # as in levels.py; at the end the loads, if not all
+ROWS: dict[str, Any] = {  # as in levels.py; at the end the loads, if not all
     "quick": tuple((*row, (0.3, 0.8)) for row in ((2, 4, 2, 3), (2, 4, 4, 3), (2, 4, 8, 2), (2, 4, 16, 2), (4, 4, 2, 2))),
     "desk": (
         (8, 16, 2, 4), (8, 16, 4, 4), (8, 16, 8, 4), (8, 16, 16, 1, (0.1, 0.5, 1.0)), (32, 16, 2, 2),
@@ -33,28 +35,23 @@ ROWS = {  # as in levels.py; at the end the loads, if not all
         (4, 1024, 2, 16), (4, 1024, 4, 4), (4, 1024, 8, 1), (16, 1024, 2, 2),
     ),
 }
+series = series_of(ROWS, HURST, LOADS)
 POOLED = ("kappa", "kappa_edge")  # at light loads single contacts meet the grid alike; the gap is known well enough at each load
 SHOWN = (1e-4, 0.001, P_LOW, 0.06, P_HIGH, 1.0)
 FROM = (0.001, P_LOW, 0.03, 0.12)  # loads from which on errors are quoted
 
 
-def series(level: str) -> list[Case]:
-    """All surfaces of a level."""
-    level_of(level)
-    return [case for row in ROWS[level] for case in cases_of((row[:5],), HURST, (*row[5:], LOADS)[0])]
-
-
 def limits(runs: Rows, level: str) -> Rows:
     """A row for each H, eps_f and p_star: kappa (mean of what its two routes give, its error half their difference and more),
     gap_over_h_rms, NAME_se, Persson's; None where the gap is closed in some realisation."""
-    found = {name: {} for name in POWERS}
+    found: dict[str, dict] = {name: {} for name in POWERS}
     for name, at in found.items():
         together = LIGHT if name in POOLED else ()
         for loads in (together, *((p_star,) for p_star in LOADS if p_star not in together)):
-            at |= _limit([run for run in runs if any(near(run["p_star"], p_star) for p_star in loads)], name)
+            at |= _limit([run for p_star in loads for run in at_load(runs, p_star)], name)
     rows = []
     for p_star in LOADS:
-        for hurst, eps_f in sorted({(run["hurst"], run["eps_f"]) for run in runs if near(run["p_star"], p_star)}):
+        for hurst, eps_f in sorted({(run["hurst"], run["eps_f"]) for run in at_load(runs, p_star)}):
             one = {name: at.get((hurst, eps_f, p_star)) for name, at in found.items()}
             row = {"hurst": hurst, "eps_f": eps_f, "p_star": p_star, "kappa": None, "kappa_se": None}
             if one["kappa"] and one["kappa_edge"]:
@@ -67,7 +64,7 @@ def limits(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def _limit(runs, name):
+def _limit(runs: Rows, name: str) -> dict[tuple, tuple[float, float]]:
     """{(H, eps_f, p_star): (limit, standard error)}; {} where there is none."""
     try:
         found = continuum(runs, name)
@@ -83,7 +80,7 @@ def findings(rows: Rows) -> Rows:
     if not known or not gaps:
         return []
 
-    def worst(part, name, low=0.0, high=np.inf):
+    def worst(part: Rows, name: str, low: Any = 0.0, high: Any = np.inf) -> str:
         return f"{max((row[f'{name}_se'] / row[name] for row in part if low <= row['p_star'] <= high), default=0):.1%}"
 
     apart = [(row["kappa_counted"] - row["kappa_edge"]) / np.hypot(row["kappa_counted_se"], row["kappa_edge_se"]) for row in known]
@@ -116,7 +113,7 @@ def numbers(rows: Rows) -> str:
     return table(lines, {"what": "", "eps_f": "eps_f", "hurst": "H"} | {f"{p:.3g}": f"p* = {p:.3g}" for p in SHOWN})
 
 
-def draw(rows, path):
+def draw(rows: Rows, path: Path) -> None:
     """kappa and gap/h_rms against p_star, a column for each eps_f; lines: Persson."""
     eps = sorted({row["eps_f"] for row in rows}, reverse=True) or [1.0]
     p_star = np.geomspace(LOADS[0], 1.6, 60)
@@ -125,9 +122,8 @@ def draw(rows, path):
         for column, eps_f in zip(axes.T, eps, strict=True):
             for ax, name, label in zip(column, ("kappa", "gap_over_h_rms"), (r"$\kappa$", r"$\Delta\bar u/\bar h$"), strict=True):
                 for hurst in sorted({row["hurst"] for row in rows}):
-                    part = [row for row in rows if (row["eps_f"], row["hurst"]) == (eps_f, hurst) and row[name]]
-                    ax.errorbar([row["p_star"] for row in part], [row[name] for row in part], [row[f"{name}_se"] for row in part],
-                                color=shade(0.9 * hurst), marker="o", markersize=3, linewidth=0.8, capsize=2, label=f"$H = {hurst:g}$")
+                    part = [row for row in rows if (row["eps_f"], row["hurst"]) == (eps_f, hurst)]
+                    points(ax, part, "p_star", name, shade(0.9 * hurst), label=f"$H = {hurst:g}$", line="-", size=3)
                     if name != "kappa":
                         ax.plot(p_star, persson.mean_gap(p_star, hurst, eps_f), color=shade(0.9 * hurst), linestyle="--", linewidth=0.7)
                 ax.set(xscale="log", ylabel=label if eps_f == eps[0] else None)

@@ -1,14 +1,17 @@
 """Distributions of pressure, gap and patch size, over many surfaces, beside Persson's theory."""
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 
 from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
-from ..case import Case
-from ..levels import P_HIGH, P_LOW, cases_of, level_of
+from ..draw import points
+from ..levels import P_HIGH, P_LOW, series_of
 from ..markdown import table
 from ..paper import quoted, saying
-from ..rows import Rows, by_hurst, near
+from ..rows import Rows, at_load, by_hurst
 from ..study import Study
 
 HURST = (0.3, 0.5, 0.8)
@@ -25,12 +28,6 @@ UNITS = {"pressure": r"$p/(E^*\bar g)$", "gap": r"$g/\bar h$", "patches": r"$A/\
 POWER_LAW = (1.0, 100.0)  # patches, in lam_s^2, whose sizes may follow a power law
 
 
-def series(level: str) -> list[Case]:
-    """All surfaces of a level."""
-    level_of(level)
-    return cases_of(ROWS[level], HURST, LOADS, distributions=tuple(KINDS))
-
-
 def means(runs: Rows, level: str) -> Rows:
     """A row for each H, p_star, kind and bin: low, high, density (integrates to 1), density_se, surfaces.
 
@@ -40,7 +37,7 @@ def means(runs: Rows, level: str) -> Rows:
     rows = []
     for hurst, part in by_hurst(runs).items():
         for p_star in LOADS:
-            same = [run for run in part if near(run["p_star"], p_star)]
+            same = at_load(part, p_star)
             for kind, (unit, edges) in KINDS.items():
                 found = [_binned(run, kind, unit(run), edges) for run in same if run[f"{kind}_distribution"]]
                 if len(found) < 2:
@@ -53,7 +50,7 @@ def means(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def _binned(run, kind, unit, edges):
+def _binned(run: dict, kind: str, unit: float, edges: np.ndarray) -> np.ndarray:
     """The density of a run in other bins, in units of `unit`; it is even within each of its own."""
     own, density = np.array(run[f"{kind}_distribution"]["edges"]) / unit, np.array(run[f"{kind}_distribution"]["density"]) * unit
     below = np.append(0.0, np.cumsum(density * np.diff(own)))
@@ -62,7 +59,7 @@ def _binned(run, kind, unit, edges):
 
 def of(rows: Rows, hurst: float, p_star: float, kind: str) -> Rows:
     """The bins of one distribution."""
-    return [row for row in rows if (row["hurst"], row["kind"]) == (hurst, kind) and near(row["p_star"], p_star)]
+    return [row for row in at_load(rows, p_star) if (row["hurst"], row["kind"]) == (hurst, kind)]
 
 
 def patch_exponent(rows: Rows) -> tuple[float | None, float | None]:
@@ -76,13 +73,13 @@ def patch_exponent(rows: Rows) -> tuple[float | None, float | None]:
     return float(-line[0]), float(np.sqrt(covariance[0, 0]))
 
 
-def theory(p_star: float, low, high) -> np.ndarray:
+def theory(p_star: float, low: Any, high: Any) -> np.ndarray:
     """Persson's P(p) of points in contact, means over bins from low to high (units of E* g_rms)."""
     inside = np.linspace(low, high, 17)
     return np.mean(persson.pressure_distribution(inside, p_star), axis=0) / float(persson.contact_area(p_star))
 
 
-def _columns(rows, *names):
+def _columns(rows: Rows, *names: str) -> list[np.ndarray]:
     return [np.array([row[name] for row in rows]) for name in names]
 
 
@@ -117,17 +114,17 @@ def numbers(rows: Rows) -> str:
     return table(lines, {"kind": "of", "H": "H", "p": "p*", "surfaces": "surfaces"} | {f"{q:g}": f"{q:.0%} below" for q in QUANTILES})
 
 
-def draw(rows, path):
+def draw(rows: Rows, path: Path) -> None:
     """A row for each kind, a column for each load; colours: H; line: Persson's P(p)."""
     with figure(path, 8.4, 7.2) as fig:
         axes = fig.subplots(len(KINDS), len(LOADS), sharey="row", sharex="row")
         for line, kind in zip(axes, KINDS, strict=True):
+            middle = (lambda low, high: (low + high) / 2) if kind == "pressure" else (lambda low, high: np.sqrt(low * high))
             for ax, p_star in zip(line, LOADS, strict=True):
                 for hurst, shade in zip(by_hurst(rows), COLOURS, strict=False):
                     part = [row for row in of(rows, hurst, p_star, kind) if row["density"] > 2 * row["density_se"]]
-                    low, high, density, error = _columns(part, "low", "high", "density", "density_se")
-                    at = np.sqrt(low * high) if kind != "pressure" else (low + high) / 2
-                    ax.errorbar(at, density, error, color=shade, linewidth=1, label=f"$H = {hurst:g}$")
+                    points(ax, [row | {"at": middle(row["low"], row["high"])} for row in part], "at", "density", shade, "",
+                           label=f"$H = {hurst:g}$", line="-")
                 if kind == "pressure":
                     edges = KINDS[kind][1]
                     ax.plot((edges[1:] + edges[:-1]) / 2, theory(p_star, edges[:-1], edges[1:]), label="Persson", **THEORY)
@@ -143,5 +140,5 @@ patches: by number, in units of lam_s² (points that share sides)."""
 
 STUDIES = (
     Study("distributions", "Distributions of pressure, gap and patch size", "Persson's P(p); patch sizes follow a power law",
-          series, means, draw, findings, QUESTION, numbers),
+          series_of(ROWS, HURST, LOADS, distributions=tuple(KINDS)), means, draw, findings, QUESTION, numbers),
 )

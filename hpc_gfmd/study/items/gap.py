@@ -1,5 +1,6 @@
 """Figures 4 to 8: the mean gap against eps_c, eps_t and eps_f at the two pressures of the paper."""
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -111,7 +112,7 @@ def decades_needed(rows: Rows) -> Rows:
     if not any(near(row["hurst"], claim["hurst"]) for row in low_high(rows)["low"]):
         return []
 
-    def gap(eps_f):
+    def gap(eps_f: float) -> float:
         return float(persson.mean_gap(P_LOW, claim["hurst"], eps_f, unit="g_rms_lam_s"))
 
     limit = gap(1e-60)
@@ -122,25 +123,26 @@ def decades_needed(rows: Rows) -> Rows:
         "no simulation can show the limit; theory that fits the data at large eps_f says where it lies")]
 
 
-def _span(values):
+def _span(values: list) -> str:
     low, high = f"{min(values):.2f}", f"{max(values):.2f}"
     return low if low == high else f"{low} to {high}"
 
 
-def _against_ratio(name, ratio, paper_says, series, compare):
+def _against_ratio(name: str, ratio: str, paper_says: str, series: Callable[[str], list], compare: Callable[[Rows], Rows]) -> Study:
     """gap/h_rms against a ratio; marks tell eps_f."""
     draw = partial(two_pressures, x=ratio, observable=GAP)
     return Study(name, f"gap/h_rms against {ratio}", paper_says, series, means, draw, compare)
 
 
-def _against_theory(name, title, unit, paper_says, compare, widest=None):
+def _against_theory(name: str, title: str, unit: str, paper_says: str, compare: Callable[[Rows], Rows],
+                    widest: tuple[float, float] | None = None) -> Study:
     """The gap in a unit against eps_f, with Persson's theory over the range of the data or over `widest`."""
     draw = partial(two_pressures, x="eps_f", observable=f"gap_over_{unit}", series="lam_s_over_a", theory=gap_lines(unit, widest),
                    base=10 if widest else 2)
     return Study(name, title, paper_says, eps_f_series, partial(with_theory, unit=unit), draw, compare)
 
 
-def _exponents_and_factors(unit):
+def _exponents_and_factors(unit: str) -> Callable[[Rows], Rows]:
     return lambda rows: exponents(rows, unit) + theory_factors(rows, unit)
 
 

@@ -1,5 +1,6 @@
 """Figures 1 to 3: kappa against eps_c, eps_f and eps_t at the two pressures of the paper."""
 
+from collections.abc import Callable
 from functools import partial
 
 from .. import fits, paper
@@ -105,7 +106,7 @@ def finite_size(rows: Rows) -> Rows:
     return lines
 
 
-def _drawn(ratio, series="lam_l_over_lam_s"):
+def _drawn(ratio: str, series: str = "lam_l_over_lam_s") -> Callable:
     return partial(two_pressures, x=ratio, observable="kappa", series=series, theory=kappa_lines)
 
 

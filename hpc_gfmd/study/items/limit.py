@@ -2,17 +2,20 @@
 
 from collections import defaultdict
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...errors import SceneError
 from ...plotting.style import COLOURS, figure
 from ..case import Case
+from ..draw import points
 from ..levels import HURST, P_HIGH, P_LOW, PRESSURES, cases_of, tfc_series
 from ..limits import ALPHA_F, fit_limit
 from ..markdown import table
 from ..paper import of_hurst, quoted, saying
-from ..rows import Rows, families
+from ..rows import Rows, at_load, families
 from ..scatter import Scatter
 from ..study import Study
 from . import curves
@@ -54,7 +57,7 @@ def limits(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def _row(runs, octaves, left, observable, scatter, exponent):
+def _row(runs: Rows, octaves: list[float], left: int, observable: str, scatter: Scatter, exponent: float | None) -> dict:
     chosen = [run for run in runs if run["eps_f"] <= octaves[-1 - left] * 1.01]
     fit = fit_limit(chosen, observable, scatter, exponent)
     scale = max(1.0, fit.chi2 / fit.dof) ** 0.5
@@ -70,12 +73,12 @@ def conclusions(rows: Rows) -> Rows:
     kappa_tfc is the mean of both routes, its error that of the routes, half their difference, what one octave less changes and, where
     the exponents disagree, half of what that does, together.
     """
-    groups = defaultdict(dict)
+    groups: dict[tuple, dict] = defaultdict(dict)
     for row in rows:
         groups[row["hurst"], row["p_star"]][row["route"], row["exponent"], row["left_out"]] = row
     found = []
     for (hurst, p_star), group in sorted(groups.items(), key=lambda item: (item[0][1], item[0][0])):
-        base = next((row["left_out"] for row in group.values() if row["base"]), None)
+        base: Any = next((row["left_out"] for row in group.values() if row["base"]), None)
         if any((route, name, base) not in group for route in ROUTES for name in ("free", "2 - 2H")):
             continue
         free = [group[route, "free", base] for route in ROUTES]
@@ -117,7 +120,7 @@ def numbers(rows: Rows) -> str:
                          "alpha": "alpha_f", "chi2": "chi²/dof"})
 
 
-def draw(rows, path):
+def draw(rows: Rows, path: Path) -> None:
     """The limit against the coarsest eps_f that is kept, both routes and both exponents."""
     with figure(path, 8.4, 5.0) as fig:
         axes = fig.subplots(2, len(HURST), squeeze=False)
@@ -125,14 +128,11 @@ def draw(rows, path):
             for ax, hurst in zip(line, HURST, strict=True):
                 for shade, route in zip(COLOURS, ROUTES, strict=False):
                     for shift, (name, mark) in enumerate((("free", "s"), ("2 - 2H", "o"))):
-                        part = [row for row in rows if (row["hurst"], row["route"], row["exponent"]) == (hurst, route, name)
-                                and abs(row["p_star"] / p_star - 1) < 1e-6]
-                        ax.errorbar([row["left_out"] + 0.12 * shift + 0.24 * (route == "edge") for row in part],
-                                    [row["kappa_tfc"] for row in part], [row["kappa_tfc_se"] for row in part], color=shade, marker=mark,
-                                    markersize=4, linestyle="", capsize=2, markerfacecolor=shade if name != "free" else "white",
-                                    label=f"{route}, {name}")
-                for row in conclusions(rows):
-                    if row["hurst"] == hurst and abs(row["p_star"] / p_star - 1) < 1e-6:
+                        part = [row | {"at": row["left_out"] + 0.12 * shift + 0.24 * (route == "edge")} for row in at_load(rows, p_star)
+                                if (row["hurst"], row["route"], row["exponent"]) == (hurst, route, name)]
+                        points(ax, part, "at", "kappa_tfc", shade, mark, name == "free", f"{route}, {name}")
+                for row in at_load(conclusions(rows), p_star):
+                    if row["hurst"] == hurst:
                         low, high = (row["kappa_tfc"] + k * row["kappa_tfc_se"] for k in (-1, 1))
                         ax.axhspan(low, high, color="0.88", zorder=0)
                         wide = 6 * row["kappa_tfc_se"]

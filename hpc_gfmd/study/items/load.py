@@ -43,7 +43,8 @@ def slope(rows: Rows) -> Rows:
     for name in ("kappa", "kappa_edge"):
         at = {hurst: min(part, key=lambda row: abs(row["p_star"] - 0.01)) for hurst, part in low.items()}
         text[name] = ", ".join(f"{quoted(row[name], row[name + '_se'])} (H = {hurst:g})" for hurst, row in at.items())
-    printed, loads = paper.numbers()["slope"], {}
+    printed = paper.numbers()["slope"]
+    loads: dict[float, list] = {}
     for row in rows:
         loads.setdefault(row["p_star"], []).append(row["a_r_edge"])
     spread = [max(areas) / min(areas) - 1 for areas in loads.values()]
@@ -88,7 +89,7 @@ def theory_within(rows: Rows) -> Rows:
         f"loads below p* = {HIGHEST:g}; printed and corrected differ by the missing factor 2")]
 
 
-def _gap(name, hurst):
+def _gap(name: str, hurst: float) -> Study:
     return Study(name, f"p* against gap at several eps_f, H = {hurst}",
                  "theory within 20 % but at the highest p*; a logarithmic region at low p*",
                  partial(gap_pressure_series, hurst=(hurst,)), with_theory, pressure_against_gap, theory_within)

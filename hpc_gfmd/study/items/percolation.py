@@ -1,11 +1,16 @@
 """The contact area at which contact first percolates, by finite-size scaling."""
 
 from collections import defaultdict
+from collections.abc import Callable
+from operator import itemgetter
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...plotting.style import COLOURS, THEORY, figure
 from ..case import Case
+from ..draw import points
 from ..levels import cases_of, level_of
 from ..markdown import table
 from ..paper import quoted, saying
@@ -50,11 +55,12 @@ def thresholds(runs: Rows, level: str) -> Rows:
     counted area at which no gap reaches from edge to edge any more; shift, shift_se: what must be added to a_c for a -> 0
     (to_fine_grids); more_waves, more_waves_se: by how much a_c differs from that at the smallest lam_l/lam_s, seeds of both.
     """
-    systems = defaultdict(lambda: defaultdict(list))
+    systems: dict[tuple, dict[int, Rows]] = defaultdict(lambda: defaultdict(list))
     for run in sorted(runs, key=lambda run: run["p_star"]):
         systems[tuple(run[name] for name in SYSTEM)][run["seed"]].append(run)
     bounds = {system: {seed: _bounds(sweep) for seed, sweep in surfaces.items()} for system, surfaces in sorted(systems.items())}
-    rows, fine = [], {}
+    rows: Rows = []
+    fine: dict[tuple, dict] = {}
     for system, surfaces in bounds.items():
         wraps = np.array([one for one, _ in surfaces.values()])  # (surfaces, AREAS, ENDS, axes, 2)
         row = dict(zip(SYSTEM, system, strict=True)) | {"surfaces": len(surfaces)}
@@ -88,7 +94,7 @@ def to_fine_grids(grids: dict) -> dict[float, tuple[float, float]]:
     eps_c = 1 / np.array(list(grids))
     bounds = np.array([[part[seed] for seed in shared] for part in grids.values()])  # (grids, surfaces, AREAS, ENDS, axes, 2)
 
-    def shifts(some):
+    def shifts(some: np.ndarray) -> np.ndarray:
         part = bounds[:, some]
         areas = np.array([[middle(grid[:, area, end], HALF)[0] for grid in part] for area, end in np.ndindex(2, 2)])
         limits = np.polyfit(eps_c, areas.T, 2)[-1]
@@ -98,14 +104,14 @@ def to_fine_grids(grids: dict) -> dict[float, tuple[float, float]]:
     return {grid: (float(value), float(np.hypot(sigma, apart))) for grid, value, sigma in zip(grids, shift, error, strict=False)}
 
 
-def _bounds(sweep):
+def _bounds(sweep: Rows) -> tuple[list, list]:
     """Between which areas a surface begins to percolate, shape (AREAS, ENDS, axes, 2), and the gap ceases to span, (axes, 2)."""
-    wraps = [[[between(sweep, lambda run, name=f"contact_percolates_{axis}{end}": run[name], area) for axis in "xy"]
-              for end in ENDS] for area in AREAS]
-    return wraps, [between(sweep, lambda run, name=f"gap_spans_{axis}": not run.get(name, True), "a_r") for axis in "xy"]
+    wraps = [[[between(sweep, itemgetter(f"contact_percolates_{axis}{end}"), area) for axis in "xy"] for end in ENDS] for area in AREAS]
+    closed = [{axis: not run.get(f"gap_spans_{axis}", True) for axis in "xy"} | {"a_r": run["a_r"]} for run in sweep]
+    return wraps, [between(closed, itemgetter(axis), "a_r") for axis in "xy"]
 
 
-def _apart(surfaces, others):
+def _apart(surfaces: dict, others: dict) -> tuple[float | None, float | None]:
     """(a_c of surfaces minus that of others, standard error) over the seeds of both, (None, None) if they are less than SEVERAL."""
     shared = sorted(set(surfaces) & set(others))
     if len(shared) < SEVERAL:
@@ -115,7 +121,7 @@ def _apart(surfaces, others):
     return float(value), float(error)
 
 
-def _known(bounds, share=0.5):
+def _known(bounds: np.ndarray, share: float = 0.5) -> tuple[float, float]:
     value, error = jackknife(lambda some: middle(bounds[some], share)[0], len(bounds))
     return float(value), float(error)
 
@@ -134,19 +140,20 @@ def large(rows: Rows) -> dict[float, dict]:
         big = [row for row in part if row["L_over_lam_l"] >= 2 and row["a_c_se"] > 0]
         if not big:
             continue
-        one = found[hurst] = dict(zip(("at_grid", "at_grid_se"), _mean(big, "a_c", "a_c_se"), strict=True))
+        one: dict[str, Any] = dict(zip(("at_grid", "at_grid_se"), _mean(big, "a_c", "a_c_se"), strict=True))
         one |= {"lam_s_over_a": big[0]["lam_s_over_a"], "surfaces": sum(row["surfaces"] for row in part), "exponent": None,
                 "a_c": None, "a_c_se": None, "counted": _mean(big, "a_c_counted", "a_c_se")[0], "sizes": part}
         if shifted := [row for row in part if row["shift"] is not None]:
             one["shift"], one["shift_se"] = _mean(shifted, "shift", "shift_se")
             one |= {"a_c": one["at_grid"] + one["shift"], "a_c_se": float(np.hypot(one["at_grid_se"], one["shift_se"]))}
+        found[hurst] = one
         if len(many) > 1:
             size, width, count = (np.array([row[name] for row in many], dtype=float) for name in ("L_over_lam_l", "width", "surfaces"))
             one["exponent"] = float(np.polyfit(np.log(size), np.log(width), 1, w=np.sqrt(count))[0])
     return found
 
 
-def _mean(rows, name, error):
+def _mean(rows: Rows, name: str, error: str) -> tuple[float, float]:
     """(mean of independent rows, its standard error), which is enlarged where they differ by more than theirs."""
     value, weight = np.array([row[name] for row in rows]), np.array([row[error] for row in rows]) ** -2.0
     mean = float(np.average(value, weights=weight))
@@ -160,10 +167,10 @@ def findings(rows: Rows) -> Rows:
     if not limit:
         return []
 
-    def each(text, part=None):
+    def each(text: Callable[[dict], str], part: dict | None = None) -> str:
         return ", ".join(f"{text(x)} (H = {hurst:g})" for hurst, x in (part or limit).items())
 
-    def near_literature(areas):
+    def near_literature(areas: dict[float, float]) -> str:
         found = [f"{hurst:g}" for hurst, area in areas.items() if abs(area - LITERATURE[0]) <= LITERATURE[1]]
         return f"in {LITERATURE[0]:g} ± {LITERATURE[1]:g}: " + (f"H = {', '.join(found)}" if found else "none")
 
@@ -207,15 +214,14 @@ def numbers(rows: Rows) -> str:
                          "width": "width", "flow": "no flow, counted"})
 
 
-def draw(rows, path):
+def draw(rows: Rows, path: Path) -> None:
     """a_c and its width against L/lam_l, the two rules as thin lines; what the grid does to the areas of the same surfaces."""
     with figure(path, 10.6, 3.2) as fig:
         left, middle_, right = fig.subplots(1, 3)
         for (hurst, family), shade in zip(by_hurst(rows).items(), COLOURS, strict=False):
             part = sorted(longest(family, "eps_t", "grid"), key=lambda row: row["L_over_lam_l"])
             size = [row["L_over_lam_l"] for row in part]
-            left.errorbar(size, [row["a_c"] for row in part], [row["a_c_se"] for row in part], color=shade, marker="o", capsize=2,
-                          label=f"$H = {hurst:g}$")
+            points(left, part, "L_over_lam_l", "a_c", shade, label=f"$H = {hurst:g}$", line="-")
             for name in RULES:
                 left.plot(size, [row[name] for row in part], color=shade, linewidth=0.6, linestyle="--")
             many = [row for row in part if row["surfaces"] >= SEVERAL]
@@ -228,8 +234,8 @@ def draw(rows, path):
                            label=name.removeprefix("a_c_") if hurst == rows[0]["hurst"] else None)
         left.axhspan(0.415, 0.42, color="0.85", zorder=0, label="literature")
         if rows:
-            size = np.array([1.0, max(row["L_over_lam_l"] for row in rows)])
-            middle_.plot(size, 0.08 * size ** (-1 / NU), label=r"$\propto\mathcal{L}^{-3/4}$", **THEORY)
+            ends = np.array([1.0, max(row["L_over_lam_l"] for row in rows)])
+            middle_.plot(ends, 0.08 * ends ** (-1 / NU), label=r"$\propto\mathcal{L}^{-3/4}$", **THEORY)
         left.set(xscale="log", xlabel=r"$\mathcal{L}/\lambda_l$", ylabel="contact area at percolation")
         middle_.set(xscale="log", yscale="log", xlabel=r"$\mathcal{L}/\lambda_l$", ylabel="width")
         right.set(xlabel=r"$a/\lambda_s$", ylabel=r"area minus limit for $a \to 0$")

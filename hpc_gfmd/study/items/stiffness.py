@@ -1,13 +1,14 @@
 """Tangent stiffness at low pressures: the power law of finite systems, and where it ends."""
 
 from collections import defaultdict
+from pathlib import Path
 
 import numpy as np
 
 from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
-from ..case import Case
-from ..levels import cases_of, level_of
+from ..draw import points
+from ..levels import series_of
 from ..markdown import table
 from ..paper import quoted, saying
 from ..rows import Rows, by_hurst
@@ -24,16 +25,10 @@ ROWS = {  # as in levels.py; at the end other loads
 LOW, LINEAR = 0.0005, 0.01  # p_star up to which the power law is fitted, and about which K is compared with a line
 
 
-def series(level: str) -> list[Case]:
-    """All surfaces of a level."""
-    level_of(level)
-    return [case for row in ROWS[level] for case in cases_of((row[:5],), HURST, (*row[5:], LOADS)[0], observables=("stiffness",))]
-
-
 def means(runs: Rows, level: str) -> Rows:
     """A row for each H, size and p_star: stiffness in units of E* g_rms/h_rms, the geometric mean over surfaces and its standard error;
     exponent, exponent_se: d ln K/d ln p between the neighbouring loads of the same surfaces; persson: theory."""
-    systems = defaultdict(lambda: defaultdict(dict))
+    systems: dict[tuple, dict[int, dict]] = defaultdict(lambda: defaultdict(dict))
     for run in runs:
         if run["stiffness"]:
             key = run["hurst"], run["L_over_lam_l"], run["lam_l_over_lam_s"], run["lam_s_over_a"]
@@ -54,7 +49,7 @@ def means(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def _mean(values):
+def _mean(values: list[float]) -> tuple[float, float]:
     return float(np.mean(values)), float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else np.nan
 
 
@@ -75,7 +70,7 @@ def power_laws(rows: Rows) -> Rows:
     return found
 
 
-def _rises_to(exponent, rows):
+def _rises_to(exponent: float, rows: Rows) -> float | None:
     for a, b in zip(rows, rows[1:], strict=False):
         if a["exponent"] < exponent <= b["exponent"]:
             share = (exponent - a["exponent"]) / (b["exponent"] - a["exponent"])
@@ -113,7 +108,7 @@ def numbers(rows: Rows) -> str:
                          "x": "d ln K/d ln p", "ratio": "K over Persson"})
 
 
-def draw(rows, path):
+def draw(rows: Rows, path: Path) -> None:
     """K over p_star, which is even where K is linear, and its local exponent, a panel for each H above and below."""
     hursts = list(by_hurst(rows)) or [HURST[0]]
     with figure(path, 2.8 * len(hursts), 4.8) as fig:
@@ -124,13 +119,11 @@ def draw(rows, path):
                 if row["hurst"] == hurst:
                     systems[row["L_over_lam_l"], row["lam_l_over_lam_s"]].append(row)
             for (key, part), shade in zip(sorted(systems.items()), COLOURS, strict=False):
-                p_star = np.array([row["p_star"] for row in part])
+                over = [row | {name: row[name] / row["p_star"] for name in ("stiffness", "stiffness_se", "persson")} for row in part]
                 label = f"$\\mathcal{{L}}/\\lambda_l = {key[0]:g}$, $\\epsilon_f = 1/{key[1]:g}$"
-                above.errorbar(p_star, [row["stiffness"] for row in part] / p_star, [row["stiffness_se"] for row in part] / p_star,
-                               color=shade, marker="o", markersize=3, capsize=2, label=label)
-                above.plot(p_star, [row["persson"] for row in part] / p_star, color=shade, linestyle="--", linewidth=0.8)
-                below.errorbar(p_star, [row["exponent"] for row in part], [row["exponent_se"] for row in part], color=shade, marker="o",
-                               markersize=3, capsize=2)
+                points(above, over, "p_star", "stiffness", shade, label=label, line="-", size=3)
+                points(above, over, "p_star", "persson", shade, "", line="--")
+                points(below, part, "p_star", "exponent", shade, line="-", size=3)
             below.axhline(1 / (1 + hurst), **THEORY)
             below.axhline(1, linestyle=":", **THEORY)
             above.set(xscale="log", yscale="log", title=f"$H = {hurst:g}$")
@@ -148,5 +141,5 @@ given. The stiffness is the tangent while no point changes sides; means over sur
 
 STUDIES = (
     Study("stiffness", "Tangent stiffness at low pressures", "a power law with exponent 1/(1 + H) in finite systems",
-          series, means, draw, findings, QUESTION, numbers),
+          series_of(ROWS, HURST, LOADS, observables=("stiffness",)), means, draw, findings, QUESTION, numbers),
 )

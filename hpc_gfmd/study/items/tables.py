@@ -1,6 +1,7 @@
 """Tables 1 to 4: coefficients of eq. tfc; table 5: kappa in the limit, beside other authors'."""
 
 from functools import partial
+from typing import Any
 
 from ...errors import SceneError
 from .. import coefficients, draw, paper
@@ -45,8 +46,8 @@ def our_limits(rows: Rows) -> Rows:
     return lines
 
 
-def _coefficients(name, observable, pressure, remark=""):
-    what = {"observable": observable, "pressure": pressure}
+def _coefficients(name: str, observable: str, pressure: str, remark: str = "") -> Study:
+    what: Any = {"observable": observable, "pressure": pressure}
     label = {"gap_over_h_rms": "gap/h_rms"}.get(observable, observable)
     return Study(name, f"coefficients of eq. tfc for {label} at p* = {paper.PRINTED[pressure]}",
                  f"C_i, alpha_i for H = 0.3, 0.5, 0.8{remark}", partial(tfc_series, hurst=HURST_GAP),
