@@ -6,7 +6,7 @@
 import numpy as np
 
 from .jit import inline, kernel
-from .lines import WIDTH, move_line, stream_line
+from .lines import WIDTH, move_line, publish, stream_line
 
 TILE = 8  # complex numbers of single precision in a cache line
 PIECE = 1024  # numbers that are summed up in their own precision
@@ -35,6 +35,8 @@ def to_blocks(rows, blocks, edges, n_loc, i0, count):
                     move_line(target, a + w, flat, b + w)
             for w in range(width - width % WIDTH, width):
                 target[a + w] = flat[b + w]
+    if large:
+        publish()
 
 
 @kernel

@@ -51,7 +51,8 @@ class Stored:
         with opened(comm, self.path, "r", doing) as file:
             def read(start, stop):
                 nonlocal found
-                part = np.empty((stop - start, self.shape[1]), self.dtype)
+                with guarded(comm, doing):  # before the others begin to read together
+                    part = np.empty((stop - start, self.shape[1]), self.dtype)
                 _transfer(file[self.dataset], start, part, "read")
                 found += _checksum(part, start)
                 return part

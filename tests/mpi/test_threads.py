@@ -45,7 +45,7 @@ def solved(comm, case, threads):
         assert min(len(fft.passes()), fft.K) > 1
         numbers = {name: f(step.contact) for name, f in all_observables().items()}
         steps.append((numbers, step.iterations, [field(step, name) for name in ("pressure", "gap")]))
-    return steps, min(grid.comm.size for grid in sweep.nested.grids)
+    return steps, min((grid.comm.size for grid in sweep.nested.grids), default=0)
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -53,7 +53,7 @@ def test_same_with_threads(comm, case, small):
     if comm.size > 2:  # nothing new, and many threads for a small machine
         return
     (one, fewest), (several, _) = (solved(comm, case, threads) for threads in (1, 2))
-    assert fewest == 1  # of the ranks have a part in the coarsest grid
+    assert comm.rank > 0 or fewest == 1  # rank 0 is alone with the coarsest grid
     for (numbers, iterations, fields), (found, done, there) in zip(one, several, strict=True):
         assert found == numbers
         assert done == iterations

@@ -14,6 +14,7 @@ import pytest
 
 from hpc_gfmd.bench import peers, scaling
 from hpc_gfmd.bench.cases import Case
+from hpc_gfmd.bench.cells import Cells
 from hpc_gfmd.bench.kernels import field_passes
 from hpc_gfmd.bench.loosest import loosest
 from hpc_gfmd.bench.messages import LARGE
@@ -24,6 +25,7 @@ from hpc_gfmd.bench.timing import Clock, Sample, ratio
 from hpc_gfmd.bench.workers import Worker, in_turn
 from hpc_gfmd.cli import main
 from hpc_gfmd.errors import GfmdError
+from hpc_gfmd.grid import Grid
 
 
 @pytest.fixture(autouse=True)
@@ -72,6 +74,30 @@ def test_reference_is_kept_and_true_errors_fall():
     assert errors[1] < 1e-6
 
 
+def test_free_edges_are_a_property_of_the_case():
+    """Both discretisations have the load and the area asked for; they differ where waves of two points are pressed, and only there."""
+    coarse, fine = (replace(Case(32, 0.8, 1.0, boundary="free"), **more).at_area(0.2) for more in ({}, {"n": 64}))
+    for case in (coarse, fine):
+        known, of_others = reference(case), reference(case.of_others)
+        assert known.pressure.mean() == pytest.approx(case.p_star, rel=1e-8)
+        assert known.a_r == pytest.approx(0.2, rel=0.03)
+        assert 1e-3 < known.pressure_error(of_others.pressure - known.pressure) < 0.06
+    assert Case(32, 0.8, 0.05).of_others.body == Case(32, 0.8, 0.05).body
+
+
+def test_pressure_constant_on_cells():
+    """The displacement by a pressure on one cell, there and on the cells around, by quadrature."""
+    grid = Grid((24, 16), (2.4, 3.2), nominal=(12, 8))
+    fill, out = Cells((True, True)).compliance_rows(grid), np.empty((24, 16))
+    fill(0, 24, out)
+    a_x, a_y = (s / grid.a for s in grid.spacings)
+    x, y = ((np.arange(400) + 0.5) / 400 - 0.5 for _ in range(2))
+    for i, j in ((1, 0), (0, 3), (-2, 5), (12, -1)):
+        r = np.hypot(a_x * (i + x)[:, None], a_y * (j + y))
+        assert out[i, j] == pytest.approx(np.mean(1 / r) * a_x * a_y / np.pi, rel=1e-5)
+    assert out[0, 0] == out.max()
+
+
 def test_accuracy_writes_table_lines_and_picture(tmp_path):
     where = tmp_path / "out"
     assert main(["bench", "accuracy", "--n", "64", "--hurst", "0.8", "--p-star", "0.05", "--solvers", "bpx", "--precision", "double",
@@ -90,6 +116,10 @@ def test_peers_without_peers_compares_our_precisions(tmp_path):
     assert [r["code"] for r in found] == ["hpc-gfmd single", "hpc-gfmd double"]
     assert all(r["error"] <= 1e-5 for r in found)
     assert min(r["times_slower"] for r in found) == 1.0
+    assert main(["bench", "peers", "--n", "64", "--boundary", "free", "--codes", "--repeats", "1", "-o", str(tmp_path)]) == 0
+    found = rows(tmp_path / "peers.jsonl")
+    assert [(r["code"], round(r["a_r"], 1)) for r in found[::2]] == [("hpc-gfmd single", 0.0), ("hpc-gfmd single", 0.2)]
+    assert all(r["error"] <= 1e-5 and r["boundary"] == "free" for r in found)
 
 
 FAKE = """
@@ -128,6 +158,7 @@ def test_another_code_is_given_the_loosest_tolerance_that_will_do(tmp_path, monk
     (["accuracy", "--solvers", "nonsense"], "--solvers: found 'nonsense', allowed: bpx"),
     (["peers", "--codes", "nonsense"], "--codes: found 'nonsense', allowed: aspher"),
     (["peers"], "scripts/bench-peers-setup"),
+    (["peers", "--boundary", "free", "--codes", "tamaas"], "--codes: found 'tamaas', allowed: aspher-fft"),
     (["fft", "--n", "63"], "--n: found"),
     (["kernels", "--repeats", "0"], "--repeats: found 0"),
 ])
@@ -139,15 +170,30 @@ def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, t
     assert error.count("\n") == 1
 
 
-@pytest.mark.parametrize(("what", "count"), [("fft", 3), ("kernels", 8)])
-def test_kernels_and_transforms(what, count, tmp_path):
-    """In a process of their own: PFFT starts MPI."""
+def test_transforms(tmp_path):
+    """In a process of its own: PFFT starts MPI."""
     pytest.importorskip("mpi4py_fft")
-    subprocess.run([sys.executable, "-m", "hpc_gfmd", "bench", what, "--n", "64", "--precision", "single", "--repeats", "2",
+    subprocess.run([sys.executable, "-m", "hpc_gfmd", "bench", "fft", "--n", "64", "--precision", "single", "--repeats", "2",
                     "-o", tmp_path], check=True, capture_output=True)
-    found = rows(tmp_path / f"{what}.jsonl")
-    assert len(found) == count
+    found = rows(tmp_path / "fft.jsonl")
+    assert len(found) == 3
     assert all(r["ms_min"] > 0 for r in found)
+
+
+def test_kernels(tmp_path, monkeypatch):
+    """Passes on one core and on two; what a node allows is bound by its cores or by its memory."""
+    pytest.importorskip("mpi4py_fft")
+    monkeypatch.setenv("OMPI_ALLOW_RUN_AS_ROOT", "1")
+    monkeypatch.setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+    assert main(["bench", "kernels", "--n", "64", "--precision", "single", "--repeats", "2", "-o", str(tmp_path)]) == 0
+    found = rows(tmp_path / "kernels.jsonl")
+    assert [r["cores"] for r in found] == [1] * 8 + [2] * 7  # FFTW's own plan is for one
+    passes = [r for r in found if "bytes_per_point" in r]
+    assert all(r["gb_per_s"] == pytest.approx(r["bytes_per_point"] / r["ns_per_point"]) for r in passes)
+    for row in (r for r in passes if r["cores"] == 1):
+        memory = row["bytes_per_point"] / Machine.bandwidth * 1e9
+        assert row["node_ns_per_point"] == pytest.approx(max(row["ns_per_point"] / Machine.cores, memory))
+        assert row["node_of_bandwidth"] == pytest.approx(memory / row["node_ns_per_point"])
 
 
 def test_storage(tmp_path):

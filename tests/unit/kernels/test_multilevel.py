@@ -94,6 +94,34 @@ def test_sweep(random, n):
     assert energy == pytest.approx(np.vdot(p, P_x @ wanted @ P_y.T), abs=1e-11)
 
 
+@pytest.mark.parametrize("coarsest_points", [None, 0])
+@pytest.mark.parametrize(("n", "nominal"), [((16, 16), (8, 8)), ((30, 12), (15, 12)), ((14, 20), (7, 10)), ((16, 8), (16, 8))], ids=str)
+def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
+    """|v|^2 and <v, S r> by sums over levels, v = t N/n - s: of the indicators of contact and surface as they are, level by level."""
+    grid = Grid(n, nominal=nominal)
+    sweep = Multilevel(grid, HalfSpace(), np.float64, n[0], coarsest_points)
+    s = np.zeros(n)
+    s[:nominal[0], :nominal[1]] = 1
+    t = s * (random.random(n) < 0.4)
+    r = np.where(t > 0, 0, random.standard_normal(n))
+    g, p = np.where(t > 0, 0.0, 1.0), np.where(t > 0, 1.0, r)
+    sweep.restrict(g, p, 0.0)
+    _, _, _, tt, rt, mean, ts, rs = sweep.sweep()
+    norm, product = sweep.response(t.sum(), tt, ts, rt, rs, mean)
+
+    share = t.sum() / s.sum()
+    v, wanted_norm, wanted_product = t - share * s, 0.0, 0.0
+    for k, (level, softness) in enumerate(zip(levels(grid), HalfSpace().softness(grid))):
+        if k:
+            P_x, P_y = interpolation(*v.shape[:1], level.n[0]), interpolation(v.shape[1], level.n[1])
+            v, r = (P_x.T @ x @ P_y * (level.n[0] * level.n[1] / x.size) for x in (v, r))
+        weight, w = softness * grid.cell_points / v.size, v if k else t  # s is left out on the finest level
+        wanted_norm += weight * np.vdot(w, w)
+        wanted_product += weight * np.vdot(v, r) * (k > 0 or not grid.padded)
+    assert norm == pytest.approx(wanted_norm, rel=1e-9)
+    assert product == pytest.approx(wanted_product, abs=1e-9)
+
+
 @pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 2.5)])
 @pytest.mark.parametrize("n", [(8, 8), (7, 9), (6, 10), (1, 12), (5, 3)], ids=str)
 def test_preconditioner_is_symmetric_positive_definite(random, n, sizes):
