@@ -84,20 +84,19 @@ def test_a_sweep_knows_its_grids():
 
 
 def test_a_corrected_load_keeps_the_last_step():
-    """What the solver knows of its last step holds at the corrected load, to the last digit or, where K d is gone, nearly."""
+    """What the solver knows of its last step holds at the corrected load."""
     sweep = sweep_of(rough((2, 16, 4)), accuracy=1e-9, precision="double")
     sweep.solve(0.05, watch=lambda iterations, progress: iterations == 3)
     solver = sweep.solver
     solver.start(solver.g.copy())
     for _ in range(3):
         solver.step()
-    free, before = ~((solver.g <= 0) & (solver.p > 0)), (solver.zKd, solver.dKd)
-    p = solver.p.copy()
+    p, dKd = solver.p.copy(), solver.dKd
     solver.correct_load(1.001 * solver.p0)
     assert np.allclose(solver.p, p + solver.p0 * (1 - 1 / 1.001), rtol=0, atol=1e-12)
+    free = ~((solver.g <= 0) & (solver.p > 0))
     assert solver.rd == pytest.approx(solver.s * np.sum(solver.p * solver.d * free), rel=1e-6)
-    assert solver.dKd == before[1] > 0
-    assert solver.zKd == pytest.approx(before[0], rel=0.1)
+    assert solver.dKd == dKd > 0
 
 
 @pytest.mark.parametrize("name", solver_names())
