@@ -1,5 +1,6 @@
 """Contacts in memory, for notebooks and scripts: the same composition as a run, without files."""
 
+import hashlib
 import json
 import sys
 import time
@@ -16,13 +17,12 @@ from .composition import check, load_shown, step_attributes, surface_attributes,
 from .contact import heights_of
 from .driver.warmup import compile_once
 from .errors import Interrupted, NotConverged, SceneError, one_line
-from .fields import FIELDS
+from .fields import FIELDS, Slab
 from .kernels.cache import announced, sound
 from .keywords import loads_of, scene_of_keywords
 from .output.read import Result
-from .parallel.comm import comm_of, threads_of
 from .parallel.guard import guarded
-from .parallel.h5 import Slab
+from .parallel.world import comm_of, threads_of
 from .prepared import PreparedSurface
 from .progress import Reporter
 from .registry import observables_named
@@ -115,7 +115,8 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         check(scene)
         z = _checked(heights if known is None else known.heights)
     _require_the_same(comm, scene, z.shape)
-    threads, head = threads_of(comm, scene.machine.threads), {}
+    of_each_rank = threads_of(comm, scene.machine.threads)
+    head: dict[str, Any] = {}
     sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
 
     def rows_of(start, stop):
@@ -125,7 +126,7 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
 
     def make_surface(dtype):
         unit = known.unit if known else ""
-        made = surface_from_rows(z.shape, sizes, rows_of, comm, dtype, threads, scene.surface.free, Checksum(), unit)
+        made = surface_from_rows(z.shape, sizes, rows_of, comm, dtype, of_each_rank, scene.surface.free, Checksum(), unit)
         head["heights"] = made.checksum
         head.setdefault("setup_seconds", time.monotonic() - begun)
         measured = hasattr(scene.surface, "path")
@@ -148,8 +149,7 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
     if known is None or known.table is None:
         head["identity"] += f" of {head['heights']}"
     stored = [_fields(scene.output.fields, contact) for contact in contacts]
-    result = Result(None, surface_attributes(scene, surface), steps, list(range(len(steps))), worst(steps), head["scene"], versions(),
-                    head, stored)
+    result = Result(None, surface_attributes(scene, surface), steps, list(range(len(steps))), worst(steps), head, stored)
     if stopped:
         result = replace(result, status="interrupted", notes=(f"interrupted: {missing_loads(result)}",))
     found = solutions_of(result, contacts, surface.rows, comm)
@@ -222,7 +222,8 @@ def _warn(comm, steps):
 
 def _require_the_same(comm, scene, shape):
     """Raise SceneError on all ranks where they were not called with the same arguments."""
-    if len(set(comm.allgather((scene.to_toml(), tuple(shape))))) > 1:
+    digest = int.from_bytes(hashlib.blake2b(repr((scene.to_toml(), tuple(shape))).encode(), digest_size=6).digest())  # fits a float64
+    if comm.min([digest])[0] != comm.max([digest])[0]:
         raise SceneError("hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map on each")
 
 

@@ -11,8 +11,8 @@ pressure v of zero mean, <v, e> is at most |v|_S |e|_K; two of them give mean(e)
 
 Where the surface ends within the cell the first is a bound of the mean of e over the cell. That over the surface alone is different by
 <v, e>/N, v = 1 on the surface (less its mean): |v|_S is known beforehand, it is the self-energy of the nominal area. The second v is -1
-on the surface out of contact, constant in contact and 0 beyond. Restricted to a level it is t N/n - s, t and s being the indicators of
-the n points in contact and of the surface; <v, v> is taken as <t, t> (N/n)^2 - <s, s>, as if contact were as likely near the edges.
+on the surface out of contact, constant in contact and 0 beyond: on every level t N/n - s, t and s being the indicators of the n points
+in contact and of the surface.
 """
 
 import numpy as np

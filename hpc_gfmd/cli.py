@@ -5,6 +5,7 @@ import importlib
 import importlib.util
 import sys
 import traceback
+from errno import ENOMEM
 from functools import partial
 
 from . import __version__
@@ -52,7 +53,7 @@ def main(argv=None):
 
 def _run(argv):
     """(exit code, whether the result is what was printed)."""
-    from .parallel.comm import leave_together
+    from .parallel.leaving import leave_together
 
     # The restart command lives with run; what is not asked for is not imported.
     asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
@@ -68,13 +69,13 @@ def _run(argv):
     except KeyboardInterrupt:  # the other ranks may not have been interrupted
         leave_together(130, ALONE)
         return 130, False
-    except MemoryError as error:
-        leave_together(1, ALONE, partial(_complain, f"out of memory{_where()} ({one_line(str(error) or 'no details')}): use more "
-                                                    "machines, fewer points or single precision"))
-        return 1, False
-    except Exception as error:  # a mistake in the program: what it was, for those who mend it, and one line
-        line = f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}"
-        leave_together(1, ALONE, partial(_complain, line, traceback.format_exc()))
+    except Exception as error:
+        if isinstance(error, MemoryError) or getattr(error, "errno", None) == ENOMEM:
+            said, before = f"out of memory{_where()} ({one_line(str(error) or 'no details')})", ""
+            said += ": use more machines, fewer points or single precision"
+        else:  # a mistake in the program: what it was, for those who mend it, and one line
+            said, before = f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}", traceback.format_exc()
+        leave_together(1, ALONE, partial(_complain, said, before))
         return 1, False
 
 
@@ -84,6 +85,6 @@ def _complain(error, before=""):
 
 def _where():
     """Which of several ranks this is."""
-    from .parallel.comm import launched, launcher_rank
+    from .parallel.launcher import launched, launcher_rank
 
     return f" on rank {launcher_rank()}" if launched()[0] else ""

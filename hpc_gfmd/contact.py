@@ -168,21 +168,23 @@ class Contact:
         points = self.surface.grid.nominal[1]
         return (self.g[i0:i1, :points] <= 0) & (self.p[i0:i1, :points] > 0)
 
-    def clusters(self, of_contact: bool = True, corners: bool = False) -> Clusters:
+    def clusters(self, of_contact: bool = True, corners: bool = False, open_axis: int | None = None) -> Clusters:
         """The parallel.clusters.Clusters of the points that touch, or of those that do not, found once. Collective.
 
-        corners: whether points belong together that share a corner only.
+        corners: whether points belong together that share a corner only; open_axis: one along which no cluster goes around the cell.
         """
-        if (of_contact, corners) not in self._clusters:
+        key = of_contact, corners, open_axis
+        if key not in self._clusters:
             from .parallel.clusters import find_clusters
 
             grid = self.surface.grid
-            self._clusters[of_contact, corners] = find_clusters(
-                grid.comm, lambda i0, i1: self.touching(i0, i1) == of_contact, grid.nominal_rows, grid.nominal, self.periodic, corners)
-        return self._clusters[of_contact, corners]
+            periodic = self.periodic[0] and open_axis != 0, self.periodic[1] and open_axis != 1
+            self._clusters[key] = find_clusters(
+                grid.comm, lambda i0, i1: self.touching(i0, i1) == of_contact, grid.nominal_rows, grid.nominal, periodic, corners)
+        return self._clusters[key]
 
     @cached_property
-    def _clusters(self) -> dict[tuple[bool, bool], Clusters]:
+    def _clusters(self) -> dict[tuple[bool, bool, int | None], Clusters]:
         return {}
 
     @cached_property

@@ -1,6 +1,7 @@
-"""The fields of a contact by name, and one that is computed as it is read."""
+"""The fields of a contact by name, those that are computed as they are read, and those in memory that are read as if from a file."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -31,3 +32,26 @@ class LazyField:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
         return np.array(self[:], dtype=dtype)
+
+
+@dataclass(frozen=True)
+class Slab:
+    """A field in memory that is read as a parallel.h5.Stored one; shape: (n_x, n_y) of all of it; data: the rows of this rank;
+    start: the global index of its first one."""
+
+    data: Any
+    start: int
+    shape: tuple[int, int]
+
+    @property
+    def dtype(self) -> np.dtype:
+        return np.dtype(self.data.dtype)
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """(start, stop) of the rows that can be read."""
+        return self.start, self.start + len(self.data)
+
+    def read(self, start: int, stop: int) -> np.ndarray:
+        """Rows start <= i < stop, which must be among those of this rank."""
+        return np.ascontiguousarray(self.data[start - self.start : stop - self.start])

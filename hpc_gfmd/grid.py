@@ -14,7 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from .aligned import empty_aligned
-from .parallel.fft import SlabFFT, row_starts
+from .parallel.fft import SlabFFT
+from .parallel.layout import row_starts
 
 
 class Grid:

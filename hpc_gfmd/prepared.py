@@ -40,7 +40,7 @@ class PreparedSurface:
     """
 
     heights: np.ndarray
-    sizes: tuple[float, float]
+    sizes: tuple[float, ...]
     unit: str = ""
     prepared: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,7 +45,7 @@ class Problem:
     working : dtype
         The precision where there is no h.
     h_rms : float
-        What root_mean_square() gave, where that is known.
+        What root_mean_square was, where that is known.
     body : Body
         See bodies/.
     """
@@ -62,8 +63,9 @@ class Problem:
         """The working precision."""
         return self.working if self.h is None else self.h.dtype
 
+    @cached_property
     def root_mean_square(self) -> float:
-        """sqrt(mean h^2). Collective."""
+        """sqrt(mean h^2). Collective where it is first asked for."""
         if self.h_rms is not None:
             return self.h_rms
         return float(np.sqrt(self.grid.comm.sum([np.einsum("ij,ij->", self.h, self.h, dtype=np.float64)])[0] / self.grid.N))
@@ -90,7 +92,7 @@ class Problem:
         """The rms error of the pressure that comes from storing h in the working precision, and the displacement beyond the surface,
         which is of the order of p_cell times the size of the cell. Collective."""
         beyond = self.p_cell * np.sqrt(self.grid.cell_points) if self.grid.padded else 0.0
-        return ROUNDING * float(np.finfo(self.dtype).eps) * float(np.hypot(self.root_mean_square(), beyond))
+        return ROUNDING * float(np.finfo(self.dtype).eps) * float(np.hypot(self.root_mean_square, beyond))
 
     def displacement_rows(self, g: np.ndarray) -> Rows:
         """fill(i0, i1, x): rows of u = g - h (g itself beyond the surface), or of g where `adder` does the rest; x may be of another

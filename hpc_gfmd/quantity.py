@@ -1,8 +1,10 @@
 """Numbers with units, by pint: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they are numbers in SI units."""
 
 import re
+from collections.abc import Iterable
 from functools import cache
 from math import floor, isfinite, log10
+from typing import Any, Self
 
 from .errors import one_line
 
@@ -16,16 +18,18 @@ _QUANTITY = re.compile(rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*({_UN
 class Quantity(float):
     """A number in SI units that was given with a unit; `text` is what was given."""
 
-    def __new__(cls, value, text):
+    text: str
+
+    def __new__(cls, value: float, text: str) -> Self:
         made = super().__new__(cls, value)
         made.text = text
         return made
 
-    def __getnewargs__(self):
+    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]  # as __new__
         return float(self), self.text
 
 
-def parse(text, dimension):
+def parse(text: str, dimension: str) -> Quantity:
     """The Quantity that "100 um" or "50 GPa" stands for; dimension: a key of SI. Raises ValueError."""
     found = _QUANTITY.fullmatch(text[:100])
     if not found:
@@ -34,7 +38,7 @@ def parse(text, dimension):
 
 
 @cache
-def factor(unit, dimension="length"):
+def factor(unit: str, dimension: str = "length") -> float:
     """One `unit` in the SI unit of a dimension. Raises ValueError for what is no unit of it."""
     import pint
 
@@ -48,7 +52,7 @@ def factor(unit, dimension="length"):
 
 
 @cache
-def _registry():
+def _registry() -> Any:
     import pint
 
     return pint.UnitRegistry()
@@ -57,7 +61,7 @@ def _registry():
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
 
-def prefixed(values, unit):
+def prefixed(values: Iterable[Any], unit: str) -> tuple[float, str]:
     """(what one prefixed unit is in `unit`, its name) for numbers to be read together: (1e6, "MPa"). (1.0, "") without a unit."""
     largest = max((abs(value) for value in values if isinstance(value, int | float) and isfinite(value)), default=0.0)
     if not unit:

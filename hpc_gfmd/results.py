@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import SceneError
-from .fields import LazyField
+from .fields import LazyField, Slab
 from .output.read import Result
 from .output.record import RunFile
-from .parallel.h5 import Checked, Slab
 from .scene import ArrayScene, Scene
 from .scene.model import parse_toml
 
@@ -21,18 +20,14 @@ if TYPE_CHECKING:
 
 
 def whole(field: Any) -> np.ndarray:
-    """All rows of a parallel.h5.Stored field, or those of this rank of a Slab. Raises GfmdError where the file is damaged."""
-    return field.read(*field.span) if isinstance(field, Slab) else Checked(field).read(0, field.shape[0])
+    """All rows of a parallel.h5.Stored field, or those of this rank of a fields.Slab. Raises GfmdError where the file is damaged."""
+    return field.read(*field.span)
 
 
 def in_memory(result: Result) -> Result:
     """The Result without what refers to a solver or to a file."""
-    copies = [{name: Slab(whole(field), _start(field), field.shape) for name, field in fields.items()} for fields in result.fields]
+    copies = [{name: Slab(whole(field), field.span[0], field.shape) for name, field in fields.items()} for fields in result.fields]
     return replace(result, fields=copies)
-
-
-def _start(field):
-    return field.start if isinstance(field, Slab) else 0
 
 
 def scene_of(result: Result) -> Scene:

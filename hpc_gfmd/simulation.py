@@ -18,16 +18,17 @@ from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
 from .fields import FIELDS
 from .output.checkpoint import read_checkpoint, write_checkpoint
-from .output.read import partial_folder, read_partial
-from .output.record import RunFile, tidy
-from .output.table import surface_line, table
+from .output.folder import partial_folder, tidy
+from .output.read import read_partial
+from .output.record import RunFile
 from .parallel import wisdom
-from .parallel.comm import threads_of, world
-from .parallel.guard import guarded
+from .parallel.guard import guarded, on_rank_0
 from .parallel.interrupt import Interrupt, Stopped
+from .parallel.world import threads_of, world
 from .progress import Reporter
 from .scene import Scene, load_scene, with_overrides
 from .surface import build_surface, grid_of, surface_size
+from .table import surface_line, table
 from .units import field_dtype
 from .versions import versions
 
@@ -79,15 +80,9 @@ def run_scene(scene: str | PathLike | Scene, overrides: Iterable[str] = (), out:
     """
     begun = time.monotonic()
     comm = comm or world()
-    with guarded(comm, "reading the scene"):
-        read = _read_scene(comm, scene, overrides, out)
-    scene = comm.bcast(read)
+    scene = on_rank_0(comm, "reading the scene", lambda: _read_scene(scene, overrides, out))
     check(scene)
-    n = None
-    with guarded(comm, "reading the surface"):
-        if comm.rank == 0:
-            n = surface_size(scene.surface)
-    n = comm.bcast(n)
+    n = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
     threads = threads_of(comm, scene.machine.threads)
     say = Reporter(comm, scene.solver, quiet)
     require_memory(comm, scene, n, threads)
@@ -134,11 +129,7 @@ def _stopped(comm, file, say, interrupt):
 
 def _finished_steps(comm, file):
     """Attributes of the steps that are in the file. Collective."""
-    steps = None
-    with guarded(comm, f"reading {file.partial}"):
-        if comm.rank == 0:
-            steps = read_partial(file.path).steps
-    return comm.bcast(steps)
+    return on_rank_0(comm, f"reading {file.partial}", lambda: read_partial(file.path).steps)
 
 
 def restart(path, overrides=(), quiet=False, comm=None):
@@ -159,9 +150,7 @@ def restart(path, overrides=(), quiet=False, comm=None):
     return run_scene(scene, out=path, resume=True, quiet=quiet, comm=comm)
 
 
-def _read_scene(comm, scene, overrides, out):
-    if comm.rank != 0:
-        return None
+def _read_scene(scene, overrides, out):
     if not isinstance(scene, Scene):
         scene = load_scene(scene, overrides)
     if out is not None:

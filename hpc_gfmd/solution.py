@@ -8,13 +8,12 @@ import numpy as np
 
 from .errors import SceneError
 from .fields import FIELDS
-from .output.html import html_table
 from .output.read import Result
-from .output.table import summary
 from .parallel.comm import SerialComm
 from .registry import all_distributions, all_observables, distribution_names, names_together, observable_names
 from .results import draw, in_memory, save, whole
 from .scene.explain import nearest
+from .table import html_table, summary
 
 if TYPE_CHECKING:
     from .contact import Contact

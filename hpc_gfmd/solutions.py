@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from .output.html import html_table
 from .output.read import Result, read_result
-from .output.table import summary, surface_line
 from .results import draw, in_memory, missing_loads, save
 from .solution import Solution
+from .table import html_table, summary, surface_line
 
 if TYPE_CHECKING:
     from .plotting.style import Figure

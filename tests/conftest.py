@@ -101,7 +101,7 @@ def comm():
     if not mpi_harness.is_child():
         return None
     from hpc_gfmd.driver.warmup import compile_once
-    from hpc_gfmd.parallel.comm import world
+    from hpc_gfmd.parallel.world import world
     from hpc_gfmd.registry import all_observables
     from hpc_gfmd.scene import Solver
 

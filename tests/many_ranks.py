@@ -9,7 +9,7 @@ import numpy as np
 from contacts import EXACT, field, rough, sweep_of
 
 from hpc_gfmd.driver.decomposition import Share
-from hpc_gfmd.parallel.comm import world
+from hpc_gfmd.parallel.world import world
 
 P_STAR = 0.05
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from hpc_gfmd.parallel.clusters import find_clusters
-from hpc_gfmd.parallel.fft import row_starts
+from hpc_gfmd.parallel.layout import row_starts
 
 SIDES = [(1, 0), (-1, 0), (0, 1), (0, -1)]
 CORNERS = [(1, 1), (1, -1), (-1, 1), (-1, -1)]

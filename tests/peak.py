@@ -2,20 +2,42 @@
 
 Without pages of files, such as libraries: how many of them count as the process's own is the system's affair (62 or 129 MB were seen
 for the same libraries), and they are given back when memory is short. getrusage's ru_maxrss counts the process that started this one.
+What ranks have in common is counted by each that has touched it: here by the one it belongs to alone.
 """
 
 import json
 import sys
+import weakref
 
-from hpc_gfmd.parallel.comm import world
+from hpc_gfmd.parallel import fft, shared
+from hpc_gfmd.parallel.world import world
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene
 
+
+class OfOthers:
+    """Bytes that belong to other ranks and are mapped here at a time: a rank touches its columns of them."""
+
+    now = most = 0
+
+    def common_memory(self, node, nbytes):
+        memory, offsets = shared.common_memory(node, nbytes)
+        touched = (memory.nbytes - nbytes) // node.size
+        self.now += touched
+        self.most = max(self.most, self.now)
+        weakref.finalize(memory, self._gone, touched)
+        return memory, offsets
+
+    def _gone(self, touched):
+        self.now -= touched
+
+
 if __name__ == "__main__":
-    comm = world()
+    comm, others = world(), OfOthers()
+    fft.common_memory = others.common_memory
     run = run_scene(Scene.from_dict(json.loads(sys.argv[1])), out=sys.argv[2], quiet=True, comm=comm)
     with open("/proc/self/status") as file:
         kib = {key: int(value.split()[0]) for key, value in (line.split(":") for line in file) if key in ("VmHWM", "RssFile")}
-    peak = float(comm.max([(kib["VmHWM"] - kib["RssFile"]) / 2**20])[0])
+    peak = float(comm.max([(kib["VmHWM"] - kib["RssFile"]) / 2**20 - others.most / 2**30])[0])
     if comm.rank == 0:
         print(json.dumps({"gib": peak, "precisions": [step["precision"] for step in run.steps]}))

@@ -5,7 +5,8 @@ import pytest
 from contacts import rough
 
 from hpc_gfmd import simulation
-from hpc_gfmd.output.read import partial_folder, read_result
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.interrupt import Interrupt
 from hpc_gfmd.scene import Scene
@@ -44,7 +45,7 @@ class Pieces:
         self.chance = type("Chance", (Chance,), {})
         monkeypatch.setattr(simulation, "Interrupt", self.chance)
         monkeypatch.setattr(simulation, "compile_once", lambda *_: None)  # for speed: there are many runs
-        monkeypatch.setattr(h5, "sync", lambda _: None)
+        monkeypatch.setattr(h5, "sync", lambda *_, **__: None)
 
     def undisturbed(self, scene):
         """Run without interruption; returns how often it was polled."""

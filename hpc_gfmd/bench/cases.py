@@ -1,13 +1,16 @@
-"""The contacts that are measured: self-affine surfaces of the paper's kind, one seed each."""
+"""The contacts that are measured: self-affine surfaces of the paper's kind, one seed each, periodic or with free edges."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from ..driver.sweep import Sweep
 from ..parallel.comm import SerialComm
-from ..scene import Scene
+from ..registry import body_of
+from ..scene import Material, Scene, Solver
 from ..surface import build_surface
+from .cells import Cells
 
 L_OVER_LAM_L, LAM_S_OVER_A = 2, 2
 DTYPES = {"single": np.float32, "double": np.float64}
@@ -15,19 +18,46 @@ DTYPES = {"single": np.float32, "double": np.float64}
 
 @dataclass(frozen=True)
 class Case:
-    """n x n points, Hurst exponent, p* = p0/(E* g_rms). E* = 1, g_rms = 1, a cell of size 1 x 1."""
+    """n x n points, Hurst exponent, p* = p0/(E* g_rms). E* = 1, g_rms = 1, a cell of size 1 x 1.
+
+    by_cells: with free edges the pressure is constant on the cells of grid points, as other codes have it; ours is band-limited. On a
+    periodic surface all have the same.
+    """
 
     n: int
     hurst: float
     p_star: float
     seed: int = 1
+    boundary: str = "periodic"
+    by_cells: bool = False
+
+    def _scene(self, **load):
+        surface = {"kind": "self-affine", "hurst": self.hurst, "L_over_lam_l": L_OVER_LAM_L, "lam_s_over_a": LAM_S_OVER_A,
+                   "lam_l_over_lam_s": self.n / (L_OVER_LAM_L * LAM_S_OVER_A), "seed": self.seed, "g_rms": 1.0,
+                   "boundary": self.boundary}
+        return Scene.from_dict({"surface": surface, "load": load})
 
     @cached_property
     def spec(self):
         """scene.surface of this case."""
-        surface = {"kind": "self-affine", "hurst": self.hurst, "L_over_lam_l": L_OVER_LAM_L, "lam_s_over_a": LAM_S_OVER_A,
-                   "lam_l_over_lam_s": self.n / (L_OVER_LAM_L * LAM_S_OVER_A), "seed": self.seed, "g_rms": 1.0}
-        return Scene.from_dict({"surface": surface, "load": {"p_star": self.p_star}}).surface
+        return self._scene(p_star=self.p_star).surface
+
+    @property
+    def body(self):
+        """The elastic body, see bodies/."""
+        free = self.spec.free
+        return Cells(free) if self.by_cells and any(free) else body_of(Material(), free)
+
+    @property
+    def of_others(self):
+        """The same contact as the other codes discretise it."""
+        return replace(self, by_cells=True)
+
+    def at_area(self, a_r):
+        """The same surface at the load at which about a share a_r of it touches."""
+        sweep = Sweep(self.surface, Solver(accuracy=1e-3), body=self.body)
+        found = sweep.solve(sweep.pressures(self._scene(a_r=a_r).load)[0]).contact.p_mean
+        return replace(self, p_star=float(f"{found:.3g}"))
 
     def surface(self, dtype, comm=None, threads=1):
         """surface.Surface in one precision."""
@@ -41,4 +71,4 @@ class Case:
     @property
     def label(self):
         """What tells it from others, as part of a row."""
-        return {"n": self.n, "hurst": self.hurst, "p_star": self.p_star, "seed": self.seed}
+        return {"n": self.n, "hurst": self.hurst, "p_star": self.p_star, "seed": self.seed, "boundary": self.boundary}

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..errors import GfmdError
 from ..grid import Grid
-from ..parallel.comm import world
+from ..parallel.world import world
 from .cases import DTYPES
 from .report import Report
 from .timing import Clock, ratio

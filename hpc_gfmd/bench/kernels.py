@@ -1,65 +1,29 @@
-"""Passes of the default solver while it solves: bytes moved, share of a copy's bandwidth, iteration over bare FFT pair.
+"""Passes of the default solver while it solves, on one core and on more: time and bytes of a point, share of a copy's bandwidth, what a
+full node allows.
 
 Counted are the fields that a pass has to read or write at least once; what stays in cache between the parts of a pass (row and column
 transforms work on pieces of 256 KiB) and what the memory system adds on its own (reading lines that are about to be overwritten) is
-not counted, neither here nor for the copy that they are compared with.
+not counted, neither here nor for the copy that they are compared with. Cores: ranks of one solve, all at work at the same time.
+
+The roofline of a node: a pass takes there no less than its time on one core over the number of cores, nor than its bytes over the
+bandwidth of the node's memory, both as model.py assumes them.
 """
 
 import numpy as np
 
-from ..parallel.comm import world
-from ..problem import Problem
-from ..registry import solver_class
-from .cases import DTYPES, Case
-from .fft import bare_pairs
+from ..grid import Grid
+from ..operators.coarsening import levels
+from .cases import DTYPES
 from .report import Report
-from .timing import Clock, Sample, ratio
+from .timing import Sample, ratio
+from .workers import Worker, in_turn
 
-HURST = 0.8
 COPY = 2.0  # fields that a copy moves: read one, write one
-ITERATIONS = 16  # after which the contact is begun anew: what is iterated is not a solution
-COLUMNS = {"n": ("n", "5d"), "precision": ("precision", "9"), "what": ("pass", "16"), "ms_min": ("ms (min)", "9.3f"),
-           "ms_median": ("ms (median)", "11.3f"), "bytes_per_point": ("bytes/point", "11.1f"), "gb_per_s": ("GB/s", "7.2f"),
-           "share_of_copy": ("of copy", "7.3f"), "iteration_over_this": ("iteration/this", "14.3f")}
-
-
-class TimedSolver:
-    """The default solver, begun from a flat plane, whose passes tell how long they took."""
-
-    def __init__(self, case, dtype, comm, clock):
-        surface = case.surface(dtype, comm)
-        self.solver = solver_class("auto")(Problem(surface.grid, surface.h, case.p_star), {})
-        self.clock = clock
-        self.start = np.maximum(surface.h - surface.h.dtype.type(surface.h.mean()), 0)
-        self.spent = {}
-        solver = self.solver
-        self._time(solver, "_search", "search + rows")
-        self._time(solver.elastic, "pressure_columns", "columns")
-        self._time(solver, "_update", "update + rows")
-        self._time(solver.levels, "sweep", "sweep")
-        self.left = 0
-
-    def _time(self, owner, method, name):
-        run = getattr(owner, method)
-
-        def timed(*args):
-            begun = self.clock.now()
-            result = run(*args)
-            self.spent[name] = self.spent.get(name, 0.0) + self.clock.now() - begun
-            return result
-
-        setattr(owner, method, timed)
-
-    def __call__(self):
-        if self.left == 0:
-            self.solver.start(self.start)
-            self.solver.step()  # the first one is a plain projected gradient
-            self.left = ITERATIONS
-        self.left -= 1
-        self.spent = {}
-        begun = self.clock.now()
-        self.solver.step()
-        self.spent["iteration"] = self.clock.now() - begun
+COLUMNS = {"n": ("n", "5d"), "precision": ("precision", "9"), "what": ("pass", "16"), "cores": ("cores", "d"),
+           "ms_min": ("ms (min)", "9.3f"), "ms_median": ("ms (median)", "11.3f"), "bytes_per_point": ("bytes/point", "11.1f"),
+           "ns_per_point": ("ns/point", "8.3f"), "gb_per_s": ("GB/s", "7.2f"), "share_of_copy": ("of copy", "7.3f"),
+           "iteration_over_this": ("iteration/this", "14.3f"), "node_ns_per_point": ("node: ns/point", "14.4f"),
+           "node_of_bandwidth": ("of its memory", "13.2f")}
 
 
 def field_passes(shapes):
@@ -78,51 +42,45 @@ def field_passes(shapes):
 
 
 def bench_kernels(args):
-    """One table row per pass, and for the iteration, the copy and the bare FFT pairs. args: n, precision (lists), p_star, repeats, cpu,
-    out."""
-    comm = world()
-    clock = Clock(comm, args.cpu)
-    report = Report("kernels", COLUMNS, args.out, comm)
-    report.say(f"# H = {HURST}, p* = {args.p_star:g}; {clock.name} time; of copy: bandwidth over that of a copy in the same run; "
-               "iteration/this: median over runs in turn")
+    """One table row per pass and number of cores, and for the iteration, the copy and the bare FFT pairs. args: n, precision, ranks
+    (lists), p_star, repeats, cpu, out."""
+    from .model import Machine  # which takes field_passes from here
+
+    report = Report("kernels", COLUMNS, args.out)
+    report.say(f"# p* = {args.p_star:g}; {'cpu' if args.cpu else 'wall'} time, all numbers of cores in turn; ns/point: of all cores "
+               "together; of copy: bandwidth over that of a copy on as many cores; iteration/this: median over runs in turn")
+    report.say(f"# node: at least, with {Machine.cores} cores like this one and {Machine.bandwidth / 1e9:g} GB/s of memory")
     for n in args.n:
         for precision in args.precision:
-            _one(n, precision, args.p_star, args.repeats, comm, clock, report)
+            workers = {}
+            try:
+                for k in args.ranks:
+                    workers[k] = Worker("kernels_worker", k, n, precision, args.p_star, "cpu" if args.cpu else "wall")
+                found = in_turn(workers, args.repeats)
+            finally:
+                for worker in workers.values():
+                    worker.close()
+            for cores, rounds in found.items():
+                samples = {name: Sample(tuple(row[name] for row in rounds)) for name in rounds[0]}
+                _add(report, samples, n, precision, cores, Machine, p_star=args.p_star, repeats=args.repeats)
     report.finish()
 
 
-def _one(n, precision, p_star, repeats, comm, clock, report):
-    dtype = DTYPES[precision]
-    timed = TimedSolver(Case(n, HURST, p_star), dtype, comm, clock)
-    grid = timed.solver.grid
-    source, target = np.ones(grid.shape, dtype), np.ones(grid.shape, dtype)  # not zeros: those have no memory of their own yet
-    others = {"copy": lambda: np.copyto(target, source)} | bare_pairs((n, n), dtype, comm)
-    fields = field_passes([level.n for level in timed.solver.levels.levels])
-    names = [*fields, "iteration"]
-    seconds = {name: [] for name in [*names, *others]}
-    for k in range(-2, repeats):
-        for name in (["iteration", *others] if k % 2 == 0 else [*reversed(others), "iteration"]):
-            if name != "iteration":
-                taken = {name: clock.measure(others[name])}
-            else:
-                comm.barrier()
-                if timed.left == 0:
-                    timed()  # begins anew: not counted
-                timed()
-                taken = {part: clock.slowest(timed.spent.get(part, 0.0)) for part in names}
-            if k >= 0:
-                for part, value in taken.items():
-                    seconds[part].append(value)
-    samples = {name: Sample(tuple(s)) for name, s in seconds.items()}
-    size = np.dtype(dtype).itemsize
-    counted = {name: f * size for name, f in fields.items()} | {"iteration": sum(fields.values()) * size, "copy": COPY * size}
-    N = n * n
-    copy = COPY * size / samples["copy"].median
-    for name, sample in samples.items():
-        row = {"n": n, "precision": precision, "what": name, "p_star": p_star, "clock": clock.name, "repeats": repeats,
-               "ms_min": 1e3 * sample.min, "ms_median": 1e3 * sample.median,
+def _add(report, samples, n, precision, cores, node, **of_all):
+    """The rows of one grid on some cores; samples: {what: Sample}; node: its `cores` and `bandwidth`."""
+    N, size = n * n, np.dtype(DTYPES[precision]).itemsize
+    fields = field_passes([level.n for level in levels(Grid((n, n)))])
+    counted = {name: size * f for name, f in (fields | {"iteration": sum(fields.values()), "copy": COPY}).items()}
+    copy = counted["copy"] / samples["copy"].median
+    for what in [*fields, *(name for name in samples if name not in fields)]:
+        sample, nbytes = samples[what], counted.get(what)
+        row = {"n": n, "precision": precision, "what": what, "cores": cores, "ms_min": 1e3 * sample.min,
+               "ms_median": 1e3 * sample.median, "ns_per_point": 1e9 * sample.min / N,
                "iteration_over_this": ratio(samples["iteration"], sample)}
-        if name in counted:
-            row |= {"bytes_per_point": counted[name], "gb_per_s": 1e-9 * N * counted[name] / sample.min,
-                    "share_of_copy": counted[name] / sample.median / copy}
-        report.add(**row)
+        if nbytes:
+            row |= {"bytes_per_point": nbytes, "gb_per_s": 1e-9 * N * nbytes / sample.min,
+                    "share_of_copy": nbytes / sample.median / copy}
+        if nbytes and cores == 1:
+            least, memory = sample.min / N / node.cores, nbytes / node.bandwidth
+            row |= {"node_ns_per_point": 1e9 * max(least, memory), "node_of_bandwidth": memory / max(least, memory)}
+        report.add(**row, **of_all)

@@ -5,8 +5,8 @@ An FFT pair on one grid, with everything that goes along with it, takes on the r
 
     compute      points times max(one core's time, bytes moved per point times the cores at work over the bandwidth of the node);
                  levels of the preconditioner are swept by one thread, and what is gathered on this rank comes on top
-    transpose    bytes to other nodes over its share of the node's link, bytes within the node twice over its memory, overhead and
-                 latency of the messages
+    transpose    bytes to other nodes over its share of the node's link, overhead and latency of their messages; what is within the
+                 node is read where it stands, and is one of the passes of "compute"; two meetings of the ranks of a node
     levels       halo and gathered rows: bytes over the link, a latency for each message
     reductions   a latency for each stage
 
@@ -20,6 +20,7 @@ from functools import cache
 import numpy as np
 
 from ..driver.decomposition import Share, share_of
+from ..parallel.comm import stages
 from .kernels import field_passes
 
 MOST_THREADS = 8  # of a rank: more were never measured
@@ -30,7 +31,8 @@ START_AND_END = 2  # FFT pairs on the finest grid beside its iterations: the fir
 class Machine:
     """fft: seconds per point and log2 N, kernel: seconds per point, of one FFT pair on one core; levels: share of the time that goes
     into the levels; pairs, coarse_pairs: FFT pairs on the finest grid and on each coarser one; itemsize: bytes of a real number;
-    cores: of a node, bandwidth: of its memory in bytes per second (one socket with eight channels of DDR4-3200, as STREAM finds)."""
+    cores: of a node, bandwidth: of its memory in bytes per second (one socket with eight channels of DDR4-3200, as STREAM finds);
+    barrier: seconds of a stage of a meeting of ranks of a node (not measured on more than two)."""
 
     fft: float
     kernel: float
@@ -40,6 +42,7 @@ class Machine:
     itemsize: int = 4
     cores: int = 64
     bandwidth: float = 170e9
+    barrier: float = 0.5e-6
 
     @classmethod
     def from_row(cls, row):
@@ -71,7 +74,11 @@ class Machine:
 
 @dataclass(frozen=True)
 class Network:
-    """latency: seconds until a message is there; overhead: that a rank is busy with each; bandwidth: of a node's link each way."""
+    """latency: seconds until a message is there; overhead: that a rank is busy with each; bandwidth: of a node's link each way.
+
+    The defaults: 100 Gbit/s of Omni-Path or InfiniBand EDR, as makers tell. What an all-to-all of many nodes gets of it is less:
+    docs/clusters.md.
+    """
 
     latency: float = 2e-6
     overhead: float = 0.4e-6
@@ -85,7 +92,8 @@ class Network:
 
 @dataclass(frozen=True)
 class _Part:
-    """The numbers of a Share, of rank 0, that the model takes: size: ranks; K: all-to-alls of a transform."""
+    """The numbers of a Share, of rank 0, that the model takes. size: ranks; K: all-to-alls of a transform; transpose: (bytes, messages)
+    to other nodes."""
 
     size: int
     N: int
@@ -98,9 +106,9 @@ class _Part:
 
 
 @cache
-def _grids(n, ranks, itemsize=4):
+def _grids(n, ranks, itemsize=4, per_node=1):
     """A grid and all coarser ones of the nested start."""
-    finest = share_of(n, np.float32 if itemsize == 4 else np.float64, ranks)
+    finest = share_of(n, np.float32 if itemsize == 4 else np.float64, ranks, per_node=per_node)
     shares = [finest, *(Share(grid, finest.dtype) for grid in finest.grids)]
     return [_Part(share.grid.comm.size, share.grid.cell_points, share.points, max(share.level_points - share.points / 3, 0.0),
                   share.layout.K, share.transpose_traffic, share.level_traffic, share.reduction_traffic[1]) for share in shares]
@@ -115,16 +123,16 @@ def _pair(part, machine, network, ranks_per_node, threads):
     compute = part.points * max(per_point, crowded) + part.gathered * 3 * machine.levels * alone
 
     (nbytes, messages), (level_bytes, level_messages) = part.transpose, part.levels
-    off_node = (part.size - here) / (part.size - 1) if part.size > 1 else 0.0
-    transpose = nbytes * here * (off_node / network.bandwidth + 2 * (1 - off_node) / machine.bandwidth)
-    transpose += messages * network.overhead + 2 * part.K * network.latency * (part.size > 1)
+    transpose = nbytes * here / network.bandwidth + messages * network.overhead
+    transpose += 2 * part.K * network.latency * (messages > 0) + 2 * machine.barrier * stages(here)
     levels = level_bytes / network.bandwidth + level_messages * network.latency
     return np.array([compute, transpose, levels, part.stages * network.latency])
 
 
 def _solve(n, ranks, ranks_per_node, threads, machine, network):
     """Seconds of the parts of a solve."""
-    finest, *coarser = (_pair(part, machine, network, ranks_per_node, threads) for part in _grids((n, n), ranks, machine.itemsize))
+    finest, *coarser = (_pair(part, machine, network, ranks_per_node, threads)
+                        for part in _grids((n, n), ranks, machine.itemsize, ranks_per_node))
     return machine.pairs * finest + machine.coarse_pairs * sum(coarser, np.zeros(4))
 
 

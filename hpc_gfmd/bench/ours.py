@@ -31,7 +31,7 @@ class Ours:
     """Plans everything for a case and a precision; `solve` can then be called again and again, and begins anew each time."""
 
     def __init__(self, case, precision="double"):
-        self.sweep = Sweep(case.surface, Solver(precision=precision, nested=True))
+        self.sweep = Sweep(case.surface, Solver(precision=precision, nested=True), body=case.body)
         self.p_mean = case.p_star * self.sweep.surface.g_rms
         self.nested = self.sweep.nested
 

@@ -3,16 +3,18 @@
     python peer_worker.py NAME
 
 Reads one JSON object per line and answers each with one:
-    {"heights": path.npy, "pressure": p0}     plan for this surface (float64, n x n, peaks up, cell 1 x 1, E* = 1)
+    {"heights": path.npy, "pressure": p0}     plan for this surface (float64, n x n, peaks up, of size 1 x 1, E* = 1)
     {"tolerance": t, "pressure_to": path.npy} solve from scratch; answers seconds, cpu_seconds, iterations, status
 
 Stands alone: imports nothing of the package that it is compared with. Planning and compilation are never inside of the times.
 """
 
 import json
+import math
 import os
 import sys
 import time
+from functools import partial
 
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"
@@ -23,12 +25,11 @@ MAX_ITERATIONS = 20000
 
 
 class Aspher:
-    """solve_nested(backend="periodic"), ASPHER's fastest for this problem, with its default preconditioner."""
+    """solve_nested, ASPHER's fastest for this problem, with its default preconditioner; settings: others of its arguments."""
 
-    precision = "double"
-
-    def __init__(self, heights, p0):
+    def __init__(self, heights, p0, backend="periodic", precision="double", **settings):
         self.n, self.p0 = len(heights), p0
+        self.settings = settings | {"backend": backend, "precision": precision}
         self.gap = np.ascontiguousarray(heights.max() - heights).ravel()
         self.solve(1e-2)  # FFTW keeps the plans
 
@@ -37,24 +38,12 @@ class Aspher:
 
         result = aspher.solve_nested(
             grid_size=self.n, gap=self.gap, p_nominal=self.p0, domain_size=1.0, E_star=1.0, coarsest=min(64, self.n),
-            tol=tolerance, max_iter=MAX_ITERATIONS, backend="periodic", precision=self.precision, light_result=True)
+            tol=tolerance, max_iter=MAX_ITERATIONS, light_result=True, **self.settings)
         return result, int(result.iterations), str(result.status)
 
     @staticmethod
     def pressure(result):
         return np.asarray(result.pressure)
-
-
-class AspherFloat(Aspher):
-    """The same in single precision."""
-
-    precision = "float"
-
-
-class AspherMixed(Aspher):
-    """The same in single precision first, then in double precision."""
-
-    precision = "float_then_double"
 
 
 class Tamaas:
@@ -86,14 +75,15 @@ class Tamaas:
 class ContactMechanicsPK:
     """constrained_conjugate_gradients: Polonsky and Keer at a given force. Its three tolerances are tied to one relative number."""
 
-    def __init__(self, heights, p0):
-        from ContactMechanics import PeriodicFFTElasticHalfSpace
+    def __init__(self, heights, p0, free=False):
+        import ContactMechanics
         from ContactMechanics.Factory import make_system
         from SurfaceTopography import Topography
 
         n = len(heights)
-        self.substrate = PeriodicFFTElasticHalfSpace((n, n), 1.0, (1.0, 1.0))
-        self.surface = Topography(heights, (1.0, 1.0), periodic=True)
+        kind = ContactMechanics.FreeFFTElasticHalfSpace if free else ContactMechanics.PeriodicFFTElasticHalfSpace
+        self.substrate = kind((n, n), 1.0, (1.0, 1.0))
+        self.surface = Topography(heights, (1.0, 1.0), periodic=not free)
         self.system = make_system(interaction="hardwall", substrate=self.substrate, surface=self.surface)
         self.h_rms, self.force = heights.std(), p0 / n**2  # force per pixel
         self.n, self.p0 = n, p0
@@ -105,7 +95,8 @@ class ContactMechanicsPK:
         return result.jac, int(result.nit), "converged" if result.success else "not converged"
 
     def pressure(self, forces):
-        return np.asarray(forces).reshape(self.n, self.n) * self.n**2
+        points = math.isqrt(np.size(forces))  # along an axis: with free edges also those beyond the surface
+        return np.asarray(forces).reshape(points, points)[: self.n, : self.n] * self.n**2
 
 
 class ContactMechanicsCCG(ContactMechanicsPK):
@@ -120,8 +111,19 @@ class ContactMechanicsCCG(ContactMechanicsPK):
         return result.x, int(result.nit), "converged" if result.success else "not converged"
 
 
-PEERS = {"aspher": Aspher, "aspher-float": AspherFloat, "aspher-mixed": AspherMixed, "tamaas": Tamaas,
-         "contactmechanics-pk": ContactMechanicsPK, "contactmechanics-ccg": ContactMechanicsCCG}
+# With free edges: a convolution on the doubled cell, or fast multipoles of order q (6 by default), whose own error limits the pressure
+# and which alone have an active set.
+PEERS = {"aspher": Aspher, "aspher-float": partial(Aspher, precision="float"),
+         "aspher-mixed": partial(Aspher, precision="float_then_double"),
+         "tamaas": Tamaas, "contactmechanics-pk": ContactMechanicsPK, "contactmechanics-ccg": ContactMechanicsCCG,
+         "aspher-fft": partial(Aspher, backend="fft"),
+         "aspher-fft-mixed": partial(Aspher, backend="fft", precision="float_then_double"),
+         "aspher-h2": partial(Aspher, backend="h2"),
+         "aspher-h2-active": partial(Aspher, backend="h2", active_set=True),
+         "aspher-h2-active-float": partial(Aspher, backend="h2", active_set=True, precision="float"),
+         "aspher-h2-active-q8": partial(Aspher, backend="h2", active_set=True, q=8),
+         "contactmechanics-free-pk": partial(ContactMechanicsPK, free=True),
+         "contactmechanics-free-ccg": partial(ContactMechanicsCCG, free=True)}
 
 
 def main():

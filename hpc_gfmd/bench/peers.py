@@ -2,6 +2,9 @@
 
 A code's tolerance says little about its error, so every code is first given the loosest tolerance at which its true error (relative
 L2 norm of the pressure field against a reference solved far tighter) is below the same target. Then all run in turn.
+
+With free edges the others take the pressure as constant on the cells of grid points, we as band-limited: two discretisations of one
+contact. Each code is then judged by the exact solution of its own.
 """
 
 import json
@@ -9,6 +12,7 @@ import os
 import subprocess
 import tempfile
 import time
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -21,10 +25,13 @@ from .ours import Ours
 from .reference import reference
 from .report import Report, one_of
 
-NAMES = ("aspher", "aspher-float", "aspher-mixed", "tamaas", "contactmechanics-pk", "contactmechanics-ccg")
-COLUMNS = {"n": ("n", "5d"), "p_star": ("p*", "8.4g"), "code": ("code", "<20"), "tolerance": ("tolerance", "9.2g"),
-           "error": ("L2 error", "9.2g"), "iterations": ("iter", "6d"), "seconds_min": ("s (min)", "9.3g"),
-           "seconds_median": ("s (median)", "10.3g"), "cpu_seconds_min": ("cpu s (min)", "11.3g"),
+NAMES = {"periodic": ("aspher", "aspher-float", "aspher-mixed", "tamaas", "contactmechanics-pk", "contactmechanics-ccg"),
+         "free": ("aspher-fft", "aspher-fft-mixed", "aspher-h2", "aspher-h2-active", "aspher-h2-active-float", "aspher-h2-active-q8",
+                  "contactmechanics-free-pk", "contactmechanics-free-ccg")}
+LOADS = {"periodic": {"p_star": [0.007, 0.353]}, "free": {"a_r": [0.02, 0.2]}}  # where none are asked for
+COLUMNS = {"n": ("n", "5d"), "p_star": ("p*", "8.4g"), "a_r": ("a_r", "6.4f"), "code": ("code", "<25"),
+           "tolerance": ("tolerance", "9.2g"), "error": ("L2 error", "9.2g"), "iterations": ("iter", "6d"),
+           "seconds_min": ("s (min)", "9.3g"), "seconds_median": ("s (median)", "10.3g"), "cpu_seconds_min": ("cpu s (min)", "11.3g"),
            "repeats": ("runs", "4d"), "in_turn": ("in turn", "7"),
            "times_slower": ("x ours", "7.1f"), "cpu_times_slower": ("x (cpu)", "7.1f"), "status": ("status", "<13")}
 
@@ -40,12 +47,13 @@ def peers_python():
 
 
 class _Peer:
-    """A process that solves with another code; first: its first tolerance over the error wanted."""
+    """A process that solves with another code; known: its Reference; first: its first tolerance over the error wanted."""
 
     first = 1
 
-    def __init__(self, name, python, folder, heights, pressure):
+    def __init__(self, name, python, folder, heights, pressure, known):
         self.name, self.heights, self.load, self.pressure_path = name, heights, pressure, Path(folder) / f"{name}.npy"
+        self.known = known
         environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "OMPI_", "PMI", "VIRTUAL_ENV"))}
         environment["OMP_NUM_THREADS"] = "1"
         self.process = subprocess.Popen([python, Path(__file__).with_name("peer_worker.py"), name], stdin=subprocess.PIPE,
@@ -87,8 +95,8 @@ class _We:
 
     first = 100
 
-    def __init__(self, case, precision):
-        self.name, self.case, self.precision = f"hpc-gfmd {precision}", case, precision
+    def __init__(self, case, precision, known):
+        self.name, self.case, self.precision, self.known = f"hpc-gfmd {precision}", case, precision, known
 
     def prepare(self):
         """Plan and compile."""
@@ -107,59 +115,66 @@ class _We:
 
 
 def bench_peers(args):
-    """All codes on all surfaces. args: n, p_star, precision, codes (lists; codes None: all), hurst, error, repeats, budget (seconds
-    after which a code is not run again on a case), out. Raises SceneError for a code that is not known or not there."""
-    codes = NAMES if args.codes is None else args.codes
-    one_of("--codes", codes, NAMES)
+    """All codes on all surfaces. args: n, p_star or a_r (None: LOADS), precision, codes (lists; codes None: all), hurst, boundary,
+    error, repeats, budget (seconds after which a code is not run again on a case), out. Raises SceneError for a code that is not known
+    or not there."""
+    names = NAMES[args.boundary]
+    codes = names if args.codes is None else args.codes
+    one_of("--codes", codes, names)
     python = peers_python() if codes else None
     report = Report("peers", COLUMNS, args.out)
-    report.say(f"# equal true error: relative L2 of the pressure field <= {args.error:g}; H = {args.hurst}, L/lam_l = 2, lam_s/a = 2, "
-               "seed 1; x: median over runs in turn of the time over that of our faster precision")
+    report.say(f"# equal true error: relative L2 of the pressure field <= {args.error:g}; {args.boundary}, H = {args.hurst}, "
+               "L/lam_l = 2, lam_s/a = 2, seed 1; x: median over runs in turn of the time over that of our faster precision")
     with tempfile.TemporaryDirectory() as folder:
         for n in args.n:
-            for p_star in args.p_star:
-                case = Case(n, args.hurst, p_star)
-                known = reference(case)
+            for case in _cases(n, args):
+                known, of_others = reference(case), reference(case.of_others)
                 heights = Path(folder) / "heights.npy"
                 np.save(heights, -case.gap())
-                makers = [partial(_We, case, precision) for precision in args.precision]
-                makers += [partial(_Peer, name, python, folder, heights, p_star) for name in codes]
-                _one_case(case, known, makers, args, report)
+                makers = [partial(_We, case, precision, known) for precision in args.precision]
+                makers += [partial(_Peer, name, python, folder, heights, case.p_star, of_others) for name in codes]
+                _one_case(case, makers, args, report)
     report.finish()
 
 
-def _one_case(case, known, makers, args, report):
+def _cases(n, args):
+    asked = {key: getattr(args, key) for key in ("p_star", "a_r") if getattr(args, key) is not None} or LOADS[args.boundary]
+    case = Case(n, args.hurst, 1.0, boundary=args.boundary)
+    return [replace(case, p_star=p) for p in asked.get("p_star", ())] + [case.at_area(a_r) for a_r in asked.get("a_r", ())]
+
+
+def _one_case(case, makers, args, report):
     codes, tolerances, taken = [], {}, {}
     try:
         for make in makers:
             codes.append(make())
-            tolerances[codes[-1]], taken[codes[-1]] = _search(codes[-1], case, known, args, report)
+            tolerances[codes[-1]], taken[codes[-1]] = _search(codes[-1], case, args, report)
             if tolerances[codes[-1]] is None:
                 codes.pop().close()
         slow = {code for code in codes if taken[code]}
         for k in range(args.repeats):
             for code in codes[:: 1 if k % 2 == 0 else -1]:
                 if code not in slow and sum(run["seconds"] for run in taken[code]) < args.budget:
-                    taken[code].append(_solved(code, tolerances[code], known))
+                    taken[code].append(_solved(code, tolerances[code]))
     finally:
         for code in codes:
             code.close()
     _report(case, codes, tolerances, taken, slow, report)
 
 
-def _solved(code, tolerance, known):
+def _solved(code, tolerance):
     """Numbers of one solve, with its true error."""
     answer, pressure = code.solve(tolerance)
-    return answer | {"error": known.pressure_error(pressure - known.pressure)}
+    return answer | {"error": code.known.pressure_error(pressure - code.known.pressure)}
 
 
-def _search(code, case, known, args, report):
+def _search(code, case, args, report):
     """(tolerance, runs): the loosest tolerance that is good enough, None where there is none. What is too slow to be run again is
     judged by its run in the search, which was not in turn with the others."""
     tried, begun = {}, time.perf_counter()
 
     def error_at(tolerance):
-        tried[tolerance] = _solved(code, tolerance, known)
+        tried[tolerance] = _solved(code, tolerance)
         return tried[tolerance]["error"]
 
     try:
@@ -171,7 +186,8 @@ def _search(code, case, known, args, report):
     if tolerance is None:
         gave_up = time.perf_counter() - begun > PATIENCE * args.budget
         last = _pick(list(tried.values())[-1] if tried else {}, "iterations")
-        report.add(**case.label, code=code.name, error=error, status="out of time" if gave_up else "not reached", **last)
+        report.add(**case.label, code=code.name, a_r=code.known.a_r, error=error,
+                   status="out of time" if gave_up else "not reached", **last)
         return None, []
     run = tried[tolerance]
     return tolerance, [run] if run["seconds"] > args.budget / 2 else []
@@ -182,8 +198,8 @@ def _report(case, codes, tolerances, taken, slow, report):
     for code in codes:
         runs = taken[code]
         seconds, cpu = ([t[key] for t in runs] for key in ("seconds", "cpu_seconds"))
-        row = {"code": code.name, "tolerance": tolerances[code], "error": max(t["error"] for t in runs), "repeats": len(runs),
-               "in_turn": "no" if code in slow else "yes",
+        row = {"code": code.name, "a_r": code.known.a_r, "tolerance": tolerances[code], "error": max(t["error"] for t in runs),
+               "repeats": len(runs), "in_turn": "no" if code in slow else "yes",
                "seconds_min": min(seconds), "seconds_median": float(np.median(seconds)), "cpu_seconds_min": min(cpu)}
         row |= _pick(runs[-1], "iterations", "status", "fft_pairs")
         for key, name in (("seconds", "times_slower"), ("cpu_seconds", "cpu_times_slower")):

@@ -37,7 +37,7 @@ class Reference:
 def reference(case):
     """The reference of a case, from the disk if it is there; solved in double precision otherwise. Raises GfmdError if that fails."""
     gap = case.gap()
-    key = hashlib.sha256(gap.tobytes() + repr((case.p_star, ACCURACY)).encode()).hexdigest()[:20]
+    key = hashlib.sha256(gap.tobytes() + repr((case.p_star, case.body, ACCURACY)).encode()).hexdigest()[:20]
     folder = cache_folder() / "bench"
     path, about = folder / f"{key}.npy", folder / f"{key}.json"
     try:

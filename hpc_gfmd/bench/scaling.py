@@ -1,16 +1,14 @@
 """Strong and weak scaling of a whole solve under mpirun, where its time goes, and what the model makes of it on a cluster."""
 
-import json
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
-from ..errors import GfmdError
+import numpy as np
+
 from .model import Machine, Network, predict
 from .report import Report
 from .scaling_picture import scaling_picture
 from .scaling_worker import PARTS
+from .workers import Worker, in_turn
 
 COLUMNS = {"kind": ("kind", "8s"), "n": ("n", "6d"), "ranks": ("ranks", "d"), "threads": ("threads", "d"),
            "precision": ("precision", "s"), "p_star": ("p*", "6.3g"),
@@ -22,35 +20,31 @@ MODEL_COLUMNS = {"n": ("n", "6d"), "network_gb_per_s": ("link", "5.3g"), "nodes"
                  "share_transpose": ("transpose", ".0%"), "share_latency": ("latency", ".0%"),
                  "gib_per_node": ("GiB/node", ".3g")}
 NODES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)
-NETWORKS = (Network(), Network(bandwidth=25e9))
-HERE = 1e12  # bytes per second: two cores do not use up the memory of this machine
+# A link of 100 Gbit/s, what P3DFFT reached of such a one on 26 nodes (docs/clusters.md), and one of 200 Gbit/s.
+NETWORKS = (Network(), Network(bandwidth=7e9), Network(bandwidth=25e9))
+MESSAGES = {"latency": ("latency (us)", 1e6), "barrier": ("barrier (us)", 1e6), "bandwidth": ("one way (GB/s)", 1e-9),
+            "alltoall_bandwidth": ("all-to-all (GB/s)", 1e-9), "copy_bandwidth": ("copy, one core (GB/s)", 1e-9),
+            "copy_bandwidth_of_two": ("copy, two cores (GB/s)", 1e-9)}
 ACCURACY = 1e-2
 
 
 def bench_scaling(args):
-    """Measure every n on all ranks (strong), on the threads of one rank, and the smallest n grown with sqrt(ranks) (weak); then predict
-    larger machines from it. args: n, ranks, threads, precision (lists), p_star, repeats, out."""
+    """Measure every n on all ranks (strong), on the threads of one rank, and the smallest n grown with sqrt(ranks) (weak), all of a
+    size in turn; then predict larger machines from it. args: n, ranks, threads, precision (lists), p_star, repeats, out."""
     report = Report("scaling", COLUMNS, args.out)
-    alone = {}
     for precision in args.precision:
         for n in args.n:
-            for k in args.ranks:
-                row = measure(n, k, precision, args.p_star, args.repeats)
-                alone.setdefault((n, precision), (row["seconds"] * k, k))
-                best = alone[n, precision][0]
-                _add(report, "strong", row, best / (row["seconds"] * k))
-            for t in (t for t in args.threads if t > 1 and 1 in args.ranks):
-                row = measure(n, 1, precision, args.p_star, args.repeats, t)
-                _add(report, "threads", row, alone[n, precision][0] / (row["seconds"] * t))
-        n = min(args.n)
-        first = None
-        for k in args.ranks:
-            grown = _grown(n, k)
-            row = measure(grown, k, precision, args.p_star, args.repeats)
-            per_point = row["seconds"] * k / (grown * grown)
-            first = first or per_point
-            _add(report, "weak", row, first / per_point)
-    model = _predict(report, args.out)
+            several = [t for t in args.threads if t > 1 and 1 in args.ranks]
+            rows = measure([(n, k, precision, 1) for k in args.ranks] + [(n, 1, precision, t) for t in several], args)
+            cores = [row["seconds"] * row["ranks"] * row["threads"] for row in rows]
+            for row, spent in zip(rows, cores, strict=True):
+                _add(report, "threads" if row["threads"] > 1 else "strong", row, cores[0] / spent)
+        rows = measure([(_grown(min(args.n), k), k, precision, 1) for k in args.ranks], args)
+        per_pair = [row["seconds"] * row["ranks"] / (row["n"]**2 * row["fft_pairs"]) for row in rows]
+        for row, one in zip(rows, per_pair, strict=True):
+            _add(report, "weak", row, per_pair[0] / one)
+    found = _messages(args) if max(args.ranks) > 1 else None
+    model = _predict(report, found, args.out)
     if args.out:
         scaling_picture(report.rows, model.rows, args.out)
         model.finish()
@@ -67,16 +61,20 @@ def _grown(n, ranks):
     return m
 
 
-def measure(n, ranks, precision, p_star, repeats, threads=1):
-    """One row of scaling_worker.py on a number of ranks. Raises GfmdError if it fails."""
-    worker = [sys.executable, "-m", "hpc_gfmd.bench.scaling_worker", str(n), precision, str(p_star), str(ACCURACY), str(repeats),
-              str(threads)]
-    command = worker if ranks == 1 else ["mpirun", "-n", str(ranks), *worker]
-    done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
-    if done.returncode != 0:
-        said = [line for line in done.stderr.splitlines() if any(map(str.isalpha, line))]  # not the frame around an mpirun's words
-        raise GfmdError(f"scaling on {ranks} ranks failed: {said[-1].strip() if said else '?'}")
-    return json.loads(done.stdout.strip().splitlines()[-1])
+def measure(cases, args):
+    """The fastest row of scaling_worker.py for each (n, ranks, precision, threads), with the median time; all are measured in turn.
+
+    Raises GfmdError if one fails."""
+    workers = {}
+    try:
+        for n, ranks, precision, threads in cases:
+            workers[n, ranks, threads] = Worker("scaling_worker", ranks, n, precision, args.p_star, ACCURACY, threads)
+        found = in_turn(workers, args.repeats)
+    finally:
+        for worker in workers.values():
+            worker.close()
+    return [min(rows, key=lambda row: row["seconds"]) | {"median_seconds": float(np.median([row["seconds"] for row in rows]))}
+            for rows in found.values()]
 
 
 def _add(report, kind, row, efficiency):
@@ -84,20 +82,36 @@ def _add(report, kind, row, efficiency):
     report.add(kind=kind, efficiency=efficiency, **row, **shares)
 
 
-def _predict(report, out):
+def _messages(args):
+    """What two ranks of this machine find of messages and memory (messages.py), the best of each; recorded as it is."""
+    worker = Worker("messages", 2)
+    try:
+        rows = [worker.measure() for _ in range(args.repeats)]
+    finally:
+        worker.close()
+    found = {name: (min if name in ("latency", "barrier") else max)(row[name] for row in rows) for name in MESSAGES}
+    report = Report("messages", {name: (heading, ".3g") for name, (heading, _) in MESSAGES.items()}, args.out)
+    report.add(**{name: value * MESSAGES[name][1] for name, value in found.items()})
+    report.finish()
+    return found
+
+
+def _predict(report, found, out):
+    """The model's rows; found: of `_messages`, None on one rank."""
     model = Report("scaling-model", MODEL_COLUMNS, out)
-    serial = max((row for row in report.rows if row["ranks"] == 1), key=lambda row: row["n"], default=None)
+    serial = max((row for row in report.rows if row["ranks"] * row["threads"] == 1), key=lambda row: row["n"], default=None)
     if serial is None:
         return model
     machine = Machine.from_row(serial)
     model.say(f"# {machine.describe()}")
     for network in NETWORKS:
         model.say(f"# {network.describe()}")
-    for row in report.rows:  # what the model makes of this machine, beside what was measured
+    for row in report.rows if found else ():  # what the model makes of this machine, beside what was measured
         if row["kind"] == "strong" and row["ranks"] > 1 and row["precision"] == serial["precision"]:
-            here = replace(machine, cores=row["ranks"], bandwidth=HERE)
-            said = predict(row["n"], 1, here, NETWORKS[0], row["ranks"])["seconds"]
-            model.say(f"# n = {row['n']}, {row['ranks']} ranks: measured {row['seconds']:.3g} s, model {said:.3g} s")
+            here = replace(machine, cores=row["ranks"], bandwidth=found["copy_bandwidth_of_two"], barrier=found["barrier"])
+            network = Network(found["latency"], found["latency"], found["bandwidth"])
+            said = predict(row["n"], 1, here, network, row["ranks"])["seconds"]
+            model.say(f"# this machine, n = {row['n']}, {row['ranks']} ranks: measured {row['seconds']:.3g} s, model {said:.3g} s")
     for network in NETWORKS:
         for n in (2**15, 2**17):
             for nodes in NODES:

@@ -1,16 +1,14 @@
-"""One measured solve under mpirun: where its time goes. Prints one line of JSON on rank 0. Started by scaling.py."""
+"""One measured solve: where its time goes. Started by scaling.py, alone or under mpirun."""
 
-import json
 import sys
 import time
 
-import numpy as np
-
 from ..driver.sweep import Sweep
 from ..driver.warmup import compile_once
-from ..parallel.comm import world
+from ..parallel.world import world
 from ..scene import Solver
 from .cases import Case
+from .workers import serve
 
 PARTS = ("fft", "transpose", "levels", "reductions")
 
@@ -37,51 +35,49 @@ class Stopwatch:
 
 
 class TimedMpi:
-    """An mpi4py communicator whose calls are timed: all-to-alls apart from the rest."""
+    """An mpi4py communicator whose calls are timed: all-to-alls, and all of a node that transposes together, apart from the rest."""
 
-    def __init__(self, mpi, watch):
-        self._mpi, self._watch = mpi, watch
+    def __init__(self, mpi, watch, rest):
+        self._mpi, self._watch, self._rest = mpi, watch, rest
 
     def __getattr__(self, name):
         value = getattr(self._mpi, name)
         if name.startswith("Alltoall"):
             return self._watch.timed("transpose", value)
-        if name in ("Allreduce", "Sendrecv", "allgather", "Barrier", "bcast"):
-            return self._watch.timed("reductions", value)
+        if name in ("Allreduce", "Bcast", "Barrier", "Waitall"):
+            return self._watch.timed(self._rest, value)
         return value
 
 
 def main(argv):
-    n, precision, p_star, accuracy = int(argv[0]), argv[1], float(argv[2]), float(argv[3])
-    repeats, threads = int(argv[4]), int(argv[5])
+    n, precision, p_star, accuracy, threads = int(argv[0]), argv[1], float(argv[2]), float(argv[3]), int(argv[4])
     comm = world()
     settings = Solver(precision=precision, accuracy=accuracy)
     compile_once(comm, settings)
     watch = Stopwatch()
     sweep = Sweep(lambda dtype: Case(n, 0.8, p_star).surface(dtype, comm, threads), settings)
-    if comm.mpi is not None:
-        comm.mpi = TimedMpi(comm.mpi, watch)
-    rows = []
-    for _ in range(repeats):
+    for part in (comm, comm.node):
+        if part.mpi is not None:
+            part.mpi = TimedMpi(part.mpi, watch, "transpose" if part is comm.node else "reductions")
+
+    def measure():
         sweep.solver = None
-        p = p_star * sweep.surface.g_rms
         if threads == 1:  # a stopwatch for several threads at once would count their time twice
             _instrument(sweep, watch)
         comm.barrier()
         watch.seconds = dict.fromkeys(PARTS, 0.0)
         begun = time.perf_counter()
-        step = sweep.solve(p)
+        step = sweep.solve(p_star * sweep.surface.g_rms)
         comm.barrier()
         seconds = time.perf_counter() - begun
         parts = dict(zip(PARTS, comm.sum(list(watch.seconds.values())) / comm.size, strict=True))
         parts["kernels"] = seconds - sum(parts.values())
-        rows.append({"seconds": seconds, "parts": parts, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
-                     "status": step.contact.outcome.status})
-    best = min(rows, key=lambda row: row["seconds"])
-    if comm.rank == 0:
-        print(json.dumps({"n": n, "ranks": comm.size, "threads": threads, "precision": precision, "p_star": p_star,
-                          "accuracy": accuracy,
-                          "median_seconds": float(np.median([row["seconds"] for row in rows])), **best}))
+        return {"n": n, "ranks": comm.size, "threads": threads, "precision": precision, "p_star": p_star, "accuracy": accuracy,
+                "seconds": seconds, "parts": parts, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
+                "status": step.contact.outcome.status}
+
+    measure()  # warm
+    serve(comm, measure)
     return 0
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from ..parallel.comm import world
-from ..parallel.fft import row_starts
 from ..parallel.h5 import CHECKSUM, Stored, io_way, write_file
+from ..parallel.layout import row_starts
+from ..parallel.world import world
 from .report import Report
 from .timing import Clock, Sample, ratio
 

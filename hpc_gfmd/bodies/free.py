@@ -58,25 +58,29 @@ class Free(HalfSpace):
         return self.tabled(grid, fft)
 
     def table(self, grid, fft):
-        comm, n = grid.comm, grid.n
-        space = _Space(grid, self.free)
-        offsets, places = np.unique(_offset(np.arange(*grid.rows), n[0]), return_inverse=True)
-        rows = space.rows(comm, offsets)
-        fold = _offset(np.arange(n[1]), n[1])
-
-        def fill(i0, i1, x):
-            x[: i1 - i0] = space.back(rows[places[i0:i1]], 1)[:, fold]
-
+        n = grid.n
         out = np.zeros((fft.K, fft.W, n[0] // 2 + 1), fft.dtype)
 
         def keep(block, m):
             with np.errstate(divide="ignore"):
                 S = block.real[:, : n[0] // 2 + 1]
-                out[m // comm.size, :len(S)] = 1 / S
+                out[m // grid.comm.size, :len(S)] = 1 / S
 
-        fft.forward_rows(fill)
+        fft.forward_rows(self.compliance_rows(grid))
         fft.columns(keep, backward=False)
         return out
+
+    def compliance_rows(self, grid):
+        """fill(i0, i1, x): rows of S between point 0 and all others. Collective."""
+        n, space = grid.n, _Space(grid, self.free)
+        distances, places = np.unique(offsets(np.arange(*grid.rows), n[0]), return_inverse=True)
+        rows = space.rows(grid.comm, distances)
+        fold = offsets(np.arange(n[1]), n[1])
+
+        def fill(i0, i1, x):
+            x[: i1 - i0] = space.back(rows[places[i0:i1]], 1)[:, fold]
+
+        return fill
 
 
 class _Space:
@@ -133,9 +137,9 @@ class _Space:
             x = fft.irfft(spectrum.astype(complex), n=k, axis=axis)
         return x[:keep] if axis == 0 else x[:, :keep]
 
-    def rows(self, comm, offsets):
+    def rows(self, comm, distances):
         """Transformed along x alone: this rank's offsets along x, all q_y. Every rank transforms its share of the q_y."""
-        wanted, count = comm.allgather(offsets), len(self.q[1])
+        wanted, count = comm.allgather(distances), len(self.q[1])
         width = max(1, min(PIECE_BYTES // (8 * len(self.q[0])), -(-count // comm.size)))
         parts = []
         for first in range(0, count, width * comm.size):
@@ -145,6 +149,6 @@ class _Space:
         return np.concatenate(parts, axis=1)
 
 
-def _offset(i, n):
+def offsets(i, n):
     """Distance of point i from point 0 on a ring of n."""
     return np.minimum(i, n - i)

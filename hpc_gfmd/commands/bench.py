@@ -5,7 +5,7 @@ from importlib import import_module
 from .number import number
 
 PRECISIONS = ("single", "double")
-ALONE = ("accuracy", "peers")  # these run on one rank
+ALONE = ("accuracy", "kernels", "peers")  # these run on one rank
 
 
 def add_parser(subparsers):
@@ -13,8 +13,9 @@ def add_parser(subparsers):
                                    description="Measure speed. Alternating runs, warmed up; compare numbers of one call only.")
     parts = parser.add_subparsers(metavar="WHAT", required=True)
 
-    kernels = _part(parts, "kernels", "passes of the default solver: bytes moved, share of a copy, iteration over FFT pair",
+    kernels = _part(parts, "kernels", "passes of the default solver: bytes moved, time, share of a copy, on one core and on more",
                     (1024, 2048, 4096), 12)
+    kernels.add_argument("--ranks", type=int, nargs="+", default=[1, 2], metavar="K", help="numbers of ranks, a core each (1 2)")
     kernels.add_argument("--p-star", type=number, default=0.05, metavar="P", help="load of the contact that is iterated (default 0.05)")
 
     _part(parts, "fft", "our passes against mpi4py-fft's PFFT and FFTW's plan; on all ranks", (1024, 2048, 4096), 12)
@@ -39,7 +40,11 @@ def add_parser(subparsers):
     storage.add_argument("--folder", default=".", metavar="DIR", help="where to write (default: here)")
 
     peers = _part(parts, "peers", "ASPHER, Tamaas, ContactMechanics at equal true error (scripts/bench-peers-setup first)", (1024,), 5)
-    peers.add_argument("--p-star", type=number, nargs="+", default=[0.007, 0.353], metavar="P")
+    peers.add_argument("--boundary", choices=("periodic", "free"), default="periodic", help="of the surface (default periodic)")
+    loads = peers.add_mutually_exclusive_group()
+    loads.add_argument("--p-star", type=number, nargs="+", metavar="P", help="loads (default 0.007 0.353)")
+    loads.add_argument("--a-r", type=number, nargs="+", metavar="A", help="the loads at which such shares of the nominal area touch "
+                       "(default with free edges: 0.02 0.2)")
     peers.add_argument("--hurst", type=number, default=0.8, metavar="H")
     peers.add_argument("--codes", nargs="*", default=None, metavar="NAME", help="which of the other codes (default: all)")
     peers.add_argument("--error", type=number, default=1e-5, metavar="E", help="relative L2 error of the pressure (default 1e-5)")
@@ -61,7 +66,7 @@ def _part(parts, what, text, sizes, repeats):
 def main(args) -> int:
     """Run one benchmark, bench_WHAT(args) of bench/WHAT.py. Raises SceneError for arguments that make no sense."""
     from ..errors import SceneError
-    from ..parallel.comm import world
+    from ..parallel.world import world
 
     if min(args.n) < 8 or any(n % 4 for n in args.n):
         raise SceneError(f"--n: found {args.n}, allowed: multiples of 4 from 8")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import GfmdError, SceneError
-from ..output.describe import coordinates, image, name_it, point_data
+from ..output.describe import coordinates, image, name_it
 from ..output.read import Result, read_result
 from ..parallel.guard import one_line
 
@@ -66,10 +66,10 @@ def to_vtkhdf(result, path) -> None:
 
     if not _fields(result) or min(result.surface["n"]) < 2:
         raise SceneError(f"{result.path}: ParaView shows fields on two axes, allowed: a result with output.fields")
+    fields = _fields(result)
     with h5py.File(path, "w") as file:
-        vtk = image(file, result.surface, _numbers(result)["p"])
-        for name, dtype in _fields(result).items():
-            _fill(point_data(vtk, name, lambda group, key, dtype=dtype: group.create_dataset(key, _shape(result), dtype)), result, name)
+        image(file, result.surface, _numbers(result)["p"], fields,
+              lambda group, name: _fill(group.create_dataset(name, _shape(result), fields[name]), result, name))
 
 
 def to_netcdf(result, path) -> None:

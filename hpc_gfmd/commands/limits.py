@@ -4,7 +4,7 @@ from math import isfinite
 
 from ..errors import SceneError
 from ..output.read import Result
-from ..output.table import converged
+from ..table import converged
 from ..theory import tfc
 
 OBSERVABLES = {"kappa": "a_r_error", "gap_over_h_rms": "gap_error"}  # and the estimated relative error of each

@@ -51,8 +51,8 @@ def main(args) -> int:
         "columns_per_rank": max(int(share.layout.columns_held.max()) for share in shares), "padding": shares[0].padding,
         "bytes_per_rank": round(memory.total * GIB),
         "message_bytes_per_pair": max(nbytes for nbytes, _ in sent), "messages_per_pair": max(messages for _, messages in sent),
-        "gib_per_rank": memory.total, "gib": memory.total * args.ranks, "gib_available": there,
-        "fields_gib": memory.fields, "transforms_gib": memory.transforms, "certificate_gib": memory.certificate,
+        "gib_per_rank": memory.total, "gib": memory.on_all(args.ranks), "gib_available": there,
+        "fields_gib": memory.fields + memory.heights, "transforms_gib": memory.transforms, "certificate_gib": memory.certificate,
         "process_gib": memory.process,
         "file_gib": _file_gib(scene, n), "notes": scene.warnings(),
         "seconds": expected_seconds(scene, cell, args.ranks, cores),
@@ -63,7 +63,7 @@ def main(args) -> int:
         on = f", solved on {cell[0]} x {cell[1]}" if cell != tuple(n) else ""
         print(f"{n[0]} x {n[1]} = {plan['points']:.4g} points{on}, {plan['loads']} loads, {args.ranks} ranks")
         print(f"memory: {memory.total:.2f} GiB per rank, {plan['gib']:.2f} GiB in all, {there:.2f} GiB available")
-        print(f"        of it fields {memory.fields:.2f}, transforms {memory.transforms:.2f}, "
+        print(f"        of it fields {plan['fields_gib']:.2f}, transforms {memory.transforms:.2f}, "
               f"certificate {memory.certificate:.2f}, process {memory.process:.2f}")
         if plan["file_gib"]:
             print(f"file:   {plan['file_gib']:.3g} GiB, while it is written twice that")
@@ -76,9 +76,9 @@ def main(args) -> int:
         for line in plan["notes"]:
             print(f"note:   {line}")
     # More ranks than there are cores will run on other machines: then one rank has to fit into one like this.
-    here = args.ranks if args.ranks * threads <= cores else 1
-    if memory.total * here > there:
-        raise SceneError(f"surface: {n[0]} x {n[1]} points need {memory.total * here:.2f} GiB on {here} of {args.ranks} ranks, this "
+    here, need = (args.ranks, plan["gib"]) if args.ranks * threads <= cores else (1, memory.total)
+    if need > there:
+        raise SceneError(f"surface: {n[0]} x {n[1]} points need {need:.2f} GiB on {here} of {args.ranks} ranks, this "
                          f"machine has {there:.2f} GiB: use more machines, fewer points or single precision")
     return 0
 

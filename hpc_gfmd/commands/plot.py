@@ -2,7 +2,7 @@
 
 from ..errors import GfmdError, SceneError
 from ..output.read import read_result
-from ..output.table import converged
+from ..table import converged
 
 WHAT = "maps, distributions, spectra, curves; one field: contact, pressure, gap, heights, displacement"
 

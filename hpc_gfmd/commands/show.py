@@ -5,7 +5,7 @@ import sys
 from math import isfinite
 
 from ..output.read import Result, read_result
-from ..output.table import surface_line, table
+from ..table import surface_line, table
 
 
 def add_parser(subparsers):

@@ -28,7 +28,7 @@ def add_parser(subparsers):
 def main(args) -> int:
     """Solve, tabulate and draw. Raises SceneError for names, levels and shares that do not exist."""
     from ..errors import SceneError
-    from ..parallel.comm import world
+    from ..parallel.world import world
     from ..study import catalogue
     from ..study.levels import level_of
 

@@ -116,11 +116,11 @@ def _errors(problem, levels, g, p, sums, uKu):
     compliance = 1.0 / problem.body.scale(grid)
     excess = 1 - N * p0 / sums.closed_p  # p - p^ is p out of contact, and so much of it in contact
     levels.restrict(g, p, excess)
-    rr, tt, rt = grid.comm.sum(levels.sweep()[2:5])
+    rr, tt, rt, _, ts, rs = grid.comm.sum(levels.sweep()[2:])
     share = contact / N
     energy = EQUIVALENCE * compliance * (sums.open_pp + excess**2 * closed_pp + rr)
-    response = np.sqrt(compliance * max(contact + tt - share**2 * levels.surface_norm, 0.0)) / share
-    aligned = compliance * (excess * sums.closed_p + rt) / share
+    norm, product = levels.response(contact, tt, ts, excess * sums.closed_p + rt, rs, 0.0)
+    response, aligned = np.sqrt(compliance * norm) / share, compliance * product / share
     typical = 1.0 / problem.body.typical(grid)
     mean_gap, pressure = field_errors(energy, uKu, closed_pp, contact, N, p0, gap / N, typical, response, aligned, problem.self_energy)
 

@@ -8,8 +8,8 @@ import numpy as np
 from ..grid import Grid
 from ..operators.multilevel import FIELDS, steps_of, traffic_of
 from ..parallel.comm import stages
-from ..parallel.fft import Layout
 from ..parallel.imagined import Imagined
+from ..parallel.layout import Layout
 from .nested import Decimation
 
 REDUCTIONS = 1, 2, 15  # numbers that a step of bpx sums over all ranks, for each reduction
@@ -36,7 +36,7 @@ class Share:
     @staticmethod
     def layout_of(grid, dtype):
         """The same of any grid."""
-        return Layout(grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize)
+        return Layout(grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize, grid.comm.beside)
 
     @cached_property
     def grids(self):
@@ -115,9 +115,11 @@ class Share:
         return float(self.layout.columns_held.sum() / self.layout.n_c)
 
 
-def share_of(n, dtype, ranks, rank=0, nominal=None, nested=True, sizes=(1.0, 1.0)):
-    """The Share of one rank of a grid of n points; nominal: those of the surface."""
-    return Share(Grid(n, sizes, Imagined(rank, ranks), nominal=nominal), np.dtype(dtype), nested)
+def share_of(n, dtype, ranks, rank=0, nominal=None, nested=True, sizes=(1.0, 1.0), per_node=1):
+    """The Share of one rank of a grid of n points; nominal: those of the surface; per_node: ranks on each node, which need no messages
+    to transpose among themselves."""
+    comm = Imagined(rank, ranks, np.arange(ranks) // per_node)
+    return Share(Grid(n, sizes, comm, nominal=nominal), np.dtype(dtype), nested)
 
 
 def busiest(n, dtype, ranks, **how):

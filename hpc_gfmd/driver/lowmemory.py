@@ -41,7 +41,7 @@ class LowMemorySweep(Sweep):
         h = self.surface.h if self.surface.h is not None else self.make_surface(self.dtype).h
         problem = replace(problem, h=h)
         memory = None if self.surface.grid.padded else h
-        g, h_rms = memory, problem.root_mean_square()
+        g, h_rms = memory, problem.root_mean_square
         if arrays is None:
             g, pairs = Nested(self.surface.grid, self.dtype).start(problem, self._make, memory, self._search)
             self._spent += pairs

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SceneError
+from ..parallel.guard import agree
 from ..registry import body_of
 from ..surface import cell_of
 from .decomposition import share_of
@@ -26,32 +27,38 @@ LONGEST_AXIS = 2**26  # points: for more, which no machine holds, not even the t
 
 @dataclass(frozen=True)
 class Memory:
-    """GiB on the rank with most rows: fields and levels, transforms of the solver (with all threads' scratch), of the certificate, the
-    process; and the sum."""
+    """GiB on one rank: fields and levels, heights, transforms of the solver (with all threads' scratch), of the certificate, the
+    process; and the sum. all_heights: those of all ranks, which with free edges are not spread evenly."""
 
     fields: float
+    heights: float
     transforms: float
     certificate: float
     process: float
+    all_heights: float
 
     @property
     def total(self):
-        """GiB per rank."""
-        return self.fields + self.transforms + self.certificate + self.process
+        """GiB on this rank."""
+        return self.fields + self.heights + self.transforms + self.certificate + self.process
+
+    def on_all(self, ranks):
+        """GiB on so many ranks together, if the others need as much but for the heights."""
+        return ranks * (self.total - self.heights) + self.all_heights
 
 
-def memory_of(scene, n, ranks, threads=1):
-    """The Memory of a scene on a number of ranks with so many threads each: of rank 0, which has a part in everything."""
+def memory_of(scene, n, ranks, threads=1, rank=0):
+    """The Memory of a scene on one of a number of ranks with so many threads each; rank 0 has a part in everything."""
     dtype = largest_precision(scene, n)
     itemsize, free = dtype.itemsize, scene.surface.free
     cell = cell_of(n, free)
     if max(cell) > LONGEST_AXIS:
-        return Memory(FIELDS * np.prod(cell, dtype=float) * itemsize / ranks / GIB, 0.0, 0.0, PROCESS_GIB)
+        return Memory(FIELDS * np.prod(cell, dtype=float) * itemsize / ranks / GIB, 0.0, 0.0, 0.0, PROCESS_GIB, 0.0)
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
-    share = share_of(cell, dtype, ranks, nominal=n, nested=nested)
+    share = share_of(cell, dtype, ranks, rank, nominal=n, nested=nested)
     rows = share.grid.shape[0]
     field = share.points * itemsize / GIB
-    heights = share.grid.inside[0] * n[1] * itemsize / GIB
+    kept = itemsize if any(free) or not low else 0  # of a height
     loads = len(scene.load.given[1])
 
     levels, coarse = share.level_bytes / GIB, share.nested_points * itemsize / GIB
@@ -73,8 +80,8 @@ def memory_of(scene, n, ranks, threads=1):
     certificate = 0.0 if low or itemsize == 8 else spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
     if certificate and any(free):  # while its table is made
         certificate += min(rows, cell[0] // 2 + 1) * cell[1] * 8 / GIB
-    kept = FIELDS * field + levels + (heights if any(free) or not low else 0.0)
-    return Memory(kept + max(passing), transforms, certificate, PROCESS_GIB)
+    heights, all_heights = (rows * n[1] * kept / GIB for rows in (share.grid.inside[0], n[0]))
+    return Memory(FIELDS * field + levels + max(passing), heights, transforms, certificate, PROCESS_GIB, all_heights)
 
 
 def largest_precision(scene, n):
@@ -134,15 +141,14 @@ def limit_gib():
 
 def require_memory(comm, scene, n, threads):
     """Raise SceneError on all ranks if the ranks of some machine need more memory than it has. Collective."""
-    need = memory_of(scene, n, comm.size, threads).total
-    here = comm.allgather((os.uname().nodename, available_gib()))
-    own = float(comm.min([limit_gib()])[0])
-    if need > own:
-        raise SceneError(f"surface: {n[0]} x {n[1]} points need {need:.2f} GiB on each of {comm.size} ranks, a process may have "
+    need = memory_of(scene, n, comm.size, threads, comm.rank).total
+    most, own = float(comm.max([need])[0]), float(comm.min([limit_gib()])[0])
+    if most > own:
+        raise SceneError(f"surface: {n[0]} x {n[1]} points need {most:.2f} GiB on each of {comm.size} ranks, a process may have "
                          f"{max(own, 0.0):.2f} GiB more (ulimit -v): raise the limit, use more ranks, fewer points or single precision")
-    for node in {name for name, _ in here}:
-        count = sum(name == node for name, _ in here)
-        there = scene.machine.memory_gib or min(gib for name, gib in here if name == node)
-        if need * count > there:
-            raise SceneError(f"surface: {n[0]} x {n[1]} points need {need:.2f} GiB on each of {count} ranks, {node} has "
-                             f"{there:.2f} GiB: use more machines, fewer points or single precision")
+    together, error = float(comm.machine.sum([need])[0]), None
+    there = scene.machine.memory_gib or float(comm.machine.min([available_gib()])[0])
+    if together > there:
+        error = SceneError(f"surface: {n[0]} x {n[1]} points need {together:.2f} GiB on {comm.machine.size} of {comm.size} ranks, "
+                           f"{os.uname().nodename} has {there:.2f} GiB: use more machines, fewer points or single precision")
+    agree(comm, error)

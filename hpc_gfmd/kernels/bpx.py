@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .jit import inline, kernel
+from .jit import inline, kernel, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row
 
 
@@ -60,7 +60,7 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
     for i in range(i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
         s = zero
-        inner = inside[1] if i < inside[0] else 0
+        inner = points_inside(i, inside)
         if coupling > 0:
             combine_rows(z_coarse, k0[i], f_x[i], row)
             interpolate_row(row, fine, mode, j0, f)
@@ -71,7 +71,7 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
                 s += pi[j] * e
                 di[j] = e
                 xi[j] = e
-            for j in range(inner, n):
+            for j in range(inner, np.uint64(n)):
                 e = -length * (pi[j] + coupling * fine[j]) - b * di[j]
                 s += pi[j] * e
                 di[j] = e
@@ -84,7 +84,7 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
                 s += pi[j] * e
                 di[j] = e
                 xi[j] = e
-            for j in range(inner, n):
+            for j in range(inner, np.uint64(n)):
                 e = -length * pi[j] - b * di[j]
                 s += pi[j] * e
                 di[j] = e
@@ -138,7 +138,7 @@ def _update_rows(g, p, d, x, s, i0, start, end, inside, zero, one):
     """Rows start..end of `update_state`: new g and p, and their sums."""
     rr = pp = pd = dx = px = contact = gap = opening = closing = zero
     for i in range(start, end):
-        inner = inside[1] if i < inside[0] else 0
+        inner = points_inside(i, inside)
         for j in range(inner):
             y = x[i - i0, j]
             g_new = g[i, j] + s * d[i, j]
@@ -160,7 +160,7 @@ def _update_rows(g, p, d, x, s, i0, start, end, inside, zero, one):
             dx += x_free * d[i, j]
             px += p_free * x_free
             gap += g_new
-        for j in range(inner, g.shape[1]):
+        for j in range(inner, np.uint64(g.shape[1])):
             y = x[i - i0, j]
             p_new = p[i, j] + s * y
             g[i, j] += s * d[i, j]
@@ -183,7 +183,7 @@ def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows, zero, one):
     if end == start + 2 and start + 1 != inside[0]:  # two rows, both of the surface or both beyond it
         k = start + 1
         f0, f1 = f_x[start], f_x[k]
-        inner = inside[1] if k < inside[0] else 0
+        inner = points_inside(k, inside)
         for j in range(inner):
             t0 = one if (g[start, j] <= zero and p[start, j] > zero) else zero
             t1 = one if (g[k, j] <= zero and p[k, j] > zero) else zero
@@ -195,7 +195,7 @@ def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows, zero, one):
             rows[3, j] = f0 * a0 + f1 * a1
             rows[4, j] = f0 * t0 + f1 * t1
             rows[5, j] = f0 * b0 + f1 * b1
-        for j in range(inner, n):
+        for j in range(inner, np.uint64(n)):
             rows[0, j] = rows[3, j] + (one - f0) * p[start, j] + (one - f1) * p[k, j]
             rows[2, j] = rows[5, j] + (one - f0) * x[start - i0, j] + (one - f1) * x[k - i0, j]
             rows[3, j] = f0 * p[start, j] + f1 * p[k, j]
@@ -209,7 +209,7 @@ def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows, zero, one):
             rows[c + 3, j] = zero
     for i in range(start, end):
         fi = f_x[i]
-        inner = inside[1] if i < inside[0] else 0
+        inner = points_inside(i, inside)
         for j in range(inner):
             t = one if (g[i, j] <= zero and p[i, j] > zero) else zero
             a = (excess * t + (one - t)) * p[i, j]
@@ -220,7 +220,7 @@ def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows, zero, one):
             rows[3, j] += fi * a
             rows[4, j] += fi * t
             rows[5, j] += fi * b
-        for j in range(inner, n):
+        for j in range(inner, np.uint64(n)):
             rows[0, j] += (one - fi) * p[i, j]
             rows[2, j] += (one - fi) * x[i - i0, j]
             rows[3, j] += fi * p[i, j]

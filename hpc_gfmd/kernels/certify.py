@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .jit import kernel
+from .jit import kernel, points_inside
 
 BINS, PER_OCTAVE = 160, 4  # of squares: down to 2^-40 of the largest
+GROUP, ROUNDED = 32, 1.00001  # points that are looked at together; more than rounding in single precision makes of a number
 
 # Fields are local slabs (n_loc, n_y), x scratch (>= i1 - i0, n_y) that begins with row i0, h its part of the
 # nominal area. Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a
@@ -36,10 +37,10 @@ class KktExtremes(NamedTuple):
 def displacement_rows(g, h, x, i0, i1):
     """x = u = g - h in the precision of x, rows from 0; x = g beyond h."""
     for i in range(i0, i1):
-        m = h.shape[1] if i < h.shape[0] else 0
+        m = points_inside(i, h.shape)
         for j in range(m):
             x[i - i0, j] = x.dtype.type(g[i, j]) - x.dtype.type(h[i, j])
-        for j in range(m, g.shape[1]):
+        for j in range(m, np.uint64(g.shape[1])):
             x[i - i0, j] = g[i, j]
 
 
@@ -49,8 +50,8 @@ def kkt_residuals(g, p, x, p0, inside, i0, i1):
     open_pp = open_p4 = closed_pp = closed_p = pg = gap = contact = 0.0
     worst = np.zeros((2, g.shape[1]))  # row after row: one maximum over all points would not use vectors
     for i in range(i0, i1):
-        m = inside[1] if i < inside[0] else 0
-        for j in range(m, g.shape[1]):
+        m = points_inside(i, inside)
+        for j in range(m, np.uint64(g.shape[1])):
             p_new = p0 + x[i - i0, j]
             p[i, j] = p_new
             open_pp += p_new * p_new
@@ -96,15 +97,24 @@ def count_uncertain(g, p, compliance, tie, sure, largest, counts):
     largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones. Less than tie: on either side right, not counted; less than sure:
     takes nothing.
     """
+    real = g.dtype.type
+    reach, stiffness = real(ROUNDED * np.sqrt(largest)), real(1 / compliance)
     for i in range(g.shape[0]):
-        for j in range(g.shape[1]):
-            opened = g[i, j] > 0
-            t = g[i, j] / compliance if opened else abs(p[i, j])
-            if t * t <= largest and t >= tie:
-                k = BINS - 1
-                if t > sure:
-                    k = min(int(-PER_OCTAVE * np.log2(t * t / largest)), k)
-                counts[1 if opened else 0, k] += 1
+        for j0 in range(0, g.shape[1], GROUP):
+            here, pressure = g[i, j0:j0 + GROUP], p[i, j0:j0 + GROUP]
+            near = 0
+            for j in range(here.shape[0]):  # with vectors: few groups have any
+                near += (stiffness * here[j] if here[j] > 0 else abs(pressure[j])) <= reach
+            if near == 0:
+                continue
+            for j in range(here.shape[0]):
+                opened = here[j] > 0
+                t = here[j] / compliance if opened else abs(pressure[j])
+                if t * t <= largest and t >= tie:
+                    k = BINS - 1
+                    if t > sure:
+                        k = min(int(-PER_OCTAVE * np.log2(t * t / largest)), k)
+                    counts[1 if opened else 0, k] += 1
 
 
 @kernel
@@ -112,8 +122,8 @@ def dual_rows(g, p, x, scale, inside, i0, i1):
     """x = e = p^ - p with the admissible pressure p^ = scale p in contact, 0 elsewhere; returns the sum of p^ g (0 if g >= 0)."""
     total = 0.0
     for i in range(i0, i1):
-        m = inside[1] if i < inside[0] else 0
-        for j in range(m, g.shape[1]):
+        m = points_inside(i, inside)
+        for j in range(m, np.uint64(g.shape[1])):
             x[i - i0, j] = -x.dtype.type(p[i, j])
         for j in range(m):
             pij = x.dtype.type(p[i, j])

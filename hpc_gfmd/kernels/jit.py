@@ -1,6 +1,7 @@
 """The one decorator of all kernels."""
 
 import numba
+import numpy as np
 
 from .cache import cached
 
@@ -15,3 +16,12 @@ def kernel(function):
 
 
 inline = kernel  # a piece of a kernel; LLVM inlines it where it is used
+
+
+@inline
+def points_inside(i, inside):
+    """How many points of row i belong to the surface, where `inside` is the shape of a slab's part of it.
+
+    Without a sign: a loop that begins at a number that might be negative, counted from the end, does not use vectors.
+    """
+    return np.uint64(inside[1] if i < inside[0] else 0)

@@ -6,60 +6,90 @@
 import numpy as np
 
 from .jit import inline, kernel
+from .lines import WIDTH, move_line, publish, stream_line
 
 TILE = 8  # complex numbers of single precision in a cache line
 PIECE = 1024  # numbers that are summed up in their own precision
+STREAMED = 4 * 2**20  # bytes of a spectrum above which it is not expected to stay in a cache until it is read
 
 
 @kernel
 def to_blocks(rows, blocks, edges, n_loc, i0, count):
     """Copy `count` transformed rows, shape (R, n_c), to rows i0.. of n_loc of the blocks, which lie one after another; edges: first
     column of each of them, and n_c."""
+    source, target = rows.view(np.float64), blocks.view(np.float64)
+    n = source.shape[1]
+    words = n // rows.shape[1]
+    flat = source.reshape(source.size)
+    large = blocks.nbytes > STREAMED
     for m in range(edges.shape[0] - 1):
-        j0, width = edges[m], edges[m + 1] - edges[m]
-        start = n_loc * j0 + i0 * width
+        j0, width = words * edges[m], words * (edges[m + 1] - edges[m])
+        start = words * n_loc * edges[m] + i0 * width
+        streams = large and width % WIDTH == 0 and (target.ctypes.data // 8 + start) % WIDTH == 0
         for r in range(count):
-            for w in range(width):
-                blocks[start + r * width + w] = rows[r, j0 + w]
+            a, b = start + r * width, r * n + j0
+            for w in range(0, width - width % WIDTH, WIDTH):
+                if streams:
+                    stream_line(target, a + w, flat, b + w)
+                else:
+                    move_line(target, a + w, flat, b + w)
+            for w in range(width - width % WIDTH, width):
+                target[a + w] = flat[b + w]
+    if large:
+        publish()
 
 
 @kernel
 def from_blocks(blocks, rows, edges, n_loc, i0, count):
     """The inverse of `to_blocks`."""
+    source, target = blocks.view(np.float64), rows.view(np.float64)
+    n = target.shape[1]
+    words = n // rows.shape[1]
+    flat = target.reshape(target.size)
     for m in range(edges.shape[0] - 1):
-        j0, width = edges[m], edges[m + 1] - edges[m]
-        start = n_loc * j0 + i0 * width
+        j0, width = words * edges[m], words * (edges[m + 1] - edges[m])
+        start = words * n_loc * edges[m] + i0 * width
         for r in range(count):
-            for w in range(width):
-                rows[r, j0 + w] = blocks[start + r * width + w]
+            a, b = start + r * width, r * n + j0
+            for w in range(0, width - width % WIDTH, WIDTH):
+                move_line(flat, b + w, source, a + w)
+            for w in range(width - width % WIDTH, width):
+                flat[b + w] = source[a + w]
 
 
 @kernel
-def transpose(block, columns):
-    """columns (W, n_x) = block (n_x, W) transposed, a cache line of either at a time."""
-    n_x, W = block.shape
-    whole = n_x - n_x % TILE
-    for i in range(0, whole, TILE):
-        for w in range(W):
-            for k in range(TILE):
-                columns[w, i + k] = block[i + k, w]
-    for i in range(whole, n_x):
-        for w in range(W):
-            columns[w, i] = block[i, w]
+def transpose(memory, first, rows, columns):
+    """columns (W, n_x) = a block (n_x, W) transposed, a cache line of either at a time. The block is in pieces: its rows
+    rows[k, 0] <= i < rows[k, 1] stand at memory[first[k]:]."""
+    W = columns.shape[0]
+    for k in range(first.shape[0]):
+        i0, n = rows[k, 0], rows[k, 1] - rows[k, 0]
+        block = memory[first[k]:first[k] + n * W].reshape(n, W)
+        whole = n - n % TILE
+        for i in range(0, whole, TILE):
+            for w in range(W):
+                for j in range(TILE):
+                    columns[w, i0 + i + j] = block[i + j, w]
+        for i in range(whole, n):
+            for w in range(W):
+                columns[w, i0 + i] = block[i, w]
 
 
 @kernel
-def transpose_back(columns, block):
+def transpose_back(columns, memory, first, rows):
     """The inverse of `transpose`."""
-    n_x, W = block.shape
-    whole = n_x - n_x % TILE
-    for i in range(0, whole, TILE):
-        for w in range(W):
-            for k in range(TILE):
-                block[i + k, w] = columns[w, i + k]
-    for i in range(whole, n_x):
-        for w in range(W):
-            block[i, w] = columns[w, i]
+    W = columns.shape[0]
+    for k in range(first.shape[0]):
+        i0, n = rows[k, 0], rows[k, 1] - rows[k, 0]
+        block = memory[first[k]:first[k] + n * W].reshape(n, W)
+        whole = n - n % TILE
+        for i in range(0, whole, TILE):
+            for w in range(W):
+                for j in range(TILE):
+                    block[i + j, w] = columns[w, i0 + i + j]
+        for i in range(whole, n):
+            for w in range(W):
+                block[i, w] = columns[w, i0 + i]
 
 
 @kernel

@@ -6,6 +6,9 @@ the other (spanning) is neither needed nor enough. Points are connected where th
 not pass between two points that touch and share a corner. By names that end in _8 it does, and contact passes, too: where no contact
 that shares sides goes around, a gap that shares corners does. At random both happen near a contact area of 0.42 (Dapp, Luecke, Persson,
 Mueser 2012), the truth being between the two.
+
+gap_spans_x: whether the gap reaches along x from edge to edge, the cell being periodic along y alone: a fluid that enters along one
+edge of a seal comes out at the other. In a finite cell it does so up to larger contact areas.
 """
 
 from __future__ import annotations
@@ -28,5 +31,10 @@ def _all(corners: bool) -> dict[str, Observable]:
             for name in ("contact", "gap") for axis in (0, 1)}
 
 
-OBSERVABLES = _all(False) | _all(True)
-TOGETHER = {"percolation": tuple(_all(False)), "percolation_8": tuple(_all(True))}
+def _spans(axis: int) -> Observable:
+    return lambda contact: contact.clusters(False, open_axis=axis).percolates[axis]
+
+
+SPANNING: dict[str, Observable] = {f"gap_spans_{'xy'[axis]}": _spans(axis) for axis in (0, 1)}
+OBSERVABLES = _all(False) | _all(True) | SPANNING
+TOGETHER = {"percolation": tuple(_all(False)), "percolation_8": tuple(_all(True)), "spanning": tuple(SPANNING)}

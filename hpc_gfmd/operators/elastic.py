@@ -39,24 +39,6 @@ class Elastic:
         self.pairs += 1
         return self.fft.backward_rows(use, passes)
 
-    def apply(self, fill, use):
-        """K u by rows; returns this rank's share of <u, K u>."""
-        self.pressure_rows(fill)
-        energy = self.pressure_columns()
-        self.use_rows(use)
-        return energy
-
-    def apply_to(self, u, out):
-        """out = K u, local slabs; returns this rank's share of <u, K u>."""
-        return self.apply(reader(u), writer(out))
-
-    def apply_compliance(self, p, out):
-        """out = S p with zero mean, local slabs; returns this rank's share of <p, S p>."""
-        self.pressure_rows(reader(p))
-        energy = self.displacement_columns()
-        self.use_rows(writer(out))
-        return energy
-
     def displacement_columns(self):
         """After `pressure_rows` of a pressure: S p with zero mean, for `use_rows`; returns this rank's share of <p, S p>."""
         return self._columns(self.multipliers.compliance)
@@ -74,15 +56,6 @@ def reader(field):
         x[: i1 - i0] = field[i0:i1]
 
     return fill
-
-
-def writer(field):
-    """use function that stores rows in a local slab."""
-
-    def use(i0, i1, x):
-        field[i0:i1] = x[: i1 - i0]
-
-    return use
 
 
 def total(comm, sums):

@@ -13,7 +13,6 @@ for rank 0 alone.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -21,7 +20,8 @@ from ..aligned import LINE, zeros_aligned
 from ..kernels.bpx import UpdateSums, update_state
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_coarsest
 from ..parallel.halo import Windows
-from .coarsening import Transfer, gathered, levels, restrict_axis
+from .coarsening import Transfer, gathered, levels
+from .nominal import NominalArea
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
 COUPLING = 1.05  # of what comes from the coarser levels
@@ -89,6 +89,7 @@ class Multilevel:
         if len(weights) == 1:
             weights, softness = [*weights] * 2, [*softness] * 2
         self.weights, self.softness = np.asarray(weights, self.dtype), np.asarray(softness)
+        self.surface = NominalArea(grid, self.levels, self.softness, len(self.steps))
 
         self.distributed = len(self.steps) - 1  # coarse levels that more than one rank may have
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write to and read from.
@@ -150,7 +151,8 @@ class Multilevel:
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
         finest level; of the sums over these levels of softness times <r, r>, <t, t> and <r, t>, r and t being p on F and the
-        indicator of A restricted to the level, times N/N_l; and of the mean of p on F.
+        indicator of A restricted to the level, times N/N_l; of the mean of p on F; and, where the surface ends, of the sums over these
+        levels of softness times <t, s> and <r, s>, s being 1 on the surface and 0 beyond.
         """
         if not self.passes:
             self.fields[0][...] = 0
@@ -161,11 +163,15 @@ class Multilevel:
 
     def sweep_levels(self):
         """`sweep` of what fields[0] holds, which is still to be added up."""
+        t_s = r_s = 0.0
         for k in range(self.distributed):
             own = self.owned[k]
             self._add_up(k, own[:, 1:-1])
+            if self.grid.padded:
+                r, t = (self.surface.product(k + 1, field, self.steps[k].starts[self.comm.rank]) for field in own[:2, 1:-1])
+                t_s, r_s = t_s + t, r_s + r
             restrict_level(own[:2], self.fields[k + 1], self.transfers[k + 1].tables)
-        rz, xz, *squares, mean = self._sweep_coarsest()
+        rz, xz, *squares, mean, t, r = self._sweep_coarsest()
         for k in reversed(range(self.distributed)):
             rz, xz, *here = self._smooth(k)
             share = self.softness[k + 1] * self.grid.cell_points / (self.levels[k + 1].n[0] * self.levels[k + 1].n[1])
@@ -173,7 +179,7 @@ class Multilevel:
             self._hand_out(k, self.owned[k][:1, 1:-1])
         first = self.steps[0].transfer
         ratio = self.grid.cell_points / (first.m[0] * first.m[1])
-        return rz * ratio, xz * ratio, *squares, mean
+        return rz * ratio, xz * ratio, *squares, mean, t_s + t, r_s + r
 
     def _add_up(self, k, rows):
         """The rows of level k + 1 that this rank owns, (fields, rows, m): the sum over all windows."""
@@ -190,17 +196,14 @@ class Multilevel:
         ranks; mean2: product of the means."""
         return float(squares - self.grid.cell_points * mean2 * np.sum(self.softness))
 
-    @cached_property
-    def surface_norm(self):
-        """sum over levels of softness <s, s> N/N_l for s = 1 on the surface, 0 beyond, restricted to the level."""
-        ones = [np.arange(n) < m for n, m in zip(self.grid.n, self.grid.nominal)]
-        total = 0.0
-        for level, softness, coarser in zip(self.levels, self.softness, [*self.levels[1:], None]):
-            share = self.grid.cell_points / (level.n[0] * level.n[1])
-            total += softness * share * float(np.prod([np.dot(s, s) for s in ones]))
-            if coarser is not None:
-                ones = [restrict_axis(s, m) for s, m in zip(ones, coarser.n)]
-        return total
+    def response(self, contact, tt, ts, rt, rs, mean):
+        """share^2 |v|_S^2 and share <v, S r> over the compliance of the shortest wave, by sums over levels: v = t/share - s is the test
+        pressure of bounds.py, share that of the surface in contact; on the finest level s is left out. contact: points; the others:
+        sums over all ranks of what `sweep` returned."""
+        share, norm = contact / self.grid.N, self.surface.norm
+        if not self.grid.padded:
+            return max(contact + tt - share**2 * norm, 0.0), self.without_mean(rt, mean * share)
+        return max(contact + tt - 2 * share * ts + share**2 * norm, 0.0), rt - share * rs
 
     def restrict(self, g, p, excess, d=None):
         """From a state that no step has led to, what the update passes restrict; returns UpdateSums, with <p, d> on F where there is a
@@ -220,12 +223,13 @@ class Multilevel:
         self._add_up(last, rows)
         if not self.coarsest:
             self._hand_out(last, rows[:1])
-            return (0.0,) * 6
+            return (0.0,) * 8
+        r_s, t_s = (self.surface.products_of_coarsest(field) if self.grid.padded else 0.0 for field in rows[:2])
         z, squares, mean = self.coarsest.sweep(rows[0], rows[1])
         self._hand_out(last, z[None])
         ratio = self.grid.cell_points / (n * m)
         products = (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))  # where level 1 itself is one of them
-        return *products, *(a * ratio for a in squares), mean
+        return *products, *(a * ratio for a in squares), mean, t_s, r_s
 
     def _smooth(self, k):
         a, z = self.owned[k], self.fields[k + 1][0]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import SceneError
-from ..parallel.guard import guarded
+from ..parallel.guard import on_rank_0
 from ..parallel.h5 import Stored, write_file
 from .attributes import attributes_of, set_attributes
 from .read import FORMAT, FORMAT_VERSION, fields_of, reading
@@ -44,14 +44,15 @@ def write_checkpoint(comm, path, grid, step, solver, state, seconds=None, identi
 
 def read_checkpoint(comm, path, solver, identity=""):
     """The Checkpoint of a solver, None if there is none. Collective; raises SceneError if it cannot be read or is another's."""
-    path, found = Path(path), None
-    with guarded(comm, f"reading {path}"):
-        if comm.rank == 0 and path.exists():
-            with reading(path, KIND) as file:
-                head = attributes_of(file)
-                if (head["solver"], head["identity"]) != (solver, identity):
-                    of = head["solver"] if head["solver"] != solver else "another scene"
-                    raise SceneError(f"{path}: a checkpoint of {of}, allowed: of {solver} and this scene")
-                found = Checkpoint(path, head["step"], head["midway"], head["seconds"], json.loads(head["numbers"]),
-                                   fields_of(path, file, head["n"]), tuple(head["n"]))
-    return comm.bcast(found)
+    path = Path(path)
+
+    def read():
+        with reading(path, KIND) as file:
+            head = attributes_of(file)
+            if (head["solver"], head["identity"]) != (solver, identity):
+                of = head["solver"] if head["solver"] != solver else "another scene"
+                raise SceneError(f"{path}: a checkpoint of {of}, allowed: of {solver} and this scene")
+            return Checkpoint(path, head["step"], head["midway"], head["seconds"], json.loads(head["numbers"]),
+                              fields_of(path, file, head["n"]), tuple(head["n"]))
+
+    return on_rank_0(comm, f"reading {path}", lambda: read() if path.exists() else None)

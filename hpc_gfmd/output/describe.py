@@ -22,19 +22,17 @@ def describe(file) -> None:
     about = surface.attrs
     if "n" not in about:
         return  # before the surface is made
-    loads = [step.attrs.get("p", np.nan) for step in steps]
-    scales = coordinates(file, about, loads)
+    scales = coordinates(file, about, [step.attrs.get("p", np.nan) for step in steps])
     for group in (surface, *steps):
-        names = _fields(group)
-        for name in names:
+        for name in _fields(group):
             name_it(group[name], about, scales[1:])
-        if names:
+            if group != surface:
+                group[name].attrs["coordinates"] = "p"
+        if _fields(group):
             group["x"], group["y"] = scales[1:]  # hard links
-    for step, p in zip(steps, loads, strict=True):
+    for step, p in zip(steps, file["loads"]):
         step["p"] = p
         name_it(step["p"], about)
-        for name in _fields(step):
-            step[name].attrs["coordinates"] = "p"
         if "heights" in surface:
             step["heights"] = surface["heights"]
     if steps and min(about["n"]) > 1:
@@ -60,8 +58,8 @@ def name_it(dataset, surface, scales=()) -> None:
         axis.attach_scale(scale)
 
 
-def image(file, surface, loads):
-    """VTKHDF's ImageData for arrays (loads, x, y), which go into its group PointData.
+def image(file, surface, loads, names, create):
+    """VTKHDF's ImageData with arrays (loads, x, y) of these names, made by create(group, name).
 
     VTK's first axis is the last one of an array, our y; Direction turns it back, so that x is x.
     """
@@ -72,29 +70,25 @@ def image(file, surface, loads):
     rising = np.all(np.diff(loads) > 0)  # as times in ParaView have to
     vtk["Steps/Values"] = np.array(loads) if rising else np.arange(float(len(loads)))
     vtk["Steps"].attrs["NSteps"] = len(loads)
+    for name in names:
+        create(vtk.require_group("PointData"), name)
+        vtk[f"Steps/PointDataOffsets/{name}"] = np.arange(len(loads))
     return vtk
-
-
-def point_data(vtk, name, create):
-    """An array of the image, made by create(group, name)."""
-    array = create(vtk.require_group("PointData"), name)
-    vtk.require_group("Steps/PointDataOffsets")[name] = np.arange(len(array))
-    return array
 
 
 def _views(file, steps, scales, surface) -> None:
     import h5py
 
-    names = set.intersection(*(set(_fields(step)) for step in steps))
-    vtk = image(file, surface, file["loads"][:]) if names else None
-    for name in sorted(names):
+    def view(group, name):
         sources = [step[name] for step in steps]
-        layout = h5py.VirtualLayout((len(steps), *surface["n"]), max((one.dtype for one in sources), key=lambda kind: kind.itemsize))
+        layout = h5py.VirtualLayout((len(steps), *surface["n"]), np.result_type(*(one.dtype for one in sources)))
         for k, one in enumerate(sources):
             layout[k] = h5py.VirtualSource(".", one.name, one.shape, one.dtype)
-        name_it(point_data(vtk, name, lambda group, key, layout=layout: group.create_virtual_dataset(key, layout)), surface, scales)
-    if names:
-        for dataset in (vtk["Steps/Values"], *vtk["Steps/PointDataOffsets"].values()):
+        name_it(group.create_virtual_dataset(name, layout), surface, scales)
+
+    if names := sorted(set.intersection(*(set(_fields(step)) for step in steps))):
+        steps_of = image(file, surface, file["loads"][:], names, view)["Steps"]
+        for dataset in (steps_of["Values"], *steps_of["PointDataOffsets"].values()):
             dataset.dims[0].attach_scale(scales[0])
 
 

@@ -1,20 +1,18 @@
 """Reading result files: whole ones, and what an interrupted run left. Executes nothing, needs no MPI."""
 
-import json
 import os
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from .. import errors
 from ..errors import SceneError
 from ..parallel.guard import one_line
 from ..parallel.h5 import CHECKSUM, Stored, inside
-from . import lock
 from .attributes import attributes_of
+from .folder import HEAD, is_held, partial_folder, step_files
 
 FORMAT, FORMAT_VERSION = "hpc-gfmd", 3
-HEAD = "head.h5"  # of a partial folder
 
 
 @dataclass(frozen=True)
@@ -32,23 +30,15 @@ class Result:
     steps: list[dict]
     indices: list[int]
     status: str
-    scene_toml: str
-    versions: dict
     head: dict
     fields: list[dict[str, Stored]] = field(repr=False)
     folder: Path | None = None
     notes: tuple[str, ...] = ()
 
-
-def followed(path) -> Path:
-    """The file that a path stands for: a link is not replaced by a result, what it names is."""
-    return Path(os.path.realpath(path)) if os.path.islink(path) else Path(path)
-
-
-def partial_folder(path) -> Path:
-    """Where a run that writes `path` keeps its finished steps and checkpoints."""
-    path = followed(path)
-    return path.with_name(path.name + ".partial")
+    @property
+    def scene_toml(self) -> str:
+        """The scene that was solved."""
+        return str(self.head.get("scene", ""))
 
 
 def read_result(path) -> Result:
@@ -62,13 +52,13 @@ def read_result(path) -> Result:
 
 def read_whole(path) -> Result:
     """A finished file. Raises SceneError as read_result."""
-    path = Path(path)
-    head, surface, steps = _content(path)
-    newer, notes = partial_folder(path) / HEAD, ()
-    if newer.exists() and newer.stat().st_mtime_ns > path.stat().st_mtime_ns:
+    result = _read(Path(path))
+    newer = partial_folder(path) / HEAD
+    if newer.exists() and newer.stat().st_mtime_ns > result.path.stat().st_mtime_ns:
         left = len(step_files(newer.parent))
-        notes = (f"a newer run was interrupted, or is running: {left} finished load steps in {newer.parent}",)
-    return _result(path, head, surface, steps, str(head.get("status", "unknown")), None, notes)
+        note = f"a newer run was interrupted, or is running: {left} finished load steps in {newer.parent}"
+        return replace(result, notes=(note,))
+    return result
 
 
 def read_partial(path) -> Result:
@@ -80,26 +70,24 @@ def read_partial(path) -> Result:
     path, folder = Path(path), partial_folder(path)
     if not (folder / HEAD).exists():
         raise SceneError(f"{path}: no such file, and no interrupted run beside it")
-    first, steps, notes = None, {}, []
-    for index, part in {None: folder / HEAD, **step_files(folder)}.items():
+    parts, notes = {}, []
+    for index, file in {None: folder / HEAD, **step_files(folder)}.items():
         try:
-            head, surface, found = _content(part)
-            if index is not None and list(found) != [index]:
-                raise SceneError(f"{part}: holds no load step {index}")
-            first = first or (head, surface)
-            if head.get("identity") != first[0].get("identity"):
-                raise SceneError(f"{part}: belongs to another scene")
-            steps |= found
+            part = _read(file)
+            if index is not None and part.indices != [index]:
+                raise SceneError(f"{file}: holds no load step {index}")
+            if any(part.head.get("identity") != other.head.get("identity") for other in parts.values()):
+                raise SceneError(f"{file}: belongs to another scene")
+            parts[index] = part
         except SceneError as error:
             notes.append(f"left out: {error}")
-    if first is None:
+    if not parts:
         raise SceneError(notes[0].removeprefix("left out: "))
-    return _result(path, *first, steps, "running" if lock.is_held(folder) else "interrupted", folder, tuple(notes))
-
-
-def step_files(folder: Path) -> dict[int, Path]:
-    """Finished steps of a partial folder by index."""
-    return dict(sorted((int(p.stem[5:]), p) for p in folder.glob("step-*.h5") if p.stem[5:].isdigit()))
+    first = next(iter(parts.values()))
+    parts.pop(None, None)
+    return Result(path, first.surface, [part.steps[0] for part in parts.values()], list(parts),
+                  "running" if is_held(folder) else "interrupted", first.head, [part.fields[0] for part in parts.values()],
+                  folder, tuple(notes))
 
 
 @contextmanager
@@ -142,16 +130,12 @@ def fields_of(path, group, n) -> dict[str, Stored]:
     return found
 
 
-def _content(path) -> tuple[dict, dict, dict]:
-    """Root attributes, those of the surface, and {index: (attributes, fields)} of the load steps in the order of their numbers."""
+def _read(path) -> Result:
+    """All that one file says, its load steps in the order of their numbers."""
     with reading(path) as file:
-        surface, steps = attributes_of(inside(file, "surface")), inside(file, "steps") if "steps" in file else ()
-        groups = {int(name): inside(steps, name) for name in steps if name.isdigit()}
-        return attributes_of(file), surface, {index: (attributes_of(group), fields_of(path, group, surface.get("n", ())))
-                                              for index, group in sorted(groups.items())}
-
-
-def _result(path, head, surface, steps, status, folder, notes) -> Result:
-    attributes, fields = zip(*steps.values(), strict=True) if steps else ((), ())
-    scene, versions = str(head.get("scene", "")), json.loads(head.get("versions", "{}"))
-    return Result(path, surface, list(attributes), list(steps), status, scene, versions, head, list(fields), folder, notes)
+        head, surface = attributes_of(file), attributes_of(inside(file, "surface"))
+        found = inside(file, "steps") if "steps" in file else ()
+        steps = [inside(found, name) for name in sorted(filter(str.isdigit, found), key=int)]
+        indices, n = [int(step.name.rpartition("/")[2]) for step in steps], surface.get("n", ())
+        return Result(path, surface, [attributes_of(step) for step in steps], indices, str(head.get("status", "unknown")), head,
+                      [fields_of(path, step, n) for step in steps])

@@ -5,20 +5,16 @@ it becomes OUT.h5 in one rename. So nothing finished is lost, and nothing half-w
 """
 
 import os
-import re
 from contextlib import suppress
 from datetime import UTC, datetime
-from pathlib import Path
 
 from ..errors import GfmdError, SceneError
-from ..parallel.guard import guarded, one_line
+from ..parallel.guard import on_rank_0, one_line
 from ..parallel.h5 import io_way, write_file
-from . import lock
 from .attributes import set_attributes
 from .describe import SIGNS, describe
-from .read import FORMAT, FORMAT_VERSION, HEAD, fields_of, followed, partial_folder, read_partial, read_whole, reading
-
-_OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?|wisdom-\w+")
+from .folder import HEAD, acquire, clear, followed, partial_folder, step_files
+from .read import FORMAT, FORMAT_VERSION, fields_of, read_partial, read_whole, reading
 
 
 class RunFile:
@@ -40,13 +36,10 @@ class RunFile:
         self.comm, self.path, self.partial = comm, followed(path), partial_folder(path)
         self.n, self.rows = (int(n[0]), int(n[1])), (int(rows[0]), int(rows[1]))
         self.checkpoint = self.partial / "checkpoint.h5"  # where the state of the solver is kept
-        self._compressed, self._dtype, self._resume, self._lock = compressed, dtype, resume, None
-        found = None
+        self._how, self._resume, self._lock = {"compressed": compressed, "dtype": dtype}, resume, None
         try:
-            with guarded(comm, f"opening {self.path}"):
-                if comm.rank == 0:
-                    found = self._claim(head.get("identity"), resume, force)
-            self.finished, self.notes, self.earlier = comm.bcast(found)
+            found = on_rank_0(comm, f"opening {self.path}", lambda: self._claim(head.get("identity"), force))
+            self.finished, self.notes, self.earlier = found
             self._head = {"format": FORMAT, "format_version": FORMAT_VERSION, "start_time": _now(), "ranks": comm.size,
                           "io": io_way(comm), "signs": SIGNS} | self.earlier | head
             self._surface = dict(surface)
@@ -77,25 +70,20 @@ class RunFile:
         Raises GfmdError on every rank if that fails; the finished steps stay in the folder.
         """
         self._head |= {"end_time": _now()} | head
-        found = None
-        with guarded(self.comm, f"reading {self.partial}"):
-            if self.comm.rank == 0:
-                found = self._collect()
-        steps, fields = self.comm.bcast(found)
+        steps, fields = on_rank_0(self.comm, f"reading {self.partial}", self._collect)
         try:
             self._write(self.path, status, steps, fields)
         except GfmdError as error:
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
-        with guarded(self.comm, f"removing {self.partial}"):
-            if self.comm.rank == 0:
-                (self.partial / HEAD).unlink()
-            self.close()
+        on_rank_0(self.comm, f"removing {self.partial}", lambda: self.close(finished=True))
 
-    def close(self) -> None:
-        """Give the file back without finishing it: what is there can be resumed."""
+    def close(self, finished=False) -> None:
+        """Give the file back; unless it is finished, what is there can be resumed."""
         if self._lock is not None:
-            if not (self.partial / HEAD).exists():  # finished, or never begun
-                _clear(self.partial)
+            if finished:
+                (self.partial / HEAD).unlink()
+            if not (self.partial / HEAD).exists():  # otherwise never begun
+                clear(self.partial)
             os.close(self._lock)
             self._lock = None
 
@@ -108,23 +96,23 @@ class RunFile:
             (self.partial / HEAD).unlink(missing_ok=True)  # a wrong scene leaves nothing behind
         self.close()
 
-    def _claim(self, identity, resume, force) -> tuple[list[int], list[str], dict]:
+    def _claim(self, identity, force) -> tuple[list[int], list[str], dict]:
         """Rank 0: folder, lock, and what an earlier run left."""
         if not self.path.parent.is_dir():
             raise SceneError(f"output.path: the folder {self.path.parent} does not exist")
         if self.path.is_dir():
             raise SceneError(f"output.path: {self.path} is a folder, a file name is needed")
-        notes = [] if resume or not self.path.exists() else self._to_replace(identity, force)
+        notes = [] if self._resume or not self.path.exists() else self._to_replace(identity, force)
         try:
-            self._lock = lock.acquire(self.partial)
+            self._lock = acquire(self.partial)
         except OSError as error:
             raise SceneError(f"output.path: cannot write to {self.path.parent}: {one_line(error)}") from None
-        left, files = None, list(self.partial.glob("step-*.h5")) if (self.partial / HEAD).exists() else []
+        left, files = None, step_files(self.partial) if (self.partial / HEAD).exists() else {}
         with suppress(SceneError):  # nothing, or nothing that can be read
             left = read_partial(self.path)
             notes += left.notes
         ours = left is not None and left.head.get("identity") == identity
-        if resume and left is not None:
+        if self._resume and left is not None:
             if not ours:
                 raise SceneError(f"{self.partial}: belongs to another scene; remove it or change output.path")
             kept = {name: left.head[name] for name in ("start_time", "heights") if name in left.head}
@@ -132,7 +120,7 @@ class RunFile:
         if left is not None or files:
             kind = "that cannot be read" if left is None else "of the same scene" if ours else "of another scene"
             notes += [f"removed an interrupted run {kind} ({len(files)} files of load steps)"]
-        _clear(self.partial, keep_lock=True)
+        clear(self.partial, keep_lock=True)
         return [], notes, {}
 
     def _to_replace(self, identity, force) -> list[str]:
@@ -164,25 +152,7 @@ class RunFile:
                 set_attributes(file.require_group(name), attributes)
             describe(file)
 
-        write_file(self.comm, path, self.n, self.rows, fields, fill, self._compressed, self._dtype)
-
-
-def tidy(path) -> None:
-    """Remove what a run that died after it had finished `path` left beside it. One process only."""
-    folder = partial_folder(path)
-    if Path(path).exists() and folder.is_dir() and not (folder / HEAD).exists() and not lock.is_held(folder):
-        _clear(folder)
-
-
-def _clear(folder: Path, keep_lock=False) -> None:
-    """Remove what is ours, the head first: a folder without a head is nobody's run."""
-    names = [p.name for p in folder.iterdir() if _OURS.fullmatch(p.name)] if folder.is_dir() else []
-    for name in sorted(names, key=lambda name: not name.startswith("head.h5")):
-        (folder / name).unlink(missing_ok=True)
-    if not keep_lock:
-        (folder / lock.NAME).unlink(missing_ok=True)
-        with suppress(OSError):  # somebody else may keep something there
-            folder.rmdir()
+        write_file(self.comm, path, self.n, self.rows, fields, fill, **self._how)
 
 
 def _now() -> str:

@@ -38,8 +38,7 @@ def find_clusters(comm, mask, rows, n, periodic=(True, True), corners=False):
     reaches from the first point to the last.
     """
     local = _Local(mask, rows, n, periodic, corners)
-    counts = comm.allgather(len(local.sizes))
-    base = sum(counts[:comm.rank])
+    base = comm.before(len(local.sizes))
     mine = [line and line.of_ranks(local, base) for line in (local.first, local.last)]
     edges = _between_ranks(comm, *mine, rows[1] == n[0], periodic, corners)
     at_border = np.unique(np.concatenate([line.labels[line.labels != NOTHING] for line in mine] if local.first else [[]])).astype(int)

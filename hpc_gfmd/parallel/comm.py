@@ -1,20 +1,11 @@
-"""The communicator: MPI when an MPI launcher started this process, otherwise a stand-in for one process."""
+"""The communicator: a thin layer over MPI, or a stand-in for one process."""
 
-import os
-import sys
-import time
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..errors import GfmdError, SceneError
-from ..streams import unfailing
-
-# Set by mpirun (Open MPI, MPICH, Intel MPI) and by srun --mpi=pmix/pmi2 for every process that they start.
-LAUNCHER_SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS")
-THREADS_PER_CORE = 8  # more are a mistake
-LAUNCHER_RANK = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK", "PALS_RANKID")
-LAUNCHER = "HPC_GFMD_LAUNCHER"  # "mpi" or "none", where these variables mislead: of another launcher, or left over from one around
+from .shared import can_share
 
 
 class SerialComm:
@@ -31,8 +22,8 @@ class SerialComm:
 
     max = min = sum
 
-    def bcast(self, obj):
-        """The object of rank 0."""
+    def bcast(self, obj, root=0):
+        """The object of one rank."""
         return obj
 
     def allgather(self, obj):
@@ -43,9 +34,9 @@ class SerialComm:
         """The list of every rank's object on rank 0, None on the others."""
         return [obj]
 
-    def alltoall(self, objects):
-        """The list of what every rank had for this one; objects: one for each rank."""
-        return objects
+    def alltoall(self, arrays):
+        """The list of what every rank had for this one; arrays: one for each rank, of two axes and one dtype."""
+        return arrays
 
     def counts(self, number):
         """Every rank's whole number, an array."""
@@ -68,6 +59,18 @@ class SerialComm:
 
     def barrier(self):
         """Wait for all ranks."""
+
+    @property
+    def machine(self):
+        """The communicator of the ranks on the same machine."""
+        return self
+
+    node = machine  # of those that have memory in common with this one
+    beside = np.zeros(1, int)  # these ranks
+
+    def before(self, number):
+        """The sum of the whole numbers of all ranks before this one."""
+        return 0
 
 
 @dataclass
@@ -124,9 +127,9 @@ class MpiComm:
 
         return self._reduce(values, MPI.MIN)
 
-    def bcast(self, obj):
-        """The object of rank 0."""
-        return self.mpi.bcast(obj, root=0)
+    def bcast(self, obj, root=0):
+        """The object of one rank."""
+        return self.mpi.bcast(obj, root=root)
 
     def allgather(self, obj):
         """The list of every rank's object."""
@@ -136,9 +139,21 @@ class MpiComm:
         """The list of every rank's object on rank 0, None on the others."""
         return self.mpi.gather(obj, root=0)
 
-    def alltoall(self, objects):
-        """The list of what every rank had for this one; objects: one for each rank."""
-        return self.mpi.alltoall(objects)
+    def alltoall(self, arrays):
+        """The list of what every rank had for this one; arrays: one for each rank, of two axes and one dtype."""
+        shapes, dtype = np.empty((self.size, 2), np.int64), arrays[0].dtype
+        self.mpi.Alltoall(np.array([a.shape for a in arrays], np.int64), shapes)
+        lengths = [np.array([a.nbytes for a in arrays]), shapes.prod(axis=1) * dtype.itemsize]
+        offsets = [np.cumsum(n) - n for n in lengths]
+        found = np.empty(lengths[1].sum() // dtype.itemsize, dtype)
+        self.alltoall_bytes((np.concatenate([a.ravel() for a in arrays]), lengths[0], offsets[0]), (found, lengths[1], offsets[1]))
+        return [part.reshape(shape) for part, shape in zip(np.split(found, offsets[1][1:] // dtype.itemsize), shapes)]
+
+    def before(self, number):
+        """The sum of the whole numbers of all ranks before this one."""
+        found = np.zeros(1, np.int64)
+        self.mpi.Exscan(np.array([number], np.int64), found)
+        return int(found[0]) if self.rank else 0
 
     def counts(self, number):
         """Every rank's whole number, an array."""
@@ -193,145 +208,26 @@ class MpiComm:
         """Wait for all ranks."""
         self.mpi.Barrier()
 
+    @cached_property
+    def machine(self):
+        """The communicator of the ranks on the same machine. Collective where it is asked for first."""
+        return MpiComm(same_machine(self.mpi), self)
 
-def launched():
-    """Whether an MPI launcher started this process, and the number of processes if the launcher tells it (else None).
+    @cached_property
+    def node(self):
+        """That of the ranks that have memory in common with this one: all on the machine, or none. Collective as `machine`."""
+        return self.machine if self.machine.size > 1 and can_share(self.machine) else SerialComm(self)
 
-    The variable HPC_GFMD_LAUNCHER says "mpi" or "none" where that cannot be seen.
-    """
-    said = os.environ.get(LAUNCHER)
-    if said == "none":
-        return False, None
-    size = next((int(os.environ[k]) for k in LAUNCHER_SIZE if os.environ.get(k, "").isdigit()), None)
-    by_launcher = said == "mpi" or size is not None or any(k in os.environ for k in LAUNCHER_RANK)
-    if by_launcher and size is None:
-        size = _srun_size()  # PMIx tells processes their rank only
-    return by_launcher, size
-
-
-def _srun_size():
-    """Number of processes that srun started with this one, or None."""
-    text = os.environ.get("SLURM_STEP_NUM_TASKS", "")
-    return int(text) if text.isdigit() else None
+    @cached_property
+    def beside(self):
+        """The numbers of these ranks, ascending. Collective as `node`."""
+        if self.node.size == 1:
+            return np.array([self.rank])
+        return self.node.counts(self.rank)
 
 
-def launcher_rank():
-    """This process's number as the launcher tells it; 0 without a launcher."""
-    if os.environ.get(LAUNCHER) == "none":
-        return 0
-    return next((int(os.environ[k]) for k in (*LAUNCHER_RANK, "SLURM_PROCID") if os.environ.get(k, "").isdigit()), 0)
+def same_machine(mpi):
+    """The part of an mpi4py communicator that is on one machine. Collective."""
+    from mpi4py import MPI
 
-
-_world = None
-
-
-def world():
-    """The communicator of all processes of this run.
-
-    Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all do the same work; SceneError for
-    a HPC_GFMD_LAUNCHER that means nothing.
-    """
-    global _world
-    if _world is None:
-        if os.environ.get(LAUNCHER, "") not in ("", "mpi", "none"):
-            raise SceneError(f'{LAUNCHER}: found "{os.environ[LAUNCHER]}", allowed: "mpi", "none"')
-        by_launcher, size = launched()
-        if not by_launcher and (_srun_size() or 1) > 1 and not os.environ.get(LAUNCHER):
-            raise GfmdError(f"srun started {_srun_size()} processes without MPI, allowed: srun --mpi=pmix, or mpirun (where each is "
-                            f"to run on its own: {LAUNCHER}=none)")
-        _world = SerialComm()
-        if by_launcher and size != 1:
-            try:
-                from mpi4py import MPI
-            except ImportError as error:
-                raise GfmdError(
-                    f"started by an MPI launcher{f' on {size} ranks' if size else ''}, but mpi4py cannot be imported "
-                    f"({error}): install the extra 'mpi' or run without the launcher"
-                ) from None
-            if MPI.COMM_WORLD.Get_size() > 1:
-                _world = MpiComm(MPI.COMM_WORLD)
-                sys.excepthook = _abort_on_error(MPI.COMM_WORLD, sys.excepthook)
-            elif size and size > 1:
-                raise GfmdError(
-                    f"the launcher started {size} processes but mpi4py sees one: "
-                    f"mpi4py and mpirun belong to different MPI libraries"
-                )
-    return _world
-
-
-def comm_of(given):
-    """The communicator that a caller means: None for this process alone, one of mpi4py, or one of this file. Raises SceneError."""
-    if given is None or isinstance(given, SerialComm | MpiComm):
-        return given or SerialComm()
-    if not hasattr(given, "Allreduce"):
-        raise SceneError(f"comm: found {type(given).__name__}, allowed: a communicator of mpi4py, such as MPI.COMM_WORLD")
-    return MpiComm(given) if given.Get_size() > 1 else SerialComm()
-
-
-def threads_of(comm, wanted):
-    """Threads for each rank: a number as it is; "auto": what Slurm was asked for (--cpus-per-task), else the cores that this rank may
-    use, shared with the ranks beside it.
-
-    Raises SceneError on all ranks for more than some machine can bear: every thread takes memory of its own. Collective.
-    """
-    if wanted != "auto":
-        wanted = int(wanted)
-        most = int(comm.min([THREADS_PER_CORE * (os.cpu_count() or 1)])[0])
-        if wanted > most:
-            raise SceneError(f"machine.threads: found {wanted}, allowed on this machine: up to {most} ({THREADS_PER_CORE} per core)")
-        return wanted
-    cores = sorted(os.sched_getaffinity(0))
-    of_slurm = os.environ.get("SLURM_CPUS_PER_TASK", "")
-    if comm.min([of_slurm.isdigit() and int(of_slurm)])[0] > 0:
-        return min(int(of_slurm), len(cores))
-    here = comm.allgather((os.uname().nodename, cores))
-    beside = sum(other == here[comm.rank] for other in here)  # ranks that are bound elsewhere do not share our cores
-    return max(1, len(cores) // beside)
-
-
-def leave_together(exit_code, seconds=10.0, say=None):
-    """Wait until all ranks are about to leave with an error: mpirun ends the others, silently, as soon as one has left.
-
-    Not for ever: a rank that is alone with its error ends the job after `seconds`. say(): rank 0 calls it at once, another rank
-    where it is left alone, so that it is heard once.
-    """
-    say = say or (lambda: None)
-    if launcher_rank() == 0:
-        say()
-    try:
-        comm = world()
-    except GfmdError:  # no way to wait for each other: time enough for one line
-        time.sleep(1.0 if launched()[0] else 0.0)
-        return
-    if comm.size > 1:
-        request, end = comm.mpi.Ibarrier(), time.monotonic() + seconds
-        while not request.Test():
-            if time.monotonic() > end:
-                if comm.rank != 0:
-                    say()
-                comm.mpi.Abort(exit_code)
-            time.sleep(0.01)
-
-
-def _abort_on_error(mpi, hook):
-    """An exception that nobody caught on one rank ends all ranks: the others would wait for it forever."""
-
-    def excepthook(kind, value, traceback):
-        hook(kind, value, traceback)
-        unfailing(sys.stderr).flush()
-        mpi.Abort(1)
-
-    return excepthook
-
-
-def agree(comm, error):
-    """Raise on every rank if any rank has an error (an exception or None): the first one's, as the same type."""
-    if comm.size == 1:
-        if error is not None:
-            raise error
-        return
-    if not comm.max([error is not None])[0]:
-        return
-    failed = comm.allgather(None if error is None else (type(error), str(error)))
-    kind, text = next(f for f in failed if f is not None)
-    raise error if error is not None else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))
+    return mpi.Split_type(MPI.COMM_TYPE_SHARED, mpi.Get_rank())

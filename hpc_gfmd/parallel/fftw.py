@@ -2,7 +2,7 @@
 
 import sys
 
-from .comm import launched
+from .launcher import launched
 
 
 def load_fftw():

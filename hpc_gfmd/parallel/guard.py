@@ -5,7 +5,6 @@ from contextlib import contextmanager
 
 from .. import errors
 from ..errors import GfmdError, SceneError
-from .comm import agree
 
 
 @contextmanager
@@ -24,6 +23,28 @@ def guarded(comm, doing: str):
         error = GfmdError(f"{doing}: {one_line(caught)}")
         error.__cause__ = caught
     agree(comm, error)
+
+
+def on_rank_0(comm, doing: str, work):
+    """What work() gives on rank 0, for all ranks; where it fails, every rank leaves with its error, as of `guarded`. Collective."""
+    found = None
+    with guarded(comm, doing):
+        if comm.rank == 0:
+            found = work()
+    return comm.bcast(found)
+
+
+def agree(comm, error):
+    """Raise on every rank if any rank has an error (an exception or None): the first one's, as the same type."""
+    if comm.size == 1:
+        if error is not None:
+            raise error
+        return
+    first = int(comm.min([comm.size if error is None else comm.rank])[0])
+    if first == comm.size:
+        return
+    kind, text = comm.bcast(None if error is None else (type(error), str(error)), first)
+    raise error if error is not None else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))
 
 
 def one_line(error: BaseException) -> str:

@@ -11,13 +11,12 @@ import os
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ..errors import GfmdError
 from .comm import SerialComm
-from .guard import guarded, one_line
+from .guard import guarded, on_rank_0, one_line
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
 CHECKSUM = "checksum"  # attribute of a field
@@ -26,7 +25,7 @@ PACKED = {"shuffle": True, "compression": "gzip", "compression_opts": 1}
 _SLACK, _PER_CHUNK = 2**16, 64  # bytes, generous; what is not needed is given back
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Stored:
     """A field in a file; shape: (n_x, n_y); checksum: of all its numbers."""
 
@@ -35,8 +34,14 @@ class Stored:
     shape: tuple[int, int]
     dtype: np.dtype
     checksum: int
+    passed: tuple[int, int] = (0, 0)  # how many rows `read` gave one after the other from the first on, and their checksum
 
-    def pieces(self, comm=None, rows=None, at_once=None):
+    @property
+    def span(self) -> tuple[int, int]:
+        """(start, stop) of the rows that can be read: all."""
+        return 0, self.shape[0]
+
+    def pieces(self, comm=None, rows=None):
         """(start, rows from there on), ... as many on every rank; rows: (start, stop) of this one (default: all of one process).
 
         Collective; raises GfmdError, after the last one where it is the numbers of the field, every row of which has one rank, that are
@@ -44,14 +49,16 @@ class Stored:
         """
         comm, found, doing = comm or SerialComm(), 0, f"reading {self.path}"
         with opened(comm, self.path, "r", doing) as file:
-            for start, stop in _cuts(comm, rows or (0, self.shape[0]), self.shape[1] * self.dtype.itemsize, at_once):
-                with guarded(comm, doing):
+            def read(start, stop):
+                nonlocal found
+                with guarded(comm, doing):  # before the others begin to read together
                     part = np.empty((stop - start, self.shape[1]), self.dtype)
-                    _transfer(file[self.dataset], start, part, "read")
+                _transfer(file[self.dataset], start, part, "read")
                 found += _checksum(part, start)
-                yield start, part
-        if _total(comm, found) != self.checksum:
-            raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
+                return part
+
+            yield from _pieces(comm, rows or self.span, self.shape[1] * self.dtype.itemsize, doing, read)
+        self._check(sum(comm.allgather(found)))
 
     def slab(self, comm, rows) -> np.ndarray:
         """This rank's rows (start, stop) in one array. Collective; raises GfmdError as `pieces`."""
@@ -63,52 +70,27 @@ class Stored:
         return found
 
     def read(self, start, stop) -> np.ndarray:
-        """Rows start <= i < stop, unchecked. Not collective: every rank may read what it needs. Raises GfmdError if it cannot."""
+        """Rows start <= i < stop. Not collective: every rank may read what it needs.
+
+        Raises GfmdError if it cannot, and with the last rows of a pass over all of them where these are damaged.
+        """
         import h5py
 
         try:
             with h5py.File(self.path, "r", locking=False) as file:
-                return file[self.dataset][start:stop]
+                rows = file[self.dataset][start:stop]
         except (OSError, KeyError, ValueError) as error:
             raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged ({one_line(error)})") from error
-
-
-@dataclass(frozen=True)
-class Slab:
-    """As Stored, of a field in memory; data: the rows of this rank, start: the global index of its first one."""
-
-    data: Any
-    start: int
-    shape: tuple[int, int]
-    checksum = None
-
-    @property
-    def dtype(self) -> np.dtype:
-        return np.dtype(self.data.dtype)
-
-    @property
-    def span(self) -> tuple[int, int]:
-        return self.start, self.start + len(self.data)
-
-    def read(self, start, stop) -> np.ndarray:
-        """Rows start <= i < stop, which must be among those of this rank."""
-        return np.ascontiguousarray(self.data[start - self.start : stop - self.start])
-
-
-class Checked:
-    """Rows of a field, a few at a time; raises GfmdError with the last of all where these are damaged."""
-
-    def __init__(self, field):
-        self.field, self.shape, self.dtype, self._found, self._next = field, field.shape, field.dtype, 0, 0
-
-    def read(self, start, stop) -> np.ndarray:
-        """Rows start <= i < stop."""
-        rows = self.field.read(start, stop)
-        if start == self._next and self.field.checksum is not None:  # otherwise it is no pass over all of them
-            self._found, self._next = self._found + _checksum(rows, start), stop
-            if stop == self.shape[0] and self._found % 2**64 != self.field.checksum:
-                raise GfmdError(f"{self.field.path}: the numbers of {self.field.dataset} are damaged")
+        done, found = self.passed if start else (0, 0)
+        if start == done:  # otherwise it is no pass over all of them
+            self.passed = stop, found + _checksum(rows, start)
+            if stop == self.shape[0]:
+                self._check(self.passed[1])
         return rows
+
+    def _check(self, found):
+        if found % 2**64 != self.checksum:
+            raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
 
 
 def io_way(comm) -> str:
@@ -135,40 +117,36 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
     tmp, doing, together = path.with_name(path.name + ".tmp"), f"writing {path}", io_way(comm) == "mpio"
     types = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}
     try:
-        with guarded(comm, doing):
-            if comm.rank == 0:
-                _lay_out(tmp, n, types, describe, compressed)
+        on_rank_0(comm, doing, lambda: _lay_out(tmp, n, types, describe, compressed))
         if fields:
             with opened(comm, tmp, "r+", doing) as file:
                 for name, field in fields.items():
-                    found, stored = 0, isinstance(field, Stored)
-                    for start, part in field.pieces(comm, rows) if stored else _pieces(comm, field, types[name], n, rows, doing):
-                        found += _checksum(part, start)
-                        parts = [(start, part)] if together else comm.gather((start, part))
+                    found = 0
+                    for start, part in _parts(comm, field, types[name], n, rows, doing):
+                        parts = [(start, part)] if together else comm.gather((start, part)) or ()
                         with guarded(comm, doing):
-                            for one in parts or ():
+                            for one in parts:
                                 _transfer(file[name], *one, "write")
-                    found = np.uint64(_total(comm, found))
+                                sync(tmp, wait=False)
+                            found += _checksum(part, start)
+                    found = sum(comm.allgather(found)) % 2**64
                     if file is not None:
-                        file[name].attrs.modify(CHECKSUM, found)
+                        file[name].attrs.modify(CHECKSUM, np.uint64(found))
         with guarded(comm, doing):
             if comm.rank == 0 or together:
                 sync(tmp)
-        with guarded(comm, doing):
-            if comm.rank == 0:
-                os.replace(tmp, path)
-                sync(path.parent)
+        on_rank_0(comm, doing, lambda: (os.replace(tmp, path), sync(path.parent)))
     except GfmdError:
         if comm.rank == 0:
             tmp.unlink(missing_ok=True)
         raise
 
 
-def sync(path) -> None:
-    """Ask the system to bring a file or folder to the disk."""
+def sync(path, wait=True) -> None:
+    """Bring a file or folder to the disk, or have the system begin to: the disk is busy then while the next piece is made."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
-        os.fsync(descriptor)
+        os.fsync(descriptor) if wait else os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
     finally:
         os.close(descriptor)
 
@@ -230,22 +208,27 @@ def _lay_out(path, n, types, describe, compressed) -> None:
             raise OSError(error.errno, f"{error.strerror} ({space / 1e6:.4g} MB needed)") from None
 
 
-def _pieces(comm, field, dtype, n, rows, doing):
-    """As Stored.pieces, of a local slab."""
-    for start, stop in _cuts(comm, rows, n[1] * dtype.itemsize):
-        with guarded(comm, doing):
-            part = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
-            if part.shape != (stop - start, n[1]) or stop > n[0]:
-                raise ValueError(f"{part.shape} points in rows {start}:{stop} of {tuple(n)}")
-        yield start, part
+def _parts(comm, field, dtype, n, rows, doing):
+    """(start, rows from there on), ... of a Stored field or a local slab."""
+    def get(start, stop):
+        part = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
+        if part.shape != (stop - start, n[1]) or stop > n[0]:
+            raise ValueError(f"{part.shape} points in rows {start}:{stop} of {tuple(n)}")
+        return part
+
+    return field.pieces(comm, rows) if isinstance(field, Stored) else _pieces(comm, rows, n[1] * dtype.itemsize, doing, get)
 
 
-def _cuts(comm, rows, row_bytes, at_once=None):
-    """[(start, stop), ...] of this rank's rows, as many on every rank; at_once: how many rows."""
+def _pieces(comm, rows, row_bytes, doing, get):
+    """(start, get(start, stop)), ... of this rank's rows, as many on every rank."""
     ranks = comm.size if io_way(comm) == "serial" else 1  # of which rank 0 has a piece each
-    step = at_once or max(1, PIECE_BYTES // (row_bytes * ranks))
+    step = max(1, PIECE_BYTES // (row_bytes * ranks))
     calls = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
-    return [tuple(min(rows[0] + k * step, rows[1]) for k in (call, call + 1)) for call in range(calls)]
+    for start in range(rows[0], rows[0] + calls * step, step):
+        start, stop = min(start, rows[1]), min(start + step, rows[1])
+        with guarded(comm, doing):
+            part = get(start, stop)
+        yield start, part
 
 
 def _transfer(dataset, start, rows, what) -> None:
@@ -270,7 +253,3 @@ def _checksum(rows, start) -> int:
     """
     words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
     return int(words.sum(axis=1, dtype=np.uint64) @ np.arange(2 * start + 1, 2 * (start + len(rows)), 2, dtype=np.uint64))
-
-
-def _total(comm, found) -> int:
-    return sum(comm.allgather(found)) % 2**64

@@ -4,14 +4,21 @@ import numpy as np
 
 
 class Imagined:
-    """Rank `rank` of `size`, as a communicator that cannot send."""
+    """Rank `rank` of `size`, as a communicator that cannot send. nodes: that of every rank (default: each has one to itself, so that
+    everything between ranks is a message)."""
 
     mpi = parent = None
 
-    def __init__(self, rank, size):
+    def __init__(self, rank, size, nodes=None):
         self.rank, self.size = rank, size
+        self._nodes = np.arange(size) if nodes is None else np.asarray(nodes)
+
+    @property
+    def beside(self):
+        """The ranks on the same node."""
+        return np.flatnonzero(self._nodes == self._nodes[self.rank])
 
     def among(self, ranks):
         """The communicator of these ranks alone, None where this rank is not one of them."""
         place = int(np.searchsorted(ranks, self.rank))
-        return Imagined(place, len(ranks)) if place < len(ranks) and ranks[place] == self.rank else None
+        return Imagined(place, len(ranks), self._nodes[ranks]) if place < len(ranks) and ranks[place] == self.rank else None

@@ -16,8 +16,8 @@ import numpy as np
 from ..aligned import empty_aligned
 from ..caches import cache_folder, keep
 from ..versions import processor
-from .comm import launcher_rank
 from .fftw import load_fftw
+from .launcher import launcher_rank
 
 LIMIT = 2**20  # bytes beyond which what a file or this process knows is left, and begun anew
 

@@ -4,7 +4,7 @@ from math import hypot, isfinite
 
 import numpy as np
 
-from ..output.table import converged
+from ..table import converged
 from .style import COLOURS, THEORY, WARNING, WIDTH, legend_below, ticks
 from .units import Scale, good
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..output.table import converged
+from ..table import converged
 from .style import COLOURS, THEORY, WIDTH, legend_below
 from .survey import density
 

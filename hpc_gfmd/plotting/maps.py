@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.colors import Normalize, PowerNorm
 
-from ..output.table import converged
+from ..table import converged
 from .style import CONTACT_MAP, DPI, GAP_MAP, GROUND, HEIGHT_MAP, OTHER_MAP, PRESSURE_MAP, WARNING, WIDTH
 from .survey import survey
 from .units import good

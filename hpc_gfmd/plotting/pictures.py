@@ -9,9 +9,8 @@ import numpy as np
 
 from ..errors import GfmdError, SceneError
 from ..output.read import Result, read_result
-from ..output.table import surface_line
 from ..parallel.guard import one_line
-from ..parallel.h5 import Checked
+from ..table import surface_line
 from .curves import curves
 from .distributions import distributions, stored
 from .maps import SYMBOLS, maps
@@ -41,8 +40,7 @@ class Drawn:
 
     def fields(self, k):
         """The fields of the k-th of the chosen steps."""
-        fields = self.result.fields[self.chosen[k]]
-        return {name: Checked(field) for name, field in fields.items()}
+        return self.result.fields[self.chosen[k]]
 
     def name_of(self, k):
         """Its step and load."""

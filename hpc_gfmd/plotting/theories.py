@@ -9,6 +9,7 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..theory import persson
 from ..theory.elastic import Hertz, Westergaard
+from ..theory.slope_profile import SlopeProfile
 from .units import Scale, good
 
 
@@ -46,10 +47,14 @@ def _persson(surface, E_star, found):
     if not good(g_rms):
         return None
     unit, gap = E_star * g_rms, None
-    if good(eps_f) and eps_f < 1 and surface.lam_l_over_lam_r == 1:  # the theory's spectrum has no roll-off
+    if good(eps_f) and eps_f < 1:
+        q = np.unique([1.0, surface.lam_l_over_lam_r, 1 / eps_f])  # in units of the longest wave's
+        spectrum = np.maximum(q, surface.lam_l_over_lam_r) ** (-2 - 2 * surface.hurst)
+        profile = SlopeProfile.from_spectrum(q, spectrum)
 
         def gap(p):
-            return h_rms * np.ma.masked_less(persson.mean_gap(p / unit, surface.hurst, eps_f), 1e-12)
+            in_h_rms = persson.mean_gap_spectrum(q, spectrum, p / unit * profile.g_rms) / profile.h_rms
+            return h_rms * np.ma.masked_less(in_h_rms, 1e-12)
 
     def density(x, p):
         return persson.pressure_distribution(x / unit, p / unit) / unit

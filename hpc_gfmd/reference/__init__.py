@@ -3,7 +3,8 @@
     from hpc_gfmd import reference
     a_r, sigma = reference.contact_area(0.05, hurst=0.8, eps_f=1 / 256)
 
-Extrapolated to large cells and fine grids, interpolated along all three. The data file is made from stored runs by
+Extrapolated to large cells and fine grids, interpolated along all three. The mean gap ends at a smaller p_star than the contact area:
+above, it closes (contact everywhere) in some cells. The data file is made from stored runs by
 `hpc-gfmd study curves --level desk --no-run --reference FILE`. Reading it needs neither MPI nor compiled kernels.
 """
 

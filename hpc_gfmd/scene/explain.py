@@ -2,7 +2,8 @@
 
 import difflib
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
@@ -42,9 +43,9 @@ LONGEST = 1200  # characters of all errors together
 Model = type[BaseModel]
 
 
-def explain(error: ValidationError, scene: Model, kinds: dict[str, Model], data: dict) -> str:
+def explain(error: ValidationError, scene: Model, kinds: Mapping[str, Model], data: dict) -> str:
     """All errors in one line, as far as it does not become too long. `kinds` are the models of [surface] by their kind."""
-    lines = {}      # several errors of one key (alternatives of a type, entries of a list) are one
+    lines: dict[tuple, str] = {}      # several errors of one key (alternatives of a type, entries of a list) are one
     # a misspelt key first: it explains the "missing" that comes with it
     for item in sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden"):
         if item["type"] != "default_factory_not_called":    # only follows from another error
@@ -55,7 +56,7 @@ def explain(error: ValidationError, scene: Model, kinds: dict[str, Model], data:
     return "; ".join(shown) + (f" (and {len(found) - len(shown)} more)" if len(shown) < len(found) else "")
 
 
-def _line(item: dict, scene: Model, kinds: dict, data: dict) -> tuple[tuple, str]:
+def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tuple[tuple, str]:
     if not item["loc"]:         # a rule on the whole scene
         return (), str(item["ctx"]["error"])
     name, *rest = item["loc"]
@@ -72,6 +73,7 @@ def _line(item: dict, scene: Model, kinds: dict, data: dict) -> tuple[tuple, str
             return key, f"{path}: {item['ctx']['error']}"
         found = shown(data[name]) if name in data else "nothing"
         return key, f"{path}: found {found}, allowed: {allowed(scene.model_fields[name])}"
+    assert model is not None  # only tables have keys
     field, value = rest[0], data[name].get(rest[0])
     path += f".{field}"
     found = shown(value)
@@ -84,7 +86,7 @@ def _line(item: dict, scene: Model, kinds: dict, data: dict) -> tuple[tuple, str
     return key, f"{path}: found {found}, allowed: {allowed(model.model_fields[field])}{_limits(item)}"
 
 
-def _limits(item: dict) -> str:
+def _limits(item: Any) -> str:
     """Of all numbers, where one that makes sense is beyond them."""
     beyond = {"greater_than_equal": "ge", "less_than_equal": "le"}.get(item["type"])
     return f", from {SMALLEST:g} to {LARGEST:g}" if beyond and item["ctx"][beyond] in (SMALLEST, LARGEST) and item["input"] > 0 else ""
@@ -95,11 +97,11 @@ def _model(scene: Model, table: str) -> Model | None:
     return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
 
 
-def _unknown(name: str, model: Model | None, table: str, scene: Model, kinds: dict) -> str:
+def _unknown(name: str, model: Model | None, table: str, scene: Model, kinds: Mapping[str, Model]) -> str:
     """An unknown key: the most similar one of the same table, and where the same name is a key of another one, that, too."""
     here = list((model or scene).model_fields)
-    elsewhere = {field: f"{key}.{field}" for key in scene.model_fields if _model(scene, key)
-                 for field in _model(scene, key).model_fields}
+    tables = {key: _model(scene, key) for key in scene.model_fields}
+    elsewhere = {field: f"{key}.{field}" for key, other in tables.items() if other is not None for field in other.model_fields}
     elsewhere |= {field: f"surface.{field}" for kind in kinds.values() for field in kind.model_fields}
     path, prefix = (f"{table}.{printable(name)}", f"{table}.") if model else (table, "")
     if is_not_modelled(name):
@@ -111,7 +113,7 @@ def _unknown(name: str, model: Model | None, table: str, scene: Model, kinds: di
     return f"{path}: unknown key, nearest: {guess}, allowed: {', '.join(here)}"
 
 
-def _kind(found: object, kinds: dict) -> str:
+def _kind(found: object, kinds: Mapping[str, Model]) -> str:
     allowed = ", ".join(f'"{kind}"' for kind in kinds)
     guess = f'nearest: "{nearest(found, kinds)}", ' if isinstance(found, str) else ""
     return f"surface.kind: found {'nothing' if found is None else shown(found)}, {guess}allowed: {allowed}"

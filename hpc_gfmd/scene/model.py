@@ -5,7 +5,7 @@ import json
 import math
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import tomli_w
 from pydantic import ValidationError, model_validator
@@ -34,14 +34,14 @@ class Scene(Table):
     machine: Machine = key("speed and limits, nothing of which changes the answer", "a table [machine]", Machine())
 
     @model_validator(mode="after")
-    def _rough(self):
+    def _rough(self) -> Self:
         name, _ = self.load.given
         if isinstance(self.surface, Wave) and self.surface.amplitude == 0 and name not in ("pressure", "force", "approach"):
             raise ValueError(f"load.{name}: found a flat surface (amplitude = 0), allowed: load.pressure")
         return self
 
     @model_validator(mode="after")
-    def _units(self):
+    def _units(self) -> Self:
         surface, material = self.surface, self.material
         measured = isinstance(surface, File)  # its file may know units: what is built of it is compared later
         lengths = {} if measured else {f"surface.{key}": getattr(surface, key) for key in LENGTHS if hasattr(surface, key)}
@@ -55,7 +55,7 @@ class Scene(Table):
         return self
 
     @model_validator(mode="after")
-    def _load_fits(self):
+    def _load_fits(self) -> Self:
         if self.load.force and not any(self.surface.free):
             raise ValueError("load.force: found periodic boundaries, allowed: with a free boundary (with periodic ones: load.pressure)")
         if self.load.approach and not (all(self.surface.free) or self.material.thickness is not None):
@@ -143,10 +143,11 @@ class Scene(Table):
 class ArrayScene(Scene):
     """The same of heights that are an array in memory: of the surface only its sizes are asked for."""
 
-    surface: Surface = key("the sizes of the heights", "a table [surface]", Surface())
+    surface: Surface = key(  # type: ignore[assignment]
+        "the sizes of the heights", "a table [surface]", Surface())
 
     @model_validator(mode="after")
-    def _known_by_points(self):
+    def _known_by_points(self) -> Self:
         if self.solver.low_memory:
             raise ValueError('solver.low_memory: found true, allowed: with surface.kind = "self-affine", in a scene')
         return self

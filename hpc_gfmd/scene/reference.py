@@ -12,6 +12,7 @@ from ..errors import SceneError
 from .explain import nearest, printable
 from .model import Scene
 from .surface import KINDS, Surface
+from .table import allowed
 
 WIDTH = 100
 UNITS = {"length": "in the unit of the surface, or with a unit", "pressure": "in the unit of the moduli, or with a unit"}
@@ -53,10 +54,10 @@ class Section:
 
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
     """All of them; names: those that a key takes, which the scene does not know: {"output.observables": [...]}."""
-    tables = {name: field for name, field in Scene.model_fields.items() if field.json_schema_extra["allowed"].startswith("a table")}
+    tables: dict[str, Any] = {name: field for name, field in Scene.model_fields.items() if allowed(field).startswith("a table")}
     found = [Section("", "the scene", "A key before the first table.", (_key("", "title", Scene.model_fields["title"], {}),))]
     for table, field in tables.items():
-        models = {"": Surface} | KINDS if table == "surface" else {"": field.annotation}
+        models: dict[str, Any] = {"": Surface, **KINDS} if table == "surface" else {"": field.annotation}
         for kind, model in models.items():
             keys = [_key(table, name, item, names or {}) for name, item in model.model_fields.items() if name != "kind"]
             if table == "surface" and not kind:
@@ -100,9 +101,9 @@ def _key(table: str, name: str, field: Any, names: Mapping[str, Any]) -> Key:
     said = field.json_schema_extra
     default = said["said"] or (None if field.default is PydanticUndefined else toml(field.default))
     known = names.get(f"{table}.{name}")
-    allowed = said["allowed"] + (f": {', '.join(sorted(known))}" if known else "")
+    what = said["allowed"] + (f": {', '.join(sorted(known))}" if known else "")
     example = field.default if said["example"] is None and field.default is not PydanticUndefined else said["example"]
-    return Key(name, field.description, allowed, said["unit"], "none" if default == "null" else default, example)
+    return Key(name, field.description, what, said["unit"], "none" if default == "null" else default, example)
 
 
 def _chosen(key: str | None, found: list[Section]) -> list[Section]:

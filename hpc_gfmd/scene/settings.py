@@ -1,12 +1,14 @@
 """The tables beside [surface]: [material], [load], [solver], [output] and [machine]."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_serializer, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from .table import (
+    DISTINCT,
     FRACTION,
     LENGTH,
+    LIST,
     MAX_INT,
     POSITIVE,
     POSITIVES,
@@ -27,7 +29,6 @@ from .table import (
     Text,
     Whole,
     key,
-    names,
     not_both,
 )
 
@@ -35,6 +36,8 @@ MODULUS = f'{POSITIVE}, plain or as "50 GPa"'
 SOLIDS = ("E1", "nu1", "E2", "nu2")
 PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 Parameter = Annotated[int, Field(ge=-MAX_INT, le=MAX_INT)] | float
+Names = Annotated[tuple[Path, ...], LIST, DISTINCT]
+Fields = Annotated[tuple[Literal["pressure", "gap", "displacement", "heights"], ...], LIST, DISTINCT]
 POISSON = "a number above -1 and up to 0.5"
 NAMES = "a list of names, each once"
 
@@ -66,7 +69,7 @@ class Material(Table):
     base: Literal["bonded", "frictionless"] = key("how the layer is held by its base", '"bonded" or "frictionless"', "bonded")
 
     @model_validator(mode="after")
-    def _one_way(self):
+    def _one_way(self) -> Self:
         # E_star is in the set only if it was given, not if it was computed
         given = "E_star" in self.model_fields_set
         found = ["E_star"] * given + [key for key in SOLIDS if getattr(self, key) is not None]
@@ -82,7 +85,7 @@ class Material(Table):
         return self
 
     @model_validator(mode="after")
-    def _layer(self):
+    def _layer(self) -> Self:
         if self.thickness is None and "base" in self.model_fields_set:
             raise ValueError(f'found base = "{self.base}" without thickness, allowed: both, or none')
         if self.thickness is not None and self.base == "bonded" and self.nu1 == 0.5:
@@ -91,7 +94,7 @@ class Material(Table):
         return self
 
     @model_serializer(mode="wrap")
-    def _as_given(self, dump) -> dict[str, Any]:
+    def _as_given(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         table = dump(self)
         if self.E1 is not None:
             table.pop("E_star", None)
@@ -119,7 +122,7 @@ class Load(Table):
                                    example="10 nm")
 
     @model_validator(mode="after")
-    def _one(self):
+    def _one(self) -> Self:
         names = tuple(type(self).model_fields)
         not_both(self, *names)
         if all(getattr(self, name) is None for name in names):
@@ -161,7 +164,7 @@ class Solver(Table):
     options: dict[str, Parameter] = key("the solver's own parameters", "a table of numbers", {})
 
     @model_validator(mode="after")
-    def _one(self):
+    def _one(self) -> Self:
         not_both(self, "accuracy", "residual")
         if self.accuracy is None and self.residual is None:
             raise ValueError("found neither accuracy nor residual, allowed: one of accuracy, residual")
@@ -173,11 +176,11 @@ class Output(Table):
 
     path: Annotated[Path, Field(pattern=r"[^/]\.([hH]5|[hH][dD][fF]5)$")] = key(
         "the result file, in a folder that exists", "a path that ends in .h5 or .hdf5", "contact.h5")
-    fields: names(Literal["pressure", "gap", "displacement", "heights"]) = key(
+    fields: Fields = key(
         "maps that are kept; pictures of the contact need pressure or gap",
         'a list out of "pressure", "gap", "displacement", "heights", each once', (), example=["pressure", "gap"], said="none")
-    observables: names(Path) | None = key("numbers of each load", NAMES, None, example=["a_r", "gap_mean"], said="all the cheap ones")
-    distributions: names(Path) = key("histograms and spectra of each load", NAMES, (), example=["pressure", "gap"], said="none")
+    observables: Names | None = key("numbers of each load", NAMES, None, example=["a_r", "gap_mean"], said="all the cheap ones")
+    distributions: Names = key("histograms and spectra of each load", NAMES, (), example=["pressure", "gap"], said="none")
     dtype: Literal["single", "double"] | None = key("precision of the stored fields", '"single" or "double"', None, example="single",
                                                     said="as solved")
     compression: bool = key("compress the stored fields without loss", SWITCH, False)

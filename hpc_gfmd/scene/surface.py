@@ -1,7 +1,7 @@
 """[surface]: the kinds of rough walls, heights z(r) with peaks up on the periodic cell L_x x L_y."""
 
 from pathlib import PurePath
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -75,7 +75,7 @@ class SelfAffine(Surface):
                                  example=1.0, said="1, unless h_rms is given")
 
     @model_validator(mode="after")
-    def _consistent(self):
+    def _consistent(self) -> Self:
         not_both(self, "g_rms", "h_rms")
         if self.lam_l_over_lam_r > self.lam_l_over_lam_s:
             raise ValueError(f"found lam_l_over_lam_r = {self.lam_l_over_lam_r:g}, "
@@ -152,7 +152,7 @@ class Wave(Surface):
     periods: Modes = key("waves along x and y", "two whole numbers [k_x, k_y] from 0, not both 0", (1, 0))
 
     @model_validator(mode="after")
-    def _resolved(self):
+    def _resolved(self) -> Self:
         if self.periods == (0, 0):
             raise ValueError("found periods = [0, 0], allowed: two whole numbers from 0, not both 0")
         for k, n in zip(self.periods, self.n, strict=True):
@@ -177,12 +177,15 @@ class File(Surface):
     path: Paths = key("a relative one counts from the folder of the scene; two maps, of two rough bodies, are added",
                       "the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...), or a list of two", example="map.npy")
     dataset: PathText = key("which one, where the file has several", "the name of a data set (HDF5, NetCDF, .npz) or of a channel", ANY)
-    physical_sizes: Sizes | None = key("lengths of the map", f"{SIZES}; plain ones are in surface.unit", None, unit="length",
-                                       example=["10 um", "8 um"], said="what the file says")
+    # None, other than in a surface that is made: as the file says
+    physical_sizes: Sizes | None = key(  # type: ignore[assignment]
+        "lengths of the map", f"{SIZES}; plain ones are in surface.unit", None, unit="length", example=["10 um", "8 um"],
+        said="what the file says")
     unit: LengthUnit | None = key("of the heights, and of plain sizes", 'a unit of length, such as "nm"', None, example="nm",
                                   said="what the file says")
-    boundary: Boundary | None = key("whether the map repeats, or ends beside an open space", SIDES, None, example="free",
-                                    said="what the file says, else periodic where opposite edges fit together, else it must be given")
+    boundary: Boundary | None = key(  # type: ignore[assignment]
+        "whether the map repeats, or ends beside an open space", SIDES, None, example="free",
+        said="what the file says, else periodic where opposite edges fit together, else it must be given")
     crop: Corners | None = key("keep this part only", "four numbers [x0, y0, x1, y1], lengths as physical_sizes", None, unit="length",
                                example=["0 um", "0 um", "5 um", "5 um"], said="all")
     detrend: Literal["none", "mean", "tilt", "curvature"] = key(
@@ -196,7 +199,7 @@ class File(Surface):
     downsample: Factor = key("only every so many-th point along both axes, after shorter waves are removed", FACTOR, 1)
 
     @model_validator(mode="after")
-    def _one_way_to_be_periodic(self):
+    def _one_way_to_be_periodic(self) -> Self:
         if self.mirror and self.window != "none":
             raise ValueError("found mirror and window, allowed: one of them")
         if any(self.free) and (self.mirror or self.window != "none" or self.refine * self.downsample > 1):
@@ -206,7 +209,7 @@ class File(Surface):
     @property
     def format(self) -> str:
         """Of one map: "npy", "npz", "text", "hdf5", "netcdf" or "other", by the extension."""
-        return FORMATS.get(PurePath(self.path).suffix.lower(), "other")
+        return FORMATS.get(PurePath(str(self.path)).suffix.lower(), "other")
 
     @property
     def n(self) -> None:
@@ -216,7 +219,7 @@ class File(Surface):
 
 FORMATS = {".npy": "npy", ".npz": "npz", ".h5": "hdf5", ".hdf5": "hdf5", ".nc": "netcdf",
            ".txt": "text", ".csv": "text", ".asc": "text", ".dat": "text"}
-KINDS = {"self-affine": SelfAffine, "wave": Wave, "sphere": Sphere, "file": File}
+KINDS: dict[str, type[Surface]] = {"self-affine": SelfAffine, "wave": Wave, "sphere": Sphere, "file": File}
 AnySurface = Annotated[SelfAffine | Wave | Sphere | File, Field(discriminator="kind")]
 
 

@@ -29,8 +29,8 @@ def _one_or_many(value: Any) -> Any:
     return _tuple(value) if isinstance(value, list | tuple) else (value,)
 
 
-def _quantity(dimension: str, number: Any = Positive) -> Any:
-    """A positive number (or what else is allowed), plain or as a text with a unit, which is written as it was given."""
+def _in(dimension: str) -> WrapValidator:
+    """Of a number: plain, or as a text with a unit."""
 
     def read(value: Any, check: Any) -> float:
         if not isinstance(value, str | Quantity):
@@ -39,7 +39,7 @@ def _quantity(dimension: str, number: Any = Positive) -> Any:
         check(float(value))
         return value
 
-    return Annotated[number, WrapValidator(read), PlainSerializer(lambda value: getattr(value, "text", value))]
+    return WrapValidator(read)
 
 
 def _length_unit(text: str) -> str:
@@ -59,36 +59,42 @@ def _distinct(values: tuple) -> tuple:
     return values
 
 
-Height = _quantity("length", Annotated[float, Field(ge=-LARGEST, le=LARGEST)])
-Length = _quantity("length")
-Pressure = _quantity("pressure")
-LengthUnit = Annotated[str, AfterValidator(_length_unit)]
+AS_GIVEN = PlainSerializer(lambda value: getattr(value, "text", value))  # with its unit
+LIST = BeforeValidator(_tuple)
+ONE_OR_MANY = BeforeValidator(_one_or_many)
+SOME = Field(min_length=1)
+DISTINCT = AfterValidator(_distinct)
+
+NotNegative = Annotated[float, Field(ge=0, le=LARGEST)]
 Fraction = Annotated[float, Field(gt=0, lt=1)]
+Share = Annotated[float, Field(gt=0, le=1)]
 Ratio = Annotated[float, Field(ge=1, le=LARGEST)]
+Height = Annotated[float, Field(ge=-LARGEST, le=LARGEST), _in("length"), AS_GIVEN]
+Length = Annotated[Positive, _in("length"), AS_GIVEN]
+Coordinate = Annotated[NotNegative, _in("length"), AS_GIVEN]
+Pressure = Annotated[Positive, _in("pressure"), AS_GIVEN]
+Force = Annotated[Positive, _in("force"), AS_GIVEN]
+LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
 Path = Annotated[Text, Field(min_length=1)]
-Paths = Annotated[Path | tuple[Path, Path], BeforeValidator(_tuple)]
-Corners = Annotated[tuple[(_quantity("length", Annotated[float, Field(ge=0, le=LARGEST)]),) * 4], BeforeValidator(_tuple)]
-Sizes = Annotated[tuple[Length, Length], BeforeValidator(_tuple)]
-Points = Annotated[tuple[Annotated[int, Field(ge=1, le=MAX_N)], Annotated[int, Field(ge=1, le=MAX_N)]],
-                   BeforeValidator(_tuple)]
-Modes = Annotated[tuple[Annotated[int, Field(ge=0, le=MAX_N)], Annotated[int, Field(ge=0, le=MAX_N)]],
-                  BeforeValidator(_tuple)]
-NotNegative = Annotated[float, Field(ge=0, le=LARGEST)]
-
-
-def _loads(kind: Any) -> Any:
-    """The type "one, or a list of them"."""
-    return Annotated[tuple[kind, ...], Field(min_length=1), BeforeValidator(_one_or_many)]
-
-
-Loads, Pressures, Forces, Lengths = _loads(Positive), _loads(Pressure), _loads(_quantity("force")), _loads(Length)
-Gaps, RelativeGaps = _loads(_quantity("length", NotNegative)), _loads(NotNegative)
-Areas = _loads(Annotated[float, Field(gt=0, le=1)])
+Paths = Annotated[Path | tuple[Path, Path], LIST]
+Corners = Annotated[tuple[Coordinate, Coordinate, Coordinate, Coordinate], LIST]
+Sizes = Annotated[tuple[Length, Length], LIST]
+PointsOfAxis = Annotated[int, Field(ge=1, le=MAX_N)]
+Points = Annotated[tuple[PointsOfAxis, PointsOfAxis], LIST]
+ModesOfAxis = Annotated[int, Field(ge=0, le=MAX_N)]
+Modes = Annotated[tuple[ModesOfAxis, ModesOfAxis], LIST]
+Loads = Annotated[tuple[Positive, ...], SOME, ONE_OR_MANY]
+Pressures = Annotated[tuple[Pressure, ...], SOME, ONE_OR_MANY]
+Forces = Annotated[tuple[Force, ...], SOME, ONE_OR_MANY]
+Lengths = Annotated[tuple[Length, ...], SOME, ONE_OR_MANY]
+Gaps = Annotated[tuple[Coordinate, ...], SOME, ONE_OR_MANY]
+RelativeGaps = Annotated[tuple[NotNegative, ...], SOME, ONE_OR_MANY]
+Areas = Annotated[tuple[Share, ...], SOME, ONE_OR_MANY]
 
 Side = Literal["periodic", "free"]
-Boundary = Annotated[Side | tuple[Side, Side], BeforeValidator(_tuple)]
+Boundary = Annotated[Side | tuple[Side, Side], LIST]
 
 POSITIVE = "a number greater than 0"
 POSITIVES = "a number greater than 0, or a list of them"
@@ -109,11 +115,6 @@ def key(meaning: str, allowed: str, default: Any = ..., *, unit: str = "", examp
 def allowed(field: Any) -> str:
     """What a field made by `key` may be."""
     return field.json_schema_extra["allowed"]
-
-
-def names(kind: Any) -> Any:
-    """The type "list of distinct names", each of type `kind`."""
-    return Annotated[tuple[kind, ...], BeforeValidator(_tuple), AfterValidator(_distinct)]
 
 
 def not_both(table: BaseModel, *keys: str) -> None:

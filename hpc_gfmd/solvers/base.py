@@ -95,12 +95,12 @@ class Solver:
     @property
     def problem_now(self) -> Problem:
         """The problem at the present load."""
-        return replace(self.problem, p0=self.p0)
+        return replace(self.problem, p0=self.p0, h_rms=self.problem.root_mean_square)
 
     @property
     def p_cell(self) -> float:
         """The mean pressure over the whole grid at the present load."""
-        return self.problem_now.p_cell
+        return self.p0 * (self.grid.N / self.grid.cell_points)
 
     def start(self, g: np.ndarray) -> None:
         """Begin at the gap g >= 0 (local slab, taken over)."""

@@ -170,7 +170,7 @@ class Bpx(Solver):
 
     def _measure(self, sums):
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""
-        *sums, rz1, xz1, r1, t1, rt1, self.mean = self.grid.comm.sum([*sums, *self.levels.sweep()])
+        *sums, rz1, xz1, r1, t1, rt1, self.mean, ts1, rs1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
         sums = UpdateSums(*sums)
         s, compliance = self.s, self.compliance
         self.rz = compliance * (sums.rr + COUPLING * rz1)  # <p, z> on F
@@ -178,10 +178,8 @@ class Bpx(Solver):
         self.zKd = s * compliance * (sums.px + COUPLING * xz1)
         self.dKd = s * s * sums.dx
         self.rr, self.pp = sums.rr, sums.pp
-        share, product = sums.contact / self.grid.cell_points, self.levels.without_mean
-        self.r_norm = max(product(sums.rr + r1, self.mean**2), 0.0)
-        self.t_norm = max(sums.contact + t1 - (sums.contact / self.N) ** 2 * self.levels.surface_norm, 0.0)
-        self.aligned = product(rt1, self.mean * share)
+        self.r_norm = max(self.levels.without_mean(sums.rr + r1, self.mean**2), 0.0)
+        self.t_norm, self.aligned = self.levels.response(sums.contact, t1, ts1, rt1, rs1, self.mean)
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)
 

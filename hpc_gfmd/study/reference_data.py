@@ -15,7 +15,9 @@ DIGITS = 5  # of values and uncertainties
 WORST = 0.25  # relative standard error of a load that is still of use
 NOTE = (
     "Means over realisations of periodic, self-affine, isotropic surfaces with random amplitudes and sharp cutoffs, extrapolated to "
-    "large cells (eps_t -> 0) and fine grids (eps_c -> 0). sigma: relative standard errors of realisations, solver and extrapolation."
+    "large cells (eps_t -> 0) and fine grids (eps_c -> 0). sigma: relative standard errors of realisations, solver and extrapolation. "
+    "The mean gap ends at p_star = {end:g}: above, it closes (contact everywhere) in some cells or is open at a few last spots, "
+    f"whose mean over surfaces is not known to {WORST:.0%} at every H and eps_f."
 )
 
 
@@ -36,7 +38,7 @@ def write_reference(path: str | Path, store: Store, level: str) -> int:
         tables["value"][name] = [[[_rounded(row[column] * (row[factor] if factor else 1)) for row in line] for line in part]
                                  for part in rough]
         tables["sigma"][name] = [[[_rounded(row[f"{column}_se"] / row[column]) for row in line] for line in part] for part in rough]
-    data = {"format": FORMAT, "note": NOTE, "provenance": {
+    data = {"format": FORMAT, "note": NOTE.format(end=tables["p_star"]["gap_over_h_rms"][-1]), "provenance": {
         "command": f"hpc-gfmd study curves --level {level} --no-run --reference FILE", "level": level,
         "versions": sorted({run["version"] for run in runs}), "accuracy": sorted({run["accuracy"] for run in runs}),
         "runs": len(runs), "date": time.strftime("%Y-%m-%d", time.gmtime())}}

@@ -11,9 +11,9 @@ from ..driver.timing import expected_seconds
 from ..driver.warmup import compile_once
 from ..errors import GfmdError, SceneError
 from ..observables import area, gap
-from ..parallel.comm import threads_of
 from ..parallel.guard import guarded
 from ..parallel.interrupt import Interrupt, Stopped
+from ..parallel.world import threads_of
 from ..registry import distributions_named, observables_named
 from ..scene import Solver
 from ..surface import build_surface

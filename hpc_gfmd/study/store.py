@@ -37,10 +37,6 @@ class Store:
                 wanted[key].append(case.columns)
         return [run for run in self.load() if any(columns <= set(run) for columns in wanted.get(key_of(run), ()))]
 
-    def has(self, case):
-        """Whether every load of the case is stored."""
-        return missing(case, {key_of(run): set(run) for run in self.load()}) is None
-
     def append(self, run):
         """Add one run; it is on the disk when this returns. Raises OSError."""
         self.folder.mkdir(parents=True, exist_ok=True)

@@ -1,10 +1,13 @@
 """Whether a height map is periodic: as the scene or the file says, else by the jump between its opposite edges."""
 
+from typing import Any
+
 from ..errors import SceneError
 from .doubts import JUMP, Looks
+from .topography import Topography
 
 
-def notes_on(found, spec, comm):
+def notes_on(found: Topography, spec: Any, comm: Any) -> list[str]:
     """Notes on how a Topography looks. Collective.
 
     Raises SceneError where nobody says what its boundary is and it does not look periodic.

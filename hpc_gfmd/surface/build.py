@@ -1,8 +1,10 @@
 """From the scene's [surface] to the gap under zero load, in the program's units (see problem.py)."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..errors import GfmdError, SceneError
 from ..grid import Grid
@@ -16,7 +18,7 @@ from .heights import Checksum, checked
 from .prepare import prepare, prepared_size
 from .selfaffine import self_affine_gap
 from .statistics import rms, rms_between_neighbours
-from .topography import open_topography
+from .topography import Rows, open_topography
 
 SLAB_ROWS = 64  # rows read or made at a time
 
@@ -36,7 +38,7 @@ class Surface:
 
     grid: Grid
     h: np.ndarray
-    n: tuple[int, int]
+    n: tuple[int, ...]
     h_rms: float
     g_rms: float
     rows: tuple[int, int]
@@ -47,42 +49,42 @@ class Surface:
     doubts: tuple[str, ...] = ()
 
     @property
-    def sizes(self):
+    def sizes(self) -> tuple[float, ...]:
         """(L_x, L_y) of the surface."""
         return tuple(size * m / k for size, m, k in zip(self.grid.sizes, self.grid.nominal, self.grid.n))
 
     @property
-    def notes(self):
+    def notes(self) -> tuple[str, ...]:
         """What to know of it before the numbers, a line each."""
         return (*by_slope(self.g_rms, measured=self.checksum is not None), *self.doubts)
 
     @property
-    def slope(self):
+    def slope(self) -> float:
         """The unit of slopes: g_rms, 1 on a flat surface."""
         return self.g_rms if self.g_rms > 0 else 1.0
 
     @property
-    def height_unit(self):
+    def height_unit(self) -> float:
         """What one unit of h, u or g is in the scene's unit of length."""
         return self.slope * self.grid.a
 
     @property
-    def reduced_axis(self):
+    def reduced_axis(self) -> int | None:
         """The axis that was left out (0 or 1), or None."""
         return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
 
 
-def cell_of(n, free):
+def cell_of(n: tuple, free: tuple[bool, bool]) -> tuple:
     """The points along each axis that a surface of n points is solved on: twice as many along the axes where it ends."""
     return tuple(2 * k if ends else k for k, ends in zip(n, free))
 
 
-def grid_of(n, sizes, comm, threads=1, free=(False, False)):
+def grid_of(n: tuple, sizes: tuple[float, ...], comm: Any, threads: int = 1, free: tuple[bool, bool] = (False, False)) -> Grid:
     """The grid on which a surface of n points is solved."""
     return Grid(cell_of(n, free), cell_of(sizes, free), comm, threads, nominal=n)
 
 
-def _nominal(grid):
+def _nominal(grid: Grid) -> Grid:
     """The grid of the nominal area alone, its rows with the same ranks."""
     if not grid.padded:
         return grid
@@ -90,12 +92,12 @@ def _nominal(grid):
     return Grid(grid.nominal, sizes, grid.comm, grid.threads, np.minimum(grid.starts, grid.nominal[0]))
 
 
-def surface_size(spec):
+def surface_size(spec: Any) -> tuple[int, int]:
     """(n_x, n_y) of a surface; opens the file where only that knows. Raises SceneError."""
     return tuple(spec.n) if spec.n is not None else prepared_size(open_topography(spec), spec)
 
 
-def build_surface(spec, comm, dtype, threads=1, low_memory=False):
+def build_surface(spec: Any, comm: Any, dtype: DTypeLike, threads: int = 1, low_memory: bool = False) -> Surface:
     """Make or read the surface of a scene on all ranks; spec: scene.surface. Raises SceneError on all ranks.
 
     low_memory: without transforms in double precision, which later ones of the certificate would need anyway.
@@ -113,6 +115,7 @@ def build_surface(spec, comm, dtype, threads=1, low_memory=False):
     with guarded(comm, "reading the surface"):
         found = open_topography(spec)
     file = found.source
+    assert file is not None
     with guarded(comm, "reading the surface"):
         file.read_together(comm)
     try:
@@ -125,7 +128,8 @@ def build_surface(spec, comm, dtype, threads=1, low_memory=False):
     return replace(made, prepared=done, doubts=notes)
 
 
-def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False), checksum=None, unit=""):
+def surface_from_rows(n: tuple[int, ...], sizes: tuple[float, ...], rows: Rows, comm: Any, dtype: DTypeLike, threads: int = 1,
+                      free: tuple[bool, bool] = (False, False), checksum: Checksum | None = None, unit: str = "") -> Surface:
     """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y); free: whether it ends along x, along y.
 
     The gradient of a surface that ends is that between neighbouring points, otherwise that of the Fourier series. checksum: an empty
@@ -155,7 +159,7 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False
     centre = float(grid.comm.sum([z.sum()])[0]) / grid.N
     scale = float(grid.comm.max([np.abs(z - centre).max(initial=0)])[0])
 
-    def fill(i0, i1, x):
+    def fill(i0: int, i1: int, x: np.ndarray) -> None:
         np.subtract(z[i0:i1], centre, out=x[: i1 - i0])
         x[: i1 - i0] /= scale  # heights of 1e-200 or 1e200 have squares too
 
@@ -167,7 +171,7 @@ def surface_from_rows(n, sizes, rows, comm, dtype, threads=1, free=(False, False
     return Surface(cell, h, n, h_rms, g_rms / grid.a, (start, stop), checksum=known, unit=unit)
 
 
-def _leave_out_constant_axis(grid, z):
+def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:
     """Where heights vary along one axis only, the grid and the heights (on every rank) of that axis alone."""
     comm, n = grid.comm, grid.n
     if 1 in n:

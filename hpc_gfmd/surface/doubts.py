@@ -1,8 +1,12 @@
 """What a reader should know of a height map before the numbers that come from it."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from .slabs import own_slabs, summed
+from .topography import Topography
 
 STEEP = 1.0 + 1e-6  # g_rms beyond which slopes are not small; 1 itself has rounding errors
 ABSURD = 1e-5, 30.0  # g_rms of real surfaces is between them
@@ -19,7 +23,7 @@ class Looks:
     the heights that is a plane's; unresolved: see UNRESOLVED, the larger one of both axes.
     """
 
-    def __init__(self, found, comm):
+    def __init__(self, found: Topography, comm: Any) -> None:
         n_x, n_y = found.n
         x, y = (np.arange(n) - (n - 1) / 2 for n in found.n)
         s = summed(comm, lambda: _sums(found, comm, x, y))
@@ -32,7 +36,7 @@ class Looks:
         self.unresolved = max(_ratio(one_x / max(n_x - 1, 1), two_x / max(n_x - 2, 1) / 4) ** 2,
                               _ratio(one_y / max(n_y - 1, 1), two_y / max(n_y - 2, 1) / 4) ** 2)
 
-    def notes(self, meet):
+    def notes(self, meet: Sequence[bool]) -> list[str]:
         """One line for each doubt; meet: whether the opposite edges as they are will be neighbours, along x, along y."""
         found = [f"opposite edges along {axis} differ by {jump:.3g} times what neighbouring points differ by: the jump is pressed, too"
                  for axis, jump, edges in zip("xy", self.jumps, meet) if jump > JUMP and edges]
@@ -44,14 +48,14 @@ class Looks:
         return found
 
 
-def by_slope(g_rms, measured):
+def by_slope(g_rms: float, measured: bool) -> list[str]:
     """Of any surface; measured: it is no formula, of which any slope may be asked."""
     if g_rms > ABSURD[1] or (measured and 0 < g_rms < ABSURD[0]):
         return [f"g_rms = {g_rms:.2g}: heights and sizes are probably in different units"]
     return [f"g_rms = {g_rms:.3g}: the theory is that of small slopes"] if g_rms > STEEP else []
 
 
-def _sums(found, comm, x, y):
+def _sums(found: Topography, comm: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     total, n_x = np.zeros(10), found.n[0]
     for start, stop in own_slabs(n_x, comm):
         m = stop - start
@@ -65,5 +69,5 @@ def _sums(found, comm, x, y):
     return total
 
 
-def _ratio(a, b):
+def _ratio(a: float, b: float) -> float:
     return float(np.sqrt(a / b)) if b > 0 else 0.0

@@ -1,6 +1,8 @@
 """Height maps from files, peaks up: .npy, HDF5 and NetCDF a few rows at a time, others as a whole on every rank."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -11,6 +13,7 @@ from . import instruments, text
 from .packed import Packing
 from .said import Said, by_attributes, by_axes
 
+Read = Callable[[slice, slice], np.ndarray]  # of rows and columns
 NPY = b"\x93NUMPY"
 ANY = "surface"  # the data set of a scene that names none
 MASK = "mask"    # where it is not 0 there is no height (SurfaceTopography)
@@ -23,9 +26,13 @@ class HeightMap:
     Raises SceneError for anything unreadable.
     """
 
-    def __init__(self, spec):
+    shape: tuple[int, ...]
+    dtype: np.dtype
+
+    def __init__(self, spec: Any) -> None:
         self.path = Path(spec.path)
-        self.said, self._hdf5_data = Said(), None
+        self.said = Said()
+        self._hdf5_data: _Hdf5Data | None = None
         if not self.path.is_file():
             raise SceneError(f"surface.path: found {self.path}, which is no file, allowed: the path of a height map")
         opener = {"npy": self._npy, "npz": self._npz, "hdf5": self._hdf5, "netcdf": self._netcdf}.get(spec.format, self._whole)
@@ -45,7 +52,7 @@ class HeightMap:
             self.shape, along_y = self.shape[::-1], self.read
             self.read = lambda rows, columns: along_y(columns, rows).T
 
-    def rows(self, start, stop):
+    def rows(self, start: int, stop: int) -> np.ndarray:
         """Rows start <= i < stop as float64. Raises SceneError if they cannot be read."""
         try:
             with np.errstate(over="ignore"):  # of long double; infinity is seen below
@@ -53,32 +60,32 @@ class HeightMap:
         except Exception as error:
             raise SceneError(f"surface.path: reading {self.path} failed: {errors.one_line(str(error))}") from None
 
-    def read_together(self, comm):
+    def read_together(self, comm: Any) -> None:
         """From here to `close` an HDF5 file is read by MPI-IO where there are several ranks, each of its own rows. Collective."""
         if self._hdf5_data is not None and io_way(comm) == "mpio":
             self._hdf5_data.close()
             self._hdf5_data.open(**driver(comm))
 
-    def close(self):
+    def close(self) -> None:
         """Of an HDF5 file; collective after read_together."""
         if self._hdf5_data is not None:
             self._hdf5_data.close()
 
-    def _npy(self, spec):
+    def _npy(self, spec: Any) -> Read:
         with open(self.path, "rb") as file:
             if file.read(len(NPY)) != NPY:  # numpy.load would take it for something else, and say how to unpickle it
                 raise ValueError("it does not begin as a .npy file does")
         data = np.load(self.path, mmap_mode="r", allow_pickle=False)
         return self._array(data)
 
-    def _npz(self, spec):
+    def _npz(self, spec: Any) -> Read:
         with np.load(self.path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         name = self._one_of([name for name, array in arrays.items() if array.ndim == 2], spec)
         self.said = by_attributes(arrays)
         return self._array(arrays[name])
 
-    def _hdf5(self, spec):
+    def _hdf5(self, spec: Any) -> Read:
         import h5py
 
         with h5py.File(self.path, "r", locking=False) as file:
@@ -97,7 +104,7 @@ class HeightMap:
         self._hdf5_data = _Hdf5Data(self.path, name, packing, band)
         return self._hdf5_data.read
 
-    def _netcdf(self, spec):
+    def _netcdf(self, spec: Any) -> Read:
         with open(self.path, "rb") as file:
             if file.read(len(HDF5)) == HDF5:
                 return self._hdf5(spec)
@@ -112,7 +119,7 @@ class HeightMap:
         packing = Packing(vars(file.variables[name]))
         masked = MASK in file.variables and file.variables[MASK].shape == data.shape
 
-        def read(rows, columns):
+        def read(rows: slice, columns: slice) -> np.ndarray:
             # asked anew for each piece: the file may be closed only when nothing refers to its memory any more
             z = packing.unpacked(np.array(file.variables[name].data[rows, columns]))
             return np.where(file.variables[MASK].data[rows, columns], np.nan, z) if masked else z
@@ -120,20 +127,20 @@ class HeightMap:
         return read
 
     @staticmethod
-    def _axis(variable, name, n):
+    def _axis(variable: Any, name: str, n: int) -> tuple[str, Mapping[str, Any], np.ndarray | None, int]:
         if variable is None:
             return name, {}, None, n
         return name, vars(variable), np.array(variable.data) if variable.shape == (n,) else None, n
 
-    def _whole(self, spec):
+    def _whole(self, spec: Any) -> Read:
         heights, self.said = (text if spec.format == "text" else instruments).read(self.path, spec.dataset)
         return self._array(heights)
 
-    def _array(self, data):
+    def _array(self, data: np.ndarray) -> Read:
         self.shape, self.dtype = data.shape, data.dtype
         return lambda rows, columns: data[rows, columns]
 
-    def _one_of(self, names, spec):
+    def _one_of(self, names: list[str], spec: Any) -> str:
         """The data set that the scene names, or the only one that may be meant. Raises SceneError."""
         maps = [name for name in names if name != MASK]
         name = maps[0] if len(maps) == 1 and spec.dataset == ANY else spec.dataset
@@ -141,7 +148,7 @@ class HeightMap:
             self._no_dataset(spec, names)
         return name
 
-    def _no_dataset(self, spec, names):
+    def _no_dataset(self, spec: Any, names: list[str]) -> NoReturn:
         found, allowed = errors.one_line(repr(spec.dataset)), errors.one_line(", ".join(names[:10]), 400)
         raise SceneError(f"surface.dataset: found {found}, allowed in {self.path}: {allowed or 'nothing, it has no data set'}")
 
@@ -150,19 +157,19 @@ class _Hdf5Data:
     """A data set that stays open: chunks that the next rows need as well are kept, because unpacking a large one each time takes for
     ever. band: bytes of the chunks that make complete rows. Refers to no HeightMap, so that it is closed as soon as that is gone."""
 
-    def __init__(self, path, name, packing, band):
+    def __init__(self, path: str | Path, name: str, packing: Packing, band: int) -> None:
         self.path, self.name, self.packing = path, name, packing
         self.cache = {"rdcc_nbytes": max(2 * band, 2**20), "rdcc_nslots": 10007}
         self.open(locking=False)
 
-    def open(self, **how):
+    def open(self, **how: Any) -> None:
         import h5py
 
         self.file = h5py.File(self.path, "r", **how, **self.cache)
         self.data = self.file[self.name]
 
-    def read(self, rows, columns):
+    def read(self, rows: slice, columns: slice) -> np.ndarray:
         return self.packing.unpacked(self.data[rows, columns])
 
-    def close(self):
+    def close(self) -> None:
         self.file.close()

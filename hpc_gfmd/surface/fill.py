@@ -1,17 +1,19 @@
 """Points without a height, filled harmonically: each is the mean of its neighbours, as a soap film over the hole would lie."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from ..errors import SceneError
 from ..parallel.guard import guarded
 from .slabs import local, own_slabs
+from .topography import Topography
 
 NEIGHBOURS = ((-1, 0), (1, 0), (0, -1), (0, 1))
 
 
-def filled(found, how, comm):
+def filled(found: Topography, how: str, comm: Any) -> tuple[Topography, int]:
     """The Topography without holes, and how many points were missing. Collective.
 
     Raises SceneError where holes are not to be filled.
@@ -30,7 +32,7 @@ def filled(found, how, comm):
             heights = _harmonic(points, neighbours, known, found.n)
     heights = comm.bcast(heights)
 
-    def rows(start, stop):
+    def rows(start: int, stop: int) -> np.ndarray:
         z = np.array(found.rows(start, stop))
         first, last = np.searchsorted(points, [start * found.n[1], stop * found.n[1]])
         z.reshape(-1)[points[first:last] - start * found.n[1]] = heights[first:last]
@@ -39,7 +41,7 @@ def filled(found, how, comm):
     return replace(found, rows=rows), len(points)
 
 
-def _holes(found, comm):
+def _holes(found: Topography, comm: Any) -> tuple[np.ndarray, ...]:
     """This rank's points without a height by their numbers, how many neighbours each has, and the sum of the heights of those known."""
     parts = [(np.zeros(0, np.int64), np.zeros(0), np.zeros(0))]
     n_x, n_y = found.n
@@ -56,7 +58,7 @@ def _holes(found, comm):
     return tuple(np.concatenate(part) for part in zip(*parts))
 
 
-def _harmonic(points, neighbours, known, n):
+def _harmonic(points: np.ndarray, neighbours: np.ndarray, known: np.ndarray, n: tuple[int, ...]) -> np.ndarray:
     """Heights of the points: neighbours*z - (sum of z of the neighbours that are missing, too) = known."""
     from scipy.sparse import coo_array, diags_array  # 50 MB that a run without holes does without
     from scipy.sparse.linalg import spsolve

@@ -1,6 +1,7 @@
 """Heights as they are read: whether they are numbers to compute with, and a checksum that tells one height map from another."""
 
 import hashlib
+from typing import Any
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from ..errors import SceneError
 from ..units import LARGEST_HEIGHT
 
 
-def checked(z, start, where, of="", missing=False):
+def checked(z: np.ndarray, start: int, where: str, of: str = "", missing: bool = False) -> np.ndarray:
     """The heights z (float64, rows from `start`) where all are finite, and so are squares of them; missing: some may be nan.
 
     Raises SceneError for others, which begins with `where` and names the file, `of`: what instruments write for points that they could
@@ -30,16 +31,16 @@ class Checksum:
     Synthetic surfaces have none: the scene says all about them, and a billion points are made faster than they are summed.
     """
 
-    def __init__(self):
-        self._rows = []
+    def __init__(self) -> None:
+        self._rows: list[bytes] = []
 
-    def add(self, z):
+    def add(self, z: np.ndarray) -> None:
         """The next rows of this rank, float64."""
-        self._rows += [hashlib.blake2b(np.ascontiguousarray(row, "<f8"), digest_size=16).digest() for row in z]
+        self._rows += [hashlib.blake2b(np.ascontiguousarray(row, "<f8").data, digest_size=16).digest() for row in z]
 
-    def of_all(self, comm, n, sizes, unit=""):
+    def of_all(self, comm: Any, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = "") -> str:
         """Of the rows of all ranks in their order, with the shape, the physical sizes and their unit. Collective."""
         whole = hashlib.blake2b(repr((tuple(map(int, n)), tuple(map(float, sizes)), unit)).encode(), digest_size=16)
-        for rows in comm.allgather(b"".join(self._rows)):
+        for rows in comm.gather(b"".join(self._rows)) or []:
             whole.update(rows)
-        return whole.hexdigest()
+        return comm.bcast(whole.hexdigest())

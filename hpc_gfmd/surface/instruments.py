@@ -1,6 +1,8 @@
 """The formats of instruments and their programs, read by SurfaceTopography."""
 
 import sys
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +11,7 @@ from .said import Said
 ANY_CHANNEL = "surface"  # the name that nobody gave
 
 
-def read(path, channel):
+def read(path: str | Path, channel: str) -> tuple[np.ndarray, Said]:
     """(heights (n_x, n_y), nan where they are missing; Said) of one channel of a file. Raises whatever is wrong with it."""
     reader_of = surface_topography().open_topography
     reader = reader_of(str(path))
@@ -30,11 +32,11 @@ def read(path, channel):
     return heights, Said(sizes, sizes_unit, unit, bool(topography.is_periodic) or None)
 
 
-def surface_topography():
+def surface_topography() -> Any:
     """The package. It would start MPI where no launcher did; here every rank reads for itself, so it gets none."""
     if "NuMPI" not in sys.modules:
         known = {name: sys.modules.pop(name) for name in list(sys.modules) if name.partition(".")[0] == "mpi4py"}
-        sys.modules["mpi4py"] = None  # as if it were not installed
+        sys.modules["mpi4py"] = None  # type: ignore[assignment]  # as if it were not installed
         try:
             import NuMPI  # noqa: F401
         finally:

@@ -1,5 +1,8 @@
 """Numbers that stand for others: the conventions of NetCDF (CF) for packed data and for points without a value."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 MISSING = ("_FillValue", "missing_value")
@@ -8,11 +11,11 @@ MISSING = ("_FillValue", "missing_value")
 class Packing:
     """What the attributes of a variable say. Raises ValueError where they are no numbers."""
 
-    def __init__(self, attributes):
+    def __init__(self, attributes: Mapping[str, Any]) -> None:
         self.scale, self.offset = (_number(attributes, name) for name in ("scale_factor", "add_offset"))
         self.missing = [value for name in MISSING if (value := _number(attributes, name)) is not None]
 
-    def unpacked(self, z):
+    def unpacked(self, z: np.ndarray) -> np.ndarray:
         """Values of the file as heights; not a number where there is none."""
         z = np.asarray(z)
         if self.scale is None and self.offset is None and not self.missing:
@@ -27,7 +30,7 @@ class Packing:
         return heights
 
 
-def _number(attributes, name):
+def _number(attributes: Mapping[str, Any], name: str) -> Any:
     if name not in attributes:
         return None
     value = np.asarray(attributes[name])

@@ -5,7 +5,9 @@ crop, detrend (by the points that were measured), fill, flip, mirror or window, 
 All but the last two are done to rows as they are read, so that the map never is in one place. All functions are collective.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -15,21 +17,22 @@ from .doubts import FILLED
 from .fill import filled
 from .resample import resampled
 from .slabs import own_slabs, summed
+from .topography import Topography
 
 POWERS = {"mean": [(0, 0)], "tilt": [(0, 0), (1, 0), (0, 1)],
           "curvature": [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]}  # of x and y
 
 
-def prepared_size(found, spec):
+def prepared_size(found: Topography, spec: Any) -> tuple[int, int]:
     """(n_x, n_y) of what `prepare` makes of a Topography, without reading it. Raises SceneError."""
     n = _cropped(found, spec).n if spec.crop else found.n
-    n = [k * (2 if spec.mirror else 1) * spec.refine for k in n]
+    n = tuple(k * (2 if spec.mirror else 1) * spec.refine for k in n)
     if any(k % spec.downsample for k in n):
         raise SceneError(f"surface.downsample: found {spec.downsample}, allowed: a divisor of {n[0]} and of {n[1]} points")
     return n[0] // spec.downsample, n[1] // spec.downsample
 
 
-def prepare(found, spec, comm):
+def prepare(found: Topography, spec: Any, comm: Any) -> tuple[Topography, tuple[str, ...], tuple[str, ...]]:
     """The Topography as the scene wants it; what has been done to it, and what is to be noted, a line each.
 
     Raises SceneError on all ranks.
@@ -64,11 +67,11 @@ def prepare(found, spec, comm):
     return replace(found, filled=missing), tuple(done), tuple(notes)
 
 
-def _changed(found, change):
+def _changed(found: Topography, change: Callable[[np.ndarray], np.ndarray]) -> Callable[[int, int], np.ndarray]:
     return lambda start, stop: change(found.rows(start, stop))
 
 
-def _cropped(found, spec):
+def _cropped(found: Topography, spec: Any) -> Topography:
     ends = []
     for axis in (0, 1):
         step = found.sizes[axis] / found.n[axis]
@@ -84,15 +87,15 @@ def _cropped(found, spec):
                    periodic=found.periodic if n == found.n else None)
 
 
-def _detrended(found, what, comm):
+def _detrended(found: Topography, what: str, comm: Any) -> Topography:
     """Less the polynomial that fits the measured points best."""
     powers = POWERS[what]
     x, y = (2 * np.arange(n) / max(n - 1, 1) - 1 for n in found.n)
 
-    def terms(start, stop):
+    def terms(start: int, stop: int) -> list[np.ndarray]:
         return [x[start:stop, None] ** i * y[None] ** j for i, j in powers]
 
-    def sums():
+    def sums() -> np.ndarray:
         total = np.zeros((len(powers), len(powers) + 1))
         for start, stop in own_slabs(found.n[0], comm):
             z = found.rows(start, stop)
@@ -104,17 +107,17 @@ def _detrended(found, what, comm):
     total = summed(comm, sums)
     factors = np.linalg.lstsq(total[:, :-1], total[:, -1])[0]
 
-    def rows(start, stop):
+    def rows(start: int, stop: int) -> np.ndarray:
         return found.rows(start, stop) - sum(factor * term for factor, term in zip(factors, terms(start, stop)))
 
     return replace(found, rows=rows, periodic=found.periodic if what == "mean" else None)
 
 
-def _mirrored(found):
+def _mirrored(found: Topography) -> Topography:
     """Twice as long along both axes, and periodic."""
     n = found.n[0]
 
-    def rows(start, stop):
+    def rows(start: int, stop: int) -> np.ndarray:
         pieces = [found.rows(start, min(stop, n))] if start < n else []
         if stop > n:
             pieces.append(found.rows(2 * n - stop, 2 * n - max(start, n))[::-1])
@@ -124,7 +127,7 @@ def _mirrored(found):
     return replace(found, n=(2 * found.n[0], 2 * found.n[1]), sizes=(2 * found.sizes[0], 2 * found.sizes[1]), rows=rows, periodic=True)
 
 
-def _windowed(found, name):
+def _windowed(found: Topography, name: str) -> Topography:
     """Falls to the mean height, 0, at the edges; what is in the middle stays."""
     from scipy.signal.windows import get_window
 

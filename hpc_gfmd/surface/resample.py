@@ -1,14 +1,16 @@
 """The same Fourier series on another number of points (fewer: without its shortest waves), for maps that are periodic."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from ..parallel.fft import row_starts
+from ..parallel.layout import row_starts
 from .slabs import local, own_rows, own_slabs
+from .topography import Topography
 
 
-def resampled(found, n, comm):
+def resampled(found: Topography, n: tuple[int, int], comm: Any) -> Topography:
     """A Topography of n points; only this rank's rows of it can be read. Collective."""
     from scipy.signal import resample
 
@@ -20,4 +22,4 @@ def resampled(found, n, comm):
     starts = row_starts(n[0], comm.size)
     z = np.concatenate(comm.alltoall([z[a:b] for a, b in zip(starts, starts[1:])]), axis=1)
     first = own_rows(n[0], comm)[0]
-    return replace(found, n=tuple(n), rows=lambda start, stop: z[start - first:stop - first])
+    return replace(found, n=n, rows=lambda start, stop: z[start - first:stop - first])

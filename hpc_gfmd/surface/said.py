@@ -1,6 +1,8 @@
 """What a file says about its heights beside them: sizes, units, whether they are periodic."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +16,7 @@ class Said:
     transposed: the first axis of the array is y.
     """
 
-    sizes: tuple[float, float] | None = None
+    sizes: tuple[float, ...] | None = None
     sizes_unit: str | None = None
     unit: str | None = None
     periodic: bool | None = None
@@ -24,7 +26,7 @@ class Said:
 NAMES = ("physical_sizes", "unit", "units", "periodic")
 
 
-def by_attributes(*places):
+def by_attributes(*places: Mapping[str, Any]) -> Said:
     """Of attributes physical_sizes, unit and periodic, in the first of these dictionaries that has them (HDF5, .npz)."""
     found = {name: place[name] for place in reversed(places) for name in NAMES if name in place}
     sizes = np.asarray(found["physical_sizes"], dtype=float).reshape(-1) if "physical_sizes" in found else ()
@@ -32,23 +34,23 @@ def by_attributes(*places):
     return Said(tuple(map(float, sizes)) if len(sizes) == 2 else None, unit, unit, bool(np.all(found.get("periodic", False))) or None)
 
 
-def by_axes(heights, axes):
+def by_axes(heights: Mapping[str, Any], axes: list) -> Said:
     """Of a NetCDF variable's attributes and its axes [(name, attributes, coordinates or None, points), ...].
 
     Both conventions: `length` and `unit` of the axes (SurfaceTopography), coordinates of the points and `units` (CF).
     """
     transposed = [name.lower() for name, *_ in axes] == ["y", "x"]
     axes = axes[::-1] if transposed else axes
-    lengths = [_length(*axis[1:]) for axis in axes]
+    known = [length for axis in axes if (length := _length(*axis[1:])) is not None]
     units = [_unit(attributes) for _, attributes, *_ in axes]
     if units[0] != units[1]:
         raise ValueError(f"its axes are in different units, {units[0]} and {units[1]}")
     unit = _unit(heights) or (units[0] if all("length" in attributes for _, attributes, *_ in axes) else None)
     periodic = all(np.all(attributes.get("periodic", False)) for _, attributes, *_ in axes)
-    return Said(None if None in lengths else tuple(lengths), units[0], unit, periodic or None, transposed)
+    return Said(tuple(known) if len(known) == 2 else None, units[0], unit, periodic or None, transposed)
 
 
-def _length(attributes, x, n):
+def _length(attributes: Mapping[str, Any], x: np.ndarray | None, n: int) -> float | None:
     if "length" in attributes:
         return float(np.asarray(attributes["length"]).reshape(-1)[0])
     if x is None or n < 2:
@@ -60,11 +62,11 @@ def _length(attributes, x, n):
     return float(abs(step) * n)
 
 
-def _unit(attributes):
+def _unit(attributes: Mapping[str, Any]) -> str | None:
     return _text(attributes.get("unit", attributes.get("units")))
 
 
-def _text(value):
+def _text(value: Any) -> str | None:
     value = value.item() if isinstance(value, np.ndarray | np.generic) and np.size(value) == 1 else value
     value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
     return value.strip() or None if isinstance(value, str) else None

@@ -1,13 +1,18 @@
 """Self-affine random surfaces, made in Fourier space on all ranks at once in the memory of one spectrum."""
 
-import numpy as np
+from collections.abc import Callable
+from typing import Any
 
+import numpy as np
+from numpy.typing import DTypeLike
+
+from ..grid import Grid
 from ..kernels.surface import self_affine
 from ..parallel.interrupt import check
 from .statistics import rms_of_columns
 
 
-def self_affine_gap(spec, grid, dtype, made_in):
+def self_affine_gap(spec: Any, grid: Grid, dtype: DTypeLike, made_in: DTypeLike) -> tuple[np.ndarray, float, Callable]:
     """z_max - z (local slab, dtype) with g_rms = 1 per grid spacing, its rms, and `add_spectrum`; spec: scene.SelfAffine.
 
     made_in: precision of the transforms; errors of single ones are several times those of storing the gap.
@@ -19,8 +24,8 @@ def self_affine_gap(spec, grid, dtype, made_in):
     high = low * float(spec.lam_l_over_lam_s)
     numbers = (np.uint64(spec.seed), float(spec.aspect), low, high, low * float(spec.lam_l_over_lam_r), 1.0 + spec.hurst)
 
-    def adder(fft, keep, factor):
-        def add(block, m):
+    def adder(fft: Any, keep: float, factor: float) -> Callable:
+        def add(block: np.ndarray, m: int) -> None:
             j0, j1 = fft.columns_of(m)
             self_affine(block, fft.dtype.type(keep), fft.dtype.type(factor), j0, j1 - j0, grid.n[1], *numbers)
 
@@ -33,7 +38,7 @@ def self_affine_gap(spec, grid, dtype, made_in):
     top = fft.dtype.type(grid.comm.max([max(tops, default=-np.inf)])[0])
     h = grid.empty(dtype)
 
-    def use(i0, i1, x):
+    def use(i0: int, i1: int, x: np.ndarray) -> None:
         rows = x[: i1 - i0]
         np.subtract(top, rows, out=rows)
         np.multiply(rows, fft.dtype.type(1.0 / g_rms), out=h[i0:i1], casting="same_kind")

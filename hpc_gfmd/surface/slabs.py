@@ -1,29 +1,34 @@
 """Passes over a height map: every rank reads a share of the rows, a few at a time."""
 
-from ..parallel.fft import row_starts
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
 from ..parallel.guard import guarded
+from ..parallel.layout import row_starts
 
 ROWS = 64  # read at a time
 
 
-def own_rows(n, comm):
+def own_rows(n: int, comm: Any) -> tuple[int, int]:
     """This rank's share [start, stop) of n rows."""
     starts = row_starts(n, comm.size)
     return int(starts[comm.rank]), int(starts[comm.rank + 1])
 
 
-def own_slabs(n, comm):
+def own_slabs(n: int, comm: Any) -> list[tuple[int, int]]:
     """This rank's share in pieces [(start, stop), ...]."""
     first, last = own_rows(n, comm)
     return [(start, min(start + ROWS, last)) for start in range(first, last, ROWS)]
 
 
-def local(comm, make):
+def local(comm: Any, make: Callable[[], Any]) -> Any:
     """What make() returns on each rank; what it raises on one is raised on all."""
     with guarded(comm, "reading the surface"):
         return make()
 
 
-def summed(comm, make):
+def summed(comm: Any, make: Callable[[], Any]) -> np.ndarray:
     """The sum over ranks of the numbers that make() returns."""
     return comm.sum(local(comm, make))

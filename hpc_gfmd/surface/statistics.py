@@ -1,12 +1,16 @@
 """h_rms and g_rms from the spectrum."""
 
-import numpy as np
+from typing import Any
 
+import numpy as np
+from numpy.typing import DTypeLike
+
+from ..grid import Grid
 from ..kernels.spectral import spectrum_sums
 from ..parallel import halo
 
 
-def rms(grid, fill, dtype=np.float64):
+def rms(grid: Grid, fill: Any, dtype: DTypeLike = np.float64) -> tuple[float, float]:
     """(h_rms, g_rms) of the field whose rows fill(i0, i1, x) makes; in its unit, and per grid spacing a. Half an FFT pair.
 
     h_rms^2 = sum_{q != 0} |h_q|^2,  g_rms^2 = sum_q q^2 |h_q|^2.
@@ -16,7 +20,7 @@ def rms(grid, fill, dtype=np.float64):
     return rms_of_columns(grid, fft, None)
 
 
-def rms_between_neighbours(grid, fill, free):
+def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tuple[float, float]:
     """As `rms`, for fields that end along the axes that are free: from differences between neighbouring points within the field."""
     rows, n_y = grid.shape
     x = np.empty((max(rows, 1) + 1, n_y))
@@ -32,12 +36,12 @@ def rms_between_neighbours(grid, fill, free):
     return float(np.sqrt(s0 / grid.N)), float(np.sqrt(s_x / (steps[0] * n_y) / a_x**2 + s_y / (grid.n[0] * steps[1]) / a_y**2))
 
 
-def rms_of_columns(grid, fft, make, backward=False):
+def rms_of_columns(grid: Grid, fft: Any, make: Any, backward: bool = False) -> tuple[float, float]:
     """As `rms`, of spectra made by make(block, m) (or of the rows transformed before), with h_q in the normalisation of the grid."""
     q_x = grid.q_x.astype(fft.dtype)
     q_y, weight = grid.column_tables(fft)
 
-    def apply(block, m):
+    def apply(block: np.ndarray, m: int) -> Any:
         if make is not None:
             make(block, m)
         return spectrum_sums(block, q_x, q_y[m], weight[m])

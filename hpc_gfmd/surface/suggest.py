@@ -1,14 +1,16 @@
 """What a scene has to say of a height map beside its path, found by reading it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ..parallel.comm import SerialComm
 from ..quantity import factor, prefixed
+from ..scene import File
 from .boundary import JUMP
 from .doubts import TILT, Looks
 from .files import HeightMap
 from .prepare import prepare
-from .topography import open_topography
+from .topography import Topography, open_topography
 
 NEEDED = "TO BE GIVEN, the file does not say it"
 
@@ -25,7 +27,7 @@ class Suggestion:
     about: str = ""
 
 
-def suggestion(make, given):
+def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
     """For the map of make({}); make(values): scene.File with these values; given: what the user has said already.
 
     Raises SceneError for a file that cannot be read.
@@ -47,18 +49,18 @@ def suggestion(make, given):
     return found
 
 
-def _readable(sizes, unit):
+def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
     """Lengths as ["10 um", "8 um"]."""
-    sizes = [size * factor(unit) for size in sizes]
-    scale, name = prefixed(sizes, "m")
-    return [f"{size / scale:.10g} {name}" for size in sizes]
+    lengths = [size * factor(unit) for size in sizes]
+    scale, name = prefixed(lengths, "m")
+    return [f"{length / scale:.10g} {name}" for length in lengths]
 
 
-def _by_heights(found, make, given, periodic):
+def _by_heights(found: Suggestion, make: Callable[[dict], File], given: dict, periodic: bool | None) -> None:
     """What the heights themselves show."""
     values, why = found.values, found.why
 
-    def prepared(**more):
+    def prepared(**more: object) -> Topography:
         spec = make(values | more)
         return prepare(open_topography(spec), spec, SerialComm())[0]
 

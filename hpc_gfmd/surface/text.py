@@ -1,5 +1,7 @@
 """Heights as text: bare matrices, and what instruments write with a header or as points (x, y, z)."""
 
+from pathlib import Path
+
 import numpy as np
 
 from . import instruments
@@ -8,7 +10,7 @@ from .said import Said
 POINTS = 3  # columns: with no more than these it is a list of points
 
 
-def read(path, channel):
+def read(path: str | Path, channel: str) -> tuple[np.ndarray, Said]:
     """(heights (n_x, n_y), Said).
 
     A bare matrix is the array that numpy.savetxt wrote: the first index, the line, is x. With a header that tells sizes or units it is
@@ -29,7 +31,7 @@ def read(path, channel):
     return np.loadtxt(path, delimiter=delimiter, ndmin=2, encoding="utf-8-sig"), Said()  # a mere comment, and then a matrix
 
 
-def _columns(line, delimiter):
+def _columns(line: str, delimiter: str | None) -> int:
     """How many numbers a line holds; 0 for a header."""
     try:
         return len([float(number) for number in line.split(delimiter)])

@@ -1,6 +1,11 @@
 """Heights with their sizes, whatever file they come from: what the file says, unless the scene says otherwise."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from ..errors import SceneError
 from ..quantity import Quantity, factor
@@ -9,6 +14,7 @@ from .heights import checked
 
 ALIKE = 1e-6  # relative difference of lengths that are the same
 UNITS = 'a unit of length, such as surface.unit = "nm"'
+Rows = Callable[[int, int], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -20,9 +26,9 @@ class Topography:
     filled: points that had no height. plain: what a plain number of the scene stands for. source: the file.
     """
 
-    n: tuple[int, int]
-    sizes: tuple[float, float]
-    rows: object
+    n: tuple[int, ...]
+    sizes: tuple[float, ...]
+    rows: Rows
     unit: str = ""
     periodic: bool | None = None
     path: object = None
@@ -30,18 +36,19 @@ class Topography:
     plain: float = 1.0
     source: HeightMap | None = None
 
-    def length(self, given):
+    def length(self, given: float) -> float:
         """A length of the scene in the unit of `sizes`."""
         return float(given) if isinstance(given, Quantity) else given * self.plain
 
 
-def open_topography(spec):
+def open_topography(spec: Any) -> Topography:
     """The Topography of a scene's height map, or of the sum of two, of which no height is read yet. Raises SceneError."""
     if isinstance(spec.path, str):
         return _open_one(spec)
     first, second = (_open_one(spec.model_copy(update={"path": path})) for path in spec.path)
-    for what, found, other in (("points", first.n, second.n), ("lengths", first.sizes, second.sizes),
-                               ("the unit", first.unit or "none", second.unit or "none")):
+    compared: tuple[Any, ...] = (("points", first.n, second.n), ("lengths", first.sizes, second.sizes),
+                                 ("the unit", first.unit or "none", second.unit or "none"))
+    for what, found, other in compared:
         same = all(abs(a - b) <= ALIKE * b for a, b in zip(found, other)) if what == "lengths" else found == other
         if not same:
             raise SceneError(f"surface.path: found {what} {_shown(found)} in {first.path} and {_shown(other)} in {second.path}, "
@@ -50,11 +57,11 @@ def open_topography(spec):
     return replace(first, rows=lambda start, stop: first.rows(start, stop) + second.rows(start, stop), periodic=periodic)
 
 
-def _shown(found):
+def _shown(found: Any) -> str:
     return found if isinstance(found, str) else " x ".join(f"{length:.6g}" for length in found)
 
 
-def _open_one(spec):
+def _open_one(spec: Any) -> Topography:
     found = HeightMap(spec)
     said, given = found.said, spec.physical_sizes
     unit = spec.unit or said.unit
@@ -67,18 +74,18 @@ def _open_one(spec):
         raise SceneError(f"surface.unit: found nothing for the heights, neither in the scene nor in {found.path}, allowed: {UNITS}")
     height = 1.0 if unit is None else _factor(unit, spec.unit, found.path)
     length = 1.0 if sizes_unit is None else _factor(sizes_unit, spec.unit, found.path)
-    sizes = [size if isinstance(size, Quantity) else size * length for size in (said.sizes if given is None else given)]
+    sizes = [size if isinstance(size, Quantity) else size * length for size in given or said.sizes or ()]
     if not all(0 < size < float("inf") for size in sizes):
         raise SceneError(f"surface.physical_sizes: found {sizes} in {found.path}, allowed: two positive numbers [L_x, L_y]")
 
-    def rows(start, stop):
+    def rows(start: int, stop: int) -> np.ndarray:
         return checked(found.rows(start, stop), start, "surface.path", f" in {found.path}", missing=True) * height
 
-    return Topography(tuple(found.shape), (float(sizes[0]), float(sizes[1])), rows,
+    return Topography((found.shape[0], found.shape[1]), (float(sizes[0]), float(sizes[1])), rows,
                       "" if unit is None else "m", said.periodic, found.path, plain=height, source=found)
 
 
-def _factor(unit, given, path):
+def _factor(unit: str, given: Any, path: str | Path) -> float:
     try:
         return factor(unit)
     except ValueError as error:

@@ -51,7 +51,7 @@ def erf2_integral(x: np.ndarray) -> np.ndarray:
 
 
 @cache
-def _scaled_table():
+def _scaled_table() -> CubicHermiteSpline:
     """exp(x^2) I(x) on [0, 6] as a cubic Hermite spline.
 
     Knots from erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2)) ds/(1+s^2), which turns I(x) into a smooth integral over E1; slopes from

@@ -1,6 +1,8 @@
 """Least squares with known errors, that refuse to determine what the data do not: scipy.optimize.curve_fit and a check."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import curve_fit
@@ -9,6 +11,7 @@ from ..errors import SceneError
 
 WORST = 1e7  # condition number of the normalised design up to which every parameter counts as determined
 TOLERANCE = 1e-12
+Function = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -22,7 +25,8 @@ class Solution:
     chi2: float
 
 
-def least_squares(model, jacobian, starts, value, sigma=None, bounds=(-np.inf, np.inf)) -> Solution:
+def least_squares(model: Function, jacobian: Function, starts: list[np.ndarray], value: np.ndarray, sigma: Any = None,
+                  bounds: Any = (-np.inf, np.inf)) -> Solution:
     """The best fit of model(x), shape (runs,), to value over several starts.
 
     Parameters
@@ -40,7 +44,7 @@ def least_squares(model, jacobian, starts, value, sigma=None, bounds=(-np.inf, n
     SceneError
         Where sigma is no covariance, no start converges, or the data do not determine every parameter.
     """
-    best = None
+    best: Solution | None = None
     for start in starts:
         try:
             x, covariance, info, *_ = curve_fit(
@@ -56,6 +60,6 @@ def least_squares(model, jacobian, starts, value, sigma=None, bounds=(-np.inf, n
         if best is None or chi2 < best.chi2:
             best = Solution(x, covariance, jacobian(x), chi2)
     scale = np.linalg.norm(best.jacobian, axis=0) if best else np.zeros(1)
-    if not scale.all() or np.linalg.cond(best.jacobian / scale) > WORST:
+    if best is None or not scale.all() or np.linalg.cond(best.jacobian / scale) > WORST:
         raise SceneError("runs: found ratios that vary together, or no trend, allowed: runs that determine every term")
     return best

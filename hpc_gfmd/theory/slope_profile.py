@@ -4,9 +4,12 @@ Persson's theory needs a spectrum only through g(q), the rms gradient of all rou
 spectrum is taken as a chain of power laws, in each of which g(q) and its inverse are elementary.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import exprel
 
 from ..errors import SceneError
@@ -17,6 +20,7 @@ _STEP = 0.25  # panel width in ln g: the sharpest features of the integrands hav
 _TAIL = 42.0  # the integrand falls at least like g towards small g: exp(-42) is below double precision
 _FINEST = 14  # halvings of the last panel, for large pressures where only g -> g_rms contributes
 _BLOCK = 64  # pressures at a time, bounds the memory
+Function = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -42,7 +46,7 @@ class SlopeProfile:
     h_rms: float
 
     @classmethod
-    def self_affine(cls, hurst: float, eps_f: float):
+    def self_affine(cls, hurst: float, eps_f: float) -> Self:
         """C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
 
         hurst in [0, 1], eps_f = q_l/q_s in [1e-100, 1]; SceneError otherwise.
@@ -55,7 +59,7 @@ class SlopeProfile:
                    inverse_rate=np.array([decades * g2]), q_min=1.0, g_rms=1.0, h_rms=float(np.sqrt(exprel(-2 * hurst * decades) / g2)))
 
     @classmethod
-    def from_spectrum(cls, q, C, area: float = 1.0, samples: int = 1000):
+    def from_spectrum(cls, q: ArrayLike, C: Any, area: float = 1.0, samples: int = 1000) -> Self:
         """Any isotropic C(q), normalised by h_rms^2 = area/(2 pi)^2 int C d^2q.
 
         q: increasing wave vectors, at least two. C: their spectrum (power laws in between), or a function, which is then cut into
@@ -64,7 +68,7 @@ class SlopeProfile:
         q = within("q", q, 0, np.inf, open_low=True)
         if q.ndim != 1 or q.size < 2 or np.any(np.diff(q) <= 0):
             raise SceneError("q: found no strictly increasing list, allowed: at least two increasing wave vectors")
-        function = C if callable(C) else None
+        function: Function | None = C if callable(C) else None
         if function:
             q = np.unique(np.concatenate([q, np.geomspace(q[0], q[-1], samples + 1)[1:-1]]))
             C = function(q)
@@ -80,7 +84,7 @@ class SlopeProfile:
         for power in (2, 4):
             square[power] = C[:-1] * q[:-1] ** power * width * exprel((steepness + power) * width)
             if function:
-                square[power] = _piece_integral(lambda k, power=power: k**power * function(k), q, width)
+                square[power] = _piece_integral(function, power, q, width)
             square[power] = square[power] * area / (2 * np.pi)
         beta = steepness + 4
         g2 = np.concatenate([[0], np.cumsum(square[4])])
@@ -88,21 +92,21 @@ class SlopeProfile:
         return cls(y, g2 / g2[-1], beta, g2[-1] / rate, q_min=float(q[0]), g_rms=float(np.sqrt(g2[-1])),
                    h_rms=float(np.sqrt(square[2].sum())))
 
-    def integrate(self, p_star, kernel, power: int) -> np.ndarray:
+    def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:
         """int (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g; the shape of p_star.
 
         A kernel that vanishes beyond x = 28 and power = 1, or a bounded one and power = 2.
         """
-        p_star = np.clip(np.asarray(p_star, dtype=float), 1e-300, 1e200)
-        flat = p_star.ravel()
+        loads = np.clip(np.asarray(p_star, dtype=float), 1e-300, 1e200)
+        flat = loads.ravel()
         out = np.full(flat.shape, np.nan)
         order = np.argsort(flat)
         for start in range(0, flat.size, _BLOCK):
             block = order[start : start + _BLOCK]
             out[block] = self._integrate_block(flat[block], kernel, power)
-        return out.reshape(p_star.shape)
+        return out.reshape(loads.shape)
 
-    def _integrate_block(self, p_star, kernel, power):
+    def _integrate_block(self, p_star: np.ndarray, kernel: Function, power: int) -> np.ndarray:
         low = self._log_g_at(min(1.0, self.y[-1])) - _TAIL
         if power == 1:
             low = max(low, np.log(np.sqrt(2) * p_star[0] / X_ZERO))
@@ -112,13 +116,13 @@ class SlopeProfile:
         weight = weight * np.exp(power * log_g - y)
         return kernel(np.sqrt(2) * p_star[:, None] * np.exp(-log_g)) @ weight
 
-    def _log_g_at(self, y):
-        i = min(np.searchsorted(self.y, y, side="right"), self.beta.size) - 1
+    def _log_g_at(self, y: float) -> float:
+        i = min(int(np.searchsorted(self.y, y, side="right")), self.beta.size) - 1
         d = y - self.y[i]
         grown = d * exprel(self.beta[i] * d) / self.inverse_rate[i] if d > 0 else 1.0
         return 0.5 * np.log(self.g2[i] + grown)
 
-    def _nodes(self, low):
+    def _nodes(self, low: float) -> list[np.ndarray]:
         """Gauss-Legendre points ln g, the ln(q/q_0) there, and weights, on panels from `low` to 0."""
         with np.errstate(divide="ignore"):
             corners = 0.5 * np.log(self.g2)
@@ -129,7 +133,7 @@ class SlopeProfile:
         parts = [self._panel_nodes(left[pick], right[pick], points, corners) for pick, points in ((wide, 16), (~wide, 10))]
         return [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
 
-    def _panel_nodes(self, left, right, points, corners):
+    def _panel_nodes(self, left: np.ndarray, right: np.ndarray, points: int, corners: np.ndarray) -> tuple[np.ndarray, ...]:
         s, w = np.polynomial.legendre.leggauss(points)
         middle, half = (left + right) / 2, (right - left) / 2
         i = np.clip(np.searchsorted(corners, middle, side="right") - 1, 0, self.beta.size - 1)[:, None]
@@ -140,7 +144,8 @@ class SlopeProfile:
         return log_g.ravel(), (self.y[i] + d).ravel(), (half[:, None] * w).ravel()
 
 
-def _piece_integral(f, q, width):
-    """int f dy over every piece, y = ln q."""
+def _piece_integral(C: Function, power: int, q: np.ndarray, width: np.ndarray) -> np.ndarray:
+    """int q^power C dy over every piece, y = ln q."""
     s, w = np.polynomial.legendre.leggauss(4)
-    return (f(q[:-1, None] * np.exp(width[:, None] * (s + 1) / 2)) @ w) * width / 2
+    inside = q[:-1, None] * np.exp(width[:, None] * (s + 1) / 2)
+    return (inside**power * C(inside) @ w) * width / 2

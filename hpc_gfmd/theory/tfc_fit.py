@@ -1,11 +1,15 @@
 """Fits of the correction terms of eq. tfc to a set of runs, with uncertainties."""
 
 import csv
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import SceneError, one_line
 from .checks import within
@@ -54,7 +58,7 @@ class TfcFit:
         """Standard errors of the fitted parameters by name."""
         return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
 
-    def correction(self, eps_t=0.0, eps_f=0.0, eps_c=0.0) -> tuple[float, float]:
+    def correction(self, eps_t: float = 0.0, eps_f: float = 0.0, eps_c: float = 0.0) -> tuple[float, float]:
         """(sum of the terms, its uncertainty) at the given ratios; a term that was not fitted is zero."""
         eps = {"t": eps_t, "f": eps_f, "c": eps_c}
         eps = {i: float(within(f"eps_{i}", eps[i], 0, 1)) for i in TERMS}
@@ -64,14 +68,15 @@ class TfcFit:
         vector = np.array([gradient.get(name, 0.0) for name in self.names])
         return sum(self.C[i] * power[i] for i in power), float(np.sqrt(max(vector @ self.covariance @ vector, 0)))
 
-    def row(self, hurst) -> dict:
+    def row(self, hurst: float) -> dict:
         """The fit as a row of a coefficient table (see data/paper_tfc.json); terms that were not fitted get C = 0."""
         numbers = {f"C_{i}": self.C.get(i, 0.0) for i in TERMS} | {f"alpha_{i}": self.alpha.get(i, 1.0) for i in TERMS}
         return {"hurst": hurst, **numbers, "limit": self.limit, "sigma": self.sigma, "names": list(self.names),
                 "covariance": self.covariance.tolist()}
 
 
-def fit_tfc(eps_t, eps_f, eps_c, value, sigma=None, alpha=None, terms=TERMS, limit=None) -> TfcFit:
+def fit_tfc(eps_t: ArrayLike, eps_f: ArrayLike, eps_c: ArrayLike, value: ArrayLike, sigma: ArrayLike | None = None,
+            alpha: Mapping | None = None, terms: Iterable[str] = TERMS, limit: float | None = None) -> TfcFit:
     """Least-squares fit of eq. tfc to runs.
 
     Parameters
@@ -111,16 +116,16 @@ def fit_tfc(eps_t, eps_f, eps_c, value, sigma=None, alpha=None, terms=TERMS, lim
     target = value - (fixed or 0.0)
     linear = len(names) - len(free)  # the parameters in which the law is linear stand first
 
-    def exponents(x):
+    def exponents(x: np.ndarray) -> dict:
         return alpha | dict(zip(free, x[linear:], strict=True))
 
-    def design(alpha):
+    def design(alpha: dict) -> np.ndarray:
         return np.stack([np.ones_like(value)] * (fixed is None) + [eps[i] ** alpha[i] for i in eps], axis=1)
 
-    def model(x):
+    def model(x: np.ndarray) -> np.ndarray:
         return design(exponents(x)) @ x[:linear]
 
-    def jacobian(x):
+    def jacobian(x: np.ndarray) -> np.ndarray:
         powers = design(exponents(x))
         slopes = [powers[:, names.index(f"C_{i}")] * x[names.index(f"C_{i}")] * np.log(eps[i]) for i in free]
         return np.column_stack([powers, *slopes])
@@ -131,12 +136,12 @@ def fit_tfc(eps_t, eps_f, eps_c, value, sigma=None, alpha=None, terms=TERMS, lim
     found = least_squares(model, jacobian, starts, target, sigma, bounds)
     dof = value.size - len(names)
     covariance = found.covariance if sigma is not None else found.covariance * (found.chi2 / dof if dof else np.nan)
-    known = {"limit": fixed} | dict(zip(names, found.x.tolist(), strict=True))
+    known: dict[str, Any] = {"limit": fixed} | dict(zip(names, found.x.tolist(), strict=True))
     return TfcFit(known["limit"], {i: known[f"C_{i}"] for i in eps}, {i: known.get(f"alpha_{i}", alpha[i]) for i in eps}, names,
                   covariance, found.chi2, dof)
 
 
-def _enough(value, eps, free, names):
+def _enough(value: np.ndarray, eps: dict, free: list, names: tuple) -> None:
     """Raise SceneError where there are fewer runs than parameters, or fewer values of a ratio than its term needs."""
     for i, values in eps.items():
         needed, found = 3 if i in free else 2, np.unique(values).size
@@ -147,7 +152,7 @@ def _enough(value, eps, free, names):
         raise SceneError(f"runs: found {value.size}, allowed: at least {len(names)}, the number of fitted parameters")
 
 
-def read_runs(path) -> dict:
+def read_runs(path: str | Path) -> dict:
     """Columns eps_t, eps_f, eps_c, value and, if there, sigma of the CSV file at path, with a header, as arrays for fit_tfc.
 
     Raises SceneError if it is not one.

@@ -1,12 +1,15 @@
 """Free boundaries: Hertz, punches and cones on an infinite half-space, a dense oracle, and that nothing beyond the surface counts."""
 
 from math import acosh, pi, sqrt
+from pathlib import Path
 
+import free_patch
 import numpy as np
 import oracle
 import pytest
 from contacts import EXACT, field, random_heights, relative, rough, sweep_of
 
+from hpc_gfmd.bench.cells import Cells
 from hpc_gfmd.bodies.free import Free
 from hpc_gfmd.driver.certificate import certify
 from hpc_gfmd.driver.sweep import Sweep
@@ -18,12 +21,12 @@ from hpc_gfmd.surface.build import surface_from_rows
 BOTH = (True, True)
 
 
-def sweep_over(z, sizes=(1.0, 1.0), free=BOTH, **solver):
+def sweep_over(z, sizes=(1.0, 1.0), free=BOTH, body=None, **solver):
     """A Sweep over an array of heights."""
     def make(dtype):
         return surface_from_rows(z.shape, sizes, lambda a, b: z[a:b], SerialComm(), dtype, 1, free)
 
-    return Sweep(make, Solver(**solver or EXACT), body=Free(free))
+    return Sweep(make, Solver(**solver or EXACT), body=body or Free(free))
 
 
 def observe(step, name):
@@ -128,6 +131,22 @@ def test_against_the_oracle(n, sizes, p):
     assert relative(field(step, "pressure").ravel(), q) < 1e-4
     assert relative(field(step, "gap").ravel(), g) < 1e-4
     assert np.mean(q > 0) == observe(step, "a_r")
+
+
+@pytest.mark.parametrize("load", free_patch.LOADS)
+def test_against_other_codes(load):
+    """A rough patch, well resolved, by ASPHER and ContactMechanics (free_patch.py). They take the pressure as constant on the cells of
+    grid points: solved that way ours is theirs to the digits that are kept, and otherwise differs by what the grid does."""
+    z = free_patch.heights()
+    with np.load(Path(free_patch.__file__).with_suffix(".npz")) as kept:
+        wanted = free_patch.pressure(kept, load)
+    found = field(sweep_over(z, accuracy=1e-4).solve(load), "pressure")
+    assert relative(found, wanted) < 1e-2
+    assert np.mean(found > 0) == pytest.approx(np.mean(wanted > 0), rel=1e-2)
+    assert found.max() == pytest.approx(wanted.max(), rel=1e-2)
+    same = field(sweep_over(z, body=Cells(BOTH), accuracy=1e-5).solve(load), "pressure")
+    assert relative(same, wanted) < 3e-4
+    assert ((same > 0) == (wanted > 0)).all()
 
 
 @pytest.mark.parametrize("offset", [(0, 0), (32, 32), (5, 41)], ids=str)

@@ -1,4 +1,4 @@
 """All families: importing this fills the registry."""
 
-from . import closing_walls, formed_walls, light_loads, rough_walls, sweeps  # noqa: F401
+from . import closing_walls, formed_walls, free_walls, light_loads, rough_walls, sweeps  # noqa: F401
 from .registry import FAMILIES, make  # noqa: F401

@@ -14,7 +14,7 @@ FAMILIES = {}
 @dataclass(frozen=True)
 class Wall:
     """heights (peaks up); physical_sizes; loads: p* in the order of solving; E_star; surface: table [surface] of a scene that has
-    these heights, where one does; units: whether the campaign may choose others."""
+    these heights, where one does; units: whether the campaign may choose others; free: whether the wall ends along x, along y."""
 
     heights: np.ndarray
     physical_sizes: tuple[float, float]
@@ -22,6 +22,7 @@ class Wall:
     E_star: float = 1.0
     surface: dict | None = None
     units: bool = True
+    free: tuple[bool, bool] = (False, False)
 
 
 def family(function):
@@ -80,4 +81,4 @@ def scene_wall(surface, loads):
     spec = Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}}).surface
     made = build_surface(spec, SerialComm(), np.dtype(np.float64))
     heights = -np.asarray(made.h) * made.height_unit
-    return Wall(heights, tuple(spec.physical_sizes), tuple(loads), 1.0, surface, units=False)
+    return Wall(heights, tuple(spec.physical_sizes), tuple(loads), 1.0, surface, units=False, free=spec.free)

@@ -29,7 +29,7 @@ def ways(solvers, precisions, accuracies, low_memory):
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--families", "--family", nargs="+", default=["all"], help="names, or all, single, sweeps")
+    parser.add_argument("--families", "--family", nargs="+", default=["all"], help="names, or all, single, free, sweeps")
     parser.add_argument("--without", nargs="+", default=[])
     parser.add_argument("--count", type=int, default=5, help="walls of each family")
     parser.add_argument("--seed", type=int, default=1)
@@ -61,15 +61,17 @@ def main(arguments=None):
 
 
 def names(wanted, without=()):
-    """Names of families: of `all`, `single` (one load each), `sweeps`, or themselves."""
+    """Names of families: of `all`, `single` (periodic, one load each), `free` (with free edges), `sweeps`, or themselves."""
     from .families import FAMILIES
     from .sweeps import SINGLE
 
-    groups = {"all": list(FAMILIES), "single": list(SINGLE), "sweeps": [name for name in FAMILIES if name not in SINGLE]}
+    free = [name for name in FAMILIES if name.startswith("free_")]
+    groups = {"all": list(FAMILIES), "single": list(SINGLE), "free": free,
+              "sweeps": [name for name in FAMILIES if name not in SINGLE and name not in free]}
     found = [name for item in wanted for name in groups.get(item, [item]) if name not in without]
     unknown = [name for name in found if name not in FAMILIES]
     if unknown:
-        sys.exit(f"unknown families {unknown}, known: all, single, sweeps, {', '.join(FAMILIES)}")
+        sys.exit(f"unknown families {unknown}, known: all, single, free, sweeps, {', '.join(FAMILIES)}")
     return found
 
 

@@ -22,7 +22,7 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
     try:
         wall = make(name, seed, index)
         with _time_limit(seconds):
-            contact, exact = truths(wall.heights, wall.physical_sizes, wall.loads)
+            contact, exact = truths(wall.heights, wall.physical_sizes, wall.loads, wall.free)
     except Exception as error:  # a campaign goes on
         return [head | {"status": "no wall", "error": f"{type(error).__name__}: {error}"}]
     head |= {"n": list(wall.heights.shape), "aspect": wall.physical_sizes[1] / wall.physical_sizes[0]}
@@ -71,7 +71,7 @@ def _solutions(wall, contact, way):
     for p in pressures:
         step = sweep.solve(p)
         c = step.contact
-        points = round(c.contact_points / c.N * contact.h.size)  # of the whole wall, where an axis was left out
+        points = round(c.contact_points / c.N * contact.N)  # of the whole wall, where an axis was left out
         yield (points, c.gap_mean, np.asarray(c.field("pressure")), c.outcome.status, c.outcome.errors, step.iterations,
                step.fft_pairs)
 
@@ -79,7 +79,8 @@ def _solutions(wall, contact, way):
 def _by_solve(wall, pressure, settings):
     import hpc_gfmd
 
-    s = hpc_gfmd.solve(wall.heights, pressure, E_star=wall.E_star, physical_sizes=wall.physical_sizes, **settings)
+    boundary = ["free" if ends else "periodic" for ends in wall.free]
+    s = hpc_gfmd.solve(wall.heights, pressure, E_star=wall.E_star, physical_sizes=wall.physical_sizes, boundary=boundary, **settings)
     return round(s.a_r * wall.heights.size), s.gap_mean, s.pressure, s.status, s.errors, s.iterations, s.fft_pairs
 
 
@@ -87,17 +88,19 @@ def _sweep(wall, settings, low_memory):
     from hpc_gfmd.driver.lowmemory import LowMemorySweep
     from hpc_gfmd.driver.sweep import Sweep
     from hpc_gfmd.parallel.comm import SerialComm
-    from hpc_gfmd.scene import Scene, Solver
+    from hpc_gfmd.registry import body_of
+    from hpc_gfmd.scene import Material, Scene, Solver
     from hpc_gfmd.surface import build_surface
     from hpc_gfmd.surface.build import surface_from_rows
 
     def make_surface(dtype):
         if low_memory:
             return build_surface(Scene.from_dict({"surface": wall.surface, "load": {"p_star": 1.0}}).surface, SerialComm(), dtype)
-        return surface_from_rows(wall.heights.shape, wall.physical_sizes, lambda i, j: wall.heights[i:j], SerialComm(), dtype)
+        return surface_from_rows(wall.heights.shape, wall.physical_sizes, lambda i, j: wall.heights[i:j], SerialComm(), dtype,
+                                 free=wall.free)
 
     kind = LowMemorySweep if low_memory else Sweep
-    return kind(make_surface, Solver(low_memory=low_memory, **settings), wall.E_star)
+    return kind(make_surface, Solver(low_memory=low_memory, **settings), wall.E_star, body=body_of(Material(), wall.free))
 
 
 class _time_limit:

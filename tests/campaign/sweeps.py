@@ -11,7 +11,8 @@ from .shapes import choice, log_uniform, rough, square_pixels
 
 # Families of one load each, in an order on which the walls of some sweeps depend.
 MODULES = [module.__name__ for module in (rough_walls, closing_walls, formed_walls, light_loads)]
-SINGLE = tuple(sorted(FAMILIES, key=lambda name: MODULES.index(FAMILIES[name].__module__)))
+SINGLE = tuple(sorted((name for name in FAMILIES if FAMILIES[name].__module__ in MODULES),
+                      key=lambda name: MODULES.index(FAMILIES[name].__module__)))
 
 
 def _walk(rng, start, ratios, low=1e-4, high=3.0):

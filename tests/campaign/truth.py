@@ -1,15 +1,17 @@
-"""Exact contacts by an active-set Newton method in float64, NumPy and scipy.fft only: nothing of the package is used here.
+"""Exact contacts by an active-set Newton method in float64, NumPy and scipy.fft only: nothing of the package's solvers is used here.
 
 Guess the contact C. Its pressure follows from a linear problem on C (few points touch) or on the rest F (most touch), each by
 conjugate gradients preconditioned by the inverse operator; points of the wrong sign change sides. Where that goes round in circles,
 steps of projected conjugate gradients (Polonsky and Keer) lie between, which always converge. Units: those of problem.py: lengths
-in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so that K = |q|/2 and p0 is p*.
+in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so that K = |q|/2 and p0 is p*. With free edges the S between two
+points that makes the discrete problem is the program's own (tests/analytic/test_free.py has it by quadrature), and K its inverse.
 """
 
 import hashlib
 import os
 import tempfile
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -49,26 +51,31 @@ class Truth:
 
 
 class Contact:
-    """One wall: heights z (peaks up) in a cell of physical sizes."""
+    """One wall: heights z (peaks up) in a cell of physical sizes. free: whether it ends along x, along y; the grid is then twice as
+    long, nothing touches beyond the wall, and K is the inverse of S in free space. D: the points of the wall, N of them."""
 
-    def __init__(self, z, sizes):
-        self.n = z.shape
-        spacings = np.array(sizes, float) / self.n
+    def __init__(self, z, sizes, free=(False, False)):
+        self.shape = z.shape
+        spacings = np.array(sizes, float) / z.shape
         a = np.sqrt(spacings[0]) * np.sqrt(spacings[1])
-        q_x = 2 * np.pi * fft.fftfreq(self.n[0]) * (a / spacings[0])
-        q_y = 2 * np.pi * fft.rfftfreq(self.n[1]) * (a / spacings[1])
-        self.K = np.hypot(q_x[:, None], q_y) / 2
-        self.S = np.divide(1, self.K, out=np.zeros_like(self.K), where=self.K > 0)
+        self.n = tuple(n * (1 + ends) for n, ends in zip(z.shape, free))
+        if any(free):
+            self.S = _compliance(z.shape, tuple(map(float, sizes)), tuple(map(bool, free)))
+            self.K = np.divide(1, self.S, out=np.zeros_like(self.S), where=self.S != 0)
+        else:
+            q_x = 2 * np.pi * fft.fftfreq(self.n[0]) * (a / spacings[0])
+            q_y = 2 * np.pi * fft.rfftfreq(self.n[1]) * (a / spacings[1])
+            self.K = np.hypot(q_x[:, None], q_y) / 2
+            self.S = np.divide(1, self.K, out=np.zeros_like(self.K), where=self.K > 0)
         h = np.max(z) - np.asarray(z, float)
         scale = h.max()
         h = h / scale
-        weight = np.full(len(q_y), 2.0)
-        weight[0] = 1
-        if self.n[1] % 2 == 0:
-            weight[-1] = 1
-        spectrum = np.abs(fft.rfft2(h) / h.size) ** 2
-        g_rms = np.sqrt(np.sum(weight * spectrum * (2 * self.K) ** 2))
-        self.h = h / g_rms
+        g_rms = _slope(h, spacings / a) if any(free) else _spectral_slope(h, self.K)
+        self.D = np.zeros(self.n, bool)
+        self.D[: z.shape[0], : z.shape[1]] = True
+        self.N = z.size
+        self.h = np.zeros(self.n)
+        self.h[self.D] = (h / g_rms).ravel()
         self.height_unit = scale * g_rms  # = g_rms a in the scene's units
         self.g_rms = self.height_unit / a
 
@@ -77,19 +84,19 @@ class Contact:
 
     def solve(self, p_star, start=None):
         """The Truth at p*. start: the pressure of a similar load."""
-        K, h, N = self.K, self.h, self.h.size
+        K, h, D, N = self.K, self.h, self.D, self.N
         if start is None:
-            p = self._projected(np.full(self.n, p_star), p_star, 12)
+            p = self._projected(1.0 * D, p_star, 12)
         else:
-            p = self._projected(start * (p_star / start.mean()), p_star, 3)
+            p = self._projected(self.on_cell(start), p_star, 3)
         C = p > 0
         best, waits, patience, inner = np.inf, 0, 4, ROUGH
         for rounds in range(1, ROUNDS):  # noqa: B007
-            nearly_closed = C.sum() > 0.5 * N
+            nearly_closed = C.sum() > 0.5 * h.size
             p, g = (self._open if nearly_closed else self._closed)(C, p, p_star, inner)
-            p_rms = np.sqrt(np.mean(p * p))
+            p_rms = np.sqrt(np.sum(p * p) / N)
             tiny_p, tiny_g = SIGN * max(p_rms, p_star), SIGN * h.max()
-            wrong = np.where(C, p < -tiny_p, g < -tiny_g)
+            wrong = np.where(C, p < -tiny_p, D & (g < -tiny_g))
             count = int(wrong.sum())
             if count == 0 and inner == INNER:
                 break
@@ -108,19 +115,25 @@ class Contact:
                 continue
             C = C ^ wrong
             if not C.any():
-                C = g <= g.min()
-        p, g = np.where(C, np.maximum(p, 0), 0), np.where(C, 0, np.maximum(g, 0))
-        fresh = p_star + self.times(K, g - h)
-        p_rms, gap_mean = np.sqrt(np.mean(p * p)), g.mean()
+                C = D & (g <= g[D].min())
+        p, g = np.where(C, np.maximum(p, 0), 0), np.where(C, 0, np.where(D, np.maximum(g, 0), g))
+        fresh = p_star * (N / h.size) + self.times(K, g - h)
+        p_rms, gap_mean = np.sqrt(np.sum(p * p) / N), g[D].mean()
         # The fresh pressure has the rounding errors of the heights' transform.
-        kkt = max(np.sqrt(np.mean((fresh - p) ** 2)) / p_rms, abs(p.mean() / p_star - 1), float(count > 0))
+        kkt = max(np.sqrt(np.sum((fresh - p) ** 2) / N) / p_rms, abs(p.sum() / (N * p_star) - 1), float(count > 0))
         ties_in = int(np.sum(C & (p < TIE * p_rms)))
-        ties_out = int(np.sum(~C & (g < TIE * max(gap_mean, 1e-6 * h.max()))))
-        return Truth(p, int(C.sum()), float(gap_mean), ties_in, ties_out, float(kkt), rounds)
+        ties_out = int(np.sum(D & ~C & (g < TIE * max(gap_mean, 1e-6 * h.max()))))
+        return Truth(p[D].reshape(self.shape), int(C.sum()), float(gap_mean), ties_in, ties_out, float(kkt), rounds)
+
+    def on_cell(self, field):
+        """A field of the wall with zeros around it."""
+        out = np.zeros(self.n)
+        out[self.D] = field.ravel()
+        return out
 
     def _closed(self, C, p, p_star, inner):
         """Pressure on C and gap from the linear problem g = 0 on C with mean p = p_star: S p + u0 + h = 0 there."""
-        N, n_c = self.h.size, int(C.sum())
+        N, n_c = self.N, int(C.sum())
 
         def apply(x):
             y = np.where(C, self.times(self.S, x), 0)
@@ -151,7 +164,7 @@ class Contact:
     def _open(self, C, p, p_star, inner):
         """Gap on F and pressure from the linear problem p = 0 on F: K g + p_star - K h = 0 there."""
         F = ~C
-        b = p_star - self.times(self.K, self.h)
+        b = p_star * (self.N / self.h.size) - self.times(self.K, self.h)
         g = np.zeros(self.n)
         if F.any():
             mean = 1 / self.K[self.K > 0].min()
@@ -169,7 +182,8 @@ class Contact:
     def _projected(self, p, p_star, steps):
         """Steps of Polonsky and Keer's conjugate gradients for the pressure, preconditioned by nothing: robust, slow at the end."""
         S, h = self.S, self.h
-        p = p * (p_star / p.mean())
+        N = self.N
+        p = p * (N * p_star / p.sum())
         t, old, fresh = np.zeros_like(p), 1.0, True
         for _ in range(steps):
             g = self.times(S, p) + h
@@ -186,15 +200,43 @@ class Contact:
                 break
             step = float(np.sum(g[C] * t[C])) / curvature
             p = np.maximum(np.where(C, p - step * t, p), 0)
-            late = (p == 0) & (g < 0)
+            late = self.D & (p == 0) & (g < 0)
             p[late] -= step * g[late]
             fresh = bool(late.any())
             old = new
             if not p.any():  # too long a step: on the highest point alone
-                p[np.unravel_index(np.argmin(g), p.shape)] = 1.0
+                p[np.unravel_index(np.argmin(np.where(self.D, g, np.inf)), p.shape)] = 1.0
                 fresh = True
-            p *= p_star / p.mean()
+            p *= N * p_star / p.sum()
         return p
+
+
+@lru_cache(maxsize=8)
+def _compliance(n, sizes, free):
+    """The transform of S between points of a wall that ends, on a cell twice as long; 0 for a rigid translation."""
+    from hpc_gfmd.bodies.free import Free
+    from hpc_gfmd.surface.build import grid_of
+
+    grid = grid_of(n, sizes, None, free=free)
+    S = np.empty(grid.n)
+    Free(free).compliance_rows(grid)(0, len(S), S)
+    S = fft.rfft2(S).real
+    S[0, 0] = 0
+    return S
+
+
+def _spectral_slope(h, K):
+    """rms slope of the Fourier series; K: |q|/2."""
+    weight = np.full(K.shape[1], 2.0)
+    weight[0] = 1
+    if h.shape[1] % 2 == 0:
+        weight[-1] = 1
+    return np.sqrt(np.sum(weight * np.abs(fft.rfft2(h) / h.size) ** 2 * (2 * K) ** 2))
+
+
+def _slope(h, spacings):
+    """rms slope between neighbouring points."""
+    return np.sqrt(sum(np.mean((np.diff(h, axis=axis) / s) ** 2) for axis, s in enumerate(spacings) if h.shape[axis] > 1))
 
 
 def _conjugate_gradients(apply, precondition, b, most, relative, absolute):
@@ -228,14 +270,14 @@ def cache_folder():
     return Path(os.environ.get("HPC_GFMD_TRUTHS") or Path(tempfile.gettempdir()) / "hpc-gfmd-truths")
 
 
-def truths(z, sizes, loads):
+def truths(z, sizes, loads, free=(False, False)):
     """(Contact, [Truth]) of the loads p*, each from the cache if it is there."""
-    contact = Contact(z, sizes)
+    contact = Contact(z, sizes, free)
     found, start = [], None
     for p_star in loads:
         name = repr((contact.n, tuple(map(float, sizes)), float(p_star))).encode()
         path = cache_folder() / f"{hashlib.sha256(contact.h.tobytes() + name).hexdigest()[:32]}.npz"
-        truth = _read(path, contact.n)
+        truth = _read(path, contact.shape)
         if truth is None:
             near = start is not None and 0.5 < p_star / start.mean() < 2
             truth = contact.solve(p_star, start if near else None)

@@ -1,5 +1,6 @@
 """The command line as a user or a job script sees it: exit codes, names, messages."""
 
+import errno
 import json
 import subprocess
 import sys
@@ -159,7 +160,7 @@ def test_interrupted(cli, folder):
     (["run", "scene.toml", "--set", "solver.accuracy=0"], "solver.accuracy"), (["run", "gone.toml"], "gone.toml"), (["run"], "SCENE"),
     (["walk", "scene.toml"], "walk"), (["show", "gone.h5"], "gone.h5"), (["show", "scene.toml"], "scene.toml"),
     (["plot", "gone.h5"], "gone.h5"), (["restart", "gone.h5"], "gone.h5"), (["plan", "scene.toml", "--ranks", "0"], "--ranks"),
-    (["plan", "scene.toml", "--set", "surface.lam_l_over_lam_s=4194304"], "GiB"),
+    (["plan", "scene.toml", "--set", "surface.lam_l_over_lam_s=262144"], "GiB"),
     (["persson", "--hurst", "2", "--eps-f", "0.1", "--p-star", "0.1"], "urst"),
     (["run", "scene.toml", "--set", "solver.name=gfdm"], "solver.name"), (["run", "scene.toml", "-o", "here.txt"], "output.path"),
     (["run", "scene.toml", "--set", "machine.memory_gib=1e-6"], "GiB"), ([], "COMMAND")], ids=lambda x: " ".join(x)[:40])
@@ -227,3 +228,16 @@ def test_python_interface(folder, monkeypatch):
             hpc_gfmd.solve(z, **wrong)
     with pytest.raises(hpc_gfmd.errors.SceneError):
         hpc_gfmd.solve(np.full((4, 4), np.nan), 1.0)
+
+
+@pytest.mark.parametrize("error", [MemoryError("Unable to allocate 7 TiB"), OSError(errno.ENOMEM, "Cannot allocate memory")])
+def test_too_little_memory_is_no_mistake_of_the_program(error, monkeypatch, capsys):
+    """Whoever notices it: NumPy, or the system where a file is mapped."""
+    def fail(_):
+        raise error
+
+    monkeypatch.setattr("hpc_gfmd.commands.show.main", fail)
+    assert main(["show", "out.h5"]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith("hpc-gfmd: out of memory (")
+    assert err.count("\n") == 1

@@ -14,7 +14,7 @@ from mpi_harness import call, environment, missing
 import hpc_gfmd
 from hpc_gfmd.cli import main
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.parallel.comm import _abort_on_error
+from hpc_gfmd.parallel.world import _abort_on_error
 from hpc_gfmd.streams import Stream
 
 SCENE = scene_text(title="Fl\u00e4che \u0394")

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from hpc_gfmd.cli import main
-from hpc_gfmd.output import lock
-from hpc_gfmd.output.read import partial_folder, read_result
+from hpc_gfmd.output.folder import is_held, partial_folder
+from hpc_gfmd.output.read import read_result
 
 MARK = "HPC_GFMD_TEST_JOB"  # in the environment of all processes of a job
 SABOTAGE = Path(__file__).with_name("sabotage.py")
@@ -172,7 +172,7 @@ def nothing_wrong(path, wanted):
         return len(wanted.steps)
     if (partial_folder(path) / "head.h5").exists():
         begun = time.monotonic()
-        while lock.is_held(partial_folder(path)) and time.monotonic() - begun < 5:
+        while is_held(partial_folder(path)) and time.monotonic() - begun < 5:
             time.sleep(0.01)  # a process that was killed gives back its files last
         found = read_result(path)
         assert found.status == "interrupted", found.status

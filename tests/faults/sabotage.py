@@ -14,7 +14,7 @@ from pathlib import Path
 def main(fault, rank, *rest):
     """Prepare the fault, then run the command line."""
     cut = rest.index("--")
-    from hpc_gfmd.parallel.comm import world
+    from hpc_gfmd.parallel.world import world
 
     if int(rank) in (-1, world().rank):
         FAULTS[fault](*rest[:cut])
@@ -114,13 +114,18 @@ def hold(function, text, flag):
 
     before = getattr(h5, function)
 
-    def called(what, *args):
-        if text in (str(what) if function == "sync" else what.file.filename) and args[-1:] != ("read",):
+    def called(what, *args, **named):
+        if not named and text in (str(what) if function == "sync" else what.file.filename) and args[-1:] != ("read",):
             Path(flag).touch()
             time.sleep(60)
-        return before(what, *args)
+        return before(what, *args, **named)
 
     setattr(h5, function, called)
+
+
+def unreserved():
+    """Disk space is promised that is not there, as by file systems that cannot reserve it."""
+    os.posix_fallocate = lambda *_: None
 
 
 def vanish(folder):
@@ -142,7 +147,7 @@ def lag(seconds, flag):
     simulation.surface_size = after(simulation.surface_size, 1, wait)
 
 
-FAULTS = {fault.__name__: fault for fault in (surface, solve, no_memory, write, nan, limit, slow, hold, vanish, lag)}
+FAULTS = {fault.__name__: fault for fault in (surface, solve, no_memory, write, nan, limit, slow, hold, unreserved, vanish, lag)}
 
 if __name__ == "__main__":
     sys.exit(main(*sys.argv[1:]))

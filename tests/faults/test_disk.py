@@ -23,10 +23,11 @@ FULL = {  # when: KiB of the disk, of the scene, what the message names
 def test_full(small_disk, undisturbed, when, ranks):
     """No result, nothing half-written; with more space all goes on."""
     size, how, message = FULL[when]
+    to_the_end = when == "while the result is put together"
     plans = sum(path.stat().st_size for path in (cache_folder() / "wisdom").glob("*-float64"))  # are kept with the checkpoints
-    disk = small_disk(size * 1024 + plans * ("put together" in when))
+    disk = small_disk(size * 1024 + plans * to_the_end)
     path = write_scene(disk, **how)
-    job = call(["run", "scene.toml", "-q"], ranks, disk)
+    job = (run if to_the_end else call)(["run", "scene.toml", "-q"], ranks, disk)  # this process may know plans of other tests
     assert job.code in (1, 2)
     job.says(message)
     assert not path.exists()
@@ -36,6 +37,22 @@ def test_full(small_disk, undisturbed, when, ranks):
     nothing_wrong(path, wanted)
     finish(path, ranks)
     nothing_wrong(path, wanted)
+
+
+@pytest.mark.parametrize("ranks", [None, SEVERAL])
+def test_full_in_the_middle_of_a_write(small_disk, undisturbed, ranks):
+    """Where the space could not be reserved: HDF5 and MPI meet the full disk, in a collective write on several ranks."""
+    how = {"checkpoint": 600, "fields": '["gap", "pressure", "displacement"]'}
+    disk = small_disk(300 * 1024)
+    path = write_scene(disk, **how)
+    job = run(["run", "scene.toml", "-q"], ranks, disk, fault=["unreserved", -1])
+    assert job.code == 1, job.err
+    job.says(r"writing .*step-0000\.h5: (No space left on device|.*write failed)")
+    assert not path.exists()
+    assert not list(disk.rglob("*.tmp"))
+    subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
+    finish(path, ranks)
+    nothing_wrong(path, undisturbed(ranks, **how))
 
 
 @pytest.mark.parametrize("ranks", [None, SEVERAL])

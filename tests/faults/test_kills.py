@@ -8,7 +8,7 @@ import time
 import pytest
 from faults.jobs import Job, finish, needs_mpi, nothing_wrong, write_scene
 
-from hpc_gfmd.output.read import partial_folder
+from hpc_gfmd.output.folder import partial_folder
 
 pytestmark = needs_mpi
 RANKS = 2

@@ -5,7 +5,8 @@ import json
 import pytest
 from faults.jobs import Job, call, finish, needs_mpi, nothing_wrong, run, write_scene
 
-from hpc_gfmd.output.read import partial_folder, read_result
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_result
 
 pytestmark = needs_mpi
 RANKS = 2

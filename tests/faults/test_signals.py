@@ -6,7 +6,7 @@ import time
 import pytest
 from faults.jobs import Job, finish, needs_mpi, nothing_wrong, run, write_scene
 
-from hpc_gfmd.output.read import partial_folder
+from hpc_gfmd.output.folder import partial_folder
 
 SLOW = ["slow", -1, 0.1]  # a run is mostly writing then, and long enough to be hit
 CODES = {"SIGTERM": 143, "SIGINT": 130, "SIGUSR1": 143}

@@ -12,7 +12,7 @@ from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene
 
 pytestmark = pytest.mark.mpi
-COUNTED = list(observables_named(["patches", "patches_8", "perimeter", "percolation", "percolation_8"]))
+COUNTED = list(observables_named(["patches", "patches_8", "perimeter", "percolation", "percolation_8", "spanning"]))
 
 
 @pytest.mark.parametrize("share", [0.02, 0.4, 0.6, 0.97])

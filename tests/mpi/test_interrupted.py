@@ -12,7 +12,8 @@ from mpi_harness import end
 from pieces import Pieces
 from pieces import scene as small
 
-from hpc_gfmd.output.read import partial_folder, read_result
+from hpc_gfmd.output.folder import is_held, partial_folder
+from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import restart, run_scene
@@ -51,7 +52,7 @@ def test_time_limit_and_restart(comm, shared_path):
 
 # tests/unit/test_restart.py has all solvers, on one process
 @pytest.mark.parametrize(("solver", "boundary", "loads"), [
-    ("bpx", "periodic", [0.1, 0.11, 0.12]), ("ccg", "periodic", [0.1, 0.11, 0.12]), ("bpx", "free", [0.1, 0.11, 0.12]),
+    ("bpx", "periodic", [0.1, 0.11, 0.12]), ("ccg", "periodic", [0.1, 0.11, 0.12]),
     ("bpx", "free", {"approach": [0.1, 0.02, 0.03]})], ids=str)
 def test_bit_identical(comm, shared_path, monkeypatch, solver, boundary, loads):
     """On as many ranks: stopped in the first load and at the end of the second, then dead without a word."""
@@ -116,5 +117,7 @@ def test_signal(mpirun, tmp_path):
     assert process.returncode != 0
     assert b"Traceback" not in err
     assert not (tmp_path / "slow.h5").exists()
+    while is_held(head.parent) and time.monotonic() - since < 120:
+        time.sleep(0.02)  # mpirun does not wait for ranks that it has killed
     assert read_result(tmp_path / "slow.h5").status == "interrupted"
     assert [p for p in head.parent.iterdir() if p.name.startswith(("checkpoint", "step"))], err

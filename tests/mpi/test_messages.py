@@ -1,10 +1,20 @@
-"""What ranks send in an iteration is what was planned for each of them, to the byte."""
+"""What ranks send in an iteration is what was planned for each of them, to the byte; and how they agree before it."""
 
+import os
+from contextlib import nullcontext
+
+import numpy as np
 import pytest
 from contacts import rough, sweep_of
 
+from hpc_gfmd import api
+from hpc_gfmd.driver import memory
 from hpc_gfmd.driver.decomposition import Share
+from hpc_gfmd.driver.memory import require_memory
+from hpc_gfmd.errors import SceneError
 from hpc_gfmd.operators import multilevel
+from hpc_gfmd.parallel.world import threads_of
+from hpc_gfmd.scene import Scene
 
 pytestmark = pytest.mark.mpi
 
@@ -22,4 +32,40 @@ def test_counted(comm, n_over, boundary, monkeypatch):
     sweep.solver.step()
     share = Share(sweep.surface.grid, sweep.dtype)
     assert (comm.sent.bytes - before[0], comm.sent.messages - before[1]) == share.traffic
-    assert all(sent > 0 for sent in (*share.transpose_traffic, *share.level_traffic, *share.reduction_traffic))
+    assert all(sent > 0 for sent in (*share.level_traffic, *share.reduction_traffic))
+
+
+def test_no_objects_of_all_ranks(comm, monkeypatch):
+    """From the arguments to the solved contact nothing is pickled that every rank contributes to: such messages grow with the ranks."""
+    surface = rough((1, 16, 2))
+    scene = Scene.from_dict({"surface": surface, "load": {"p_star": [0.1]}, "machine": {"threads": "auto"}})
+    assert comm.machine.size == comm.size
+
+    def refuse(*_):
+        raise AssertionError("a list of the objects of all ranks")
+
+    threads = threads_of(comm, "auto")
+    for name in ("allgather", "gather"):
+        monkeypatch.setattr(type(comm), name, refuse)
+    require_memory(comm, scene, (32, 32), threads)
+    api._require_the_same(comm, scene, (32, 32))
+    assert sweep_of(surface, comm=comm, accuracy=1e-2).solve(0.1).contact.outcome.status == "converged"
+    monkeypatch.undo()
+    with pytest.raises(SceneError, match="other arguments on some ranks") if comm.size > 1 else nullcontext():
+        api._require_the_same(comm, scene, (32, 32 + comm.rank))
+
+
+def test_all_to_all(comm):
+    parts = [np.full((comm.rank + 1, k), 10 * comm.rank + k, float) for k in range(comm.size)]
+    found = comm.alltoall(parts)
+    for k, part in enumerate(found):
+        assert np.array_equal(part, np.full((k + 1, comm.rank), 10 * k + comm.rank))
+    assert comm.before(comm.rank + 1) == comm.rank * (comm.rank + 1) // 2
+
+
+def test_memory_of_a_machine(comm, monkeypatch):
+    """One machine that is too small is an error on all ranks, with its need: that of all ranks on it."""
+    scene = Scene.from_dict({"surface": rough((1, 16, 2)), "load": {"p_star": [0.1]}})
+    monkeypatch.setattr(memory, "available_gib", lambda: 0.1)
+    with pytest.raises(SceneError, match=rf"GiB on {comm.size} of {comm.size} ranks, {os.uname().nodename} has 0.10 GiB"):
+        require_memory(comm, scene, (32, 32), 1)

@@ -10,7 +10,7 @@ from contacts import random_heights
 
 from hpc_gfmd.cli import main
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.parallel.fft import row_starts
+from hpc_gfmd.parallel.layout import row_starts
 from hpc_gfmd.surface.heights import Checksum
 
 pytestmark = pytest.mark.mpi

@@ -6,7 +6,7 @@ from contacts import random_heights
 
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.parallel.fft import row_starts
+from hpc_gfmd.parallel.layout import row_starts
 from hpc_gfmd.scene import File
 from hpc_gfmd.surface import build_surface
 from hpc_gfmd.surface.doubts import Looks

@@ -39,7 +39,7 @@ BAD = {  # name: overrides of the good scene, and what the message names
     "complex heights": ([MAP.format('"complex.npy"')], "complex"),
     "three axes": ([MAP.format('"cube.npy"')], "cube.npy"),
     "no data set": ([MAP.format('"z.h5", dataset = "q"')], "height"),
-    "too large": (["surface.n=[16777216, 16777216]"], "GiB"),
+    "too large": (["surface.n=[1048576, 1048576]"], "GiB"),
     "constant file, p_star": ([MAP.format('"flat.npy"'), "load={p_star = 0.1}"], "load.p_star"),
     "gone": (None, "gone.toml"),
 }

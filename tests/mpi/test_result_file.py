@@ -1,5 +1,6 @@
 """The result file on any number of ranks: empty slabs, MPI-IO or not, restart, agreed errors."""
 
+import os
 import shutil
 
 import numpy as np
@@ -164,6 +165,20 @@ def test_several_ranks_write_and_read_by_mpi_io(comm, shared_path, monkeypatch):
     comm.barrier()
 
 
+def test_the_disk_is_busy_while_the_next_piece_is_made(comm, shared_path, monkeypatch):
+    """The system is told to write what is there after each piece, not after the last one alone."""
+    told, advise, fsync, rows = [], os.posix_fadvise, os.fsync, slab(comm, 60)
+    monkeypatch.setattr(h5, "PIECE_BYTES", 7 * 50 * 8)
+    monkeypatch.setattr(os, "posix_fadvise", lambda *args: told.append(args[1:]) or advise(*args))
+    monkeypatch.setattr(os, "fsync", lambda file: told.append("sync") or fsync(file))
+    h5.write_file(comm, shared_path / "a.h5", (60, 50), rows, {"u": field((60, 50))[slice(*rows)]})
+    if comm.size == 1 or h5.io_way(comm) == "mpio":
+        pieces = told.index("sync")
+        assert pieces == -(-(60 // comm.size) // 7)
+        assert set(told[:pieces]) == {(0, 0, os.POSIX_FADV_DONTNEED)}
+    comm.barrier()
+
+
 def numbers(path, name):
     import h5py
 
@@ -221,6 +236,29 @@ def test_damage_on_one_rank_stops_all(comm, shared_path):
         with pytest.raises(GfmdError, match="inflate" if compressed else "the numbers of u are damaged"):
             stored.slab(comm, rows)
         comm.barrier()
+
+
+def test_memory_that_one_rank_lacks_stops_all(comm, shared_path, monkeypatch):
+    """No rank waits in a collective read for the one that cannot take part."""
+    whole, rows, path = field((40, 30)), slab(comm, 40), shared_path / "scarce.h5"
+    h5.write_file(comm, path, (40, 30), rows, {"u": whole[slice(*rows)]})
+    stored, calls = h5.Stored(path, "u", (40, 30), whole.dtype, checksum(path, "u")), []
+
+    class Scarce:
+        def __getattr__(self, name):
+            return getattr(np, name)
+
+        def empty(self, *args):
+            calls.append(args)
+            if len(calls) == 2:  # the first is for all of the slab
+                raise MemoryError("Unable to allocate 64 MiB")
+            return np.empty(*args)
+
+    if comm.rank == comm.size - 1:
+        monkeypatch.setattr(h5, "np", Scarce())
+    with pytest.raises(GfmdError, match=r"reading .*scarce\.h5: out of memory"):
+        stored.slab(comm, rows)
+    comm.barrier()
 
 
 def test_not_contiguous(comm, shared_path, monkeypatch):

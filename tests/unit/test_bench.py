@@ -1,25 +1,31 @@
 """Benchmarks run on tiny contacts, and what they say is consistent."""
 
 import json
+import os
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import mpi_harness
 import numpy as np
 import pytest
 
 from hpc_gfmd.bench import peers, scaling
 from hpc_gfmd.bench.cases import Case
+from hpc_gfmd.bench.cells import Cells
 from hpc_gfmd.bench.kernels import field_passes
 from hpc_gfmd.bench.loosest import loosest
+from hpc_gfmd.bench.messages import LARGE
 from hpc_gfmd.bench.model import Machine, Network, predict
 from hpc_gfmd.bench.ours import Ours
 from hpc_gfmd.bench.reference import reference
 from hpc_gfmd.bench.timing import Clock, Sample, ratio
+from hpc_gfmd.bench.workers import Worker, in_turn
 from hpc_gfmd.cli import main
 from hpc_gfmd.errors import GfmdError
+from hpc_gfmd.grid import Grid
 
 
 @pytest.fixture(autouse=True)
@@ -68,6 +74,30 @@ def test_reference_is_kept_and_true_errors_fall():
     assert errors[1] < 1e-6
 
 
+def test_free_edges_are_a_property_of_the_case():
+    """Both discretisations have the load and the area asked for; they differ where waves of two points are pressed, and only there."""
+    coarse, fine = (replace(Case(32, 0.8, 1.0, boundary="free"), **more).at_area(0.2) for more in ({}, {"n": 64}))
+    for case in (coarse, fine):
+        known, of_others = reference(case), reference(case.of_others)
+        assert known.pressure.mean() == pytest.approx(case.p_star, rel=1e-8)
+        assert known.a_r == pytest.approx(0.2, rel=0.03)
+        assert 1e-3 < known.pressure_error(of_others.pressure - known.pressure) < 0.06
+    assert Case(32, 0.8, 0.05).of_others.body == Case(32, 0.8, 0.05).body
+
+
+def test_pressure_constant_on_cells():
+    """The displacement by a pressure on one cell, there and on the cells around, by quadrature."""
+    grid = Grid((24, 16), (2.4, 3.2), nominal=(12, 8))
+    fill, out = Cells((True, True)).compliance_rows(grid), np.empty((24, 16))
+    fill(0, 24, out)
+    a_x, a_y = (s / grid.a for s in grid.spacings)
+    x, y = ((np.arange(400) + 0.5) / 400 - 0.5 for _ in range(2))
+    for i, j in ((1, 0), (0, 3), (-2, 5), (12, -1)):
+        r = np.hypot(a_x * (i + x)[:, None], a_y * (j + y))
+        assert out[i, j] == pytest.approx(np.mean(1 / r) * a_x * a_y / np.pi, rel=1e-5)
+    assert out[0, 0] == out.max()
+
+
 def test_accuracy_writes_table_lines_and_picture(tmp_path):
     where = tmp_path / "out"
     assert main(["bench", "accuracy", "--n", "64", "--hurst", "0.8", "--p-star", "0.05", "--solvers", "bpx", "--precision", "double",
@@ -86,6 +116,10 @@ def test_peers_without_peers_compares_our_precisions(tmp_path):
     assert [r["code"] for r in found] == ["hpc-gfmd single", "hpc-gfmd double"]
     assert all(r["error"] <= 1e-5 for r in found)
     assert min(r["times_slower"] for r in found) == 1.0
+    assert main(["bench", "peers", "--n", "64", "--boundary", "free", "--codes", "--repeats", "1", "-o", str(tmp_path)]) == 0
+    found = rows(tmp_path / "peers.jsonl")
+    assert [(r["code"], round(r["a_r"], 1)) for r in found[::2]] == [("hpc-gfmd single", 0.0), ("hpc-gfmd single", 0.2)]
+    assert all(r["error"] <= 1e-5 and r["boundary"] == "free" for r in found)
 
 
 FAKE = """
@@ -124,6 +158,7 @@ def test_another_code_is_given_the_loosest_tolerance_that_will_do(tmp_path, monk
     (["accuracy", "--solvers", "nonsense"], "--solvers: found 'nonsense', allowed: bpx"),
     (["peers", "--codes", "nonsense"], "--codes: found 'nonsense', allowed: aspher"),
     (["peers"], "scripts/bench-peers-setup"),
+    (["peers", "--boundary", "free", "--codes", "tamaas"], "--codes: found 'tamaas', allowed: aspher-fft"),
     (["fft", "--n", "63"], "--n: found"),
     (["kernels", "--repeats", "0"], "--repeats: found 0"),
 ])
@@ -135,15 +170,30 @@ def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, t
     assert error.count("\n") == 1
 
 
-@pytest.mark.parametrize(("what", "count"), [("fft", 3), ("kernels", 8)])
-def test_kernels_and_transforms(what, count, tmp_path):
-    """In a process of their own: PFFT starts MPI."""
+def test_transforms(tmp_path):
+    """In a process of its own: PFFT starts MPI."""
     pytest.importorskip("mpi4py_fft")
-    subprocess.run([sys.executable, "-m", "hpc_gfmd", "bench", what, "--n", "64", "--precision", "single", "--repeats", "2",
+    subprocess.run([sys.executable, "-m", "hpc_gfmd", "bench", "fft", "--n", "64", "--precision", "single", "--repeats", "2",
                     "-o", tmp_path], check=True, capture_output=True)
-    found = rows(tmp_path / f"{what}.jsonl")
-    assert len(found) == count
+    found = rows(tmp_path / "fft.jsonl")
+    assert len(found) == 3
     assert all(r["ms_min"] > 0 for r in found)
+
+
+def test_kernels(tmp_path, monkeypatch):
+    """Passes on one core and on two; what a node allows is bound by its cores or by its memory."""
+    pytest.importorskip("mpi4py_fft")
+    monkeypatch.setenv("OMPI_ALLOW_RUN_AS_ROOT", "1")
+    monkeypatch.setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+    assert main(["bench", "kernels", "--n", "64", "--precision", "single", "--repeats", "2", "-o", str(tmp_path)]) == 0
+    found = rows(tmp_path / "kernels.jsonl")
+    assert [r["cores"] for r in found] == [1] * 8 + [2] * 7  # FFTW's own plan is for one
+    passes = [r for r in found if "bytes_per_point" in r]
+    assert all(r["gb_per_s"] == pytest.approx(r["bytes_per_point"] / r["ns_per_point"]) for r in passes)
+    for row in (r for r in passes if r["cores"] == 1):
+        memory = row["bytes_per_point"] / Machine.bandwidth * 1e9
+        assert row["node_ns_per_point"] == pytest.approx(max(row["ns_per_point"] / Machine.cores, memory))
+        assert row["node_of_bandwidth"] == pytest.approx(memory / row["node_ns_per_point"])
 
 
 def test_storage(tmp_path):
@@ -167,31 +217,78 @@ def test_scaling_of_one_rank(tmp_path):
     alone = predict(64, 1, replace(machine, cores=1), Network(latency=0))
     assert alone["seconds"] == pytest.approx(found[0]["seconds"])
     modelled = rows(tmp_path / "scaling-model.jsonl")
-    assert {(row["n"], row["network_gb_per_s"]) for row in modelled} == {(2**15, 12.5), (2**15, 25), (2**17, 12.5), (2**17, 25)}
+    assert {(row["n"], row["network_gb_per_s"]) for row in modelled} == {(n, link) for n in (2**15, 2**17) for link in (7, 12.5, 25)}
     assert all(row["ranks"] <= row["n"] and row["of_one_node"] <= 1 and row["of_bandwidth"] <= 1 for row in modelled)
     assert (tmp_path / "scaling.png").stat().st_size > 10_000
 
 
 def test_model_counts_what_ranks_send():
     """A network without bandwidth or latency of its own costs nothing; each has its price otherwise."""
-    machine = Machine(fft=1e-10, kernel=5e-9, levels=0.05, pairs=7, coarse_pairs=3, cores=8)
+    machine = Machine(fft=1e-10, kernel=5e-9, levels=0, pairs=7, coarse_pairs=3, cores=8, barrier=0)
     free = Network(latency=0, overhead=0, bandwidth=1e30)
     one, eight = (predict(4096, nodes, machine, free, 8) for nodes in (1, 8))
-    assert eight["of_one_node"] > 0.95
+    assert eight["of_one_node"] > 0.96  # the rest: coarse grids are on fewer ranks
+    gathered = predict(4096, 8, replace(machine, levels=0.05), free, 8)
+    assert 0.9 < gathered["of_one_node"] < eight["of_one_node"]
     for slower in (replace(free, latency=1e-4), replace(free, overhead=1e-4), replace(free, bandwidth=1e9)):
         assert predict(4096, 8, machine, slower, 8)["seconds"] > 1.2 * eight["seconds"]
     assert predict(4096, 1024, machine, free, 8) is None
     crowded = predict(4096, 1, replace(machine, bandwidth=1e9), free, 8)
     assert crowded["seconds"] > 3 * one["seconds"]
-    assert crowded["of_bandwidth"] > 0.8  # the rest: transposes within the node
+    assert crowded["of_bandwidth"] > 0.98  # what is transposed within the node is read where it stands
+    meeting = predict(4096, 1, replace(machine, barrier=1e-3), free, 8)
+    assert meeting["seconds"] > 1.2 * one["seconds"]
 
 
-def test_a_failing_launcher_is_quoted_without_its_frame(monkeypatch):
-    """mpirun puts what it has to say between lines of dashes."""
-    said = SimpleNamespace(returncode=1, stdout="", stderr="-----\nno such host\n-----\n")
-    monkeypatch.setattr(scaling.subprocess, "run", lambda *_, **__: said)
-    with pytest.raises(GfmdError, match=r"on 2 ranks failed: no such host$"):
-        scaling.measure(64, 2, "double", 0.05, 1)
+AS_ROOT = """----------------
+mpirun has detected an attempt to run as root.
+
+Running as root is *strongly* discouraged as any mistake can be costly.
+We reiterate our advice against doing so - please proceed at your own risk.
+----------------
+"""
+OURS = """Traceback (most recent call last):
+  File "scaling_worker.py", line 3, in main
+ValueError: nothing to solve
+----------------
+Primary job  terminated normally, but 1 process returned a non-zero exit code.
+----------------
+"""
+
+
+@pytest.mark.parametrize(("stderr", "line"), [
+    (AS_ROOT, "mpirun has detected an attempt to run as root."), (OURS, "ValueError: nothing to solve"), ("", "?"),
+    ("-----\nno such host\n-----\n", "no such host")])
+def test_a_failing_launcher_is_quoted_by_its_first_line(stderr, line, tmp_path, monkeypatch):
+    """mpirun puts what it has to say between lines of dashes, and good advice at the end."""
+    mpirun = tmp_path / "mpirun"
+    mpirun.write_text(f"#!/bin/sh\ncat >&2 <<'END'\n{stderr}END\nexit 1\n")
+    mpirun.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    with pytest.raises(GfmdError) as failure:
+        Worker("scaling_worker", 2, 64)
+    assert str(failure.value) == f"scaling_worker on 2 ranks failed: {line}"
+
+
+def test_workers_take_turns():
+    calls = []
+    workers = {name: SimpleNamespace(measure=lambda name=name: calls.append(name) or len(calls)) for name in "ABC"}
+    assert in_turn(workers, 3) == {"A": [1, 6, 7], "B": [2, 5, 8], "C": [3, 4, 9]}
+    assert "".join(calls) == "ABC" + "CBA" + "ABC"
+
+
+def test_messages_of_this_machine(monkeypatch):
+    """Two ranks measure as often as they are asked, and end when nobody asks any more."""
+    if mpi_harness.missing():
+        pytest.skip(f"{mpi_harness.missing()} is missing")
+    for name, value in mpi_harness.environment().items():
+        monkeypatch.setenv(name, value)
+    worker = Worker("messages", 2)
+    first, second = worker.measure(), worker.measure()
+    worker.close()
+    assert first.keys() == second.keys() == scaling.MESSAGES.keys()
+    assert all(0 < value < np.inf for value in (*first.values(), *second.values()))
+    assert first["latency"] < LARGE / first["bandwidth"]
 
 
 def test_worker_stands_alone():

@@ -11,9 +11,10 @@ from contacts import rough
 from hpc_gfmd.driver import nested
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.parallel import comm as communicators
-from hpc_gfmd.parallel.comm import SerialComm, launched, launcher_rank, threads_of
+from hpc_gfmd.parallel import launcher, world
+from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.interrupt import Interrupt, Stopped, check
+from hpc_gfmd.parallel.launcher import launched, launcher_rank
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import restart, run_scene
 from hpc_gfmd.surface import selfaffine
@@ -109,7 +110,7 @@ def test_a_handler_that_python_cannot_name(monkeypatch):
 
 @pytest.fixture
 def unlaunched(monkeypatch):
-    for name in (*communicators.LAUNCHER_SIZE, *communicators.LAUNCHER_RANK, communicators.LAUNCHER, "SLURM_PROCID"):
+    for name in (*launcher.LAUNCHER_SIZE, *launcher.LAUNCHER_RANK, launcher.LAUNCHER, "SLURM_PROCID"):
         monkeypatch.delenv(name, raising=False)
     return monkeypatch
 
@@ -125,17 +126,17 @@ def test_launcher_can_be_said(unlaunched):
     unlaunched.delenv("OMPI_COMM_WORLD_RANK")
     unlaunched.setenv("HPC_GFMD_LAUNCHER", "mpi")
     assert launched() == (True, None)
-    unlaunched.setattr(communicators, "_world", None)
+    unlaunched.setattr(world, "_world", None)
     unlaunched.setenv("HPC_GFMD_LAUNCHER", "slurm")
     with pytest.raises(SceneError, match=r'HPC_GFMD_LAUNCHER: found "slurm", allowed: "mpi", "none"'):
-        communicators.world()
+        world.world()
 
 
 def test_threads_from_slurm(monkeypatch):
     monkeypatch.delenv("SLURM_CPUS_PER_TASK", raising=False)
     cores = len(os.sched_getaffinity(0))
-    assert threads_of(SerialComm(), "auto") == cores
+    assert world.threads_of(SerialComm(), "auto") == cores
     monkeypatch.setenv("SLURM_CPUS_PER_TASK", "1")
-    assert threads_of(SerialComm(), "auto") == 1
+    assert world.threads_of(SerialComm(), "auto") == 1
     monkeypatch.setenv("SLURM_CPUS_PER_TASK", "4096")
-    assert threads_of(SerialComm(), "auto") == cores
+    assert world.threads_of(SerialComm(), "auto") == cores

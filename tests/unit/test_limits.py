@@ -16,7 +16,7 @@ SURFACE = {"kind": "self-affine", "hurst": 0.8, "eps_t": 0.5, "eps_f": 1 / 1024,
 
 def result_of(surface=SURFACE, **step):
     step = {"p_star": 0.007, "kappa": 2.2, "gap_over_h_rms": 1.6, "a_r_error": 1e-3, "gap_error": 5e-4, "status": "converged"} | step
-    return Result(Path("x.h5"), surface, [step], [0], "converged", "", {}, {}, [])
+    return Result(Path("x.h5"), surface, [step], [0], "converged", {}, [])
 
 
 def kappa_of(result, table="paper"):

@@ -54,3 +54,14 @@ def test_the_limit_of_the_process(monkeypatch):
     assert 0 < memory.limit_gib() < 2
     with pytest.raises(SceneError, match="ulimit -v"):
         memory.require_memory(SerialComm(), SCENE, (8192, 8192), 1)
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3, 8])
+def test_heights_of_a_surface_that_ends_are_on_some_ranks_only(ranks):
+    """Rows beyond it have none: rank 0 may hold all heights, and a machine with all ranks no more than these."""
+    scene = Scene.from_dict({"surface": {"kind": "wave", "amplitude": 0.1, "n": [2048, 2048], "boundary": "free"},
+                             "load": {"pressure": 0.1}, "solver": {"precision": "single", "low_memory": True}})
+    shares = [memory.memory_of(scene, (2048, 2048), ranks, rank=rank) for rank in range(ranks)]
+    assert sum(share.heights for share in shares) == pytest.approx(2048**2 * 4 / GIB) == shares[0].all_heights
+    assert shares[0].heights == pytest.approx(shares[0].all_heights * min(1, 2 / ranks), rel=1e-2)
+    assert sum(share.total for share in shares) == pytest.approx(shares[0].on_all(ranks), rel=0.02)

@@ -12,7 +12,8 @@ from contacts import random_heights
 import hpc_gfmd
 from hpc_gfmd import SceneError
 from hpc_gfmd.driver.sweep import Sweep
-from hpc_gfmd.output.read import partial_folder, read_result
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_result
 from hpc_gfmd.registry import all_distributions, all_observables, distribution_names, observable_names
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene

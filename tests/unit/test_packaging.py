@@ -1,6 +1,10 @@
 """What is published agrees with itself: one version, links that lead somewhere, an archive with all that the tests need."""
 
+import os
 import re
+import subprocess
+import sys
+import tarfile
 from pathlib import Path
 
 import pytest
@@ -34,21 +38,30 @@ def test_links_lead_somewhere(path):
     assert [link for link in links if not (ROOT / link).exists()] == []
 
 
-def test_links_of_the_published_readme_are_absolute(monkeypatch):
-    """Run setup.py as a build does and take what it hands over."""
-    given = {}
-    monkeypatch.setattr("setuptools.setup", given.update)
-    exec(compile(text("setup.py"), ROOT / "setup.py", "exec"), {"__file__": str(ROOT / "setup.py")})
+@pytest.fixture(scope="module")
+def archive(tmp_path_factory):
+    """The source archive as a build makes it: {path in the repository: content}."""
+    folder = tmp_path_factory.mktemp("dist")
+    subprocess.run([sys.executable, "-c", f"import backend; backend.build_sdist({str(folder)!r})"], cwd=ROOT, check=True,
+                   env=os.environ | {"PYTHONPATH": str(ROOT / "packaging")}, capture_output=True)
+    (path,) = folder.iterdir()
+    assert path.name == f"hpc_gfmd-{hpc_gfmd.__version__}.tar.gz"
+    with tarfile.open(path) as file:
+        return {member.name.partition("/")[2]: file.extractfile(member).read() for member in file if member.isfile()}
+
+
+def test_links_of_the_published_readme_are_absolute(archive):
+    published = archive["PKG-INFO"].decode()
     assert LINK.findall(text("README.md"))
-    assert LINK.findall(given["long_description"]) == []
+    assert LINK.findall(published) == []
     address = re.search(r"^url = (\S+)$", text("setup.cfg"), re.MULTILINE)[1]
-    assert f"]({address}/blob/v{hpc_gfmd.__version__}/docs/" in given["long_description"]
-    assert f"]({address}/raw/v{hpc_gfmd.__version__}/docs/contact.png)" in given["long_description"]
+    assert f"]({address}/blob/v{hpc_gfmd.__version__}/docs/" in published
+    assert f"]({address}/raw/v{hpc_gfmd.__version__}/docs/contact.png)" in published
 
 
-def test_every_folder_is_in_the_source_archive():
-    grafted = set(re.findall(r"^graft (\S+)", text("MANIFEST.in"), re.MULTILINE))
-    folders = {path.parent.name for pattern in ("*/*.py", "*/README.md", "*/setup", "*/conf.py") for path in ROOT.glob(pattern)}
-    folders = {name for name in folders if not name.startswith(".")}
-    assert {"docs", "scripts", "slurm", "tests", "packaging"} <= grafted
-    assert folders - grafted <= {"hpc_gfmd", "build", "dist"}
+def test_the_source_archive_has_the_repository(archive):
+    """All that git has but what makes no sense without it; nothing that was made here."""
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.split("\n")[:-1]
+    wanted = {name for name in listed if not name.startswith(".")} or {"tests/conftest.py", "scripts/setup", "docs/conf.py"}
+    assert wanted <= set(archive)
+    assert not [name for name in archive if re.search(r"__pycache__|\.h5$|\.venv|generated/", name)]

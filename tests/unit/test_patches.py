@@ -65,6 +65,19 @@ def test_percolation_of_a_stripe_with_a_corner():
                                                             "gap_percolates_y_8"]
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_channel_spans_that_does_not_close(turned):
+    """From one edge to the other, across the border along the other axis; repeated cells would shut it."""
+    gap = np.zeros((8, 9), bool)
+    gap[:4, 1], gap[3, [0, 8, 7]], gap[3:, 7] = True, True, True
+    along, across = "yx" if turned else "xy"
+    found = observed(mask_contact(~gap.T if turned else ~gap), "spanning", "percolation")
+    assert found.pop(f"gap_spans_{along}")
+    assert not found.pop(f"gap_spans_{across}")
+    assert not found["gap_percolates_x"]
+    assert not found["gap_percolates_y"]
+
+
 def test_a_profile_is_made_of_stripes():
     """Heights that vary along x only: the contact goes around along y, and sizes are those of whole stripes."""
     z = np.repeat(np.cos(2 * np.pi * np.arange(64) / 32)[:, None] * 0.02, 12, axis=1)
@@ -102,4 +115,5 @@ def test_only_on_request():
     assert set(found.observables) == default
     assert not found.distributions
     assert "a_r" in default
-    assert not {name for name in all_observables() if name.startswith(("patch", "perimeter", "contact_", "gap_perc"))} & default
+    counted = ("patch", "perimeter", "contact_", "gap_perc", "gap_spans")
+    assert not {name for name in all_observables() if name.startswith(counted)} & default

@@ -53,6 +53,7 @@ def test_limits_uncertainties_and_provenance(written):
     assert found.provenance["accuracy"] == [1e-3]
     assert {"command", "level", "date", "runs", "versions"} <= set(found.provenance)
     assert written.stat().st_size < 1e6
+    assert "The mean gap ends at p_star = 1:" in json.loads(written.read_text())["note"]
 
 
 def test_interpolation(written):

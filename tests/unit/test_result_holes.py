@@ -7,38 +7,16 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from result_files import FIELD, N, begin, complete, interrupted
 
 from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.checkpoint import read_checkpoint, write_checkpoint
-from hpc_gfmd.output.read import partial_folder, read_partial, read_result
-from hpc_gfmd.output.record import RunFile
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.parallel.comm import SerialComm
 
-N, FIELD = (6, 5), np.arange(30.0).reshape(6, 5)
-HEAD = {"scene": "title = 'x'", "identity": "abc", "versions": {"numpy": "2"}}
-SURFACE = {"n": list(N), "physical_sizes": [1.0, 2.0]}
-STEP = {"p": 0.1, "status": "converged"}
 GRID = type("Grid", (), {"n": N, "rows": (0, N[0]), "comm": SerialComm()})
-
-
-def begin(path, identity="abc", **how):
-    return RunFile(SerialComm(), path, N, (0, N[0]), HEAD | {"identity": identity}, SURFACE, **how)
-
-
-def interrupted(path, steps=3, **how):
-    """The folder of a run that was interrupted after some loads."""
-    with begin(path, **how) as run:
-        for index in range(steps):
-            run.write_step(index, STEP | {"p": 0.1 * (index + 1)}, {"gap": FIELD + index})
-    return run.partial
-
-
-def complete(path, **how):
-    interrupted(path, **how)
-    with begin(path, resume=True, **how) as run:
-        run.finish("converged")
-    return path
 
 
 @pytest.fixture

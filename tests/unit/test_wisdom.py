@@ -8,7 +8,7 @@ from pieces import NEVER, Pieces, scene
 
 from hpc_gfmd import caches
 from hpc_gfmd.grid import Grid
-from hpc_gfmd.output.read import partial_folder
+from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.parallel import wisdom
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.fftw import load_fftw

@@ -15,18 +15,19 @@ from ..study import Study
 
 HURST = (0.3, 0.5, 0.8)
 LOADS = tuple(1e-4 * 2**k for k in range(11))
-ROWS = {  # as in levels.py
+WIDE = tuple(1e-5 * 4**k for k in range(7))  # of cells with more decades of roughness
+ROWS = {  # as in levels.py; at the end other loads
     "quick": ((1, 16, 2, 2, (0.5,)), (2, 16, 2, 2, (0.5,))),
-    "desk": ((1, 256, 2, 20, (0.3,)), (1, 256, 2, 13, (0.5,)), (1, 256, 2, 10, (0.8,))),
+    "desk": ((1, 256, 2, 20, (0.3,)), (1, 256, 2, 13, (0.5,)), (1, 256, 2, 10, (0.8,)), (2, 128, 2, 6), (1, 512, 2, 2, HURST, WIDE)),
     "paper": ((1, 1024, 2, 100), (2, 1024, 2, 50), (4, 1024, 2, 20), (8, 1024, 2, 10)),
 }
-LOW, LINEAR = 0.0015, 0.01  # p_star up to which the power law is fitted, and about which K is compared with a line
+LOW, LINEAR = 0.0005, 0.01  # p_star up to which the power law is fitted, and about which K is compared with a line
 
 
 def series(level: str) -> list[Case]:
     """All surfaces of a level."""
     level_of(level)
-    return cases_of(ROWS[level], HURST, LOADS, observables=("stiffness",))
+    return [case for row in ROWS[level] for case in cases_of((row[:5],), HURST, (*row[5:], LOADS)[0], observables=("stiffness",))]
 
 
 def means(runs: Rows, level: str) -> Rows:
@@ -58,25 +59,28 @@ def _mean(values):
 
 
 def power_laws(rows: Rows) -> Rows:
-    """For each system the mean exponent at the lowest loads, up to LOW, with its standard error, and `ends`: p_star from which on it
-    exceeds 1, by interpolation; None where it does nowhere or everywhere."""
+    """For each system the mean exponent at the lowest loads, up to LOW, with its standard error; `longer`: up to 3 LOW; `ends`: p_star
+    at which it is halfway between 1/(1 + H) and 1, `linear`: at which it is 1, by interpolation; None where it is so nowhere or
+    everywhere."""
     found = []
     for key in sorted({(row["hurst"], row["L_over_lam_l"], row["lam_l_over_lam_s"]) for row in rows}):
         part = [row for row in rows if (row["hurst"], row["L_over_lam_l"], row["lam_l_over_lam_s"]) == key]
         inner = [row for row in part if np.isfinite(row["exponent_se"]) and row["exponent_se"] > 0]
         low = [row for row in inner[1:] if row["p_star"] <= LOW]
         line = dict(zip(("hurst", "L_over_lam_l", "lam_l_over_lam_s"), key, strict=True)) | {"surfaces": part[0]["surfaces"]}
-        weights = [row["exponent_se"] ** -2 for row in low]
-        line["exponent"] = float(np.average([row["exponent"] for row in low], weights=weights)) if low else None
+        line["exponent"] = float(np.mean([row["exponent"] for row in low])) if low else None
+        line["longer"] = float(np.mean([row["exponent"] for row in inner[1:] if row["p_star"] <= 3 * LOW])) if low else None
         line["exponent_se"] = float(np.mean([row["exponent_se"] for row in low])) if low else None  # of one surface, not independent
-        steps = [(a, b) for a, b in zip(inner, inner[1:], strict=False) if a["exponent"] < 1 <= b["exponent"]]
-        line["ends"] = None
-        if steps:
-            (a, b) = steps[0]
-            share = (1 - a["exponent"]) / (b["exponent"] - a["exponent"])
-            line["ends"] = float(a["p_star"] * (b["p_star"] / a["p_star"]) ** share)
-        found.append(line)
+        found.append(line | {"ends": _rises_to((1 / (1 + key[0]) + 1) / 2, inner), "linear": _rises_to(1.0, inner)})
     return found
+
+
+def _rises_to(exponent, rows):
+    for a, b in zip(rows, rows[1:], strict=False):
+        if a["exponent"] < exponent <= b["exponent"]:
+            share = (exponent - a["exponent"]) / (b["exponent"] - a["exponent"])
+            return float(a["p_star"] * (b["p_star"] / a["p_star"]) ** share)
+    return None
 
 
 def findings(rows: Rows) -> Rows:
@@ -86,9 +90,11 @@ def findings(rows: Rows) -> Rows:
         if law["exponent"] is None:
             continue
         what = f"H = {law['hurst']:g}, L/lam_l = {law['L_over_lam_l']:g}, eps_f = 1/{law['lam_l_over_lam_s']:g}"
-        ends = f", and up to p* = {law['ends']:.2g} less than 1" if law["ends"] else ""
+        ends = f"; halfway to 1 at p* = {law['ends']:.2g}" if law["ends"] else ""
+        ends += f", 1 at {law['linear']:.2g}" if law["linear"] else ""
         lines.append(saying(f"{what}: K as p^{1 / (1 + law['hurst']):.3f} = p^1/(1 + H)",
-                            f"exponent {quoted(law['exponent'], law['exponent_se'])} up to p* = {LOW:g}{ends}",
+                            f"exponent {quoted(law['exponent'], law['exponent_se'])} up to p* = {LOW:g}, {law['longer']:.2f} up to "
+                            f"{3 * LOW:g}{ends}",
                             f"{law['surfaces']} surfaces"))
     for hurst, part in by_hurst(rows).items():
         near_line = [row["stiffness"] / row["persson"] for row in part if LINEAR / 2 < row["p_star"] < 2 * LINEAR]
@@ -135,9 +141,10 @@ def draw(rows, path):
 
 
 QUESTION = """How does the stiffness -dp/d(mean gap) of a finite rough contact fall at low pressures, and where does the power law
-end? In large systems Persson's theory (dashed) makes it proportional to the pressure; Pastewka, Prodanov, Lorenz,
-Müser, Robbins and Persson (2013) find p^1/(1 + H) (line in the lower panels) where the contact is one clump on the
-highest hill. The stiffness is the tangent while no point changes sides; means over surfaces are geometric."""
+end, also in larger cells? In large systems Persson's theory (dashed) makes it proportional to the pressure; Pastewka,
+Prodanov, Lorenz, Müser, Robbins and Persson (2013) find p^1/(1 + H) (line in the lower panels) where the contact is one
+clump on the highest hill. The local exponent rises all the way, so that its mean depends on how far up one goes: two are
+given. The stiffness is the tangent while no point changes sides; means over surfaces are geometric."""
 
 STUDIES = (
     Study("stiffness", "Tangent stiffness at low pressures", "a power law with exponent 1/(1 + H) in finite systems",

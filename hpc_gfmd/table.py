@@ -1,37 +1,38 @@
-"""The result table: one line per load step, plain ASCII for terminals and batch logs."""
+"""The result table: one line per load step, plain ASCII for terminals and batch logs, or HTML for notebooks; and one line on a load
+step and on a surface."""
 
+from html import escape
 from math import floor, isfinite, log10, nan
 
-from ..quantity import prefixed
+from .quantity import prefixed
 
 DIGITS = 4  # of a number without an error estimate
 MAX_DIGITS = 6
 LEGEND = "+-: estimated error of the solver on this grid; grid: estimated error of a_r by the size of a grid point, % of a_r"
 
-# attribute, heading, unit, estimated relative error of it; left out where no step has the attribute
-COLUMNS = (
-    ("target_gap_mean", "asked: gap", "[length]", None),
+COLUMNS = (  # attribute, heading, what it is measured in, estimated relative error or format; left out where no step has it
+    ("target_gap_mean", "asked: gap", "length", None),
     ("target_gap_over_h_rms", "asked: gap/h_rms", "", None),
     ("target_a_r", "asked: a_r", "", None),
-    ("target_force", "force", "[force]", None),
-    ("target_approach", "asked: approach", "[length]", None),
+    ("target_force", "force", "force", None),
+    ("target_approach", "asked: approach", "length", None),
     ("p_star", "p*", "", None),
-    ("p", "p", "[unit of E*]", None),
-    ("a_r", "a_r", "[% +- solver]", "a_r_error"),
-    ("a_r_discretisation", "grid", "[%]", None),
+    ("p", "p", "unit of E*", None),
+    ("a_r", "a_r", "% +- solver", "a_r_error"),
+    ("a_r_discretisation", "grid", "%", ".2g"),
     ("kappa", "kappa", "", None),
     ("kappa_corrected", "edge-corr.", "", None),
-    ("gap_mean", "mean gap", "[length]", "gap_error"),
-    ("approach", "approach", "[length]", None),
+    ("gap_mean", "mean gap", "length", "gap_error"),
+    ("approach", "approach", "length", None),
     ("gap_over_h_rms", "gap/h_rms", "", None),
-    ("stiffness", "stiffness", "[E*/length]", None),
+    ("stiffness", "stiffness", "E*/length", None),
     ("patches", "patches", "", None),
-    ("patch_largest", "largest", "[length^2]", None),
-    ("perimeter", "perimeter", "[length]", None),
-    ("pressure_error", "error of p", "[%]", None),
+    ("patch_largest", "largest", "length^2", None),
+    ("perimeter", "perimeter", "length", None),
+    ("pressure_error", "error of p", "%", ".2g"),
     ("iterations", "iter.", "", None),
-    ("fft_pairs", "FFT pairs", "", None),
-    ("wall_seconds", "time", "[s]", None),
+    ("fft_pairs", "FFT pairs", "", ".1f"),
+    ("wall_seconds", "time", "s", ".3g"),
     ("precision", "precision", "", None),
     ("status", "status", "", None),
 )
@@ -51,18 +52,26 @@ def table(steps: list[dict], indices: list[int] | None = None, surface: dict | N
     return "\n".join([*(line.rstrip() for line in lines), *remarks(indices, steps)])
 
 
+def html_table(steps: list[dict], surface: dict, indices=None, notes=(), across: bool = True) -> str:
+    """HTML of what `table` says; across: a row for each step, otherwise a column."""
+    indices = list(range(len(steps))) if indices is None else indices
+    rows = cells(steps, indices, surface)
+    if not across:
+        rows = [list(row) for row in zip(*rows)][1:]
+    lines = ["<tr>" + "".join(f'<td style="text-align:right">{escape(cell)}</td>' for cell in row) + "</tr>" for row in rows]
+    below = [surface_line(surface), *remarks(indices, steps), *(f"note: {note}" for note in notes)]
+    return "\n".join(["<table>", *lines, "</table>", "<small>" + "<br>".join(escape(line) for line in below) + "</small>"])
+
+
 def cells(steps: list[dict], indices: list[int], surface: dict | None = None) -> list[list[str]]:
     """The same as rows of texts: headings, units, and one row per step."""
-    steps = [{key: value for key, value in step.items() if isinstance(value, int | float | str)} for step in steps]  # of any file
-    scales = _scales(steps, surface or {})
-    steps = [step | {key: step[key] / scale for key, (scale, _) in scales.items() if _is_number(step.get(key))} for step in steps]
-    columns = [(key, name, scales[key][1] if key in scales else unit, error) for key, name, unit, error in COLUMNS
-               if any(step.get(key) is not None for step in steps)]
-    rows = [["step", *(name for _, name, _, _ in columns)], ["", *(unit for _, _, unit, _ in columns)]]
-    for index, step in zip(indices, steps, strict=True):
-        mark = "" if converged(step) else "! "
-        rows.append([f"{mark}{index}", *(_cell(step, key, error) for key, _, _, error in columns)])
-    return rows
+    columns = [["step", "", *(f"{index}" if converged(step) else f"! {index}" for index, step in zip(indices, steps, strict=True))]]
+    for key, name, unit, how in COLUMNS:
+        values = [step[key] if isinstance(step.get(key), int | float | str) else None for step in steps]  # of any file
+        if any(value is not None for value in values):
+            scale, heading = _scale(unit, [value for value in values if _is_number(value)], surface or {})
+            columns.append([name, heading, *(_cell(value, scale, how, step) for value, step in zip(values, steps))])
+    return [list(row) for row in zip(*columns)]
 
 
 def summary(step: dict, surface: dict) -> str:
@@ -80,18 +89,16 @@ def summary(step: dict, surface: dict) -> str:
     return ", ".join(parts) + (f"; note: {step['note']}" if step.get("note") else "")
 
 
-def _scales(steps, surface):
-    """{attribute: (scale, heading)} of a_r in per cent, and of what has a unit, with the prefix that suits its largest value."""
+def _scale(kind, values, surface):
+    """(scale, heading) of a column: with the prefix that suits its largest value where the surface knows the unit, a_r in per cent."""
     length, pressure = _text(surface, "unit"), _text(surface, "pressure_unit")
-    units = {"p": pressure, **dict.fromkeys(("gap_mean", "approach", "perimeter", "target_gap_mean", "target_approach"), length),
-             "target_force": "N" if length and pressure else "", "stiffness": f"{pressure}/{length}" if pressure and length else ""}
-    given = {key: [step[key] for step in steps if _is_number(step.get(key))] for key in (*units, "patch_largest")}
-    found = {key: prefixed(given[key], unit) for key, unit in units.items() if unit}
-    if length:
-        scale, unit = prefixed([abs(value)**0.5 for value in given["patch_largest"]], length)
-        found["patch_largest"] = scale**2, f"{unit}^2"
-    per_cent = {key: (0.01, heading) for key, _, heading, _ in COLUMNS if key == "a_r"}
-    return per_cent | {key: (scale, f"[{unit}]") for key, (scale, unit) in found.items()}
+    both = length and pressure
+    known = {"length": length, "unit of E*": pressure, "force": both and "N", "E*/length": both and f"{pressure}/{length}"}
+    if kind == "length^2" and length:
+        scale, unit = prefixed([abs(value)**0.5 for value in values], length)
+        return scale**2, f"[{unit}^2]"
+    scale, unit = prefixed(values, known[kind]) if known.get(kind) else (0.01 if kind.startswith("%") else 1.0, kind)
+    return scale, unit and f"[{unit}]"
 
 
 def converged(step: dict) -> bool:
@@ -153,19 +160,14 @@ def _text(surface: dict, key: str) -> str:
     return surface[key] if isinstance(surface.get(key), str) else ""
 
 
-def _cell(step, key, error_key) -> str:
-    value = step.get(key)
-    if value is None:
-        return "-"
-    if isinstance(value, str):
-        return value
-    if key in ("pressure_error", "a_r_discretisation"):
-        return f"{100 * value:.2g}"
-    if key == "wall_seconds":
-        return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
-    if key == "fft_pairs":
-        return f"{value:.1f}" if value < 1000 else f"{value:.0f}"
-    return with_error(value, step.get(error_key)) if isinstance(value, float) else str(value)
+def _cell(value, scale, how, step) -> str:
+    if value is None or isinstance(value, str):
+        return value or "-"
+    value = value if scale == 1 else value / scale
+    if how and how.startswith("."):
+        return f"{value:{how}}" if value < 1000 else f"{value:.0f}"
+    error = step.get(how) if _is_number(step.get(how)) else None
+    return with_error(value, error) if isinstance(value, float) or error else str(value)
 
 
 def remarks(indices, steps) -> list[str]:

@@ -1,0 +1,88 @@
+"""Processes that measure when they are told to: several can take turns, so that a drift of the machine's speed hits all alike."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+from ..errors import GfmdError
+
+PAUSE = 1e-3  # seconds between two looks of a rank that waits: it must not take a core from those that measure
+
+
+class Worker:
+    """A module of this package on a number of ranks, which calls `serve`. Raises GfmdError if it fails."""
+
+    def __init__(self, module, ranks, *args):
+        command = [sys.executable, "-m", f"hpc_gfmd.bench.{module}", *map(str, args)]
+        if ranks > 1:
+            command = ["mpirun", "-n", str(ranks), *command]
+        self.what = f"{module} on {ranks} rank{'s' * (ranks > 1)}"
+        self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115
+        try:
+            self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors, text=True,
+                                             env=os.environ | {"OMP_NUM_THREADS": "1"})
+        except OSError as error:
+            raise GfmdError(f"{self.what}: {error}") from None
+        self._answer()  # ready
+
+    def measure(self):
+        """What the worker found, once more."""
+        try:
+            self._process.stdin.write("again\n")
+            self._process.stdin.flush()
+        except OSError:  # it has ended: how, will be found
+            pass
+        return self._answer()
+
+    def close(self):
+        """Let it end."""
+        self._process.communicate()
+
+    def _answer(self):
+        for line in self._process.stdout:
+            if line.startswith("{"):
+                return json.loads(line)
+        self._process.wait()
+        self._errors.seek(0)
+        raise GfmdError(f"{self.what} failed: {what_failed(self._errors.read())}")
+
+
+def in_turn(workers, repeats):
+    """Everything that every worker finds in so many rounds, every other one backwards (A B B A)."""
+    found = {name: [] for name in workers}
+    for k in range(repeats):
+        for name in list(workers)[::1 if k % 2 == 0 else -1]:
+            found[name].append(workers[name].measure())
+    return found
+
+
+def what_failed(text):
+    """The line of standard error that says most: the last one of ours, or else the first one of mpirun's, which dashes frame."""
+    lines = [line.strip() for line in text.splitlines()]
+    frame = next((k for k, line in enumerate(lines) if line.startswith("-----")), len(lines))
+    ours, launchers = ([line for line in part if any(map(str.isalpha, line))] for part in (lines[:frame], lines[frame:]))
+    return ours[-1] if ours else launchers[0] if launchers else "?"
+
+
+def serve(comm, measure):
+    """Print what measure() returns, a dict, on rank 0, as often as asked on its standard input. Collective."""
+    _say(comm, {})
+    while _asked(comm):
+        _say(comm, measure())
+
+
+def _say(comm, row):
+    if comm.rank == 0:
+        print(json.dumps(row), flush=True)
+
+
+def _asked(comm):
+    more = comm.rank == 0 and bool(sys.stdin.readline())
+    if comm.mpi is not None:
+        met = comm.mpi.Ibarrier()
+        while not met.Test():
+            time.sleep(PAUSE)
+    return comm.max([more])[0] > 0

@@ -1,0 +1,102 @@
+"""Who has which rows of a field and which columns of its spectrum, and what ranks have to send each other: for fft.py."""
+
+from functools import cached_property
+
+import numpy as np
+
+COLUMN_BYTES = 256 * 1024  # of a block of columns, which is transposed in the second-level cache
+ROW_BYTES = 256 * 1024  # of the spectra of one pass of rows: these share the second-level cache with the rows of the caller's fields
+MIN_WIDTH, MAX_WIDTH = 8, 64
+
+
+def row_starts(n_x, size):
+    """First row of every rank, and n_x: the block distribution of mpi4py-fft."""
+    return np.array([r * (n_x // size) + min(r, n_x % size) for r in range(size + 1)])
+
+
+class Layout:
+    """Who has which rows of a field and which columns of its half spectrum, and what is sent: no memory, no message.
+
+    n: (n_x, n_y) global; starts: first row of each rank plus n_x; itemsize: of a complex number; beside: the ranks that have memory in
+    common with this one, itself among them. edges: first column of every block, and their number n_c; K: blocks of each rank; W:
+    columns of the widest block; R: rows that are transformed at a time; far: which ranks have to be sent what they want.
+    """
+
+    def __init__(self, n, starts, rank, itemsize, beside=None):
+        self.n, self.starts, self.rank, self.itemsize = n, np.asarray(starts), rank, itemsize
+        self.size = len(self.starts) - 1
+        self.n_c = n[1] // 2 + 1
+        self.n_loc = int(self.starts[rank + 1] - self.starts[rank])
+        self.edges = self._edges()
+        self.M = len(self.edges) - 1
+        self.K = self.M // self.size
+        self.W = int(np.diff(self.edges).max())
+        self.R = self._rows_per_pass()
+        self.beside = np.array([rank] if beside is None else beside)
+        self.far = np.ones(self.size, bool)
+        self.far[self.beside] = False
+
+    def _edges(self):
+        """Blocks of complete columns that fit the cache. On several ranks all have the same number of them, and as many columns but for
+        one: the last blocks are the wider ones, so that all others begin on cache lines, as those of one rank do, which needs no such
+        balance."""
+        wanted = int(np.clip(COLUMN_BYTES // (self.n[0] * self.itemsize), MIN_WIDTH, MAX_WIDTH))
+        if self.size > 1:
+            K = max(1, round(self.n_c / self.size / wanted))
+            edges = row_starts(self.n_c, K * self.size)
+            return edges if self.n_c < K * self.size else self.n_c - edges[::-1]  # q = 0 is in block 0
+        K = -(-self.n_c // wanted)
+        W = -(-self.n_c // K)
+        if K > 1:
+            W = -(-W // (64 // self.itemsize)) * (64 // self.itemsize)
+        return np.append(np.arange(0, self.n_c, W), self.n_c)
+
+    def _rows_per_pass(self):
+        wanted = int(np.clip(ROW_BYTES // (self.n_c * self.itemsize), 8, 256))
+        longest = int(np.diff(self.starts).max())  # on any rank: all plan alike
+        passes = max(1, -(-longest // wanted))
+        R = max(1, -(-longest // passes))
+        return R + R % 2 if R > 1 else R  # even: a coarse row then belongs to one pass
+
+    def columns_of(self, m):
+        """The columns [j0, j1) of the half spectrum that block m holds."""
+        return int(self.edges[m]), int(self.edges[m + 1])
+
+    @property
+    def columns_held(self):
+        """Number of columns of every rank."""
+        return np.diff(self.edges).reshape(self.K, self.size).sum(axis=0)
+
+    @cached_property
+    def widths(self):
+        """The numbers of columns that are transformed at a time."""
+        return sorted({int(w) for w in np.diff(self.edges) if w and self.size > 1} | {self.W})
+
+    @property
+    def scratch_bytes(self):
+        """Bytes that each thread has for itself."""
+        rows = self.R * (self.n[1] * self.itemsize // 2 + self.n_c * self.itemsize)
+        return rows + self.W * self.n[0] * self.itemsize * (2 if self.far.any() else 1)
+
+    @property
+    def bytes(self):
+        """Bytes of the spectrum on this rank."""
+        return self.n_loc * self.n_c * self.itemsize
+
+    def sent(self, k):
+        """Bytes to every rank, and their offsets in the slab of the all-to-all number k."""
+        edges = self.edges[k * self.size:(k + 1) * self.size + 1]
+        return self.far * np.diff(edges) * (self.n_loc * self.itemsize), (edges[:-1] - edges[0]) * (self.n_loc * self.itemsize)
+
+    def received(self, k):
+        """Bytes from every rank of complete columns, and their offsets."""
+        j0, j1 = self.columns_of(k * self.size + self.rank)
+        return self.far * np.diff(self.starts) * ((j1 - j0) * self.itemsize), self.starts[:-1] * ((j1 - j0) * self.itemsize)
+
+    def traffic(self):
+        """(bytes, messages) that this rank sends to ranks on other nodes in a transform there and back."""
+        widths, rows = np.diff(self.edges).reshape(self.K, self.size), np.diff(self.starts) * self.far
+        mine = widths[:, self.rank]
+        nbytes = (self.n_loc * widths[:, self.far].sum() + rows.sum() * mine.sum()) * self.itemsize
+        there = np.count_nonzero(widths[:, self.far]) * (self.n_loc > 0)
+        return int(nbytes), int(there + np.count_nonzero(mine) * np.count_nonzero(rows))

@@ -1,0 +1,72 @@
+"""Memory that the ranks of a node have in common: each reads and writes the parts of the others as its own, without a message.
+
+It is a file without a name (memfd) that all of them map: it needs no room in /dev/shm and is gone with the last process that maps it,
+however that ends. MPI's own shared windows have to be freed by all ranks together, which objects that Python frees cannot promise.
+"""
+
+import mmap
+import os
+
+import numpy as np
+
+PAGE = mmap.PAGESIZE
+
+
+def common_memory(comm, nbytes):
+    """(memory, offsets): the bytes of all ranks of a communicator, zero, and where those of each rank begin; nbytes: of this rank.
+
+    Raises OSError on all ranks where they cannot have it together, such as on several machines. Collective.
+    """
+    offsets = np.concatenate([[0], np.cumsum(-(-comm.counts(nbytes) // PAGE) * PAGE)])
+    total = max(int(offsets[-1]), PAGE)
+    made, error, memory, token = -1, None, None, int.from_bytes(os.urandom(6))
+    if comm.rank == 0:
+        try:
+            made = os.memfd_create(_name(token))
+            os.ftruncate(made, total)
+        except OSError as found:
+            error = found
+    pid, there, token = (int(number) for number in comm.share([os.getpid(), -1 if error else made, token]))
+    try:
+        if there >= 0:
+            memory = _mapped(f"/proc/{pid}/fd/{there}", token, total)
+    except OSError as found:
+        error = found
+    failed = comm.max([memory is None])[0]  # all have opened it, or given up
+    if made >= 0:
+        os.close(made)
+    if failed:
+        raise error or OSError("no memory in common with another rank")
+    return memory, offsets[:-1]
+
+
+def _name(token):
+    return f"hpc-gfmd-{token}"
+
+
+def _mapped(path, token, total):
+    if os.readlink(path) != f"/memfd:{_name(token)} (deleted)":
+        raise FileNotFoundError(f"{path}: of another process, as in another container")
+    file = os.open(path, os.O_RDWR)
+    try:
+        mapped = mmap.mmap(file, total)
+    finally:
+        os.close(file)
+    if hasattr(mmap, "MADV_HUGEPAGE"):
+        try:
+            mapped.madvise(mmap.MADV_HUGEPAGE)  # as NumPy does for what it allocates
+        except OSError:  # a system without them
+            pass
+    return np.frombuffer(mapped, np.uint8)
+
+
+def can_share(comm):
+    """Whether the ranks of a communicator can have memory in common: on one machine, and allowed to. Collective."""
+    try:
+        memory, offsets = common_memory(comm, 8)
+    except OSError:
+        return False
+    memory[offsets[comm.rank]] = 1 + comm.rank % 100
+    comm.barrier()
+    right = all(memory[start] == 1 + rank % 100 for rank, start in enumerate(offsets))
+    return bool(comm.min([right])[0])

@@ -1,0 +1,137 @@
+"""Ranks of one node transpose in memory that they have in common, others by messages: whoever is beside whom, all is as on one rank."""
+
+import errno
+import gc
+import os
+
+import numpy as np
+import pytest
+from contacts import rough, solve_scene, sweep_of
+
+from hpc_gfmd.driver.decomposition import Share, share_of
+from hpc_gfmd.grid import Grid
+from hpc_gfmd.parallel import comm as communicators
+from hpc_gfmd.parallel import shared
+from hpc_gfmd.parallel.comm import MpiComm, SerialComm
+
+pytestmark = pytest.mark.mpi
+NODES = {"one": lambda rank: 0, "each its own": lambda rank: rank, "pairs": lambda rank: rank // 2, "in turn": lambda rank: rank % 2}
+on_nodes = pytest.mark.parametrize("nodes", NODES)
+
+
+@pytest.fixture
+def machines(comm, nodes, monkeypatch):
+    """The communicator of all ranks, as if they were on these nodes."""
+    if comm is None or comm.size == 1:
+        return comm
+    node_of = NODES[nodes]
+    monkeypatch.setattr(communicators, "same_machine", lambda mpi: mpi.Split(node_of(comm.rank), mpi.Get_rank()))
+    made = MpiComm(comm.mpi)
+    assert list(made.beside) == [rank for rank in range(comm.size) if node_of(rank) == node_of(comm.rank)]
+    return made
+
+
+def transformed(comm, n, dtype, threads):
+    """This rank's rows of random heights, transformed, every column multiplied by a number of its own, and back."""
+    grid = Grid(n, comm=comm, threads=threads)
+    fft, first = grid.fft(dtype), grid.rows[0]
+    field = np.random.default_rng(3).standard_normal(n).astype(dtype)
+    out = grid.empty(dtype)
+
+    def read(i0, i1, x):
+        x[:i1 - i0] = field[first + i0:first + i1]
+
+    def write(i0, i1, x):
+        out[i0:i1] = x[:i1 - i0]
+
+    def multiply(block, m):
+        j0, j1 = fft.columns_of(m)
+        block *= (1 + np.arange(j0, j1))[:, None].astype(dtype) * dtype(fft.scale)
+        return j0
+
+    fft.forward_rows(read)
+    assert fft.columns(multiply) == [int(j) for j in fft.edges[comm.rank:-1:comm.size] if j < fft.n_c]
+    fft.backward_rows(write)
+    return out, slice(*grid.rows)
+
+
+@on_nodes
+def test_transforms(machines):
+    """Odd sizes, ranks without rows, ranks without columns; threads."""
+    for n in [(3, 16), (201, 301), (40, 2), (2, 1)]:
+        wanted, _ = transformed(SerialComm(), n, np.float64, 1)
+        for threads in (1, 2):
+            found, mine = transformed(machines, n, np.float64, threads)
+            assert np.abs(found - wanted[mine]).max(initial=0) <= 1e-12 * np.abs(wanted).max(), (n, threads)
+
+
+@on_nodes
+def test_messages_are_those_between_nodes(machines):
+    """Counted as planned, for the solver's whole iteration; none of a transpose where all ranks have a node in common."""
+    sweep = sweep_of(rough((2, 32, 4)), comm=machines, accuracy=1e-2, precision="single")
+    sweep.solve(0.1 * sweep.surface.g_rms)
+    if machines.size == 1:
+        return
+    before = machines.sent.bytes, machines.sent.messages
+    sweep.solver.step()
+    share = Share(sweep.surface.grid, sweep.dtype)
+    assert (machines.sent.bytes - before[0], machines.sent.messages - before[1]) == share.traffic
+    assert (share.transpose_traffic == (0, 0)) == (len(machines.beside) == machines.size)
+    fft = sweep.surface.grid.fft(sweep.dtype)
+    assert fft.nbytes == share.layout.bytes + share.layout.scratch_bytes
+    alone = share_of(sweep.surface.grid.n, sweep.dtype, machines.size, machines.rank)  # what `plan` says: at least what is held
+    assert alone.layout.scratch_bytes - share.layout.scratch_bytes == \
+        (fft.W * fft.n[0] * fft.itemsize if len(machines.beside) == machines.size else 0)
+
+
+@on_nodes
+def test_same_contact(machines):
+    found, wanted = (solve_scene(rough((2, 16, 2)), 0.1, comm=c, residual=1e-11, precision="double") for c in (machines, SerialComm()))
+    assert found.contact.contact_points == wanted.contact.contact_points
+    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-10)
+
+
+def test_no_memory_in_common(comm, monkeypatch):
+    """Where a rank may not open what another one has made, as in another container, all is sent."""
+    if comm is None or comm.size == 1:
+        return
+    real = os.readlink
+    monkeypatch.setattr(os, "readlink", lambda path: real("/proc/self/exe") if comm.rank == 1 else real(path))
+    made = MpiComm(comm.mpi)
+    assert list(made.beside) == [comm.rank]
+    found, mine = transformed(made, (31, 37), np.float64, 1)
+    wanted, _ = transformed(SerialComm(), (31, 37), np.float64, 1)
+    assert np.abs(found - wanted[mine]).max(initial=0) <= 1e-12 * np.abs(wanted).max()
+
+
+def test_too_much_memory_is_an_error_on_all_ranks(comm, monkeypatch):
+    if comm is None or comm.size == 1:
+        return
+    node = comm.node
+
+    def full(file, size):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "ftruncate", full)
+    with pytest.raises(OSError, match="No space left" if node.rank == 0 else "no memory in common"):
+        shared.common_memory(node, 2**20)
+    comm.barrier()
+
+
+def test_memory_goes_with_the_grid(comm):
+    """No descriptor or mapping is left of a grid that is no longer used, and ranks need not meet for that."""
+    if comm is None or comm.size == 1:
+        return
+
+    def mapped():
+        with open("/proc/self/maps") as maps:
+            return sum("memfd:hpc-gfmd" in line for line in maps), len(os.listdir("/proc/self/fd"))
+
+    gc.collect()
+    maps, files = mapped()
+    grid = Grid((64, 64), comm=comm)
+    grid.fft(np.float32)
+    assert mapped() == (maps + 1, files + 1)
+    del grid
+    gc.collect()
+    assert mapped() == (maps, files)

@@ -1,0 +1,53 @@
+"""Kernels of the certificate and of the cheap observables against what they mean, written down once more in NumPy."""
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.kernels import certify
+
+
+def test_kkt_residuals(random):
+    g = random.standard_normal((6, 5))
+    g[g < 0.3] = np.minimum(g[g < 0.3], 0)
+    x, p = random.standard_normal((6, 5)), np.empty((6, 5))
+    sums, extremes = certify.kkt_residuals(g, p, x, 0.2, g.shape, 0, 6)
+    fresh = 0.2 + x
+    closed = (g <= 0) & (fresh > 0)
+    wanted = (np.sum(fresh[~closed] ** 2), np.sum(fresh[~closed] ** 4), np.sum(fresh[closed] ** 2), np.sum(fresh[closed]),
+              np.sum(np.abs(fresh) * g), closed.sum(), g.sum())
+    assert np.array_equal(p, fresh)
+    assert sums == pytest.approx(wanted, rel=1e-13)
+    assert extremes == pytest.approx((max(-g.min(), 0), max((-fresh[g <= 0]).max(initial=0), 0)), rel=1e-13)
+    assert certify.open_moments(g, p) == pytest.approx(wanted[:2], rel=1e-13)
+
+
+def test_uncertain_points(random):
+    g, p = np.maximum(random.standard_normal((40, 50)), 0), random.standard_normal((40, 50))
+    takes = np.where(g > 0, g / 0.7, np.abs(p)) ** 2
+    counts = np.zeros((2, certify.BINS))
+    certify.count_uncertain(g, p, 0.7, 0.05, 0.1, 0.5, counts)
+    edges = 0.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)
+    for side, found in zip((g <= 0, g > 0), counts, strict=True):
+        t = takes[side & (takes >= 0.05**2) & (takes <= 0.5)]
+        binned = t[t > 0.1**2]
+        assert found[-1] == np.sum(t <= 0.1**2) > 0
+        wanted = [np.sum((binned > low) & (binned <= high)) for high, low in zip(edges, edges[1:])]
+        assert np.array_equal(found[:-1], wanted[:-1])
+
+
+def test_dual_rows(random):
+    g, p = np.maximum(random.standard_normal((4, 5)), 0), random.standard_normal((4, 5))
+    x = np.empty((4, 5))
+    total = certify.dual_rows(g, p, x, 1.5, g.shape, 0, 4)
+    admissible = 1.5 * p * ((g <= 0) & (p > 0))
+    assert np.allclose(x, admissible - p)
+    assert total == pytest.approx(np.vdot(admissible, g), abs=1e-14)
+
+
+def test_contact_edges(random):
+    closed = random.random((7, 6)) < 0.5
+    g, p = np.where(closed, 0.0, 1.0), np.ones((7, 6))
+    wanted = tuple(np.sum(closed != np.roll(closed, 1, axis)) for axis in (1, 0))
+    assert certify.contact_edges(g, p, g[0], p[0], True) == wanted
+    parts = certify.contact_edges(g[:3], p[:3], g[3], p[3], True), certify.contact_edges(g[3:], p[3:], g[0], p[0], True)
+    assert tuple(map(sum, zip(*parts, strict=True))) == wanted

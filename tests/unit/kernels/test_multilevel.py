@@ -1,0 +1,141 @@
+"""Levels, what is restricted to them and interpolated from them, and the preconditioner as a matrix."""
+
+import numpy as np
+import pytest
+from transfers import SIZES, interpolation, whole
+
+from hpc_gfmd.bodies.halfspace import HalfSpace
+from hpc_gfmd.grid import Grid
+from hpc_gfmd.kernels import multilevel
+from hpc_gfmd.operators.coarsening import levels, owned_rows
+from hpc_gfmd.operators.multilevel import COUPLING, DAMPING, Multilevel
+
+
+@pytest.mark.parametrize("n", SIZES, ids=str)
+def test_transfers_are_adjoint(random, n):
+    """<R x, y> N/N_1 = <x, P y>, and both are what they are called."""
+    t, m, P_x, P_y = whole(n)
+    x, y = random.standard_normal(n), random.standard_normal(m)
+    fine, coarse = np.zeros((1, n[0] + 2, n[1])), np.zeros((1, m[0] + 2, m[1]))
+    fine[0, 1:-1] = x
+    multilevel.restrict_level(fine, coarse, t.tables)
+    R = coarse[0, 1:-1].copy()
+    R[0] += coarse[0, -1]
+    R[-1] += coarse[0, 0]
+    ratio = n[0] * n[1] / (m[0] * m[1])
+    assert np.allclose(R, P_x.T @ x @ P_y / ratio, atol=1e-13)
+    Py = np.zeros((1, n[0] + 2, n[1]))
+    rt = np.zeros((2, n[0] + 2, n[1]))
+    multilevel.smooth_level(rt, y[np.arange(-1, m[0] + 1) % m[0]].copy(), Py[0], 1.0, 4.0, 1.0, t.tables)
+    assert np.allclose(Py[0, 1:-1], P_x @ y @ P_y.T, atol=1e-13)
+    assert np.vdot(R, y) * ratio == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 3.0)])
+@pytest.mark.parametrize("n", SIZES, ids=str)
+def test_hierarchy(n, sizes):
+    hierarchy = levels(Grid(n, sizes))
+    assert hierarchy[0].n == n
+    assert hierarchy[0].q == pytest.approx(Grid(n, sizes).q_nyquist, rel=1e-12)
+    assert hierarchy[-1].n == (1, 1)
+    for fine, coarse in zip(hierarchy, hierarchy[1:], strict=False):
+        assert all(c in (f, (f + 1) // 2) for f, c in zip(fine.n, coarse.n, strict=True))
+        assert coarse.n != fine.n
+        assert 0 < coarse.q <= fine.q * 1.01
+
+
+def test_every_coarse_row_has_one_owner():
+    for n in range(1, 40):
+        for size in (1, 2, 3, 4, 7):
+            starts = Grid((n, 4)).starts if size == 1 else np.sort(np.random.default_rng(n).integers(0, n + 1, size - 1))
+            starts = np.array([0, n]) if size == 1 else np.array([0, *starts, n])
+            m = (n + 1) // 2
+            owned = owned_rows(starts, n, m)
+            assert owned[0] == 0
+            assert owned[-1] == m
+            assert (np.diff(owned) >= 0).all()
+
+
+def by_matrices(grid, r, theta, level=0):
+    """M' r by the recursion z_l = r_l/(weight_l + c theta_l) + w P z_(l+1), from a level on."""
+    hierarchy = levels(grid)
+    z = r / (HalfSpace().weights(grid)[level] + DAMPING * theta)
+    if level + 1 < len(hierarchy):
+        n, m = hierarchy[level].n, hierarchy[level + 1].n
+        P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
+        ratio = n[0] * n[1] / (m[0] * m[1])
+        z = z + COUPLING * P_x @ by_matrices(grid, P_x.T @ r @ P_y / ratio, P_x.T @ theta @ P_y / ratio, level + 1) @ P_y.T
+    return z
+
+
+def swept(grid, p, closed):
+    """M' p on level 1 by the solver's own sweep, and the sum <p, M' p>."""
+    sweep = Multilevel(grid, HalfSpace(), np.float64, max(grid.n[0], 1))
+    g = np.where(closed, 0.0, 1.0)
+    q = np.where(closed, 1.0, p)
+    zero, work = np.zeros(grid.n), np.zeros((7, grid.n[1] + 1))
+    for k in range(len(sweep.passes)):
+        sweep.update_rows(k, g, q.copy(), zero.copy(), zero, 0.0, work)
+    sums = sweep.sweep()
+    return sweep.z[1:-1].copy(), sums[0]
+
+
+@pytest.mark.parametrize("n", [n for n in SIZES if n != (1, 1)], ids=str)
+def test_sweep(random, n):
+    grid = Grid(n)
+    closed = random.random(n) < 0.3
+    p = np.where(closed, 0, random.standard_normal(n))
+    m = levels(grid)[1].n
+    P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
+    ratio = n[0] * n[1] / (m[0] * m[1])
+    wanted = by_matrices(grid, P_x.T @ p @ P_y / ratio, P_x.T @ closed @ P_y / ratio, 1)
+    found, energy = swept(grid, p, closed)
+    assert np.allclose(found, wanted, atol=1e-12)
+    assert energy == pytest.approx(np.vdot(p, P_x @ wanted @ P_y.T), abs=1e-11)
+
+
+@pytest.mark.parametrize("coarsest_points", [None, 0])
+@pytest.mark.parametrize(("n", "nominal"), [((16, 16), (8, 8)), ((30, 12), (15, 12)), ((14, 20), (7, 10)), ((16, 8), (16, 8))], ids=str)
+def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
+    """|v|^2 and <v, S r> by sums over levels, v = t N/n - s: of the indicators of contact and surface as they are, level by level."""
+    grid = Grid(n, nominal=nominal)
+    sweep = Multilevel(grid, HalfSpace(), np.float64, n[0], coarsest_points)
+    s = np.zeros(n)
+    s[:nominal[0], :nominal[1]] = 1
+    t = s * (random.random(n) < 0.4)
+    r = np.where(t > 0, 0, random.standard_normal(n))
+    g, p = np.where(t > 0, 0.0, 1.0), np.where(t > 0, 1.0, r)
+    sweep.restrict(g, p, 0.0)
+    _, _, _, tt, rt, mean, ts, rs = sweep.sweep()
+    norm, product = sweep.response(t.sum(), tt, ts, rt, rs, mean)
+
+    share = t.sum() / s.sum()
+    v, wanted_norm, wanted_product = t - share * s, 0.0, 0.0
+    for k, (level, softness) in enumerate(zip(levels(grid), HalfSpace().softness(grid))):
+        if k:
+            P_x, P_y = interpolation(*v.shape[:1], level.n[0]), interpolation(v.shape[1], level.n[1])
+            v, r = (P_x.T @ x @ P_y * (level.n[0] * level.n[1] / x.size) for x in (v, r))
+        weight, w = softness * grid.cell_points / v.size, v if k else t  # s is left out on the finest level
+        wanted_norm += weight * np.vdot(w, w)
+        wanted_product += weight * np.vdot(v, r) * (k > 0 or not grid.padded)
+    assert norm == pytest.approx(wanted_norm, rel=1e-9)
+    assert product == pytest.approx(wanted_product, abs=1e-9)
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 2.5)])
+@pytest.mark.parametrize("n", [(8, 8), (7, 9), (6, 10), (1, 12), (5, 3)], ids=str)
+def test_preconditioner_is_symmetric_positive_definite(random, n, sizes):
+    """M = 1 + w P M' R on the free points, as a matrix."""
+    grid = Grid(n, sizes)
+    closed = random.random(n) < 0.3
+    free = np.flatnonzero(~closed)
+    m = levels(grid)[1].n
+    P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
+    M = np.zeros((free.size, free.size))
+    for column, i in enumerate(free):
+        unit = np.zeros(n)
+        unit.flat[i] = 1
+        z, _ = swept(grid, unit, closed)
+        M[:, column] = (unit + COUPLING * P_x @ z @ P_y.T).ravel()[free]
+    assert np.abs(M - M.T).max() < 1e-12
+    assert np.linalg.eigvalsh(M).min() >= 1 - 1e-9

@@ -1,0 +1,37 @@
+"""Random spectra: of real fields, within their band, from uniform and independent numbers."""
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.kernels import surface
+
+
+def test_random_spectrum_is_that_of_a_real_field():
+    n = 8
+    whole = np.zeros((n, n), complex)
+    for k_y in range(n):
+        block = np.zeros((1, n), complex)
+        surface.self_affine(block, 0.0, 1.0, k_y if k_y <= n // 2 else k_y - n, 1, n, np.uint64(3), 1.0, 1.0, 4.0, 1.0, 1.8)
+        whole[:, k_y] = block[0]
+    heights = np.fft.ifft2(whole)
+    assert np.abs(heights.imag).max() < 1e-14 * np.abs(heights.real).max()
+    k = np.hypot(*np.meshgrid(np.fft.fftfreq(n, 1 / n), np.fft.fftfreq(n, 1 / n)))
+    assert (np.abs(whole[(k >= 1) & (k <= 4)]) > 0).all()
+    assert not whole[(k < 1) | (k > 4 + 1e-9)].any()
+
+
+def test_random_numbers_are_uniform():
+    """Real and imaginary parts over |k|^-(1+H) fill (-1, 1) evenly, and neighbouring seeds and modes are independent."""
+    parts = []
+    for seed in (0, 1):
+        block = np.zeros((100, 256), complex)
+        surface.self_affine(block, 0.0, 1.0, 1, 100, 512, np.uint64(seed), 1.0, 1.0, 300.0, 1.0, 0.0)
+        block = block.T
+        assert np.abs(block.real[:100]).max() < 1
+        for part in (block.real[:100].ravel(), block.imag[:100].ravel()):
+            assert np.mean(part) == pytest.approx(0, abs=0.03)
+            assert np.mean(part**2) == pytest.approx(1 / 3, abs=0.02)
+            parts.append(part)
+    parts.append(np.roll(parts[0], 1))
+    correlation = np.corrcoef(parts) - np.eye(len(parts))
+    assert np.abs(correlation).max() < 0.05

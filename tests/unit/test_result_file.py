@@ -1,0 +1,148 @@
+"""The result file on one process: what it holds, and what is refused as one."""
+
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+from result_files import FIELD, STEP, SURFACE, N, begin, complete, names
+
+from hpc_gfmd import load
+from hpc_gfmd.errors import GfmdError, SceneError
+from hpc_gfmd.output.read import FORMAT_VERSION, read_result
+from hpc_gfmd.parallel import h5
+from hpc_gfmd.parallel.comm import SerialComm
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "out.h5"
+
+
+def test_a_finished_file_holds_everything(path):
+    complete(path, 1)
+    result = read_result(path)
+    assert (result.status, result.scene_toml, result.head["versions"]) == ("converged", "title = 'x'", '{"numpy": "2"}')
+    assert result.surface == SURFACE
+    assert result.steps == [STEP]
+    assert result.head["format"] == "hpc-gfmd"
+    assert result.head["start_time"] <= result.head["end_time"]
+    assert np.array_equal(result.fields[0]["gap"].read(2, 4), FIELD[2:4])
+    assert names(path.parent) == ["out.h5"]
+
+
+def test_the_layout_is_the_documented_one(path):
+    complete(path, 1)
+    with h5py.File(path) as file:
+        assert file.attrs["format_version"] == FORMAT_VERSION
+        assert list(file["steps"]) == ["0000"]
+        assert file["steps/0000"].attrs["a_r"] == 0.25
+        assert file["steps/0000/gap"].shape == N
+        assert list(file["surface"].attrs["n"]) == list(N)
+
+
+@pytest.mark.parametrize(("dtype", "compressed"), [(None, True), ("single", False), ("single", True)])
+def test_down_conversion_and_compression(path, dtype, compressed):
+    complete(path, 1, dtype=dtype, compressed=compressed)
+    stored = read_result(path).fields[0]["gap"]
+    assert stored.dtype == np.dtype(dtype or "double")
+    with h5py.File(path) as file:
+        assert (file[stored.dataset].compression == "gzip") == compressed
+    assert np.array_equal(stored.read(0, N[0]), FIELD)
+
+
+def test_attributes_of_all_kinds_survive(path):
+    step = {"p": 1, "flag": True, "text": "mu \u03bc", "list": [1.0, 2.0], "nothing": None, "nan": float("nan"),
+            "numpy": np.float32(0.5), "words": ["a", "b"]}
+    with begin(path) as run:
+        run.write_step(0, step)
+        run.finish("x")
+    (found,) = read_result(path).steps
+    assert np.isnan(found.pop("nan"))
+    assert found == {"p": 1, "flag": True, "text": "mu \u03bc", "list": [1.0, 2.0], "numpy": 0.5, "words": ["a", "b"]}
+    assert type(found["flag"]) is bool
+
+
+def test_fields_of_the_wrong_shape_are_refused(path):
+    with begin(path) as run, pytest.raises(GfmdError, match=r"step-0000\.h5: \(5, 6\) points in rows 0:6 of \(6, 5\)"):
+        run.write_step(0, STEP, {"gap": FIELD.T})
+
+
+def test_write_file_leaves_no_trace_of_a_failure(tmp_path):
+    target = tmp_path / "state.h5"
+    h5.write_file(SerialComm(), target, N, (0, N[0]), {"u": FIELD}, lambda file: file.attrs.update(dt=1.0))
+    with pytest.raises(GfmdError):
+        h5.write_file(SerialComm(), target, N, (0, N[0]), {}, lambda file: file.attrs.update(dt=object()))
+    with h5py.File(target) as file:
+        assert file.attrs["dt"] == 1.0
+    assert names(tmp_path) == ["state.h5"]
+
+
+def test_copies_made_by_h5py_are_read(path, tmp_path):
+    complete(path, 1)
+    copy = tmp_path / "copy.h5"
+    with h5py.File(path) as old, h5py.File(copy, "w") as new:
+        new.attrs.update(old.attrs)
+        old.copy("surface", new)
+        old.copy("steps", new)
+    assert read_result(copy).steps == [STEP]
+
+
+def test_a_damaged_field_is_neither_read_nor_copied(path, tmp_path):
+    """Nobody would notice in the copy, which has a checksum of its own."""
+    content = bytearray(complete(path, 1).read_bytes())
+    content[content.index(FIELD.tobytes()) + 13] ^= 1
+    path.write_bytes(content)
+    stored, damaged = read_result(path).fields[0]["gap"], "the numbers of steps/0000/gap are damaged"
+    for _ in range(2):
+        assert np.array_equal(stored.read(3, 6), FIELD[3:])  # not all of them, so that nobody can tell
+        for start in (0, 2):
+            assert stored.read(start, start + 2).shape == (2, 5)
+        with pytest.raises(GfmdError, match=damaged):
+            stored.read(4, 6)
+    with pytest.raises(GfmdError, match=damaged):
+        load(path).save(tmp_path / "copy.h5")
+    assert not (tmp_path / "copy.h5").exists()
+
+
+def refused(path, match):
+    with pytest.raises(SceneError, match=match) as caught:
+        read_result(path)
+    assert "\n" not in str(caught.value)
+    assert str(path) in str(caught.value)
+
+
+def test_truncated_files_are_refused(path):
+    refused(path, "no such file")
+    whole = complete(path, 1).read_bytes()
+    for size in (9, 511, 512, 600, 2000, len(whole) - 1):
+        path.write_bytes(whole[:size])
+        refused(path, "damaged|not an HDF5 file")
+
+
+def test_garbled_files_are_refused(path):
+    """Where that is not in what nobody reads (coordinates, texts for other programs)."""
+    whole, refusals = complete(path, 1).read_bytes(), 0
+    random = np.random.default_rng(0)
+    for place in range(50, len(whole) - 100, 97):
+        garbled = bytearray(whole)
+        garbled[place : place + 100] = random.bytes(100)
+        path.write_bytes(garbled)
+        try:
+            said = read_result(path).steps
+        except SceneError as error:
+            said, refusals = str(error), refusals + 1
+        assert said == [STEP] or "damaged" in said or "not a result" in said
+        assert "\n" not in said
+    assert refusals > 10
+
+
+def test_reading_starts_neither_mpi_nor_numba(path):
+    complete(path, 1)
+    code = (
+        "import sys; from hpc_gfmd.cli import main; "
+        f"assert main(['show', {str(path)!r}]) == main(['plot', {str(path)!r}]) == 0; "
+        "assert not {'mpi4py', 'numba'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)

@@ -1,0 +1,202 @@
+"""A run that dies, is disturbed or meets another one: its file is complete or not there, and nothing finished is lost."""
+
+import fcntl
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from result_files import FIELD, STEP, begin, complete, names
+
+from hpc_gfmd.errors import GfmdError, SceneError
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_partial, read_result
+from hpc_gfmd.simulation import restart
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "out.h5"
+
+
+def test_an_interrupted_run_can_be_read_and_resumed(path):
+    with begin(path) as run:
+        run.write_step(0, STEP, {"gap": FIELD})
+        assert read_result(path).status == "running"
+    result = read_result(path)
+    assert (result.status, result.steps, result.indices) == ("interrupted", [STEP], [0])
+    with begin(path, resume=True) as run:
+        assert run.finished == [0]
+        assert "1 finished" in run.notes[0]
+        run.write_step(1, STEP | {"p": 0.2}, {"gap": FIELD + 1})
+        run.finish("converged")
+    result = read_result(path)
+    assert [step["p"] for step in result.steps] == [0.1, 0.2]
+    assert np.array_equal(result.fields[1]["gap"].read(0, 6), FIELD + 1)
+
+
+def test_a_fresh_run_removes_what_was_left_and_says_so(path):
+    with begin(path) as run:
+        run.write_step(0, STEP)
+    with begin(path) as run:
+        assert run.finished == []
+        assert "removed an interrupted run of the same scene (1 files of load steps" in run.notes[0]
+
+
+def test_resuming_needs_the_same_scene(path):
+    begin(path).close()
+    with pytest.raises(SceneError, match="another scene"):
+        begin(path, "xyz", resume=True)
+    assert read_partial(path).status == "interrupted"
+
+
+def test_steps_that_were_damaged_count_as_not_done(path):
+    with begin(path) as run:
+        for index in range(2):
+            run.write_step(index, STEP)
+    step = run.partial / "step-0001.h5"
+    step.write_bytes(step.read_bytes()[:500])
+    with begin(path, resume=True) as run:
+        assert run.finished == [0]
+
+
+@pytest.mark.parametrize("left", ["step-0001.h5.tmp", "head.h5.tmp", "checkpoint.h5.tmp"])
+def test_dying_while_writing_leaves_nothing_readable(path, left):
+    with begin(path) as run:
+        run.write_step(0, STEP)
+    (run.partial / left).write_bytes(b"half")
+    path.with_name("out.h5.tmp").write_bytes(b"half")
+    assert read_result(path).steps == [STEP]
+    with begin(path, resume=True) as run:
+        assert run.finished == [0]
+        run.finish("converged")
+    assert names(path.parent) == ["out.h5"]
+
+
+def test_dying_before_the_head_was_written(path):
+    partial_folder(path).mkdir()
+    (partial_folder(path) / "head.h5.tmp").write_bytes(b"")
+    with pytest.raises(SceneError, match="no such file, and no interrupted run"):
+        read_result(path)
+    with begin(path, resume=True) as run:
+        assert run.finished == []
+
+
+def test_dying_between_the_rename_and_the_clean_up(path):
+    complete(path, 1)
+    whole = path.read_bytes()
+    with begin(path) as run:
+        run.write_step(0, STEP | {"p": 9.0})
+    assert path.read_bytes() == whole
+    assert read_result(path).steps == [STEP]
+    with begin(path, resume=True) as run:
+        run.finish("converged")
+    assert read_result(path).steps[0]["p"] == 9.0
+
+
+def test_dying_during_the_clean_up(path):
+    """A restart says that the file is complete, and removes the rest of the folder."""
+    complete(path, 1)
+    partial_folder(path).mkdir()
+    (partial_folder(path) / "step-0000.h5").write_bytes(b"")
+    (partial_folder(path) / "lock").write_bytes(b"")
+    with pytest.raises(SceneError, match="is complete already"):
+        restart(path)
+    assert names(path.parent) == ["out.h5"]
+
+
+def test_foreign_files_in_the_folder_are_kept(path):
+    folder = partial_folder(path)
+    folder.mkdir()
+    (folder / "letter.txt").write_text("dear reader")
+    complete(path, 1)
+    assert names(folder) == ["letter.txt"]
+
+
+def test_two_runs_cannot_write_the_same_file(path):
+    with begin(path), pytest.raises(SceneError, match=r"out\.h5: another run is writing this file \(process \d+ on"):
+        begin(path)
+    begin(path).close()
+
+
+def test_a_killed_run_gives_the_lock_back(path):
+    code = (
+        "import sys, time; from hpc_gfmd.output.record import RunFile; "
+        "from hpc_gfmd.parallel.comm import SerialComm; "
+        f"run = RunFile(SerialComm(), {str(path)!r}, (2, 2), (0, 2), {{'identity': 'abc'}}, {{}}); "
+        "run.write_step(0, {'status': 'converged'}); print('ready', flush=True); time.sleep(60)"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as child:
+        assert child.stdout.readline() == b"ready\n"
+        with pytest.raises(SceneError, match=f"process {child.pid} on"):
+            begin(path)
+        child.send_signal(signal.SIGKILL)
+    assert read_result(path).status == "interrupted"
+    with begin(path, resume=True) as run:
+        assert run.finished == [0]
+
+
+def test_file_systems_without_locks_are_accepted(path, monkeypatch):
+    def flock(*_):
+        raise OSError(38, "Function not implemented")
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    complete(path, 1)
+    assert read_result(path).steps == [STEP]
+
+
+def test_output_that_cannot_be_written_is_refused_at_once(tmp_path, monkeypatch):
+    with pytest.raises(SceneError, match=r"output\.path: the folder .*missing does not exist"):
+        begin(tmp_path / "missing" / "out.h5")
+    with pytest.raises(SceneError, match="is a folder"):
+        begin(tmp_path)
+    (tmp_path / "taken.h5.partial").write_text("")
+    with pytest.raises(SceneError, match=r"cannot write to .*File exists"):
+        begin(tmp_path / "taken.h5")
+
+    def mkdir(*_, **__):
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr(type(tmp_path), "mkdir", mkdir)
+    with pytest.raises(SceneError, match=r"cannot write to .*: Read-only file system"):
+        begin(tmp_path / "out.h5")
+
+
+def test_a_full_disk_keeps_what_is_there(path, monkeypatch):
+    complete(path, 1)
+    whole = path.read_bytes()
+    run = begin(path)
+    run.write_step(0, STEP, {"gap": FIELD})
+
+    def posix_fallocate(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "posix_fallocate", posix_fallocate)
+    with pytest.raises(GfmdError, match=r"step-0001\.h5: No space left on device"):
+        run.write_step(1, STEP, {"gap": FIELD})
+    with pytest.raises(GfmdError, match=r"No space left on device .*; the finished steps are safe in"):
+        run.finish("converged")
+    run.close()
+    assert path.read_bytes() == whole
+    assert names(path.parent) == ["out.h5", "out.h5.partial"]
+    assert read_partial(path).indices == [0]
+
+
+def test_a_step_that_is_damaged_before_the_end_is_never_left_out(path):
+    run = begin(path)
+    for index in range(2):
+        run.write_step(index, STEP, {"gap": FIELD})
+    step = run.partial / "step-0001.h5"
+    whole = step.read_bytes()
+    place = whole.index(FIELD.tobytes())
+    for damaged, match in ((whole[:500], "load steps 1 have been damaged"),
+                           (whole[:place] + b"\1" + whole[place + 1 :], r"step-0001\.h5: the numbers of steps/0001/gap are damaged")):
+        step.write_bytes(damaged)
+        with pytest.raises(GfmdError, match=match):
+            run.finish("converged")
+        assert not path.exists()
+    step.write_bytes(whole)
+    run.finish("converged")
+    assert len(read_result(path).steps) == 2
