@@ -6,13 +6,14 @@ from functools import cached_property
 import numpy as np
 
 from ..grid import Grid
+from ..kernels.bpx import UpdateSums
 from ..operators.multilevel import FIELDS, steps_of, traffic_of
 from ..parallel.comm import stages
 from ..parallel.imagined import Imagined
 from ..parallel.layout import Layout
 from .nested import Decimation
 
-REDUCTIONS = 1, 2, 15  # numbers that a step of bpx sums over all ranks, for each reduction
+REDUCTIONS = 1, 2, len(UpdateSums._fields) + 8  # numbers that a step of bpx sums over all ranks, the last with those of a sweep
 
 
 @dataclass(frozen=True)
