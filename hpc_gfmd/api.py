@@ -6,7 +6,7 @@ import sys
 import time
 import warnings
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import partial
 from typing import Any
@@ -16,7 +16,7 @@ import numpy as np
 from .composition import check, load_shown, step_attributes, surface_attributes, sweep_of, worst
 from .contact import heights_of
 from .driver.warmup import compile_once
-from .errors import NotConverged, SceneError, one_line
+from .errors import Interrupted, NotConverged, SceneError, one_line
 from .fields import FIELDS, Slab
 from .kernels.cache import announced, sound
 from .keywords import loads_of, scene_of_keywords
@@ -26,6 +26,7 @@ from .parallel.world import comm_of, threads_of
 from .prepared import PreparedSurface
 from .progress import Reporter
 from .registry import observables_named
+from .results import missing_loads
 from .solution import Solution
 from .solutions import Solutions, solutions_of
 from .surface.build import surface_from_rows
@@ -89,6 +90,8 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
     ------
     SceneError
         For input that makes no sense, in one line; with `comm` on all ranks.
+    Interrupted
+        A KeyboardInterrupt: for Ctrl-C after the first load of a list; its `solutions` are those that were finished. Not with `comm`.
 
     Warns
     -----
@@ -129,45 +132,68 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
         measured = hasattr(scene.surface, "path")
         return replace(made, prepared=known.prepared if known else (), doubts=doubts, checksum=made.checksum if measured else None)
 
-    if comm.size > 1:
-        compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
-        steps, contacts, surface = _pressed(comm, scene, make_surface, progress)
-    else:
-        with announced(partial(print, file=sys.stderr) if progress else None):
-            steps, contacts, surface = sound(lambda: _pressed(comm, scene, make_surface, progress))
+    done, stopped = _Done(), False
+    try:
+        if comm.size > 1:
+            compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
+            _press(comm, scene, make_surface, progress, done)
+        else:
+            with announced(partial(print, file=sys.stderr) if progress else None):
+                sound(lambda: _press(comm, scene, make_surface, progress, done))
+    except KeyboardInterrupt:
+        if comm.size > 1 or not (done.steps and loads_of(loads)):  # other ranks may not have been interrupted
+            raise
+        stopped = True
+    steps, contacts, surface = done.steps, done.contacts[:len(done.steps)], done.surface
     head |= {"scene": scene.to_toml(), "identity": scene.identity(), "versions": json.dumps(versions()), "start_time": started}
     if known is None or known.table is None:
         head["identity"] += f" of {head['heights']}"
     stored = [_fields(scene.output.fields, contact) for contact in contacts]
     result = Result(None, surface_attributes(scene, surface), steps, list(range(len(steps))), worst(steps), head, stored)
-    rows = surface.rows
-    found = solutions_of(result, contacts, rows, comm)
+    if stopped:
+        result = replace(result, status="interrupted", notes=(f"interrupted: {missing_loads(result)}",))
+    found = solutions_of(result, contacts, surface.rows, comm)
     _warn(comm, steps)
+    if stopped:
+        raise Interrupted(found) from None
     return found if loads_of(loads) else found[0]
 
 
-def _pressed(comm, scene, make_surface, progress):
-    """Attributes of all steps, their contacts (None where no field is kept), and the surface. Collective."""
-    sweep, steps, contacts = sweep_of(scene, make_surface), [], []
+@dataclass
+class _Done:
+    """What `_press` has done so far: attributes of the steps, their contacts (None where no field is kept), and the surface."""
+
+    steps: list = field(default_factory=list)
+    contacts: list = field(default_factory=list)
+    surface: Any = None
+
+
+def _press(comm, scene, make_surface, progress, done):
+    """Solve all loads; `done` is kept up to date. Collective."""
+    done.steps, done.contacts = [], []
+    sweep = sweep_of(scene, make_surface)
     say = Reporter(comm, scene.solver, quiet=not progress, bar=progress)
     loads = sweep.pressures(scene.load)
-    for index, load in enumerate(loads):
-        begun = time.monotonic()
-        say.step(index, len(loads), *load_shown(scene.load, index, sweep, load))
-        try:
-            step = sweep.solve(load, say.watch)
-        finally:
-            say.done()
-        contact = step.contact
-        cheap = {name: f(contact) for name, f in observables_named(None).items()}
-        steps.append(cheap | step_attributes(scene, index, step, time.monotonic() - begun))
-        if index + 1 < len(loads):  # the next load overwrites these
-            contact = replace(contact, g=contact.g.copy(), p=contact.p.copy()) if scene.output.fields else None
-        contacts.append(contact if scene.output.fields else None)
-    for grid in {id(one.surface.grid): one.surface.grid for one in contacts if one is not None}.values():
-        for fft in grid.planned():
-            grid.forget_fft(fft.dtype)
-    return steps, contacts, sweep.surface
+    try:
+        for index, load in enumerate(loads):
+            begun = time.monotonic()
+            say.step(index, len(loads), *load_shown(scene.load, index, sweep, load))
+            try:
+                step = sweep.solve(load, say.watch)
+            finally:
+                say.done()
+            contact = step.contact
+            cheap = {name: f(contact) for name, f in observables_named(None).items()}
+            attributes = cheap | step_attributes(scene, index, step, time.monotonic() - begun)
+            if index + 1 < len(loads) and scene.output.fields:  # the next load overwrites these
+                contact = replace(contact, g=contact.g.copy(), p=contact.p.copy())
+            done.contacts.append(contact if scene.output.fields else None)
+            done.surface = sweep.surface
+            done.steps.append(attributes)  # last: a load is done with it
+    finally:
+        for grid in {id(one.surface.grid): one.surface.grid for one in done.contacts if one is not None}.values():
+            for fft in grid.planned():
+                grid.forget_fft(fft.dtype)
 
 
 def _fields(names, contact):

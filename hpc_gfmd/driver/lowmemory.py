@@ -46,7 +46,7 @@ class LowMemorySweep(Sweep):
             g, pairs = Nested(self.surface.grid, self.dtype).start(problem, self._make, memory, self._search)
             self._spent += pairs
             if self._search is not None:
-                problem = replace(problem, p0=self._search.on_next_grid(problem.grid.N, self._top, finest=True))
+                problem = replace(problem, p0=self._search.on_next_grid(problem.grid.N, self._top))
         if memory is not None:
             self.surface = replace(self.surface, h=None)
             problem = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)

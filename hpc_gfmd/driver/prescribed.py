@@ -2,14 +2,15 @@
 
 All three are monotone in the mean pressure, and a solver goes on at another one without a transform. So the pressure is corrected while
 the solver iterates, whenever the quantity is known better than it is met: on the coarse grids of a nested start first, and then on the
-grid itself, where little is left to correct. By how much the pressure changed from the last coarse grid helps the next load. The steps
-are secants in variables in which the curves are nearly straight, between pressures known to be too small and too large.
+grid itself, where little is left to correct. By how much the pressure changed from grid to grid helps the next load. The steps are
+secants in variables in which the curves are nearly straight, between pressures known to be too small and too large. Where a quantity is
+not known yet, but likely to be missed, it is corrected too: beside what is still to be solved that costs little, later it costs more.
 
 The area of a grid is a number of points. It is met to the accuracy asked for or to one point; where it jumps by more, as in ordered
 walls whose asperities touch all at once, the nearer side of the jump is taken, and `note` says so.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import exp, inf, isfinite, log
 from statistics import NormalDist
 
@@ -19,15 +20,19 @@ SHARE = 0.9  # of the tolerance: what is met better needs no correction
 # times the estimated error of the quantity: what is missed by less is not known. That of the mean gap is about the true one, and the
 # area is known a little better than the pressure field, whose error stands for its own
 TRUST = {"gap_mean": 5.0, "a_r": 1.5, "approach": 2.0}
+# Likely: missed by more than so many times that error, which is not yet known, once that of the pressure field is below a bound
+LIKELY = {"gap_mean": (1.0, 0.15), "a_r": (0.4, 0.04), "approach": (1.0, 0.15)}
+WORTH = 1.0  # times the tolerance, beside that: what is missed by less waits until it is known
+GUESSES = 8  # such corrections of a load on a grid, at most
+ANSWERED = 2  # iterations after which a solution has followed a correction
 FIELD = 0.1  # of the error of the pressure field, beside that of the mean gap: the error of the approach
 KNOWN = 8.0  # times better than they differ must two points be known for the slope between them
 COARSE = {"gap_mean": 0.005, "a_r": 0.03, "approach": 0.005}  # tolerance on coarser grids
-TREND = {"gap_mean": 0.3, "a_r": 0.7, "approach": 0.3}  # of the last change of log p0 from grid to grid: the next one
-DOUBT = 0.5  # share of the estimated error that has to be as small, on coarser grids
-SLOPE = {"gap_mean": 0.6, "a_r": 1.0, "approach": 0.8}  # before anything is known
-FAR = log(3.0)  # log p0 of two loads, that have to do with each other no more
-BEND = 0.3  # by which a slope may differ from that of the last secant, relative
-SLOPES = 0.05, 20.0  # that are believed
+TREND = {"gap_mean": 0.3, "a_r": 0.7, "approach": 0.3}  # of the last change of log p0 from grid to grid: the next one, at most,
+LEAST = 0.3  # and at least, where the ratio of the last two tells
+READ = 2.0  # times the tolerance: a larger error on a coarser grid says nothing of what is left to correct
+DOUBT = 1.5  # times the estimated error has to be as small, on coarser grids
+SLOPES = 0.05, 20.0  # of the straightened curve, that are believed
 STEP, COARSE_STEP = log(2.0), log(4.0)  # the longest, in log p0
 SECANTS, MOST = 6, 100  # corrections of a load on a grid: from then on by bisection, of what is known for sure, and at most
 RANGE = log(1e-99), log(1e99)  # of p0
@@ -74,10 +79,12 @@ class Search:
     """The state of a search: plain numbers, which make a checkpoint.
 
     target: an area, or a length over the unit of slopes; tolerance: relative; x: log p0; slope: of the straightened curve; points: of
-    the surface on this grid, top: its mean gap where the highest peak just touches, as target; offset: of x from the next coarser grid,
-    as it was found at another load; grids: how many so far, coarser: x at the end of the one before; low, high: (x, quantity) that are
-    too small and too large; known: (x, straightened quantity, relative error) of the last correction; looked: iteration of the last
-    look; missed: by how much the target was missed then; side: the area on the chosen side of a jump.
+    the surface on this grid, top: its mean gap where the highest peak just touches, as target; offsets: of x from every grid to the
+    next finer one, coarsest first, as they were found at another load; grids: how many so far, ends: x at the end of those before;
+    left: what x had still to change there; low, high: (x, quantity) that are too small and too large; known: (x, straightened
+    quantity, relative error) of the last correction; corrections: by what was known, guesses: by what was not; answered: iteration at
+    which the solution will have followed the last one; looked: iteration of the last look; missed: by how much the target was missed
+    then; side: the area on the chosen side of a jump.
     """
 
     quantity: str
@@ -87,13 +94,16 @@ class Search:
     slope: float
     points: int
     top: float
-    offset: float | None = None
+    offsets: list[float] = field(default_factory=list)
     grids: int = 0
-    coarser: float = 0.0
+    ends: list[float] = field(default_factory=list)
+    left: float = 0.0
     low: tuple | None = None
     high: tuple | None = None
     known: tuple | None = None
     corrections: int = 0
+    guesses: int = 0
+    answered: int = 0
     looked: int = -1
     missed: float = inf
     side: float | None = None
@@ -105,25 +115,35 @@ class Search:
         return exp(self.x)
 
     def on_coarsest_grid(self):
-        """A nested start begins."""
-        self.grids = 0
+        """A start on coarser grids begins, or one without any."""
+        self.grids, self.ends, self.left = 0, [], 0.0
+        self.x -= sum(self.offsets)
 
-    def on_next_grid(self, points, top, finest=False):
+    def on_next_grid(self, points, top):
         """Go on on the next finer grid, where other pressures are too small or too large. Returns p0 to begin with."""
-        coarser, self.coarser = self.coarser, self.x
-        if finest and self.grids and self.offset is not None:
-            self.x += self.offset
-        elif self.grids > 1:
-            self.x += TREND[self.quantity] * (self.x - coarser)
-        self.grids, self.points, self.top = self.grids + 1, points, top
+        if self.grids:
+            self.x += self.left
+            self.ends.append(self.x)
+            self.x += self._next_offset()
+        self.grids, self.left, self.points, self.top = self.grids + 1, 0.0, points, top
         self.low = self.high = self.known = self.side = self.note = None
-        self.corrections, self.looked = 0, -1
+        self.corrections, self.guesses, self.answered, self.looked = 0, 0, 0, -1
         return self.p0
 
+    def _next_offset(self):
+        """By how much x is likely to change now: as at another load, or by a share of the last change."""
+        if len(self.ends) <= len(self.offsets):
+            return self.offsets[len(self.ends) - 1]
+        changes = [b - a for a, b in zip(self.ends, self.ends[1:])]
+        share = TREND[self.quantity]
+        if len(changes) > 1 and changes[-2] != 0:
+            share = min(max(changes[-1] / changes[-2], LEAST), share)
+        return share * changes[-1] if changes else 0.0
+
     @property
-    def found_offset(self):
-        """Of x from the next coarser grid; None if there was none."""
-        return self.x - self.coarser if self.grids > 1 else None
+    def found_offsets(self):
+        """Of x from every grid to the next finer one."""
+        return [b - a for a, b in zip(self.ends, [*self.ends[1:], self.x])]
 
     def agree(self, comm):
         """All ranks go on with what rank 0 has found."""
@@ -134,7 +154,8 @@ class Search:
         if not isfinite(self._straight(self.target)) or self.corrections == MOST or self.note is not None:
             return True
         y, error = self._state(solver, progress)
-        tolerance = COARSE[self.quantity]
+        tolerance, f = COARSE[self.quantity], self._straight(y)
+        self.left = (self._straight(self.target) - f) / self.slope if error < READ * tolerance and isfinite(f) else 0.0
         return not self._correct(solver, y, error, tolerance, COARSE_STEP) and max(self._miss(y), DOUBT * error) <= tolerance
 
     def adjust(self, solver, progress):
@@ -144,7 +165,7 @@ class Search:
         self.looked = solver.iterations
         y, error = self._state(solver, progress)
         self.missed = self._miss(y)
-        return self._correct(solver, y, error, self.tolerance, STEP)
+        return self._correct(solver, y, error, self.tolerance, STEP) or self._anticipate(solver, y, error, progress)
 
     @property
     def may_be_met(self):
@@ -229,8 +250,27 @@ class Search:
                 self.low, self.high = (None, self.high) if f > wanted else (self.low, None)
             elif not low < x < high or self.corrections > SECANTS:
                 x = 0.5 * (low + high)
-        self.x = min(max(x, RANGE[0]), RANGE[1])
-        solver.continue_at(self.p0)
+        return self._go_to(x, solver)
+
+    def _anticipate(self, solver, y, error, progress):
+        """A correction by a quantity that is not known yet: nothing is learnt from it."""
+        likely, field_error = LIKELY[self.quantity]
+        miss, f = self._miss(y), self._straight(y)
+        if not (likely * error + WORTH * self.tolerance < miss < inf and progress.estimates[1] < field_error and isfinite(f)):
+            return False
+        if solver.iterations < self.answered or self.note or self.corrections > SECANTS or self.guesses == GUESSES:
+            return False
+        step = (self._straight(self.target) - f) / self.slope
+        x = self.x + min(max(step, -STEP), STEP)
+        if (self.low and x <= self.low[0]) or (self.high and x >= self.high[0]):
+            return False
+        self.guesses += 1
+        return self._go_to(x, solver)
+
+    def _go_to(self, x, solver):
+        """Change the load of the solver."""
+        self.x, self.answered = min(max(x, RANGE[0]), RANGE[1]), solver.iterations + ANSWERED
+        solver.correct_load(self.p0)
         return True
 
     def _enclose(self, x, y, too_much):
@@ -249,44 +289,3 @@ class Search:
             if abs(difference) > KNOWN * (error + self.known[2] + grain) and SLOPES[0] < slope < SLOPES[1]:
                 self.slope = slope
         self.known = (x, f, error) if isfinite(f) else None
-
-
-class Curve:
-    """What a sweep knows of the loads before, for a first guess: points, the last three of {"x": log p0, quantity: value}; slopes and
-    offsets, {quantity: Search.slope and found_offset}."""
-
-    def __init__(self, points=(), slopes=None, offsets=None):
-        self.points, self.slopes, self.offsets = list(points), dict(slopes or {}), dict(offsets or {})
-
-    def add(self, x, contact, search=None):
-        """A load that was solved: log p0, its Contact, and the Search where that found it."""
-        certificate, a = contact.certificate, contact.surface.grid.a
-        self.points = [*self.points[-2:], {"x": x, "a_r": contact.contact_points / contact.N, "gap_mean": certificate.gap_mean * a,
-                                           "approach": certificate.approach * a}]
-        if search is not None:
-            self.slopes[search.quantity] = search.slope
-            if search.found_offset is not None:
-                self.offsets[search.quantity] = search.found_offset
-
-    def search(self, load, surface, top, tolerance):
-        """The Search for a Prescribed load on a surface.Surface; top: see Search."""
-        kind, area = load.quantity, load.quantity == "a_r"
-        target = load.value if area else load.value / surface.slope
-        slope = self.slopes.get(kind, SLOPE[kind])
-        search = Search(kind, target, tolerance, 0.0, slope, surface.grid.N, top, self.offsets.get(kind))
-        known = [(point["x"], f) for point in self.points if isfinite(f := search._straight(point[kind]))]
-        if not known:
-            search.x = log(target / 2) if area else log(target / max(surface.sizes))
-            if kind == "gap_mean":
-                search.x = -1 - 3 * load.value / surface.h_rms  # self-affine walls
-            return search
-        wanted, (x, f) = search._straight(target), known[-1]
-        near = [point for point in known if abs(point[0] - x) < FAR or kind not in self.slopes]  # slopes elsewhere are of no use
-        secants = [((x0 + x1) / 2, (f1 - f0) / (x1 - x0)) for (x0, f0), (x1, f1) in zip(near, near[1:]) if x0 != x1]
-        if secants and SLOPES[0] < secants[-1][1] < SLOPES[1]:
-            middle, search.slope = secants[-1]
-            bend = (search.slope - secants[0][1]) / (middle - secants[0][0]) if len(secants) > 1 and middle != secants[0][0] else 0.0
-            change = bend * (x + 0.5 * (wanted - f) / search.slope - middle)
-            search.slope *= 1 + min(max(change / search.slope, -BEND), BEND)
-        search.x = x + (wanted - f) / search.slope
-        return search

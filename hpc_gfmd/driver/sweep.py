@@ -11,9 +11,10 @@ from ..problem import Problem
 from ..registry import solver_class
 from ..units import require_range, single_solves
 from .certificate import Certificate, certify, rounding_error
+from .curve import Curve
 from .drive import LoopState, Outcome, Target, drive
 from .nested import Nested, cold_gap, mean_height
-from .prescribed import Curve, Prescribed, Search, prescribed
+from .prescribed import Prescribed, Search, prescribed
 
 SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
 WARM_UP, WARM_DOWN = 1.45, 1.26  # a load up to so much larger or smaller starts from the one before, others from coarser grids
@@ -193,7 +194,7 @@ class Sweep:
         if arrays is None and not warm:
             g = self._starting_gap(problem, self.solver.g if self.solver is not None else None)
             if self._search is not None:
-                problem = replace(problem, p0=self._search.on_next_grid(problem.grid.N, self._top, finest=True))
+                problem = replace(problem, p0=self._search.on_next_grid(problem.grid.N, self._top))
         if self.solver is None:
             self.solver = self._make(problem, g)
         self._count()
@@ -224,6 +225,8 @@ class Sweep:
 
     def _starting_gap(self, problem, into):
         if self.nested is None:
+            if self._search is not None:
+                self._search.on_coarsest_grid()
             return cold_gap(problem)
         g, pairs = self.nested.start(problem, self._make, into, self._search)
         self._spent += pairs

@@ -205,12 +205,14 @@ class Multilevel:
             return max(contact + tt - share**2 * norm, 0.0), self.without_mean(rt, mean * share)
         return max(contact + tt - 2 * share * ts + share**2 * norm, 0.0), rt - share * rs
 
-    def restrict(self, g, p, excess):
-        """From a state that no step has led to, what the update passes restrict; returns UpdateSums. excess: see kernels/bpx.py."""
+    def restrict(self, g, p, excess, d=None):
+        """From a state that no step has led to, what the update passes restrict; returns UpdateSums, with <p, d> on F where there is a
+        d. excess: see kernels/bpx.py."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
         scratch = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
-        sums = [self.update_rows(k, g, p, g, still, self.dtype.type(0), scratch, excess) for k in range(len(self.passes))]
+        d, none = g if d is None else d, self.dtype.type(0)
+        sums = [self.update_rows(k, g, p, d, still, none, scratch, excess) for k in range(len(self.passes))]
         return UpdateSums.total(sums)
 
     def _sweep_coarsest(self):

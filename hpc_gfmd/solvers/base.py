@@ -112,6 +112,10 @@ class Solver:
         self.p += self.problem.dtype.type(self.p_cell - before)
         self.refresh()
 
+    def correct_load(self, p0: float) -> None:
+        """As `continue_at`, for a change that is small beside what is still to be done."""
+        self.continue_at(p0)
+
     def refresh(self, uKu: float | None = None) -> None:
         """self.p has just been computed anew from self.g, or shifted: go on from there. uKu: <u, K u>, None if that has not changed."""
         raise NotImplementedError

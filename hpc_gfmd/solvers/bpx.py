@@ -72,6 +72,14 @@ class Bpx(Solver):
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, 0.0))
 
+    def correct_load(self, p0):
+        """The last step stays what the next one begins with: on F M is about 1/K, so that <z, K d> changes by as much as <p, d>."""
+        before, self.p0 = self.p_cell, float(p0)
+        self.p += self.problem.dtype.type(self.p_cell - before)
+        rd, zKd, dKd = self.rd, self.zKd, self.dKd
+        self._measure(self.levels.restrict(self.g, self.p, 0.0, self.d))
+        self.zKd, self.dKd = zKd + self.rd - rd, dKd
+
     def resume(self):
         self.levels.restrict(self.g, self.p, 0.0)
         self.levels.sweep()  # z on the coarse levels follows from g and p

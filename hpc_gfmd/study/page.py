@@ -18,7 +18,7 @@ PAGE = """# {title}
 All numbers: [{name}.csv]({name}.csv), [{name}.json]({name}.json). "±" is one standard error.
 
 Made by `hpc-gfmd study {name} --level {level}` (hpc_gfmd {version}): {loads} loads on {surfaces} surfaces, grids from {low}² to {high}²
-points, {minutes:.0f} minutes of solving in all, on one busy core; {poor} loads failed their accuracy of {accuracy:g}.
+points, {minutes:.0f} minutes of solving in all, on one shared core; {poor} loads failed their accuracy of {accuracy:g}.
 """
 
 

@@ -72,5 +72,8 @@ def _by_heights(found: Suggestion, make: Callable[[dict], File], given: dict, pe
         values["detrend"], why["detrend"] = "tilt", f"{100 * tilt:.0f} % of the variance of the heights is that of a plane"
     jump = max(Looks(prepared(boundary="periodic"), SerialComm()).jumps)
     if jump > JUMP and not periodic and not {"boundary", "mirror", "window"} & set(given):
-        values["boundary"] = "free"
-        why["boundary"] = f'opposite edges differ by {jump:.2g} times what neighbours differ by; mirror = true is another way'
+        edges = f"opposite edges differ by {jump:.2g} times what neighbours differ by"
+        if {"refine", "downsample"} & set(given):
+            values["mirror"], why["mirror"] = True, f"{edges}; a free boundary has no refine or downsample"
+        else:
+            values["boundary"], why["boundary"] = "free", f"{edges}; mirror = true is another way"

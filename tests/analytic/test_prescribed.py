@@ -52,7 +52,7 @@ def test_the_pressure_is_found(wall, quantity):
     assert sum(pairs) <= 2 * sum(step.pairs for step, _ in steps)
 
 
-@pytest.mark.parametrize(("quantity", "boundary", "most"), [("gap_mean", "periodic", 1.5), ("a_r", "periodic", 1.8),
+@pytest.mark.parametrize(("quantity", "boundary", "most"), [("gap_mean", "periodic", 1.5), ("a_r", "periodic", 1.5),
                                                             ("approach", "free", 1.5)])
 def test_what_it_costs(quantity, boundary, most):
     """FFT pairs of a sweep, all trials counted, over those of the same loads as pressures; the first one knows nothing yet."""
@@ -62,6 +62,41 @@ def test_what_it_costs(quantity, boundary, most):
     found = [sweeps[1].solve(Prescribed(quantity, value)).pairs for _, value in plain]
     assert found[0] <= 2.5 * plain[0][0]
     assert sum(found[1:]) <= most * sum(pairs for pairs, _ in plain[1:])
+
+
+def test_a_sweep_knows_its_grids():
+    """By how much the pressure changes from grid to grid is found once: later searches begin on every grid where they end."""
+    sweep = sweep_of(rough((2, 32, 2)), accuracy=1e-3, precision="double")
+    ends = []
+    for area in (0.1, 0.2):
+        sweep.solve(Prescribed("a_r", area))
+        search = sweep._search
+        ends.append([end - search.x for end in search.ends])
+        assert search.found_offsets == sweep._curve.offsets["a_r"]
+        assert search.x == pytest.approx(search.ends[0] + sum(search.found_offsets))
+    assert len(ends[0]) == 2
+    begun = sweep._curve.search(Prescribed("a_r", 0.3), sweep.surface, sweep._top, 1e-3)
+    x = begun.x
+    begun.on_coarsest_grid()
+    for end in [*ends[1], 0.0]:
+        begun.on_next_grid(100, 1.0)
+        assert begun.x - x == pytest.approx(end)
+
+
+def test_a_corrected_load_keeps_the_last_step():
+    """What the solver knows of its last step holds at the corrected load."""
+    sweep = sweep_of(rough((2, 16, 4)), accuracy=1e-9, precision="double")
+    sweep.solve(0.05, watch=lambda iterations, progress: iterations == 3)
+    solver = sweep.solver
+    solver.start(solver.g.copy())
+    for _ in range(3):
+        solver.step()
+    p, dKd = solver.p.copy(), solver.dKd
+    solver.correct_load(1.001 * solver.p0)
+    assert np.allclose(solver.p, p + solver.p0 * (1 - 1 / 1.001), rtol=0, atol=1e-12)
+    free = ~((solver.g <= 0) & (solver.p > 0))
+    assert solver.rd == pytest.approx(solver.s * np.sum(solver.p * solver.d * free), rel=1e-6)
+    assert solver.dKd == dKd > 0
 
 
 @pytest.mark.parametrize("name", solver_names())

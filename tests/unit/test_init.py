@@ -64,6 +64,14 @@ def test_a_map_with_an_edge_is_taken_to_end_there(tmp_path):
     assert '\nboundary = "free"' not in mirrored
 
 
+@pytest.mark.parametrize("key", ["refine", "downsample"])
+def test_what_a_free_boundary_does_not_have_is_not_made_free(tmp_path, key):
+    np.savez(tmp_path / "map.npz", z=np.cumsum(np.ones((20, 20)), axis=0) ** 2, physical_sizes=[1.0, 1.0], unit="um")
+    (tmp_path / "a.toml").write_text(compose(str(tmp_path / "map.npz"), tmp_path / "a.toml", [f"surface.{key}=2"])[0])
+    surface = load_scene(tmp_path / "a.toml").surface
+    assert (getattr(surface, key), surface.mirror, surface.boundary) == (2, True, None)
+
+
 def test_what_nobody_says_is_not_invented(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     tilted(tmp_path / "map.npz", None, None)

@@ -11,6 +11,7 @@ from contacts import random_heights
 
 import hpc_gfmd
 from hpc_gfmd import SceneError
+from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.registry import all_distributions, all_observables, distribution_names, observable_names
@@ -58,6 +59,44 @@ def test_a_list_is_a_sweep_and_nothing_is_left_out(sweep):
     assert isinstance(alone, hpc_gfmd.Solution)
     assert alone.a_r == sweep[1].a_r
     assert len(hpc_gfmd.solve(Z, np.array([1e7]), 5e9, (12e-6, 10e-6))) == 1
+
+
+def stop_at(monkeypatch, number):
+    """Ctrl-C in the middle of a load."""
+    solve, calls = Sweep.solve, []
+
+    def stopping(self, *arguments):
+        calls.append(1)
+        if len(calls) == number:
+            raise KeyboardInterrupt
+        return solve(self, *arguments)
+
+    monkeypatch.setattr(Sweep, "solve", stopping)
+
+
+@pytest.mark.parametrize("fields", [("pressure", "gap", "heights"), ()], ids=str)
+def test_what_was_finished_before_ctrl_c_is_kept(monkeypatch, tmp_path, sweep, fields):
+    stop_at(monkeypatch, 3)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, fields=fields)
+    assert isinstance(caught.value, hpc_gfmd.Interrupted)
+    kept = caught.value.solutions
+    assert [one.a_r for one in kept] == [one.a_r for one in sweep[:2]]
+    assert kept.status == "interrupted"
+    assert kept.notes == ("interrupted: loads 3 (pressure = 200 MPa) of 3 are not there",)
+    if fields:
+        assert all(np.array_equal(one.gap, whole.gap) for one, whole in zip(kept, sweep))
+        again = hpc_gfmd.load(kept.save(tmp_path / "some.h5"))
+        assert (len(again), again.status) == (2, "interrupted")
+
+
+def test_ctrl_c_before_anything_is_finished(monkeypatch):
+    for loads in (LOADS, LOADS[0]):
+        stop_at(monkeypatch, 1)
+        with pytest.raises(KeyboardInterrupt) as caught:
+            hpc_gfmd.solve(Z, loads, "5 GPa", SIZES)
+        assert type(caught.value) is KeyboardInterrupt
+        monkeypatch.undo()
 
 
 def test_it_is_what_a_run_writes(tmp_path):
