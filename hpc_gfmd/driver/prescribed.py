@@ -248,8 +248,10 @@ class Search:
                 self.note = f"a_r jumps from {self.low[1]:.4g} to {self.high[1]:.4g} at this pressure: the nearer to what was asked for"
             elif high - low < SHARP * tolerance:  # the older bound was none
                 self.low, self.high = (None, self.high) if f > wanted else (self.low, None)
-            elif not low < x < high or self.corrections > SECANTS:
+            elif self.corrections > SECANTS:
                 x = 0.5 * (low + high)
+            elif not low < x < high:  # the older bound may have been taken from a solution that had not followed yet
+                self.low, self.high = (None, self.high) if f > wanted else (self.low, None)
         return self._go_to(x, solver)
 
     def _anticipate(self, solver, y, error, progress):
