@@ -1,9 +1,7 @@
 """Passes of the default solver while it solves, on one core and on more: time and bytes of a point, share of a copy's bandwidth, what a
 full node allows.
 
-Counted are the fields that a pass has to read or write at least once; what stays in cache between the parts of a pass (row and column
-transforms work on pieces of 256 KiB) and what the memory system adds on its own (reading lines that are about to be overwritten) is
-not counted, neither here nor for the copy that they are compared with. Cores: ranks of one solve, all at work at the same time.
+Bytes are those of passes.py. Cores: ranks of one solve, all at work at the same time.
 
 The roofline of a node: a pass takes there no less than its time on one core over the number of cores, nor than its bytes over the
 bandwidth of the node's memory, both as model.py assumes them.
@@ -14,11 +12,12 @@ import numpy as np
 from ..grid import Grid
 from ..operators.coarsening import levels
 from .cases import DTYPES
+from .model import Machine
+from .passes import COPY, field_passes
 from .report import Report
 from .timing import Sample, ratio
 from .workers import Worker, in_turn
 
-COPY = 2.0  # fields that a copy moves: read one, write one
 COLUMNS = {"n": ("n", "5d"), "precision": ("precision", "9"), "what": ("pass", "16"), "cores": ("cores", "d"),
            "ms_min": ("ms (min)", "9.3f"), "ms_median": ("ms (median)", "11.3f"), "bytes_per_point": ("bytes/point", "11.1f"),
            "ns_per_point": ("ns/point", "8.3f"), "gb_per_s": ("GB/s", "7.2f"), "share_of_copy": ("of copy", "7.3f"),
@@ -26,26 +25,9 @@ COLUMNS = {"n": ("n", "5d"), "precision": ("precision", "9"), "what": ("pass", "
            "node_of_bandwidth": ("of its memory", "13.2f")}
 
 
-def field_passes(shapes):
-    """{pass: fields read or written}, in fields of the fine grid. shapes: (n_x, n_y) of all levels, finest first."""
-    points = [n_x * n_y for n_x, n_y in shapes]
-    share = [p / points[0] for p in points]
-    first, coarser = (share[1] if len(share) > 1 else 1.0), sum(share[2:])
-    spectrum = 1 + 2 / shapes[0][1]  # n_y/2 + 1 complex columns
-    return {
-        "search + rows": 3 + 1 + first + spectrum,  # read g, p, d and z of level 1; write d; write the row spectra
-        "columns": 2 * spectrum,  # read and write
-        "update + rows": spectrum + 3 + 2 + 3 * first,  # read row spectra, g, p, d; write g, p; write p, theta and x on level 1
-        # level 1: restrict p and theta, then read p, theta, x, write z; coarser ones: write and read p and theta both ways, z
-        "sweep": 6 * first + 8 * coarser,
-    }
-
-
 def bench_kernels(args):
     """One table row per pass and number of cores, and for the iteration, the copy and the bare FFT pairs. args: n, precision, ranks
     (lists), p_star, repeats, cpu, out."""
-    from .model import Machine  # which takes field_passes from here
-
     report = Report("kernels", COLUMNS, args.out)
     report.say(f"# p* = {args.p_star:g}; {'cpu' if args.cpu else 'wall'} time, all numbers of cores in turn; ns/point: of all cores "
                "together; of copy: bandwidth over that of a copy on as many cores; iteration/this: median over runs in turn")

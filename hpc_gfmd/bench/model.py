@@ -21,7 +21,7 @@ import numpy as np
 
 from ..driver.decomposition import Share, share_of
 from ..parallel.comm import stages
-from .kernels import field_passes
+from .passes import field_passes
 
 MOST_THREADS = 8  # of a rank: more were never measured
 START_AND_END = 2  # FFT pairs on the finest grid beside its iterations: the first pressure and the certificate

@@ -15,11 +15,11 @@ import pytest
 from hpc_gfmd.bench import peers, scaling
 from hpc_gfmd.bench.cases import Case
 from hpc_gfmd.bench.cells import Cells
-from hpc_gfmd.bench.kernels import field_passes
 from hpc_gfmd.bench.loosest import loosest
 from hpc_gfmd.bench.messages import LARGE
 from hpc_gfmd.bench.model import Machine, Network, predict
 from hpc_gfmd.bench.ours import Ours
+from hpc_gfmd.bench.passes import field_passes
 from hpc_gfmd.bench.reference import reference
 from hpc_gfmd.bench.timing import Clock, Sample, ratio
 from hpc_gfmd.bench.workers import Worker, in_turn
