@@ -16,10 +16,14 @@ from ..study import Study
 
 HURST = (0.3, 0.5, 0.8)
 LOADS = tuple(1e-4 * 2**k for k in range(11))
+LOWER = (2.5e-5, 5e-5, *LOADS)  # of larger cells, where the power law ends earlier
 WIDE = tuple(1e-5 * 4**k for k in range(7))  # of cells with more decades of roughness
 ROWS = {  # as in levels.py; at the end other loads
     "quick": ((1, 16, 2, 2, (0.5,)), (2, 16, 2, 2, (0.5,))),
-    "desk": ((1, 256, 2, 20, (0.3,)), (1, 256, 2, 13, (0.5,)), (1, 256, 2, 10, (0.8,)), (2, 128, 2, 6), (1, 512, 2, 2, HURST, WIDE)),
+    "desk": (
+        (1, 128, 2, 40), (2, 128, 2, 20, HURST, LOWER), (4, 128, 2, 20, HURST, LOWER),
+        (1, 256, 2, 30), (1, 512, 2, 10, HURST, WIDE),
+    ),
     "paper": ((1, 1024, 2, 100), (2, 1024, 2, 50), (4, 1024, 2, 20), (8, 1024, 2, 10)),
 }
 LOW, LINEAR = 0.0005, 0.01  # p_star up to which the power law is fitted, and about which K is compared with a line
@@ -55,8 +59,8 @@ def _mean(values: list[float]) -> tuple[float, float]:
 
 def power_laws(rows: Rows) -> Rows:
     """For each system the mean exponent at the lowest loads, up to LOW, with its standard error; `longer`: up to 3 LOW; `ends`: p_star
-    at which it is halfway between 1/(1 + H) and 1, `linear`: at which it is 1, by interpolation; None where it is so nowhere or
-    everywhere."""
+    at which it is halfway between 1/(1 + H) and 1, `linear`: at which it is 1, by interpolation, each with its standard error; None
+    where it is so nowhere or everywhere."""
     found = []
     for key in sorted({(row["hurst"], row["L_over_lam_l"], row["lam_l_over_lam_s"]) for row in rows}):
         part = [row for row in rows if (row["hurst"], row["L_over_lam_l"], row["lam_l_over_lam_s"]) == key]
@@ -70,27 +74,48 @@ def power_laws(rows: Rows) -> Rows:
     return found
 
 
-def _rises_to(exponent: float, rows: Rows) -> float | None:
+def _rises_to(exponent: float, rows: Rows) -> tuple[float, float] | None:
     for a, b in zip(rows, rows[1:], strict=False):
         if a["exponent"] < exponent <= b["exponent"]:
-            share = (exponent - a["exponent"]) / (b["exponent"] - a["exponent"])
-            return float(a["p_star"] * (b["p_star"] / a["p_star"]) ** share)
+            slope = np.log(b["p_star"] / a["p_star"]) / (b["exponent"] - a["exponent"])
+            p_star = float(a["p_star"] * np.exp(slope * (exponent - a["exponent"])))
+            return p_star, float(p_star * slope * max(a["exponent_se"], b["exponent_se"]))
     return None
+
+
+def ends_with_size(laws: Rows) -> dict[tuple[float, float], tuple[float, float]]:
+    """{(H, lam_l/lam_s): (power of L/lam_l with which p_star at the end of the power law goes, standard error)}, of several cells."""
+    ends = defaultdict(list)
+    for law in laws:
+        if law["ends"]:
+            p_star, error = law["ends"]
+            ends[law["hurst"], law["lam_l_over_lam_s"]].append((np.log(law["L_over_lam_l"]), np.log(p_star), p_star / error))
+    found = {}
+    for key, of_sizes in ends.items():
+        if len(of_sizes) > 1:
+            size, end, weight = np.transpose(of_sizes)
+            line, covariance = np.polyfit(size, end, 1, w=weight, cov="unscaled")
+            found[key] = float(line[0]), float(np.sqrt(covariance[0, 0]))
+    return found
 
 
 def findings(rows: Rows) -> Rows:
     """The exponents beside 1/(1 + H), where they end, the stiffness beside theory."""
     lines = []
-    for law in power_laws(rows):
+    laws = power_laws(rows)
+    for law in laws:
         if law["exponent"] is None:
             continue
         what = f"H = {law['hurst']:g}, L/lam_l = {law['L_over_lam_l']:g}, eps_f = 1/{law['lam_l_over_lam_s']:g}"
-        ends = f"; halfway to 1 at p* = {law['ends']:.2g}" if law["ends"] else ""
-        ends += f", 1 at {law['linear']:.2g}" if law["linear"] else ""
+        ends = f"; halfway to 1 at p* = {quoted(*law['ends'])}" if law["ends"] else ""
+        ends += f", 1 at {quoted(*law['linear'])}" if law["linear"] else ""
         lines.append(saying(f"{what}: K as p^{1 / (1 + law['hurst']):.3f} = p^1/(1 + H)",
                             f"exponent {quoted(law['exponent'], law['exponent_se'])} up to p* = {LOW:g}, {law['longer']:.2f} up to "
                             f"{3 * LOW:g}{ends}",
                             f"{law['surfaces']} surfaces"))
+    for (hurst, waves), power in ends_with_size(laws).items():
+        lines.append(saying(f"H = {hurst:g}, eps_f = 1/{waves:g}: with the size of the cell, p* halfway to 1 goes",
+                            f"as (L/lam_l)^({quoted(*power)})", "as the number of highest hills would: -2"))
     for hurst, part in by_hurst(rows).items():
         near_line = [row["stiffness"] / row["persson"] for row in part if LINEAR / 2 < row["p_star"] < 2 * LINEAR]
         if near_line:
