@@ -10,9 +10,10 @@ from .. import fits, paper
 from ..averages import average, relative_scatter
 from ..draw import gap_lines, two_pressures
 from ..levels import P_LOW, eps_c_series, eps_f_series, eps_t_series
-from ..paper import of_hurst, quoted, saying
+from ..paper import of_hurst, saying
 from ..rows import Rows, by_hurst, coarsest, families, fine_half, finest, longest, low_high, near
 from ..study import Study
+from ..text import quoted
 
 GAP = "gap_over_h_rms"
 WIDEST = (1e-16, 0.5)  # of eps_f in figure 8
@@ -28,10 +29,9 @@ def with_theory(runs: Rows, level: str | None = None, unit: str = "h_rms") -> Ro
     """Means over realisations of the gap in a unit with Persson's, corrected and as printed, and the ratios of simulation to both."""
     rows = average(runs, (f"gap_over_{unit}",))
     for row in rows:
-        for name, printed in (("persson", False), ("persson_printed", True)):
-            row[name] = float(persson.mean_gap(row["p_star"], row["hurst"], row["eps_f"], printed=printed, unit=unit))
-        for name in ("persson", "persson_printed"):
-            row[f"over_{name}"] = row[f"gap_over_{unit}"] / row[name] if row[name] > 0 else None
+        theory = {name: float(persson.mean_gap(row["p_star"], row["hurst"], row["eps_f"], printed=printed, unit=unit))
+                  for name, printed in (("persson", False), ("persson_printed", True))}
+        row |= theory | {f"over_{name}": row[f"gap_over_{unit}"] / gap if gap > 0 else None for name, gap in theory.items()}
     return rows
 
 
@@ -46,16 +46,14 @@ def coarse_grid(rows: Rows) -> Rows:
     """How much a coarse grid changes the gap at the high pressure."""
     lines = []
     for hurst, chosen in by_hurst(low_high(rows)["high"]).items():
-        printed, series = of_hurst("gap_ratio_eps_c", hurst), longest(chosen, "eps_c", "lam_l_over_lam_s")
+        printed, series = of_hurst("gap_ratio_eps_c", hurst), longest(chosen, "eps_c")
         if printed and len(series) > 1:
             best = finest(series, "eps_c")
             lines.append(saying(
-                f"H = {hurst:g}, p* = {paper.PRINTED['high']}: gap {'almost ' if printed > 2 else 'roughly '}{printed:g} times the "
-                "limit at eps_c = 1/2",
-                f"{coarsest(series, 'eps_c')[GAP] / best[GAP]:.4f} times that at eps_c = 1/{1 / best['eps_c']:g} (lam_l/lam_s = "
-                f"{best['lam_l_over_lam_s']:g})",
-                "the same surfaces on finer grids, the error of every gap bounded by its duality gap: this is what the grid alone "
-                "does"))
+                f"{paper.at('high', hurst)}: gap {'almost' if printed > 2 else 'roughly'} {printed:g} times the limit at eps_c = 1/2",
+                "{ratio:.4f} times that at eps_c = {eps_c:1/} (lam_l/lam_s = {lam_l_over_lam_s:g})",
+                "the same surfaces on finer grids, the error of every gap bounded by its duality gap: this is what the grid alone does",
+                **best, ratio=coarsest(series, "eps_c")[GAP] / best[GAP]))
     return lines
 
 
@@ -63,12 +61,12 @@ def finite_size(rows: Rows) -> Rows:
     """The sign and size of the finite-size correction."""
     lines = []
     for pressure, hurst, chosen in families(rows):
-        printed, series = paper.coefficients(GAP, pressure, hurst), longest(chosen, "eps_t", "lam_l_over_lam_s")
+        printed, series = paper.coefficients(GAP, pressure, hurst), longest(chosen, "eps_t")
         if printed and len(series) > 1:
             small, large = coarsest(series, "eps_t"), finest(series, "eps_t")
             slope = (small[GAP] - large[GAP]) / (small["eps_t"] - large["eps_t"])
             lines.append(saying(
-                f"H = {hurst:g}, p* = {paper.PRINTED[pressure]}: C_t = {printed['C_t']:g}",
+                f"{paper.at(pressure, hurst)}: C_t = {printed['C_t']:g}",
                 f"{slope:+.3g} from eps_t = {small['eps_t']:g} to {large['eps_t']:g} (lam_l/lam_s = {small['lam_l_over_lam_s']:g})",
                 f"one realisation scatters by {relative_scatter(small, GAP) or 0:.1%} at eps_t = {small['eps_t']:g}: the few "
                 "longest waves make h_rms; both cutoffs are included here, and how they are cut matters at eps_t = 1"))
@@ -88,7 +86,7 @@ def exponents(rows: Rows, unit: str) -> Rows:
             expected = of_hurst("gap_exponents_h_rms", hurst, pressure) - hurst
             why = (f"exponents in the two units differ by H, so the paper's own in units of h_rms makes this one {expected:+.3f}; "
                    "negative: the gap in units of g_rms lam_s rises as eps_f falls")
-        lines.append(saying(f"H = {hurst:g}, p* = {paper.PRINTED[pressure]}: exponent of eps_f {printed:g}", quoted(alpha, sigma), why))
+        lines.append(saying(f"{paper.at(pressure, hurst)}: exponent of eps_f {printed:g}", quoted(alpha, sigma), why))
     return lines
 
 
@@ -100,7 +98,7 @@ def theory_factors(rows: Rows, unit: str) -> Rows:
             spans = [_span([row[name] for row in fine_half(part) if row[name]]) for name in ("over_persson_printed", "over_persson")]
             printed = of_hurst(f"theory_factor_{unit}", hurst) or 0
             lines.append(saying(
-                f"H = {hurst:g}, p* = {paper.PRINTED['high']}: theory {printed:g} times too small",
+                f"{paper.at('high', hurst)}: theory {printed:g} times too small",
                 f"{spans[0]} times as printed, {spans[1]} times corrected",
                 f"the missing factor 2 in the second term explains {explained:.0%} of the logarithm of our ratio"))
     return lines
