@@ -34,20 +34,18 @@ def table_rows(runs: Rows, level: str, observable: str, pressure: str) -> Rows:
     return rows
 
 
-def compare(rows: Rows, observable: str, pressure: str) -> Rows:
+def compare(rows: Rows, observable: str, pressure: str) -> paper.Sayings:
     """Our coefficients beside the paper's: with its exponents where we have such a fit, and with ours."""
     theirs, mine = (", ".join(f"C_{i} = {{C_{i}:{how}}} (alpha {{alpha_{i}:{how}}})" for i in TERMS) for how in "g±")
-    lines = []
     for hurst, part in by_hurst(rows).items():
         printed, ours = where(part, area="paper"), where(part, area="raw")
         if printed and ours:
             paper_sum, our_sum = (sum(row[f"term_{i}"] for i in TERMS) for row in (printed[0], ours[0]))
-            lines.append(paper.saying(
+            yield paper.saying(
                 f"{paper.at(pressure, hurst)}: {filled(theirs, printed[0])}",
                 "; ".join(filled(mine, row) for row in sorted(ours, key=lambda row: row["exponents"])),
                 f"sum of the terms at the reference system: paper {paper_sum:.3g}, ours {our_sum:.3g}"
-                + ("; the fractal term is nearly the whole gap" if observable != "kappa" else "")))
-    return lines
+                + ("; the fractal term is nearly the whole gap" if observable != "kappa" else ""))
 
 
 def our_table(runs: Rows, level: str) -> dict:

@@ -28,8 +28,8 @@ ALPHA_F = (0.1, 3.0)  # what is tried
 class Limit:
     """kappa by one route, at a given alpha_f or a fitted one.
 
-    values: by NAMES; covariance: of the fitted parameters, NAMES in their order, without alpha_f where it is given; influence: how kappa
-    follows a change of the value of each run; chi2, dof: of the fit.
+    values: by NAMES; covariance: of the fitted parameters, NAMES in their order, without alpha_f where it is given; influence: how
+    kappa follows a change of the value of each run; chi2, dof: of the fit.
     """
 
     values: dict

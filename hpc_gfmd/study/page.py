@@ -7,19 +7,19 @@ from .rows import Rows
 from .study import Study
 from .text import literal, table
 
-PAGE = """# {study.title}
+PAGE = """# {title}
 
-{study.question}
+{question}
 
-![{study.title}]({study.name}.png)
+![{title}]({name}.png)
 
 {found}
 
 {numbers}
 
-All numbers: [{study.name}.csv]({study.name}.csv), [{study.name}.json]({study.name}.json). "±" is one standard error.
+All numbers: [{name}.csv]({name}.csv), [{name}.json]({name}.json). "±" is one standard error.
 
-Made by `hpc-gfmd study {study.name} --level {level}` (hpc_gfmd {version}): {loads} loads on {surfaces} surfaces, grids from {low}² to {high}²
+Made by `hpc-gfmd study {name} --level {level}` (hpc_gfmd {version}): {loads} loads on {surfaces} surfaces, grids from {low}² to {high}²
 points, {minutes:.0f} minutes of solving in all, on one shared core; {poor} loads failed their accuracy of {accuracy:g}.
 """
 
@@ -29,8 +29,8 @@ def page(study: Study, rows: Rows, runs: Rows, level: str) -> str:
     found = "\n".join(f"- {literal(line['paper'])}: **{literal(line['ours'])}**" + (f" ({literal(line['why'])})" if line["why"] else "")
                       for line in study.compare(rows))
     surfaces = {(run["hurst"], run["seed"], run["eps_t"], run["eps_f"]) for run in runs}
-    return PAGE.format(study=study, found=found, numbers=table(study.lines(rows), study.columns), level=level, version=__version__,
-                       surfaces=len(surfaces), **effort(runs))
+    return PAGE.format(name=study.name, title=study.title, question=study.question, found=found, level=level, version=__version__,
+                       numbers=table(study.lines(rows), study.columns), surfaces=len(surfaces), **effort(runs))
 
 
 def effort(runs: Rows) -> dict[str, Any]:

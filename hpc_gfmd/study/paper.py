@@ -1,6 +1,7 @@
 """What the paper prints: the numbers of its text and captions, and its coefficient tables."""
 
 import json
+from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -10,6 +11,9 @@ from .rows import near
 from .text import filled
 
 PRINTED = {"low": 0.007, "high": 0.353}  # the two pressures as the paper rounds them
+
+
+Sayings = Iterable[dict]  # lines of the table "paper says / we find / why"
 
 
 @cache
@@ -49,5 +53,5 @@ def at(pressure: str, hurst: float) -> str:
 
 
 def saying(paper: str, ours: str, why: str = "", **row: Any) -> dict:
-    """A line of the table "paper says / we find / why"; row: columns with which its parts are filled in (text.filled)."""
+    """One of the Sayings, {"paper", "ours", "why"}; row: columns with which its parts are filled in (text.filled)."""
     return {name: filled(text, row) for name, text in (("paper", paper), ("ours", ours), ("why", why))}

@@ -46,7 +46,7 @@ def report(folder: str | Path, level: str) -> Path:
     runs = store.load()
     studies = [catalogue.study(name) for name in catalogue.of_paper()]
     tables = {study.name: _rows(study, store, level) for study in studies}
-    lines = {study.name: study.compare(tables[study.name]) if tables[study.name] else [] for study in studies}
+    lines = {study.name: list(study.compare(tables[study.name])) if tables[study.name] else [] for study in studies}
     series = store.runs_of(tfc_series(level))
     ours = coefficients.our_table(series, level)
     if ours["tables"]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .case import Case
+from .paper import Sayings
 from .rows import Rows
 
 
@@ -44,7 +45,7 @@ class Study:
     cases: Callable[[str], list[Case]]
     tabulate: Callable[[Rows, str], Rows]
     draw: Callable[[Rows, Path], None]
-    compare: Callable[[Rows], Rows]
+    compare: Callable[[Rows], Sayings]
     question: str = ""
     columns: dict[str, str] = field(default_factory=dict)
     lines: Callable[[Rows], Rows] = _as_they_are

@@ -11,7 +11,7 @@ from ...theory import persson
 from ..continuum import POWERS, continuum
 from ..draw import points
 from ..levels import P_HIGH, P_LOW, series_of
-from ..paper import saying
+from ..paper import Sayings, saying
 from ..rows import Rows, at_load, groups, where
 from ..study import Study
 from ..text import filled
@@ -72,12 +72,12 @@ def _limit(runs: Rows, name: str) -> dict[tuple, tuple[float, float]]:
     return {key: (value, value * found.error[key]) for key, value in found.value.items()}
 
 
-def findings(rows: Rows) -> Rows:
+def findings(rows: Rows) -> Sayings:
     """How precise it is, how far theory is off, how the two routes agree."""
     known = [row for row in rows if row["kappa"]]
     gaps = [row for row in rows if row["gap_over_h_rms"]]
     if not known or not gaps:
-        return []
+        return
 
     def worst(part: Rows, name: str, low: Any = 0.0, high: Any = np.inf) -> str:
         return f"{max((row[f'{name}_se'] / row[name] for row in part if low <= row['p_star'] <= high), default=0):.1%}"
@@ -85,18 +85,16 @@ def findings(rows: Rows) -> Rows:
     apart = [(row["kappa_counted"] - row["kappa_edge"]) / np.hypot(row["kappa_counted_se"], row["kappa_edge_se"]) for row in known]
     ratios = {p_star: [row["kappa"] / row["persson_kappa"] for row in part] for p_star, part in groups(known, "p_star").items()}
     over = [row["gap_over_h_rms"] / row["persson_gap_over_h_rms"] for row in gaps if row["p_star"] <= P_HIGH]
-    return [
-        saying("standard error of kappa",
-               f"at most {worst(known, 'kappa')}; " + ", ".join(f"{worst(known, 'kappa', p)} from p* = {p:.3g}" for p in FROM)),
-        saying("standard error of the mean gap",
-               f"at most {worst(gaps, 'gap_over_h_rms', 0, P_HIGH)} up to p* = {P_HIGH:.3g}, "
-               f"{worst(gaps, 'gap_over_h_rms', 1, 1)} at p* = 1"),
-        saying("as counted and edge-corrected, both extrapolated to fine grids",
-               f"apart by {np.sqrt(np.mean(np.square(apart))):.1f} of their standard errors (rms), {max(np.abs(apart)):.1f} at most"),
-        saying("kappa over Persson's theory",
-               "; ".join(f"{min(ratios[p]):.2f} to {max(ratios[p]):.2f} at p* = {p:.3g}" for p in SHOWN if p in ratios)),
-        saying("gap over Persson's theory (gamma = 0.42, corrected)", f"{min(over):.2f} to {max(over):.2f} up to p* = {P_HIGH:.3g}"),
-    ]
+    yield saying("standard error of kappa",
+                 f"at most {worst(known, 'kappa')}; " + ", ".join(f"{worst(known, 'kappa', p)} from p* = {p:.3g}" for p in FROM))
+    yield saying("standard error of the mean gap",
+                 f"at most {worst(gaps, 'gap_over_h_rms', 0, P_HIGH)} up to p* = {P_HIGH:.3g}, "
+                 f"{worst(gaps, 'gap_over_h_rms', 1, 1)} at p* = 1")
+    yield saying("as counted and edge-corrected, both extrapolated to fine grids",
+                 f"apart by {np.sqrt(np.mean(np.square(apart))):.1f} of their standard errors (rms), {max(np.abs(apart)):.1f} at most")
+    yield saying("kappa over Persson's theory",
+                 "; ".join(f"{min(ratios[p]):.2f} to {max(ratios[p]):.2f} at p* = {p:.3g}" for p in SHOWN if p in ratios))
+    yield saying("gap over Persson's theory (gamma = 0.42, corrected)", f"{min(over):.2f} to {max(over):.2f} up to p* = {P_HIGH:.3g}")
 
 
 def at_some_loads(rows: Rows) -> Rows:

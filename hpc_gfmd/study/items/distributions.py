@@ -10,7 +10,7 @@ from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
 from ..draw import points
 from ..levels import P_HIGH, P_LOW, series_of
-from ..paper import saying
+from ..paper import Sayings, saying
 from ..rows import Rows, at_load, by_hurst, where
 from ..study import Study
 from ..text import quoted
@@ -79,20 +79,18 @@ def _columns(rows: Rows, *names: str) -> list[np.ndarray]:
     return [np.array([row[name] for row in rows]) for name in names]
 
 
-def findings(rows: Rows) -> Rows:
+def findings(rows: Rows) -> Sayings:
     """Pressure beside theory, exponents of the patch sizes."""
-    lines = []
     for hurst, p_star in product(by_hurst(rows), LOADS):
         pressure, patches = of(rows, hurst, p_star, "pressure"), of(rows, hurst, p_star, "patches")
         if pressure and patches:
             low, high, density = _columns(pressure, "low", "high", "density")
             apart = np.sum(np.abs(density - theory(p_star, low, high)) * (high - low)) / 2
-            lines.append(saying(
+            yield saying(
                 f"H = {hurst:g}, p* = {p_star:.3g}",
                 f"{apart:.1%} of the contact is at other pressures than in Persson's theory; patch sizes as A^-tau with tau = "
                 f"{quoted(*patch_exponent(patches))}",
-                f"{pressure[0]['surfaces']} surfaces, patches of {POWER_LAW[0]:g} to {POWER_LAW[1]:g} lam_s²"))
-    return lines
+                f"{pressure[0]['surfaces']} surfaces, patches of {POWER_LAW[0]:g} to {POWER_LAW[1]:g} lam_s²")
 
 
 def quantiles(rows: Rows) -> Rows:

@@ -7,7 +7,7 @@ from .. import fits, paper
 from ..averages import average, relative_scatter
 from ..draw import kappa_lines, two_pressures
 from ..levels import eps_c_series, eps_f_series, eps_t_series
-from ..paper import of_hurst, saying
+from ..paper import Sayings, of_hurst, saying
 from ..rows import Rows, by_hurst, coarsest, families, finest, groups, longest, low_high, near, where
 from ..study import Study
 from ..text import filled
@@ -33,29 +33,27 @@ def means_and_exponents(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def exponent_and_area(rows: Rows) -> Rows:
+def exponent_and_area(rows: Rows) -> Sayings:
     """The exponent alpha_c, and the contact area that the text gives."""
-    lines = []
     for pressure, hurst, chosen in families(rows):
         known = [row for row in longest(chosen, "eps_c") if row.get("kappa_alpha") is not None]
         if known:
-            lines.append(saying(
+            yield saying(
                 f"{paper.at(pressure, hurst)}: alpha_c = {paper.numbers()['alpha_c']:g}",
                 filled("{kappa_alpha:±} around eps_c = {eps_c:1/}, ", coarsest(known, "eps_c"))
                 + filled("{kappa_alpha:±} around {eps_c:1/}", finest(known, "eps_c")),
-                "a contact boundary of finite length makes the excess of counted points linear in eps_c for eps_c -> 0"))
+                "a contact boundary of finite length makes the excess of counted points linear in eps_c for eps_c -> 0")
     printed = paper.numbers()["area_high"]
     for hurst, chosen in by_hurst(low_high(rows)["high"]).items():
         if ours := of_hurst("area_high", hurst):
             other = next(a_r for name, a_r in printed.items() if name != f"{hurst:g}")
             best = finest(chosen, "eps_c")
             p_star = best["p_star"]
-            lines.append(saying(
+            yield saying(
                 f"a_r = {ours:g} at {paper.at('high', hurst)}",
                 f"a_r = {best['kappa'] * p_star:.3f} as counted, {best['kappa_edge'] * p_star:.3f} edge-corrected, on the finest grid",
                 f"printed is kappa/2, which is a_r = {2 * ours * p_star:.3f}; the number printed for the other "
-                f"H is a_r = {2 * other * p_star:.3f}"))
-    return lines
+                f"H is a_r = {2 * other * p_star:.3f}")
 
 
 def fractal_claim() -> tuple[str, str]:
@@ -83,27 +81,25 @@ def fractal_excess(rows: Rows) -> str:
     return f"{raw:.0%} above lam_l/lam_s = {1 / best['eps_f']:g} as counted, {edge:.0%} edge-corrected"
 
 
-def fractal_error(rows: Rows) -> Rows:
+def fractal_error(rows: Rows) -> Sayings:
     """The fractal error that the text gives for H = 0.8."""
     claim, why = fractal_claim()
-    found = fractal_excess(rows)
-    return [saying(claim, found, why)] if found else []
+    if found := fractal_excess(rows):
+        yield saying(claim, found, why)
 
 
-def finite_size(rows: Rows) -> Rows:
+def finite_size(rows: Rows) -> Sayings:
     """The scatter that the text gives, and the trend with eps_t."""
-    lines = []
     for pressure, part in low_high(rows).items():
         fine = [row for row in part if row["eps_f"] == min(row["eps_f"] for row in part)]
         known = {row["hurst"]: x for row in fine if row["eps_t"] == 0.5 and (x := relative_scatter(row, "kappa"))}
         drift = {h: coarsest(r, "eps_t")["kappa"] / finest(r, "eps_t")["kappa"] - 1 for h, r in by_hurst(fine).items() if len(r) > 1}
         if known and drift:
-            lines.append(saying(
+            yield saying(
                 f"p* = {paper.PRINTED[pressure]}: kappa fluctuates by {paper.numbers()['kappa_fluctuation'][pressure]:.1%}",
                 "one realisation, eps_t = 1/2: " + ", ".join(f"{x:.2%} (H = {h:g})" for h, x in known.items()),
                 "scatter grows with H and falls as eps_t; from the smallest cell to the largest kappa changes by "
-                + ", ".join(f"{x:+.1%} (H = {h:g})" for h, x in drift.items())))
-    return lines
+                + ", ".join(f"{x:+.1%} (H = {h:g})" for h, x in drift.items()))
 
 
 def _drawn(ratio: str, series: str = "lam_l_over_lam_s") -> Callable:

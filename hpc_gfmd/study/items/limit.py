@@ -12,7 +12,7 @@ from ..case import Case
 from ..draw import points
 from ..levels import BOTH, HURST, PRESSURES, at_level, series_of, tfc_series
 from ..limits import ALPHA_F, fit_limit
-from ..paper import of_hurst, saying
+from ..paper import Sayings, of_hurst, saying
 from ..rows import Rows, at_load, families, groups, where
 from ..scatter import Scatter
 from ..study import Study
@@ -92,17 +92,16 @@ def conclusions(rows: Rows) -> Rows:
     return found
 
 
-def findings(rows: Rows) -> Rows:
+def findings(rows: Rows) -> Sayings:
     """The limits beside the paper's, the exponent beside 2 - 2H and the paper's 0.67."""
-    lines = []
     for row in conclusions(rows):
         printed = of_hurst("kappa_tfc", row["hurst"]) if row["p_star"] < 0.1 else None
-        lines.append(saying(
+        yield saying(
             "H = {hurst:g}, p* = {p_star:.3g}" + (f" (paper: {printed:g})" if printed else ""),
             "kappa = {kappa_tfc:±} ({share:.2%}); alpha_f = {alpha_f:±}",
             f"2 - 2H = {{expected:g}} {'agrees' if row['agrees'] else 'does not hold here'}; "
-            "as counted {counted:.4f}, edge-corrected {edge:.4f}", **row, share=row["kappa_tfc_se"] / row["kappa_tfc"], expected=2 - 2 * row["hurst"]))
-    return lines
+            "as counted {counted:.4f}, edge-corrected {edge:.4f}",
+            **row, share=row["kappa_tfc_se"] / row["kappa_tfc"], expected=2 - 2 * row["hurst"])
 
 
 def draw(rows: Rows, path: Path) -> None:

@@ -10,8 +10,8 @@ from ...plotting.style import COLOURS, THEORY, figure
 from ..case import Case
 from ..draw import points
 from ..levels import at_level, series_of
-from ..paper import saying
-from ..rows import Rows, by_hurst, groups, longest
+from ..paper import Sayings, saying
+from ..rows import Rows, by_hurst, groups, longest, where
 from ..study import Study
 from ..text import filled
 from ..thresholds import between, jackknife, middle
@@ -159,11 +159,11 @@ def _mean(rows: Rows, name: str, error: str) -> tuple[float, float]:
     return mean, float(np.sqrt(max(1.0, chi2) / np.sum(weight)))
 
 
-def findings(rows: Rows) -> Rows:
+def findings(rows: Rows) -> Sayings:
     """The critical area by our definition and by that of the literature, what grid, connectivity and more waves do to it, the width."""
     limit = large(rows)
     if not limit:
-        return []
+        return
 
     def each(template: str, part: dict[float, dict] = limit) -> str:
         return ", ".join(filled(template, x | {"hurst": hurst}) + f" (H = {hurst:g})" for hurst, x in part.items())
@@ -173,28 +173,27 @@ def findings(rows: Rows) -> Rows:
         return f"in {LITERATURE[0]:g} ± {LITERATURE[1]:g}: " + (f"H = {', '.join(found)}" if found else "none")
 
     grid = f"lam_s/a = {next(iter(limit.values()))['lam_s_over_a']:g}"
-    flow = {hurst: {"flow": ", ".join(filled("{flow_ends:±} at L/lam_l = {L_over_lam_l:g}", row) for row in x["sizes"] if row["flow_ends"])}
-            for hurst, x in limit.items()}
+    flow = {hurst: {"flow": ", ".join(
+        filled("{flow_ends:±} at L/lam_l = {L_over_lam_l:g}", row) for row in x["sizes"] if row["flow_ends"])}
+        for hurst, x in limit.items()}
     apart = {c: np.mean([row["a_c_sides"] - row["a_c_corners"] for row in part]) for c, part in groups(rows, "lam_s_over_a").items()}
-    lines = []
     if fine := {hurst: x for hurst, x in limit.items() if x["a_c"]}:
-        lines = [saying("critical contact area of large cells, a -> 0", each("{a_c:±}", fine), near_literature("a_c", fine)),
-                 saying(f"from {grid}, edge-corrected, to a -> 0", each("{shift:±}", fine),
-                        "the same surfaces on all grids; sides and corners, counted and edge-corrected must meet")]
-    lines += [
-        saying(f"at {grid}, edge-corrected", each("{at_grid:±}, {surfaces} surfaces"), near_literature("at_grid")),
-        saying(f"at {grid}, the same contacts as counted", each("{counted:±}"), near_literature("counted")),
-        saying(f"at {grid}, as counted, no fluid passes from edge to edge any more", each("{flow}", flow),
-               "mean over surfaces, along x and along y"),
-        saying("points that share corners instead of sides percolate earlier by",
-               ", ".join(f"{mean:.4f} (lam_s/a = {c:g})" for c, mean in apart.items()), "edge-corrected; a_c is the mean")]
+        yield saying("critical contact area of large cells, a -> 0", each("{a_c:±}", fine), near_literature("a_c", fine))
+        yield saying(f"from {grid}, edge-corrected, to a -> 0", each("{shift:±}", fine),
+                     "the same surfaces on all grids; sides and corners, counted and edge-corrected must meet")
+    yield saying(f"at {grid}, edge-corrected", each("{at_grid:±}, {surfaces} surfaces"), near_literature("at_grid"))
+    yield saying(f"at {grid}, the same contacts as counted", each("{counted:±}"), near_literature("counted"))
+    yield saying(f"at {grid}, as counted, no fluid passes from edge to edge any more", each("{flow}", flow),
+                 "mean over surfaces, along x and along y")
+    yield saying("points that share corners instead of sides percolate earlier by",
+                 ", ".join(f"{mean:.4f} (lam_s/a = {c:g})" for c, mean in apart.items()), "edge-corrected; a_c is the mean")
     if more := [row for row in rows if row["more_waves"] is not None]:
-        lines.append(saying("more octaves of waves, the same seeds", ", ".join(filled(
+        yield saying("more octaves of waves, the same seeds", ", ".join(filled(
             "{more_waves:+.4f} ± {more_waves_se:.4f} (H = {hurst:g}, eps_f = 1/{lam_l_over_lam_s:g}, L/lam_l = {L_over_lam_l:g}, "
-            "lam_s/a = {lam_s_over_a:g})", row) for row in more)))
-    lines.append(saying(f"width falls as L^-{1 / NU:g} in two dimensions",
-                        ", ".join((f"L^{x['exponent']:.2f}" if x["exponent"] else "-") + f" (H = {hurst:g})" for hurst, x in limit.items())))
-    return lines
+            "lam_s/a = {lam_s_over_a:g})", row) for row in more))
+    yield saying(f"width falls as L^-{1 / NU:g} in two dimensions",
+                 ", ".join((f"L^{x['exponent']:.2f}" if x["exponent"] else "-") + f" (H = {hurst:g})"
+                           for hurst, x in limit.items()))
 
 
 def draw(rows: Rows, path: Path) -> None:
@@ -209,7 +208,8 @@ def draw(rows: Rows, path: Path) -> None:
                 left.plot(size, [row[name] for row in part], color=shade, linewidth=0.6, linestyle="--")
             many = [row for row in part if row["surfaces"] >= SEVERAL]
             middle_.plot([row["L_over_lam_l"] for row in many], [row["width"] for row in many], color=shade, marker="o")
-            grids = sorted((row for row in family if row["shift"] is not None and row["L_over_lam_l"] == SMALL), key=itemgetter("eps_c"))
+            grids = [row for row in where(family, L_over_lam_l=SMALL) if row["shift"] is not None]
+            grids.sort(key=itemgetter("eps_c"))
             for name, mark in (("a_c_sides", "o"), ("a_c_corners", "s"), ("a_c_counted", "^")):
                 right.plot([0, *(row["eps_c"] for row in grids)], [0, *(row[name] - row["a_c"] - row["shift"] for row in grids)],
                            color=shade, marker=mark, markersize=4,

@@ -8,7 +8,7 @@ from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
 from ..draw import points
 from ..levels import series_of
-from ..paper import saying
+from ..paper import Sayings, saying
 from ..rows import Rows, by_hurst, groups, where
 from ..study import Study
 
@@ -72,21 +72,19 @@ def _rises_to(exponent: float, rows: Rows) -> float | None:
     return None
 
 
-def findings(rows: Rows) -> Rows:
+def findings(rows: Rows) -> Sayings:
     """The exponents beside 1/(1 + H), where they end, the stiffness beside theory."""
-    lines = []
     for law in power_laws(rows):
         if law["exponent"] is not None:
-            lines.append(saying(
+            yield saying(
                 "H = {hurst:g}, L/lam_l = {L_over_lam_l:g}, eps_f = 1/{lam_l_over_lam_s:g}: K as p^{expected:.3f} = p^1/(1 + H)",
                 f"exponent {{exponent:±}} up to p* = {LOW:g}, {{longer:.2f}} up to {3 * LOW:g}"
                 + ("; halfway to 1 at p* = {ends:.2g}" if law["ends"] else "") + (", 1 at {linear:.2g}" if law["linear"] else ""),
-                "{surfaces} surfaces", **law, expected=1 / (1 + law["hurst"])))
+                "{surfaces} surfaces", **law, expected=1 / (1 + law["hurst"]))
     for hurst, part in by_hurst(rows).items():
         if near_line := [row["stiffness"] / row["persson"] for row in part if LINEAR / 2 < row["p_star"] < 2 * LINEAR]:
-            lines.append(saying(f"H = {hurst:g}: stiffness over Persson's theory (large systems) near p* = {LINEAR:g}",
-                                f"{min(near_line):.2f} to {max(near_line):.2f}"))
-    return lines
+            yield saying(f"H = {hurst:g}: stiffness over Persson's theory (large systems) near p* = {LINEAR:g}",
+                         f"{min(near_line):.2f} to {max(near_line):.2f}")
 
 
 def over_theory(rows: Rows) -> Rows:

@@ -7,7 +7,7 @@ from ...errors import SceneError
 from .. import coefficients, draw, paper
 from ..levels import HURST_GAP, tfc_series
 from ..limits import compare_routes
-from ..paper import of_hurst, saying
+from ..paper import Sayings, of_hurst, saying
 from ..rows import Rows, by_hurst, low_high, where
 from ..study import Study
 from ..text import filled
@@ -28,17 +28,15 @@ def limits(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def our_limits(rows: Rows) -> Rows:
+def our_limits(rows: Rows) -> Sayings:
     """Our limits beside the paper's."""
-    lines = []
     for raw, edge in zip(where(rows, area="raw"), where(rows, area="edge"), strict=True):
         printed = of_hurst("kappa_tfc", raw["hurst_number"])
-        lines.append(saying(
+        yield saying(
             "H = {hurst_number:g}: " + (f"kappa = {printed:g} in the TFC limit" if printed else "no number printed"),
             filled("{kappa_tfc:±} as counted, ", raw) + "{kappa_tfc:±} edge-corrected; the routes differ by {sigmas:+.1f} sigma",
             f"alpha_f = {{alpha_f:±}} instead of {paper.numbers()['alpha_f']:g}",
-            **edge, sigmas=edge["difference"] / edge["difference_se"]))
-    return lines
+            **edge, sigmas=edge["difference"] / edge["difference_se"])
 
 
 def _coefficients(name: str, observable: str, pressure: str, remark: str = "") -> Study:
