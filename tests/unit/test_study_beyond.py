@@ -143,10 +143,12 @@ def test_stiffness_of_a_power_law_that_ends():
     rows = stiffness.means(runs, "desk")
     (law,) = stiffness.power_laws(rows)
     assert law["exponent"] == pytest.approx(0.6, abs=0.02)
-    assert 0.002 < law["ends"][0] < law["linear"][0] < 0.008
-    assert 0 < law["ends"][1] < 0.1 * law["ends"][0]
-    of_sizes = [law | {"L_over_lam_l": size, "ends": (0.004 * size**-1.7, 2e-4 * size**-1.7)} for size in (1, 2, 4)]
-    assert stiffness.ends_with_size(of_sizes) == {(0.5, 256): (pytest.approx(-1.7), pytest.approx(0.05 / 2**0.5 / np.log(2)))}
+    assert 0.002 < law["ends"] < law["linear"] < 0.008
+    assert 0 < law["ends_se"] < 0.1 * law["ends"]
+    of_sizes = [law | {"L_over_lam_l": size, "ends": 0.004 * size**-1.7, "ends_se": 2e-4 * size**-1.7} for size in (1, 2, 4)]
+    (size,) = stiffness.ends_with_size(of_sizes)
+    assert size["power"] == pytest.approx(-1.7)
+    assert size["power_se"] == pytest.approx(0.05 / 2**0.5 / np.log(2))
     assert rows[-1]["exponent"] == pytest.approx(1.4, abs=0.05)
     assert rows[0]["stiffness"] == pytest.approx(6 * stiffness_at(1e-4) * 1.2, rel=0.35)
 
