@@ -58,8 +58,8 @@ class Pattern(NamedTuple):
 
 
 def error_pattern(total, squares, fourth, contact, N):
-    """Pattern of the error of the pressure: as that of what is left out of contact (sums of p, p^2, p^4), over no more points than there
-    are in contact, or out of it."""
+    """Pattern of the error of the pressure: as that of what is left out of contact (sums of p, p^2, p^4), over no more points than are
+    in contact, or out of it."""
     spread = max(min(squares**2 / fourth if fourth > 0 else 1.0, contact, N - contact), 1.0)
     alike = total**2 / (squares * spread) if squares > 0 and spread > FEW * contact else 0.0
     return Pattern(spread, min(max((alike - ANY_SIGN) / (ONE_SIGN - ANY_SIGN), 0.0), 1.0))
