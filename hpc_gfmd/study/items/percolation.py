@@ -1,5 +1,6 @@
 """The contact area at which contact first percolates, by finite-size scaling."""
 
+from collections.abc import Callable
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -100,7 +101,11 @@ def to_fine_grids(grids: dict) -> dict[float, dict[str, float]]:
 def _bounds(sweep: Rows) -> tuple[list, list]:
     """Between which areas a surface begins to percolate, shape (AREAS, ENDS, axes, 2), and the gap ceases to span, (axes, 2)."""
     wraps = [[[between(sweep, itemgetter(f"contact_percolates_{axis}{end}"), area) for axis in "xy"] for end in ENDS] for area in AREAS]
-    return wraps, [between(sweep, lambda run, axis=axis: not run[f"gap_spans_{axis}"], AREAS[0]) for axis in "xy"]
+    return wraps, [between(sweep, _sealed_along(axis), AREAS[0]) for axis in "xy"]
+
+
+def _sealed_along(axis: str) -> Callable[[dict], bool]:
+    return lambda run: not run[f"gap_spans_{axis}"]
 
 
 def _apart(surfaces: dict, others: dict) -> tuple[float | None, float | None]:
