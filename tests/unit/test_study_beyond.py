@@ -153,6 +153,16 @@ def test_stiffness_of_a_power_law_that_ends():
     assert rows[0]["stiffness"] == pytest.approx(6 * stiffness_at(1e-4) * 1.2, rel=0.35)
 
 
+@pytest.mark.parametrize("kappa, alpha, verdicts", [
+    ((2.16, 1.93), 0.6, ["survives"] * 4),
+    ((2.10, 2.31), 0.36, ["does not survive"] * 4),
+])
+def test_what_survives_of_the_paper(kappa, alpha, verdicts):
+    found = [{"hurst": hurst, "p_star": levels.P_LOW, "kappa_tfc": value, "kappa_tfc_se": 0.02, "alpha_f": alpha, "alpha_f_se": 0.1}
+             for hurst, value in zip((0.0, 0.8), kappa, strict=True)]
+    assert [line["why"].partition(":")[0] for line in limit.of_the_paper(found)] == verdicts
+
+
 def test_distributions_keep_their_integral_and_mean():
     edges = np.linspace(0, 2, 33)
     density = np.exp(-edges[:-1])
