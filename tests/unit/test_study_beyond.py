@@ -153,7 +153,7 @@ def test_stiffness_of_a_power_law_that_ends():
     assert rows[0]["stiffness"] == pytest.approx(6 * stiffness_at(1e-4) * 1.2, rel=0.35)
 
 
-@pytest.mark.parametrize("kappa, alpha, verdicts", [
+@pytest.mark.parametrize(("kappa", "alpha", "verdicts"), [
     ((2.16, 1.93), 0.6, ["survives"] * 4),
     ((2.10, 2.31), 0.36, ["does not survive"] * 4),
 ])
