@@ -39,6 +39,15 @@ def test_continuum_without_scatter_is_exact():
         assert len(found.value) == 6
 
 
+def test_continuum_of_three_grids():
+    """They tell fewer powers of eps_c apart; here each eps_f is known of one cell only, which stays in the value."""
+    for observable in ("kappa", "kappa_edge"):
+        found = continuum([run for run in made_up(1e-7) if run["eps_c"] < 0.5], observable)
+        for (hurst, eps_f, _), value in found.value.items():
+            cell = {1 / 16: 8, 1 / 64: 2}[eps_f]
+            assert value == pytest.approx((2 + hurst + eps_f) * np.exp(0.1 / cell), rel=1e-5)
+
+
 def at_loads(loads, seed=0, jitter=3):
     """The same surfaces at several loads, on each of which a grid adds something of its own."""
     rng, names = np.random.default_rng(seed), ("kappa", "kappa_edge")
@@ -66,6 +75,15 @@ def test_loads_together_know_more_of_the_grid():
         share = {key: together[key] / error for key, error in alone.items()}
         assert max(share.values()) < 1
         assert max(x for (_, eps_f, _), x in share.items() if eps_f == 1 / 64) < 0.9  # most of their error is the grid's
+
+
+def test_light_loads_leave_the_coarsest_grid_out():
+    """One that does not resolve single contacts tells nothing of them."""
+    runs = runs_of(curves.series("quick"), kappa=lambda case: (1 + case.eps_c, 1 + 0.2 * case.eps_c))
+    spoilt = [run | ({"kappa": 3 * run["kappa"]} if run["lam_s_over_a"] == 2 and run["p_star"] in curves.LIGHT else {}) for run in runs]
+    light, other = ([row["kappa"] for row in curves.limits(some, "quick") if row["p_star"] in curves.LIGHT] for some in (runs, spoilt))
+    assert len(light) == 8
+    assert light == other
 
 
 def test_continuum_refuses_what_it_cannot_tell():
