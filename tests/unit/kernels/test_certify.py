@@ -26,7 +26,8 @@ def test_uncertain_points(random):
     takes = np.where(g > 0, g / 0.7, np.abs(p)) ** 2
     counts = np.zeros((2, certify.BINS))
     closed, changes = certify.count_uncertain(g, p, 0.7, 0.05, 0.1, 0.5, counts)
-    assert closed == np.sum(g <= 0) and changes == np.sum(np.diff(g <= 0, axis=1))
+    assert closed == np.sum(g <= 0)
+    assert changes == np.sum(np.diff(g <= 0, axis=1))
     edges = 0.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)
     for side, found in zip((g <= 0, g > 0), counts, strict=True):
         t = takes[side & (takes >= 0.05**2) & (takes <= 0.5)]
