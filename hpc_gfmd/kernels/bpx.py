@@ -88,7 +88,7 @@ def update_state(state, x, s, excess, rows, coarse, edges, transfer, inside, scr
     Restricts p on F and excess p on A, the indicator of A, and x on F to the coarser grid: coarse (3, coarse rows + 2, m) with halo
     gets the rows that belong to this pass alone, edges (2, 3, m) the first and the last, which it shares. scratch: (7, n_y).
     """
-    g, p, d = state
+    g, p, _ = state
     i0, i1 = rows
     k0, f_x = transfer[:2]
     RR = PP = PD = DX = PX = CONTACT = GAP = OPENING = CLOSING = 0.0
@@ -216,7 +216,7 @@ def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows):
 
 @inline
 def _scatter_row(rows, c0, n, K, ends, edges, coarse, transfer):
-    """Restrict coarse row K, complete in rows[c0:c0 + 3, :n], along the other axis to where it belongs; ends: first and last of a pass."""
+    """Restrict coarse row K, complete in rows[c0:c0 + 3, :n], along the other axis to where it belongs; ends: first and last of all."""
     _, _, mode, j0, f, factor = transfer
     for c in range(3):
         target = edges[0, c] if K == ends[0] else (edges[1, c] if K == ends[1] else coarse[c, K])
