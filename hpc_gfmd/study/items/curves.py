@@ -36,6 +36,7 @@ ROWS: dict[str, Any] = {  # as in levels.py; at the end the loads, if not all
 }
 series = series_of(ROWS, HURST, LOADS)
 POOLED = ("kappa", "kappa_edge")  # at light loads single contacts meet the grid alike; the gap is known well enough at each load
+RESOLVED = 4  # lam_s/a from which on a grid resolves them: on coarser ones many are of one point
 SHOWN = (1e-4, 0.001, P_LOW, 0.06, P_HIGH, 1.0)
 FROM = (0.001, P_LOW, 0.03, 0.12)  # loads from which on errors are quoted
 
@@ -46,8 +47,10 @@ def limits(runs: Rows, level: str) -> Rows:
     found: dict[str, dict] = {name: {} for name in POWERS}
     for name, at in found.items():
         together = LIGHT if name in POOLED else ()
-        for loads in (together, *((p_star,) for p_star in LOADS if p_star not in together)):
-            at |= _limit([run for p_star in loads for run in at_load(runs, p_star)], name)
+        at |= _limit([run for p_star in together for run in at_load(runs, p_star) if run["lam_s_over_a"] >= RESOLVED], name)
+        for p_star in LOADS:
+            if p_star not in together:
+                at |= _limit(at_load(runs, p_star), name)
     rows = []
     for p_star in LOADS:
         for hurst, eps_f in sorted({(run["hurst"], run["eps_f"]) for run in at_load(runs, p_star)}):
