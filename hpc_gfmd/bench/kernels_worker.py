@@ -7,8 +7,8 @@ import numpy as np
 from ..parallel.world import world
 from ..problem import Problem
 from ..registry import solver_class
-from .bare_fft import bare_pairs
 from .cases import DTYPES, Case
+from .fft import bare_pairs
 from .timing import Clock
 from .workers import serve
 

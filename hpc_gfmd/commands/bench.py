@@ -1,4 +1,4 @@
-"""`hpc-gfmd bench`: speed of kernels, time against true error, and other codes on the same surfaces."""
+"""`hpc-gfmd bench`: speed of kernels and transforms, time against true error, and other codes on the same surfaces."""
 
 from importlib import import_module
 
@@ -9,7 +9,7 @@ ALONE = ("accuracy", "kernels", "peers")  # these run on one rank
 
 
 def add_parser(subparsers):
-    parser = subparsers.add_parser("bench", help="kernels, time against error, scaling, storage, other codes",
+    parser = subparsers.add_parser("bench", help="kernels, FFT, time against error, other codes",
                                    description="Measure speed. Alternating runs, warmed up; compare numbers of one call only.")
     parts = parser.add_subparsers(metavar="WHAT", required=True)
 
@@ -17,6 +17,8 @@ def add_parser(subparsers):
                     (1024, 2048, 4096), 12)
     kernels.add_argument("--ranks", type=int, nargs="+", default=[1, 2], metavar="K", help="numbers of ranks, a core each (1 2)")
     kernels.add_argument("--p-star", type=number, default=0.05, metavar="P", help="load of the contact that is iterated (default 0.05)")
+
+    _part(parts, "fft", "our passes against mpi4py-fft's PFFT and FFTW's plan; on all ranks", (1024, 2048, 4096), 12)
 
     accuracy = _part(parts, "accuracy", "time and FFT pairs of all solvers against true error", (512, 1024, 2048, 4096), 3)
     accuracy.add_argument("--p-star", type=number, nargs="+", default=[0.0007, 0.007, 0.05, 0.353, 1.0], metavar="P")

@@ -2,6 +2,7 @@
 
 import json
 import os
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -158,7 +159,7 @@ def test_another_code_is_given_the_loosest_tolerance_that_will_do(tmp_path, monk
     (["peers", "--codes", "nonsense"], "--codes: found 'nonsense', allowed: aspher"),
     (["peers"], "scripts/bench-peers-setup"),
     (["peers", "--boundary", "free", "--codes", "tamaas"], "--codes: found 'tamaas', allowed: aspher-fft"),
-    (["kernels", "--n", "63"], "--n: found"),
+    (["fft", "--n", "63"], "--n: found"),
     (["kernels", "--repeats", "0"], "--repeats: found 0"),
 ])
 def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, tmp_path, capsys):
@@ -167,6 +168,16 @@ def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, t
     error = capsys.readouterr().err
     assert says in error
     assert error.count("\n") == 1
+
+
+def test_transforms(tmp_path):
+    """In a process of its own: PFFT starts MPI."""
+    pytest.importorskip("mpi4py_fft")
+    subprocess.run([sys.executable, "-m", "hpc_gfmd", "bench", "fft", "--n", "64", "--precision", "single", "--repeats", "2",
+                    "-o", tmp_path], check=True, capture_output=True)
+    found = rows(tmp_path / "fft.jsonl")
+    assert len(found) == 3
+    assert all(r["ms_min"] > 0 for r in found)
 
 
 def test_kernels(tmp_path, monkeypatch):

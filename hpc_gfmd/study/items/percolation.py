@@ -181,6 +181,9 @@ def findings(rows: Rows) -> Sayings:
         yield saying("critical contact area of large cells, a -> 0", each("{a_c:±}", fine), near_literature("a_c", fine))
         yield saying(f"the same from fluids, which get from edge to edge in {1 - SEALED:.1%} of the cells", each("{sealed:±}", fine),
                      near_literature("sealed", fine))
+        names = ("a_c", "a_c_se", "sealed", "sealed_se")
+        every: dict[str, Any] = {name: float(np.mean([x[name] for x in fine.values()])) for name in names}
+        yield saying("mean over H (the same seeds: errors do not average out)", "{a_c:±}, from fluids {sealed:±}", **every)
         yield saying("half of the cells are sealed, a -> 0", each("{half}", half_sealed(fine)),
                      f"at the threshold of large cells {1 - SEALED:.1%} of the small ones still leak: half are sealed above it")
         yield saying(f"from {grid}, edge-corrected, to a -> 0", each("{shift:±}", fine),
