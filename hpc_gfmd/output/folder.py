@@ -1,7 +1,6 @@
 """The folder beside a result file, OUT.h5.partial, where a run keeps what is finished until all of it is: one run at a time has it, by
 a lock that the kernel gives back when its holder dies, however it dies."""
 
-import errno
 import fcntl
 import os
 import re
@@ -36,17 +35,16 @@ def acquire(folder: Path) -> int:
 
     Raises SceneError naming the holder if another process has it. A file system without locks is accepted.
     """
-    while True:
-        folder.mkdir(exist_ok=True)
-        descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
-        if _taken(descriptor, fcntl.LOCK_EX):
-            holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
-            os.close(descriptor)
-            raise SceneError(f"{folder.with_suffix('')}: another run is writing this file ({holder})")
-        # the holder before us may have removed the folder between our open and our lock
-        if (folder / LOCK).exists() and os.path.samestat(os.fstat(descriptor), os.stat(folder / LOCK)):
-            break
+    folder.mkdir(exist_ok=True)
+    descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
+    if _taken(descriptor, fcntl.LOCK_EX):
+        holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
         os.close(descriptor)
+        raise SceneError(f"{folder.with_suffix('')}: another run is writing this file ({holder})")
+    # the holder before us may have removed the folder between our open and our lock
+    if not ((folder / LOCK).exists() and os.path.samestat(os.fstat(descriptor), os.stat(folder / LOCK))):
+        os.close(descriptor)
+        return acquire(folder)
     with suppress(OSError):  # a full disk is noticed soon
         os.ftruncate(descriptor, 0)
         os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
@@ -62,9 +60,9 @@ def is_held(folder: Path) -> bool:
 
 def clear(folder: Path, keep_lock=False) -> None:
     """Remove what is ours, the head first: a folder without a head is nobody's run."""
-    names = [p.name for p in folder.iterdir() if _OURS.fullmatch(p.name)] if folder.is_dir() else []
-    for name in sorted(names, key=lambda name: not name.startswith(HEAD)):
-        (folder / name).unlink(missing_ok=True)
+    for file in sorted(folder.glob("*"), key=lambda file: not file.name.startswith(HEAD)):
+        if _OURS.fullmatch(file.name):
+            file.unlink(missing_ok=True)
     if not keep_lock:
         (folder / LOCK).unlink(missing_ok=True)
         with suppress(OSError):  # somebody else may keep something there
@@ -74,7 +72,7 @@ def clear(folder: Path, keep_lock=False) -> None:
 def tidy(path) -> None:
     """Remove what a run that died after it had finished `path` left beside it. One process only."""
     folder = partial_folder(path)
-    if Path(path).exists() and folder.is_dir() and not (folder / HEAD).exists() and not is_held(folder):
+    if Path(path).exists() and not (folder / HEAD).exists() and not is_held(folder):
         clear(folder)
 
 
@@ -82,5 +80,5 @@ def _taken(descriptor, kind) -> bool:
     try:
         fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
     except OSError as error:
-        return error.errno in (errno.EAGAIN, errno.EACCES)
+        return isinstance(error, BlockingIOError)
     return False

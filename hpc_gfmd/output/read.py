@@ -1,5 +1,6 @@
-"""Reading result files: whole ones, and what an interrupted run left. Executes nothing, needs no MPI."""
+"""Reading result files, what an interrupted run left, and checkpoints. Executes nothing, needs no MPI."""
 
+import json
 import os
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -9,19 +10,21 @@ from .. import errors
 from ..errors import SceneError
 from ..parallel.guard import one_line
 from ..parallel.h5 import CHECKSUM, Stored, inside
-from .attributes import attributes_of
 from .folder import HEAD, is_held, partial_folder, step_files
 
-FORMAT, FORMAT_VERSION = "hpc-gfmd", 3
+FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
+# An attribute of each group with all its texts, as JSON of fixed length. HDF5 keeps texts of any length, which other programs expect,
+# where it has no checksums and where a flipped bit may crash it: we read them from nowhere else.
+RECORD = "record"
 
 
 @dataclass(frozen=True)
 class Result:
     """What a result file says.
 
-    path: of the file, None in memory; surface: attributes of the surface; steps: one dict of attributes per load step, indices: their
-    numbers; status: of the whole run ("running" or "interrupted" if the file was never finished);
-    head: all root attributes; fields: per step {name: Stored}, to be read slab by slab;
+    path: of the file, None in memory; head, surface, steps: attributes of the root, of the surface and of each load step, whose
+    numbers are `indices`; status: of the whole run ("running" or "interrupted" if the file was never finished);
+    fields: per step {name: Stored}, to be read slab by slab;
     folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line each.
     """
 
@@ -40,23 +43,25 @@ class Result:
         """The scene that was solved."""
         return str(self.head.get("scene", ""))
 
+    def slabs(self, grid) -> dict:
+        """The local slabs of a checkpoint by name. Collective; raises GfmdError where they are damaged or of another grid."""
+        n_x, n_y = self.surface["n"]
+        if (n_x, n_y) != tuple(grid.n):
+            raise SceneError(f"{self.path}: belongs to a grid of {n_x} x {n_y} points")
+        return {name: field.slab(grid.comm, grid.rows) for name, field in self.fields[0].items()}
+
 
 def read_result(path) -> Result:
     """The result file, or, if there is none, what an interrupted run left beside it.
 
     Raises SceneError (one line) if there is nothing, or the file is no HDF5, damaged, foreign or of another version.
     """
-    path = Path(path)
-    return read_whole(path) if path.exists() or not partial_folder(path).is_dir() else read_partial(path)
-
-
-def read_whole(path) -> Result:
-    """A finished file. Raises SceneError as read_result."""
-    result = _read(Path(path))
-    newer = partial_folder(path) / HEAD
-    if newer.exists() and newer.stat().st_mtime_ns > result.path.stat().st_mtime_ns:
-        left = len(step_files(newer.parent))
-        note = f"a newer run was interrupted, or is running: {left} finished load steps in {newer.parent}"
+    path, folder = Path(path), partial_folder(path)
+    if not path.exists() and folder.is_dir():
+        return read_partial(path)
+    result, newer = _read(path), folder / HEAD
+    if newer.exists() and newer.stat().st_mtime_ns > path.stat().st_mtime_ns:
+        note = f"a newer run was interrupted, or is running: {len(step_files(folder))} finished load steps in {folder}"
         return replace(result, notes=(note,))
     return result
 
@@ -70,32 +75,49 @@ def read_partial(path) -> Result:
     path, folder = Path(path), partial_folder(path)
     if not (folder / HEAD).exists():
         raise SceneError(f"{path}: no such file, and no interrupted run beside it")
-    parts, notes = {}, []
+    parts, notes = [], []
     for index, file in {None: folder / HEAD, **step_files(folder)}.items():
         try:
             part = _read(file)
             if index is not None and part.indices != [index]:
                 raise SceneError(f"{file}: holds no load step {index}")
-            if any(part.head.get("identity") != other.head.get("identity") for other in parts.values()):
+            if parts and part.head.get("identity") != parts[0].head.get("identity"):
                 raise SceneError(f"{file}: belongs to another scene")
-            parts[index] = part
+            parts.append(part)
         except SceneError as error:
             notes.append(f"left out: {error}")
     if not parts:
         raise SceneError(notes[0].removeprefix("left out: "))
-    first = next(iter(parts.values()))
-    parts.pop(None, None)
-    return Result(path, first.surface, [part.steps[0] for part in parts.values()], list(parts),
-                  "running" if is_held(folder) else "interrupted", first.head, [part.fields[0] for part in parts.values()],
-                  folder, tuple(notes))
+    lists = {name: [one for part in parts for one in getattr(part, name)] for name in ("steps", "indices", "fields")}
+    status = "running" if is_held(folder) else "interrupted"
+    return replace(parts[0], path=path, **lists, status=status, folder=folder, notes=tuple(notes))
+
+
+def read_checkpoint(path, solver, identity) -> Result:
+    """A file of the same layout with the state of a solver in the place of a load step. Raises SceneError as read_result, and for
+    another solver or scene."""
+    found = _read(path, CHECKPOINT)
+    if (found.head.get("solver"), found.head.get("identity")) != (solver, identity):
+        of = "another scene" if found.head.get("solver") == solver else found.head.get("solver")
+        raise SceneError(f"{path}: a checkpoint of {of}, allowed: of {solver} and this scene")
+    return found
+
+
+def _read(path, kind=FORMAT) -> Result:
+    """All that one file says, its load steps in the order of their numbers."""
+    with _opened(path, kind) as file:
+        head, surface = _attributes(file), _attributes(inside(file, "surface"))
+        group = inside(file, "steps") if "steps" in file else ()
+        steps = {int(name): inside(group, name) for name in sorted(filter(str.isdigit, group), key=int)}
+        return Result(path, surface, [_attributes(step) for step in steps.values()], list(steps), str(head.get("status", "unknown")),
+                      head, [_fields(path, step, surface.get("n", ())) for step in steps.values()])
 
 
 @contextmanager
-def reading(path, kind=FORMAT):
-    """`with reading(path) as file`: an h5py file of ours; whatever goes wrong inside is one SceneError."""
+def _opened(path, kind):
+    """An h5py file of ours; whatever goes wrong inside is one SceneError."""
     import h5py
 
-    path = Path(path)
     unfit = ("no such file" if not path.exists() else
              f"is the folder of a run, allowed: {path.with_suffix('')}" if path.is_dir() and path.suffix == ".partial" else
              "is a folder, not a result file" if path.is_dir() else
@@ -109,7 +131,7 @@ def reading(path, kind=FORMAT):
             version = file.attrs.get("format_version")
             if version not in (None, FORMAT_VERSION):
                 raise SceneError(f"{path}: format_version is {errors.one_line(str(version))}, this program reads {FORMAT_VERSION}")
-            if version is None or attributes_of(file).get("format") != kind:
+            if version is None or _attributes(file).get("format") != kind:
                 raise SceneError(f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd (format = {kind!r})")
             yield file
     except SceneError:
@@ -118,7 +140,7 @@ def reading(path, kind=FORMAT):
         raise SceneError(f"{path}: the file is damaged ({one_line(error)})") from error
 
 
-def fields_of(path, group, n) -> dict[str, Stored]:
+def _fields(path, group, n) -> dict[str, Stored]:
     """The fields in a group of an open file, to be read slab by slab later. Raises ValueError if one does not fit the surface."""
     found = {}
     for name in group:
@@ -130,12 +152,7 @@ def fields_of(path, group, n) -> dict[str, Stored]:
     return found
 
 
-def _read(path) -> Result:
-    """All that one file says, its load steps in the order of their numbers."""
-    with reading(path) as file:
-        head, surface = attributes_of(file), attributes_of(inside(file, "surface"))
-        found = inside(file, "steps") if "steps" in file else ()
-        steps = [inside(found, name) for name in sorted(filter(str.isdigit, found), key=int)]
-        indices, n = [int(step.name.rpartition("/")[2]) for step in steps], surface.get("n", ())
-        return Result(path, surface, [attributes_of(step) for step in steps], indices, str(head.get("status", "unknown")), head,
-                      [fields_of(path, step, n) for step in steps])
+def _attributes(group) -> dict:
+    """As Python numbers, texts and lists, in the order in which they were written."""
+    texts = json.loads(group.attrs[RECORD])
+    return {name: group.attrs[name].tolist() if text is None else text for name, text in texts.items()}

@@ -4,7 +4,7 @@ import re
 from contextlib import contextmanager
 
 from .. import errors
-from ..errors import GfmdError, SceneError
+from ..errors import GfmdError
 
 
 @contextmanager
@@ -12,12 +12,12 @@ def guarded(comm, doing: str):
     """Collective block: when any rank fails inside it, every rank leaves it with an error.
 
     `doing` starts the message ("writing contact.h5"). The block itself must hold no collective call that a
-    failing rank would skip. A SceneError stays what it is, anything else becomes a GfmdError.
+    failing rank would skip, unless in a guarded block of its own. A GfmdError stays what it is, anything else becomes one.
     """
     error = None
     try:
         yield
-    except SceneError as caught:
+    except GfmdError as caught:
         error = caught
     except Exception as caught:
         error = GfmdError(f"{doing}: {one_line(caught)}")

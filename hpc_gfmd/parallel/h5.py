@@ -8,7 +8,7 @@ seen to report success on one.
 
 import io
 import os
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import GfmdError
 from .comm import SerialComm
-from .guard import guarded, on_rank_0, one_line
+from .guard import guarded, on_rank_0
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
 CHECKSUM = "checksum"  # attribute of a field
@@ -34,7 +34,7 @@ class Stored:
     shape: tuple[int, int]
     dtype: np.dtype
     checksum: int
-    passed: tuple[int, int] = (0, 0)  # how many rows `read` gave one after the other from the first on, and their checksum
+    passed: tuple[int, int] = (0, 0)  # how many rows were read one after the other from the first on, and their checksum
 
     @property
     def span(self) -> tuple[int, int]:
@@ -44,21 +44,23 @@ class Stored:
     def pieces(self, comm=None, rows=None):
         """(start, rows from there on), ... as many on every rank; rows: (start, stop) of this one (default: all of one process).
 
-        Collective; raises GfmdError, after the last one where it is the numbers of the field, every row of which has one rank, that are
-        damaged.
+        Collective; raises GfmdError, for damaged numbers after the last row of a pass over all of them, in one call or several.
         """
-        comm, found, doing = comm or SerialComm(), 0, f"reading {self.path}"
+        comm, rows, found, doing = comm or SerialComm(), rows or self.span, 0, f"reading {self.path}"
         with opened(comm, self.path, "r", doing) as file:
-            def read(start, stop):
-                nonlocal found
+            for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
                 with guarded(comm, doing):  # before the others begin to read together
                     part = np.empty((stop - start, self.shape[1]), self.dtype)
-                _transfer(file[self.dataset], start, part, "read")
-                found += _checksum(part, start)
-                return part
-
-            yield from _pieces(comm, rows or self.span, self.shape[1] * self.dtype.itemsize, doing, read)
-        self._check(sum(comm.allgather(found)))
+                with guarded(comm, doing):
+                    _transfer(file[self.dataset], start, part, "read")
+                    found += _checksum(part, start)
+                yield start, part
+        begin, end = comm.max([-rows[0], rows[1]])  # of all ranks
+        before, known = self.passed if begin else (0, 0)
+        if before == -begin:  # otherwise it is no pass over all of them
+            self.passed = int(end), (known + _total(comm, found)) % 2**64
+            if end == self.shape[0] and self.passed[1] != self.checksum:
+                raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
 
     def slab(self, comm, rows) -> np.ndarray:
         """This rank's rows (start, stop) in one array. Collective; raises GfmdError as `pieces`."""
@@ -70,43 +72,24 @@ class Stored:
         return found
 
     def read(self, start, stop) -> np.ndarray:
-        """Rows start <= i < stop. Not collective: every rank may read what it needs.
-
-        Raises GfmdError if it cannot, and with the last rows of a pass over all of them where these are damaged.
-        """
-        import h5py
-
-        try:
-            with h5py.File(self.path, "r", locking=False) as file:
-                rows = file[self.dataset][start:stop]
-        except (OSError, KeyError, ValueError) as error:
-            raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged ({one_line(error)})") from error
-        done, found = self.passed if start else (0, 0)
-        if start == done:  # otherwise it is no pass over all of them
-            self.passed = stop, found + _checksum(rows, start)
-            if stop == self.shape[0]:
-                self._check(self.passed[1])
-        return rows
-
-    def _check(self, found):
-        if found % 2**64 != self.checksum:
-            raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
-
-
-def io_way(comm) -> str:
-    """How fields are written and read: "mpio", or "serial" (one rank, or HDF5 without MPI)."""
-    import h5py
-
-    return "mpio" if comm.size > 1 and h5py.get_config().mpi else "serial"
+        """Rows start <= i < stop. Not collective: every rank may read what it needs. Raises GfmdError as `pieces`."""
+        return self.slab(SerialComm(), (start, stop))
 
 
 def driver(comm) -> dict:
-    """Keywords of h5py.File for that; opening and closing are collective by MPI-IO."""
-    return {"driver": "mpio", "comm": comm.mpi} if io_way(comm) == "mpio" else {"locking": False}
+    """Keywords of h5py.File: by MPI-IO, where opening and closing are collective, on several ranks if HDF5 has it."""
+    import h5py
+
+    return {"driver": "mpio", "comm": comm.mpi} if comm.size > 1 and h5py.get_config().mpi else {"locking": False}
 
 
-def write_file(comm, path, n, rows, fields, describe=lambda file: None, compressed=False, dtype=None) -> None:
-    """Write one HDF5 file, all of it or nothing. Collective.
+def io_way(comm) -> str:
+    """How fields are written and read: "mpio" or "serial"."""
+    return driver(comm).get("driver", "serial")
+
+
+def write_file(comm, path, n, rows, fields, describe=lambda file: None, compressed=False, dtype=None) -> dict[str, Stored]:
+    """Write one HDF5 file, all of it or nothing; returns its fields. Collective.
 
     n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; fields: {dataset: local slab, which is only sliced, or Stored}, with
     the same names on every rank; describe(file): called by rank 0 when the datasets are there, still empty; compressed: rows are
@@ -115,7 +98,7 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
     """
     path = Path(path)
     tmp, doing, together = path.with_name(path.name + ".tmp"), f"writing {path}", io_way(comm) == "mpio"
-    types = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}
+    types, stored = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}, {}
     try:
         on_rank_0(comm, doing, lambda: _lay_out(tmp, n, types, describe, compressed))
         if fields:
@@ -129,9 +112,9 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
                                 _transfer(file[name], *one, "write")
                                 sync(tmp, wait=False)
                             found += _checksum(part, start)
-                    found = sum(comm.allgather(found)) % 2**64
-                    if file is not None:
-                        file[name].attrs.modify(CHECKSUM, np.uint64(found))
+                    stored[name] = Stored(path, name, n, types[name], _total(comm, found))
+                    if together or comm.rank == 0:
+                        file[name].attrs.modify(CHECKSUM, np.uint64(stored[name].checksum))
         with guarded(comm, doing):
             if comm.rank == 0 or together:
                 sync(tmp)
@@ -140,6 +123,7 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
         if comm.rank == 0:
             tmp.unlink(missing_ok=True)
         raise
+    return stored
 
 
 def sync(path, wait=True) -> None:
@@ -154,24 +138,16 @@ def sync(path, wait=True) -> None:
 @contextmanager
 def opened(comm, path, mode, doing):
     """An h5py file, by MPI-IO where that is possible; otherwise each rank has its own to read ("r"), and rank 0 alone one to write
-    ("r+"), the others None. Collective."""
+    ("r+"). Collective."""
     import h5py
 
-    how, file = driver(comm), None
+    how = driver(comm)
     with guarded(comm, doing):
         os.stat(path)  # before ranks that see it wait for one that does not
     with guarded(comm, doing):
-        if "comm" in how or mode == "r" or comm.rank == 0:
-            file = h5py.File(path, mode, libver=VERSIONS, **how)
-    try:
+        file = h5py.File(path, mode, libver=VERSIONS, **how) if "comm" in how or mode == "r" or comm.rank == 0 else nullcontext()
+    with guarded(comm, doing), file:
         yield file
-    except GfmdError:  # all ranks are here
-        with suppress(Exception):
-            file.close()
-        raise
-    with guarded(comm, doing):
-        if file is not None:
-            file.close()
 
 
 def inside(group, name):
@@ -210,25 +186,23 @@ def _lay_out(path, n, types, describe, compressed) -> None:
 
 def _parts(comm, field, dtype, n, rows, doing):
     """(start, rows from there on), ... of a Stored field or a local slab."""
-    def get(start, stop):
-        part = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
-        if part.shape != (stop - start, n[1]) or stop > n[0]:
-            raise ValueError(f"{part.shape} points in rows {start}:{stop} of {tuple(n)}")
-        return part
+    if isinstance(field, Stored):
+        yield from field.pieces(comm, rows)
+        return
+    for start, stop in _cuts(comm, rows, n[1] * dtype.itemsize):
+        with guarded(comm, doing):
+            part = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
+            if part.shape != (stop - start, n[1]) or stop > n[0]:
+                raise ValueError(f"{part.shape} points in rows {start}:{stop} of {tuple(n)}")
+        yield start, part
 
-    return field.pieces(comm, rows) if isinstance(field, Stored) else _pieces(comm, rows, n[1] * dtype.itemsize, doing, get)
 
-
-def _pieces(comm, rows, row_bytes, doing, get):
-    """(start, get(start, stop)), ... of this rank's rows, as many on every rank."""
+def _cuts(comm, rows, row_bytes) -> list[tuple[int, int]]:
+    """(start, stop) of pieces of this rank's rows, as many on every rank."""
     ranks = comm.size if io_way(comm) == "serial" else 1  # of which rank 0 has a piece each
     step = max(1, PIECE_BYTES // (row_bytes * ranks))
     calls = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
-    for start in range(rows[0], rows[0] + calls * step, step):
-        start, stop = min(start, rows[1]), min(start + step, rows[1])
-        with guarded(comm, doing):
-            part = get(start, stop)
-        yield start, part
+    return [(min(i, rows[1]), min(i + step, rows[1])) for i in range(rows[0], rows[0] + calls * step, step)]
 
 
 def _transfer(dataset, start, rows, what) -> None:
@@ -253,3 +227,9 @@ def _checksum(rows, start) -> int:
     """
     words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
     return int(words.sum(axis=1, dtype=np.uint64) @ np.arange(2 * start + 1, 2 * (start + len(rows)), 2, dtype=np.uint64))
+
+
+def _total(comm, checksum) -> int:
+    """Sum over ranks modulo 2**64; as halves, which float64 adds exactly."""
+    high, low = comm.sum(divmod(checksum % 2**64, 2**32))
+    return (int(high) * 2**32 + int(low)) % 2**64

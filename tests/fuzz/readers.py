@@ -10,8 +10,7 @@ from types import SimpleNamespace
 
 from hpc_gfmd.commands.show import as_dict, as_text
 from hpc_gfmd.errors import GfmdError
-from hpc_gfmd.output.checkpoint import read_checkpoint
-from hpc_gfmd.output.read import read_result
+from hpc_gfmd.output.read import read_checkpoint, read_result
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import File, Scene, load_scene
 from hpc_gfmd.surface.files import HeightMap
@@ -55,9 +54,10 @@ def read_results(path):
 
 def read_state(path):
     """A checkpoint and its arrays."""
-    found = read_checkpoint(SerialComm(), path, "bpx", "abc")
-    if found.n[0] * found.n[1] <= MOST_POINTS:
-        found.arrays(SimpleNamespace(comm=SerialComm(), n=found.n, rows=(0, found.n[0])))
+    found = read_checkpoint(path, "bpx", "abc")
+    n = found.surface["n"]
+    if n[0] * n[1] <= MOST_POINTS:
+        found.slabs(SimpleNamespace(comm=SerialComm(), n=n, rows=(0, n[0])))
 
 
 def read_runs(path):
