@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import SceneError
-from .fields import LazyField, Slab
+from .fields import Slab
 from .output.read import Result
 from .output.record import RunFile
 from .scene import ArrayScene, Scene
@@ -59,7 +59,7 @@ def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: An
         raise SceneError(f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5")
 
     def slab(field):
-        return LazyField(lambda i0, i1: field.read(rows[0] + i0, rows[0] + i1), (rows[1] - rows[0], said["n"][1]), field.dtype)
+        return field.data if isinstance(field, Slab) else field
 
     head = {name: value for name, value in result.head.items() if name not in ("status", "end_time", "io")}
     with RunFile(comm, path, said["n"], rows, head, said, force=force) as file:

@@ -18,7 +18,7 @@ from .driver.sweep import first_precision
 from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
 from .fields import FIELDS
-from .output.folder import partial_folder, tidy
+from .output.folder import HEAD, clear, is_held, partial_folder
 from .output.read import read_partial
 from .output.record import RunFile
 from .parallel import wisdom
@@ -140,8 +140,10 @@ def restart(path, overrides=(), quiet=False, comm=None):
     comm = comm or world()
     with guarded(comm, "reading the interrupted run"):
         if comm.rank == 0:
-            tidy(path)
-            if not partial_folder(path).is_dir():
+            folder = partial_folder(path)
+            if not ((folder / HEAD).exists() or is_held(folder)):
+                clear(folder)  # what a run that died after it had finished the file left
+            if not folder.is_dir():
                 there = "is complete already" if Path(path).is_file() else "has no interrupted run beside it"
                 if Path(path).suffix == ".partial":
                     there = f"is the folder of a run: hpc-gfmd restart {Path(path).with_suffix('')}"
@@ -217,7 +219,10 @@ class _Run:
         written again. unfinished: the first load to be solved. Returns the load to begin with and, in the middle of it, the seconds
         spent on it.
         """
-        other, first, numbers = False, 0, {}  # died before its first checkpoint
+        def arrays(grid):
+            return {name: field.slab(grid.comm, grid.rows) for name, field in found.fields[0].items()}
+
+        other, first = False, 0  # died before its first checkpoint
         try:
             found = self.file.checkpoint(self.sweep.solver_class.name)
             if found is not None:
@@ -226,7 +231,7 @@ class _Run:
                     raise SceneError(f"{found.path}: later than load {unfinished + 1}, which has to be solved again")
                 other = numbers.get("heights") != self.sweep.surface.checksum
                 if not other:
-                    self.sweep.restore(found.slabs, numbers, loads[first])
+                    self.sweep.restore(arrays, numbers, loads[first])
         except GfmdError as error:
             self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
             self.sweep.solver = None

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..errors import SceneError
 
-HEAD, LOCK = "head.h5", "lock"
+HEAD, STATE, LOCK = "head.h5", "checkpoint.h5", "lock"
 _OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?|wisdom-\w+")
 
 
@@ -21,8 +21,7 @@ def followed(path) -> Path:
 
 def partial_folder(path) -> Path:
     """Where a run that writes `path` keeps its finished steps and checkpoints."""
-    path = followed(path)
-    return path.with_name(path.name + ".partial")
+    return Path(f"{followed(path)}.partial")
 
 
 def step_files(folder: Path) -> dict[int, Path]:
@@ -38,8 +37,8 @@ def acquire(folder: Path) -> int:
     folder.mkdir(exist_ok=True)
     descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
     if _taken(descriptor, fcntl.LOCK_EX):
-        holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
-        os.close(descriptor)
+        with os.fdopen(descriptor, errors="replace") as file:
+            holder = file.read(200).strip() or "another process"
         raise SceneError(f"{folder.with_suffix('')}: another run is writing this file ({holder})")
     # the holder before us may have removed the folder between our open and our lock
     if not ((folder / LOCK).exists() and os.path.samestat(os.fstat(descriptor), os.stat(folder / LOCK))):
@@ -59,7 +58,7 @@ def is_held(folder: Path) -> bool:
 
 
 def clear(folder: Path, keep_lock=False) -> None:
-    """Remove what is ours, the head first: a folder without a head is nobody's run."""
+    """Remove what is ours, the head first: a folder without a head that nobody holds is nobody's run."""
     for file in sorted(folder.glob("*"), key=lambda file: not file.name.startswith(HEAD)):
         if _OURS.fullmatch(file.name):
             file.unlink(missing_ok=True)
@@ -67,13 +66,6 @@ def clear(folder: Path, keep_lock=False) -> None:
         (folder / LOCK).unlink(missing_ok=True)
         with suppress(OSError):  # somebody else may keep something there
             folder.rmdir()
-
-
-def tidy(path) -> None:
-    """Remove what a run that died after it had finished `path` left beside it. One process only."""
-    folder = partial_folder(path)
-    if Path(path).exists() and not (folder / HEAD).exists() and not is_held(folder):
-        clear(folder)
 
 
 def _taken(descriptor, kind) -> bool:

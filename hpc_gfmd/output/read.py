@@ -2,13 +2,11 @@
 
 import json
 import os
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from .. import errors
-from ..errors import SceneError
-from ..parallel.guard import one_line
+from ..errors import SceneError, one_line
+from ..parallel import guard
 from ..parallel.h5 import CHECKSUM, Stored, inside
 from .folder import HEAD, is_held, partial_folder, step_files
 
@@ -22,9 +20,8 @@ RECORD = "record"
 class Result:
     """What a result file says.
 
-    path: of the file, None in memory; head, surface, steps: attributes of the root, of the surface and of each load step, whose
-    numbers are `indices`; status: of the whole run ("running" or "interrupted" if the file was never finished);
-    fields: per step {name: Stored}, to be read slab by slab;
+    path: of the file, None in memory; head, surface, steps: attributes of the root, the surface and each load step; indices: numbers of
+    the steps; status: of the whole run ("running" or "interrupted" if it was never finished); fields: per step {name: Stored};
     folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line each.
     """
 
@@ -42,13 +39,6 @@ class Result:
     def scene_toml(self) -> str:
         """The scene that was solved."""
         return str(self.head.get("scene", ""))
-
-    def slabs(self, grid) -> dict:
-        """The local slabs of a checkpoint by name. Collective; raises GfmdError where they are damaged or of another grid."""
-        n_x, n_y = self.surface["n"]
-        if (n_x, n_y) != tuple(grid.n):
-            raise SceneError(f"{self.path}: belongs to a grid of {n_x} x {n_y} points")
-        return {name: field.slab(grid.comm, grid.rows) for name, field in self.fields[0].items()}
 
 
 def read_result(path) -> Result:
@@ -93,29 +83,18 @@ def read_partial(path) -> Result:
     return replace(parts[0], path=path, **lists, status=status, folder=folder, notes=tuple(notes))
 
 
-def read_checkpoint(path, solver, identity) -> Result:
-    """A file of the same layout with the state of a solver in the place of a load step. Raises SceneError as read_result, and for
-    another solver or scene."""
-    found = _read(path, CHECKPOINT)
-    if (found.head.get("solver"), found.head.get("identity")) != (solver, identity):
+def read_checkpoint(path, solver, identity) -> Result | None:
+    """A file of the same layout with the state of a solver in the place of a load step; None if there is none. Raises SceneError as
+    read_result, and for another solver or scene."""
+    found = _read(path, CHECKPOINT) if path.exists() else None
+    if found and (found.head.get("solver"), found.head.get("identity")) != (solver, identity):
         of = "another scene" if found.head.get("solver") == solver else found.head.get("solver")
         raise SceneError(f"{path}: a checkpoint of {of}, allowed: of {solver} and this scene")
     return found
 
 
 def _read(path, kind=FORMAT) -> Result:
-    """All that one file says, its load steps in the order of their numbers."""
-    with _opened(path, kind) as file:
-        head, surface = _attributes(file), _attributes(inside(file, "surface"))
-        group = inside(file, "steps") if "steps" in file else ()
-        steps = {int(name): inside(group, name) for name in sorted(filter(str.isdigit, group), key=int)}
-        return Result(path, surface, [_attributes(step) for step in steps.values()], list(steps), str(head.get("status", "unknown")),
-                      head, [_fields(path, step, surface.get("n", ())) for step in steps.values()])
-
-
-@contextmanager
-def _opened(path, kind):
-    """An h5py file of ours; whatever goes wrong inside is one SceneError."""
+    """All that one file says, its load steps in the order of their numbers; whatever goes wrong is one SceneError."""
     import h5py
 
     unfit = ("no such file" if not path.exists() else
@@ -130,14 +109,19 @@ def _opened(path, kind):
         with h5py.File(path, "r", locking=False) as file:
             version = file.attrs.get("format_version")
             if version not in (None, FORMAT_VERSION):
-                raise SceneError(f"{path}: format_version is {errors.one_line(str(version))}, this program reads {FORMAT_VERSION}")
-            if version is None or _attributes(file).get("format") != kind:
+                raise SceneError(f"{path}: format_version is {one_line(str(version))}, this program reads {FORMAT_VERSION}")
+            head = _attributes(file) if version is not None else {}
+            if head.get("format") != kind:
                 raise SceneError(f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd (format = {kind!r})")
-            yield file
+            surface, group = _attributes(inside(file, "surface")), inside(file, "steps") if "steps" in file else ()
+            steps = {int(name): inside(group, name) for name in sorted(filter(str.isdigit, group), key=int)}
+            fields = [_fields(path, step, surface.get("n", ())) for step in steps.values()]
+            said = [_attributes(step) for step in steps.values()]
+            return Result(path, surface, said, list(steps), str(head.get("status", "unknown")), head, fields)
     except SceneError:
         raise
     except Exception as error:
-        raise SceneError(f"{path}: the file is damaged ({one_line(error)})") from error
+        raise SceneError(f"{path}: the file is damaged ({guard.one_line(error)})") from error
 
 
 def _fields(path, group, n) -> dict[str, Stored]:

@@ -6,7 +6,7 @@ rename. So nothing finished is lost, and nothing half-written has a final name. 
 
 import json
 import os
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from datetime import UTC, datetime
 
 import numpy as np
@@ -15,36 +15,34 @@ from ..errors import GfmdError, SceneError
 from ..parallel.guard import on_rank_0, one_line
 from ..parallel.h5 import io_way, write_file
 from .describe import SIGNS, describe
-from .folder import HEAD, acquire, clear, followed, partial_folder, step_files
+from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
 from .read import CHECKPOINT, FORMAT, FORMAT_VERSION, RECORD, Result, read_checkpoint, read_partial, read_result
 
 
-class RunFile:
+class RunFile(AbstractContextManager):
     """The result file of one run. All methods are collective.
 
-    comm: the ranks; path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty;
-    head: root attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`; surface: attributes;
-    resume: keep the finished steps of an interrupted run of the same identity, otherwise they are removed;
-    force: replace even what is no result of this scene; how: `compressed` and `dtype` of parallel.h5.write_file.
+    path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; head: root attributes, among them `scene` (TOML text),
+    `identity` (of the scene), `versions`; surface: attributes; resume: keep the finished steps of an interrupted run of the same
+    identity, otherwise they are removed; force: replace even what is no result of this scene; how: as of parallel.h5.write_file.
 
-    finished: indices of the steps that are already there; notes: what was found, a line each; earlier: root attributes of the
-    run that is resumed which hold for this one, too.
+    finished: indices of the steps that are already there; notes: what was found, a line each; earlier: root attributes of the run
+    that is resumed which hold for this one, too.
     Raises SceneError if the folder is missing or not writable, another run holds the file, it is something else that may not be
     replaced, or resume finds another scene.
     """
 
     def __init__(self, comm, path, n, rows, head, surface, *, resume=False, force=False, **how):
         self.comm, self.path, self.partial = comm, followed(path), partial_folder(path)
-        self._checkpoint = self.partial / "checkpoint.h5"
         self._points, self._how, self._resume, self._lock = ((int(n[0]), int(n[1])), rows), how, resume, None
         try:
             left, self.notes = on_rank_0(comm, f"opening {self.path}", lambda: self._claim(head.get("identity"), force))
-            self.finished = left.indices if left else []
-            self._steps = {_group(index): step for index, step in zip(self.finished, left.steps)} if left else {}
-            self._fields = {field.dataset: field for fields in (left.fields if left else ()) for field in fields.values()}
-            self.earlier = {name: left.head[name] for name in ("start_time", "heights") if left and name in left.head}
-            self._head = {"format": FORMAT, "format_version": FORMAT_VERSION, "start_time": _now(), "ranks": comm.size,
-                          "io": io_way(comm), "signs": SIGNS} | self.earlier | head
+            self.finished = left.indices
+            self._steps = {_group(index): step for index, step in zip(left.indices, left.steps)}
+            self._fields = {field.dataset: field for fields in left.fields for field in fields.values()}
+            self.earlier = {name: left.head[name] for name in ("start_time", "heights") if name in left.head}
+            self._head = {"format": FORMAT, "format_version": FORMAT_VERSION, "ranks": comm.size, "io": io_way(comm), "signs": SIGNS,
+                          "start_time": datetime.now(UTC).isoformat(timespec="seconds")} | self.earlier | head
             self._surface = dict(surface)
             self.update()
         except GfmdError:
@@ -55,8 +53,8 @@ class RunFile:
         """Add attributes of the surface, root attributes, and the local slab of the heights, kept once for all load steps."""
         self._surface |= surface or {}
         self._head |= head
-        self._fields |= self._write(self.partial / HEAD, "running", {},
-                                    {} if height_field is None else {"surface/heights": height_field})
+        heights = {} if height_field is None else {"surface/heights": height_field}
+        self._fields |= self._write(self.partial / HEAD, "running", {}, heights)
 
     def write_step(self, index: int, attributes: dict, fields=None) -> None:
         """One finished load step: numbers and {name: local slab, shape (rows, n_y)} of the fields asked for.
@@ -75,19 +73,19 @@ class RunFile:
         groups = {"/": {"format": CHECKPOINT, "format_version": FORMAT_VERSION, "solver": solver, "identity": self._head["identity"]},
                   "surface": {"n": list(grid.n)}, name: {"seconds": seconds, "numbers": numbers}}
         slabs = {f"{name}/{key}": array for key, array in arrays.items()}
-        write_file(self.comm, self._checkpoint, grid.n, grid.rows, slabs, lambda file: set_attributes(file, groups))
+        write_file(self.comm, self.partial / STATE, grid.n, grid.rows, slabs, lambda file: set_attributes(file, groups))
 
     def checkpoint(self, solver) -> Result | None:
         """The last one, None if there is none. Raises SceneError as read_checkpoint."""
-        path, identity = self._checkpoint, self._head["identity"]
-        return on_rank_0(self.comm, f"reading {path}", lambda: read_checkpoint(path, solver, identity) if path.exists() else None)
+        wanted = self.partial / STATE, solver, self._head["identity"]
+        return on_rank_0(self.comm, f"reading {self.partial / STATE}", lambda: read_checkpoint(*wanted))
 
     def finish(self, status: str, **head) -> None:
         """Compose OUT.h5 from the finished steps, put it in place of any older one and remove the folder.
 
         Raises GfmdError on every rank if that fails, or the fields of a step are damaged; the finished steps stay in the folder.
         """
-        self._head |= {"end_time": _now()} | head
+        self._head |= {"end_time": datetime.now(UTC).isoformat(timespec="seconds")} | head
         try:
             self._write(self.path, status, self._steps, self._fields)
         except GfmdError as error:
@@ -102,50 +100,46 @@ class RunFile:
             os.close(self._lock)
             self._lock = None
 
-    def __enter__(self) -> "RunFile":
-        return self
-
     def __exit__(self, kind, *_) -> None:
         refused = kind is not None and issubclass(kind, SceneError)
         self.close(keep=not refused or self.finished or self._resume)  # a wrong scene leaves nothing behind
 
-    def _claim(self, identity, force):
-        """Rank 0: folder and lock; what an earlier run left that is resumed (a Result or None), and notes."""
+    def _claim(self, identity, force) -> tuple[Result, list[str]]:
+        """Rank 0: folder and lock; what an earlier run left that is resumed, perhaps nothing, and notes."""
         if not self.path.parent.is_dir():
             raise SceneError(f"output.path: the folder {self.path.parent} does not exist")
         if self.path.is_dir():
             raise SceneError(f"output.path: {self.path} is a folder, a file name is needed")
-        notes = [] if self._resume or not self.path.exists() else self._to_replace(identity, force)
+        notes = [] if self._resume or not self.path.exists() else [self._replaced(identity, force)]
         try:
             self._lock = acquire(self.partial)
         except OSError as error:
             raise SceneError(f"output.path: cannot write to {self.path.parent}: {one_line(error)}") from None
-        left, files = None, step_files(self.partial) if (self.partial / HEAD).exists() else {}
+        left, whose, files = None, "that cannot be read", step_files(self.partial) if (self.partial / HEAD).exists() else {}
         with suppress(SceneError):  # nothing, or nothing that can be read
             left = read_partial(self.path)
             notes += left.notes
-        ours = left is not None and left.head.get("identity") == identity
+            whose = "of the same scene" if left.head.get("identity") == identity else "of another scene"
         if self._resume and left is not None:
-            if not ours:
+            if whose == "of another scene":
                 raise SceneError(f"{self.partial}: belongs to another scene; remove it or change output.path")
             return left, [*notes, f"resuming: {len(left.steps)} finished load steps found in {self.partial}"]
         if left is not None or files:
-            kind = "that cannot be read" if left is None else "of the same scene" if ours else "of another scene"
-            notes += [f"removed an interrupted run {kind} ({len(files)} files of load steps)"]
+            notes += [f"removed an interrupted run {whose} ({len(files)} files of load steps)"]
         clear(self.partial, keep_lock=True)
-        return None, notes
+        return Result(None, {}, [], [], "running", {}, []), notes
 
-    def _to_replace(self, identity, force) -> list[str]:
+    def _replaced(self, identity, force) -> str:
         """What is said of the file that will be replaced; raises SceneError if it may not be."""
         what = "holds the result of another scene"
         try:
             if read_result(self.path).head.get("identity") == identity:
-                return [f"{self.path} holds a result of this scene, which this run replaces"]
+                return f"{self.path} holds a result of this scene, which this run replaces"
         except SceneError as error:
             what = f"exists and is no result that can be read ({error})"
         if not force:
             raise SceneError(f"output.path: {self.path} {what}, allowed: another path, or --force to overwrite it")
-        return [f"{self.path} {what}: overwritten"]
+        return f"{self.path} {what}: overwritten"
 
     def _write(self, path, status, steps, fields):
         groups = {"/": self._head | {"status": status}, "surface": self._surface, **steps}
@@ -163,7 +157,3 @@ def set_attributes(file, groups):
 
 def _group(index: int) -> str:
     return f"steps/{index:04d}"
-
-
-def _now() -> str:
-    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -19,7 +19,7 @@ from .comm import SerialComm
 from .guard import guarded, on_rank_0
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
-CHECKSUM = "checksum"  # attribute of a field
+CHECKSUM = "checksum"  # attribute of a field; HDF5's own, Fletcher-32, needs chunks and is five times as slow as writing
 PIECE_BYTES = 2**26  # per rank and call: little extra memory, and far below the 2 GB where MPI-IO fails
 PACKED = {"shuffle": True, "compression": "gzip", "compression_opts": 1}
 _SLACK, _PER_CHUNK = 2**16, 64  # bytes, generous; what is not needed is given back
@@ -64,7 +64,6 @@ class Stored:
 
     def slab(self, comm, rows) -> np.ndarray:
         """This rank's rows (start, stop) in one array. Collective; raises GfmdError as `pieces`."""
-        found = None
         with guarded(comm, f"reading {self.path}"):
             found = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
         for start, part in self.pieces(comm, rows):
@@ -101,20 +100,19 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
     types, stored = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}, {}
     try:
         on_rank_0(comm, doing, lambda: _lay_out(tmp, n, types, describe, compressed))
-        if fields:
-            with opened(comm, tmp, "r+", doing) as file:
-                for name, field in fields.items():
-                    found = 0
-                    for start, part in _parts(comm, field, types[name], n, rows, doing):
-                        parts = [(start, part)] if together else comm.gather((start, part)) or ()
-                        with guarded(comm, doing):
-                            for one in parts:
-                                _transfer(file[name], *one, "write")
-                                sync(tmp, wait=False)
-                            found += _checksum(part, start)
-                    stored[name] = Stored(path, name, n, types[name], _total(comm, found))
-                    if together or comm.rank == 0:
-                        file[name].attrs.modify(CHECKSUM, np.uint64(stored[name].checksum))
+        with opened(comm, tmp, "r+", doing) as file:
+            for name, field in fields.items():
+                found = 0
+                for start, part in _parts(comm, field, types[name], n, rows, doing):
+                    parts = [(start, part)] if together else comm.gather((start, part)) or ()
+                    with guarded(comm, doing):
+                        for one in parts:
+                            _transfer(file[name], *one, "write")
+                            sync(tmp, wait=False)
+                        found += _checksum(part, start)
+                stored[name] = Stored(path, name, n, types[name], _total(comm, found))
+                if together or comm.rank == 0:
+                    file[name].attrs.modify(CHECKSUM, np.uint64(stored[name].checksum))
         with guarded(comm, doing):
             if comm.rank == 0 or together:
                 sync(tmp)
@@ -137,8 +135,7 @@ def sync(path, wait=True) -> None:
 
 @contextmanager
 def opened(comm, path, mode, doing):
-    """An h5py file, by MPI-IO where that is possible; otherwise each rank has its own to read ("r"), and rank 0 alone one to write
-    ("r+"). Collective."""
+    """An h5py file, by MPI-IO where it can be; otherwise each rank's own to read ("r"), rank 0's alone to write ("r+"). Collective."""
     import h5py
 
     how = driver(comm)
@@ -212,19 +209,12 @@ def _transfer(dataset, start, rows, what) -> None:
     memory, space, how = h5s.create_simple(rows.shape), dataset.id.get_space(), h5p.create(h5p.DATASET_XFER)
     if dataset.file.driver == "mpio":
         how.set_dxpl_mpio(h5fd.MPIO_COLLECTIVE)
-    if len(rows):
-        space.select_hyperslab((start, 0), rows.shape)
-    else:
-        memory.select_none()
-        space.select_none()
+    space.select_hyperslab((start, 0), rows.shape)
     getattr(dataset.id, what)(memory, space, rows, dxpl=how)
 
 
 def _checksum(rows, start) -> int:
-    """Of rows start, start + 1, ...: the sum of their words, times an odd number of the row; adds up over pieces and ranks.
-
-    HDF5's own for fields, Fletcher-32, needs chunks and is five times as slow as writing.
-    """
+    """Of rows start, start + 1, ...: the sum of their words, times an odd number of the row; adds up over pieces and ranks."""
     words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
     return int(words.sum(axis=1, dtype=np.uint64) @ np.arange(2 * start + 1, 2 * (start + len(rows)), 2, dtype=np.uint64))
 

@@ -6,7 +6,6 @@ import os
 import resource
 import signal
 from pathlib import Path
-from types import SimpleNamespace
 
 from hpc_gfmd.commands.show import as_dict, as_text
 from hpc_gfmd.errors import GfmdError
@@ -55,9 +54,9 @@ def read_results(path):
 def read_state(path):
     """A checkpoint and its arrays."""
     found = read_checkpoint(path, "bpx", "abc")
-    n = found.surface["n"]
-    if n[0] * n[1] <= MOST_POINTS:
-        found.slabs(SimpleNamespace(comm=SerialComm(), n=n, rows=(0, n[0])))
+    for field in found.fields[0].values():
+        if field.shape[0] * field.shape[1] <= MOST_POINTS:
+            field.slab(SerialComm(), field.span)
 
 
 def read_runs(path):
