@@ -21,13 +21,15 @@ if TYPE_CHECKING:
 
 def whole(field: Any) -> np.ndarray:
     """All rows of a parallel.h5.Stored field, or those of this rank of a fields.Slab. Raises GfmdError where the file is damaged."""
-    return field.read(*field.span)
+    return field.read()
 
 
 def in_memory(result: Result) -> Result:
     """The Result without what refers to a solver or to a file."""
-    copies = [{name: Slab(whole(field), field.span[0], field.shape) for name, field in fields.items()} for fields in result.fields]
-    return replace(result, fields=copies)
+    def copy(field):
+        return Slab(whole(field), getattr(field, "start", 0), field.shape)
+
+    return replace(result, fields=[{name: copy(field) for name, field in fields.items()} for fields in result.fields])
 
 
 def scene_of(result: Result) -> Scene:

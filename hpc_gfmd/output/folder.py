@@ -14,12 +14,12 @@ HEAD, STATE, LOCK = "head.h5", "checkpoint.h5", "lock"
 _OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?|wisdom-\w+")
 
 
-def followed(path) -> Path:
+def followed(path: str | os.PathLike) -> Path:
     """The file that a path stands for: a link is not replaced by a result, what it names is."""
     return Path(os.path.realpath(path)) if os.path.islink(path) else Path(path)
 
 
-def partial_folder(path) -> Path:
+def partial_folder(path: str | os.PathLike) -> Path:
     """Where a run that writes `path` keeps its finished steps and checkpoints."""
     return Path(f"{followed(path)}.partial")
 
@@ -57,7 +57,7 @@ def is_held(folder: Path) -> bool:
     return False
 
 
-def clear(folder: Path, keep_lock=False) -> None:
+def clear(folder: Path, keep_lock: bool = False) -> None:
     """Remove what is ours, the head first: a folder without a head that nobody holds is nobody's run."""
     for file in sorted(folder.glob("*"), key=lambda file: not file.name.startswith(HEAD)):
         if _OURS.fullmatch(file.name):
@@ -68,7 +68,7 @@ def clear(folder: Path, keep_lock=False) -> None:
             folder.rmdir()
 
 
-def _taken(descriptor, kind) -> bool:
+def _taken(descriptor: int, kind: int) -> bool:
     try:
         fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
     except OSError as error:

@@ -4,6 +4,7 @@ import json
 import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from ..errors import SceneError, one_line
 from ..parallel import guard
@@ -41,11 +42,9 @@ class Result:
         return str(self.head.get("scene", ""))
 
 
-def read_result(path) -> Result:
-    """The result file, or, if there is none, what an interrupted run left beside it.
-
-    Raises SceneError (one line) if there is nothing, or the file is no HDF5, damaged, foreign or of another version.
-    """
+def read_result(path: str | os.PathLike) -> Result:
+    """The result file, or, if there is none, what an interrupted run left beside it. Raises SceneError (one line) if there is nothing,
+    or the file is no HDF5, damaged, foreign or of another version."""
     path, folder = Path(path), partial_folder(path)
     if not path.exists() and folder.is_dir():
         return read_partial(path)
@@ -56,7 +55,7 @@ def read_result(path) -> Result:
     return result
 
 
-def read_partial(path) -> Result:
+def read_partial(path: str | os.PathLike) -> Result:
     """The finished steps of a run that has not written `path` yet, status "interrupted" (or "running").
 
     Every file in the folder is a result file of its own, with one load step or none, so that one which is damaged says nothing about
@@ -65,8 +64,9 @@ def read_partial(path) -> Result:
     path, folder = Path(path), partial_folder(path)
     if not (folder / HEAD).exists():
         raise SceneError(f"{path}: no such file, and no interrupted run beside it")
-    parts, notes = [], []
-    for index, file in {None: folder / HEAD, **step_files(folder)}.items():
+    parts: list[Result] = []
+    notes = []
+    for index, file in [(None, folder / HEAD), *step_files(folder).items()]:
         try:
             part = _read(file)
             if index is not None and part.indices != [index]:
@@ -78,12 +78,12 @@ def read_partial(path) -> Result:
             notes.append(f"left out: {error}")
     if not parts:
         raise SceneError(notes[0].removeprefix("left out: "))
-    lists = {name: [one for part in parts for one in getattr(part, name)] for name in ("steps", "indices", "fields")}
-    status = "running" if is_held(folder) else "interrupted"
-    return replace(parts[0], path=path, **lists, status=status, folder=folder, notes=tuple(notes))
+    steps, indices, fields = ([one for part in parts for one in getattr(part, name)] for name in ("steps", "indices", "fields"))
+    return replace(parts[0], path=path, steps=steps, indices=indices, fields=fields, folder=folder, notes=tuple(notes),
+                   status="running" if is_held(folder) else "interrupted")
 
 
-def read_checkpoint(path, solver, identity) -> Result | None:
+def read_checkpoint(path: Path, solver: str, identity: str) -> Result | None:
     """A file of the same layout with the state of a solver in the place of a load step; None if there is none. Raises SceneError as
     read_result, and for another solver or scene."""
     found = _read(path, CHECKPOINT) if path.exists() else None
@@ -93,7 +93,7 @@ def read_checkpoint(path, solver, identity) -> Result | None:
     return found
 
 
-def _read(path, kind=FORMAT) -> Result:
+def _read(path: Path, kind: str = FORMAT) -> Result:
     """All that one file says, its load steps in the order of their numbers; whatever goes wrong is one SceneError."""
     import h5py
 
@@ -115,16 +115,16 @@ def _read(path, kind=FORMAT) -> Result:
                 raise SceneError(f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd (format = {kind!r})")
             surface, group = _attributes(inside(file, "surface")), inside(file, "steps") if "steps" in file else ()
             steps = {int(name): inside(group, name) for name in sorted(filter(str.isdigit, group), key=int)}
-            fields = [_fields(path, step, surface.get("n", ())) for step in steps.values()]
-            said = [_attributes(step) for step in steps.values()]
-            return Result(path, surface, said, list(steps), str(head.get("status", "unknown")), head, fields)
+            fields = [_fields(path, step, surface.get("n", [])) for step in steps.values()]
+            return Result(path, surface, [_attributes(step) for step in steps.values()], list(steps),
+                          str(head.get("status", "unknown")), head, fields)
     except SceneError:
         raise
     except Exception as error:
         raise SceneError(f"{path}: the file is damaged ({guard.one_line(error)})") from error
 
 
-def _fields(path, group, n) -> dict[str, Stored]:
+def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
     """The fields in a group of an open file, to be read slab by slab later. Raises ValueError if one does not fit the surface."""
     found = {}
     for name in group:
@@ -136,7 +136,7 @@ def _fields(path, group, n) -> dict[str, Stored]:
     return found
 
 
-def _attributes(group) -> dict:
+def _attributes(group: Any) -> dict:
     """As Python numbers, texts and lists, in the order in which they were written."""
     texts = json.loads(group.attrs[RECORD])
     return {name: group.attrs[name].tolist() if text is None else text for name, text in texts.items()}

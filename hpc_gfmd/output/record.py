@@ -8,12 +8,16 @@ import json
 import os
 from contextlib import AbstractContextManager, suppress
 from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..errors import GfmdError, SceneError
+from ..grid import Grid
+from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0, one_line
-from ..parallel.h5 import io_way, write_file
+from ..parallel.h5 import Stored, io_way, write_file
 from .describe import SIGNS, describe
 from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
 from .read import CHECKPOINT, FORMAT, FORMAT_VERSION, RECORD, Result, read_checkpoint, read_partial, read_result
@@ -32,9 +36,11 @@ class RunFile(AbstractContextManager):
     replaced, or resume finds another scene.
     """
 
-    def __init__(self, comm, path, n, rows, head, surface, *, resume=False, force=False, **how):
+    def __init__(self, comm: Comm, path: str | os.PathLike, n: Any, rows: tuple[int, int], head: dict, surface: dict, *,
+                 resume: bool = False, force: bool = False, **how: Any):
         self.comm, self.path, self.partial = comm, followed(path), partial_folder(path)
-        self._points, self._how, self._resume, self._lock = ((int(n[0]), int(n[1])), rows), how, resume, None
+        self._points, self._how, self._resume = ((int(n[0]), int(n[1])), rows), how, resume
+        self._lock: int | None = None
         try:
             left, self.notes = on_rank_0(comm, f"opening {self.path}", lambda: self._claim(head.get("identity"), force))
             self.finished = left.indices
@@ -49,14 +55,14 @@ class RunFile(AbstractContextManager):
             self.close()
             raise
 
-    def update(self, surface=None, height_field=None, **head) -> None:
+    def update(self, surface: dict | None = None, height_field: Any = None, **head: Any) -> None:
         """Add attributes of the surface, root attributes, and the local slab of the heights, kept once for all load steps."""
         self._surface |= surface or {}
         self._head |= head
         heights = {} if height_field is None else {"surface/heights": height_field}
         self._fields |= self._write(self.partial / HEAD, "running", {}, heights)
 
-    def write_step(self, index: int, attributes: dict, fields=None) -> None:
+    def write_step(self, index: int, attributes: dict, fields: dict[str, Any] | None = None) -> None:
         """One finished load step: numbers and {name: local slab, shape (rows, n_y)} of the fields asked for.
 
         Raises GfmdError on every rank if it cannot be written; steps written before stay as they are.
@@ -66,7 +72,7 @@ class RunFile(AbstractContextManager):
         self._steps[_group(index)] = attributes
         self.finished = sorted({*self.finished, index})
 
-    def write_checkpoint(self, grid, solver, step, state, seconds=None) -> None:
+    def write_checkpoint(self, grid: Grid, solver: str, step: int, state: tuple[dict, dict], seconds: float | None = None) -> None:
         """Where the run can go on: solver: its name; step: index of the load; state: (arrays, numbers) of Sweep.state on `grid`;
         seconds: spent on the load so far, None at its beginning."""
         name, (arrays, numbers) = _group(step), state
@@ -75,12 +81,12 @@ class RunFile(AbstractContextManager):
         slabs = {f"{name}/{key}": array for key, array in arrays.items()}
         write_file(self.comm, self.partial / STATE, grid.n, grid.rows, slabs, lambda file: set_attributes(file, groups))
 
-    def checkpoint(self, solver) -> Result | None:
+    def checkpoint(self, solver: str) -> Result | None:
         """The last one, None if there is none. Raises SceneError as read_checkpoint."""
         wanted = self.partial / STATE, solver, self._head["identity"]
         return on_rank_0(self.comm, f"reading {self.partial / STATE}", lambda: read_checkpoint(*wanted))
 
-    def finish(self, status: str, **head) -> None:
+    def finish(self, status: str, **head: Any) -> None:
         """Compose OUT.h5 from the finished steps, put it in place of any older one and remove the folder.
 
         Raises GfmdError on every rank if that fails, or the fields of a step are damaged; the finished steps stay in the folder.
@@ -92,7 +98,7 @@ class RunFile(AbstractContextManager):
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
         on_rank_0(self.comm, f"removing {self.partial}", lambda: self.close(keep=False))
 
-    def close(self, keep=True) -> None:
+    def close(self, keep: bool = True) -> None:
         """Give the file back; what is there can be resumed, unless it is not to be kept or was never begun."""
         if self._lock is not None:
             if not keep or not (self.partial / HEAD).exists():
@@ -100,11 +106,11 @@ class RunFile(AbstractContextManager):
             os.close(self._lock)
             self._lock = None
 
-    def __exit__(self, kind, *_) -> None:
+    def __exit__(self, kind: type | None, *_: object) -> None:
         refused = kind is not None and issubclass(kind, SceneError)
-        self.close(keep=not refused or self.finished or self._resume)  # a wrong scene leaves nothing behind
+        self.close(keep=not refused or bool(self.finished) or self._resume)  # a wrong scene leaves nothing behind
 
-    def _claim(self, identity, force) -> tuple[Result, list[str]]:
+    def _claim(self, identity: str | None, force: bool) -> tuple[Result, list[str]]:
         """Rank 0: folder and lock; what an earlier run left that is resumed, perhaps nothing, and notes."""
         if not self.path.parent.is_dir():
             raise SceneError(f"output.path: the folder {self.path.parent} does not exist")
@@ -129,24 +135,23 @@ class RunFile(AbstractContextManager):
         clear(self.partial, keep_lock=True)
         return Result(None, {}, [], [], "running", {}, []), notes
 
-    def _replaced(self, identity, force) -> str:
+    def _replaced(self, identity: str | None, force: bool) -> str:
         """What is said of the file that will be replaced; raises SceneError if it may not be."""
-        what = "holds the result of another scene"
         try:
-            if read_result(self.path).head.get("identity") == identity:
-                return f"{self.path} holds a result of this scene, which this run replaces"
+            same = read_result(self.path).head.get("identity") == identity
+            what = "holds a result of this scene, which this run replaces" if same else "holds the result of another scene"
         except SceneError as error:
-            what = f"exists and is no result that can be read ({error})"
-        if not force:
+            same, what = False, f"exists and is no result that can be read ({error})"
+        if not (same or force):
             raise SceneError(f"output.path: {self.path} {what}, allowed: another path, or --force to overwrite it")
-        return f"{self.path} {what}: overwritten"
+        return f"{self.path} {what}" + ("" if same else ": overwritten")
 
-    def _write(self, path, status, steps, fields):
+    def _write(self, path: Path, status: str, steps: dict[str, dict], fields: dict[str, Any]) -> dict[str, Stored]:
         groups = {"/": self._head | {"status": status}, "surface": self._surface, **steps}
         return write_file(self.comm, path, *self._points, fields, lambda file: describe(set_attributes(file, groups)), **self._how)
 
 
-def set_attributes(file, groups):
+def set_attributes(file: Any, groups: dict[str, dict]) -> Any:
     """The file with attributes of groups; a dict as JSON, None not at all."""
     for name, attributes in groups.items():
         found = {key: json.dumps(value) if isinstance(value, dict) else value for key, value in attributes.items() if value is not None}

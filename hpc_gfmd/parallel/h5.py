@@ -8,14 +8,16 @@ seen to report success on one.
 
 import io
 import os
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..errors import GfmdError
-from .comm import SerialComm
+from .comm import Comm, SerialComm
 from .guard import guarded, on_rank_0
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
@@ -36,17 +38,10 @@ class Stored:
     checksum: int
     passed: tuple[int, int] = (0, 0)  # how many rows were read one after the other from the first on, and their checksum
 
-    @property
-    def span(self) -> tuple[int, int]:
-        """(start, stop) of the rows that can be read: all."""
-        return 0, self.shape[0]
-
-    def pieces(self, comm=None, rows=None):
+    def pieces(self, comm: Comm | None = None, rows: tuple[int, int] | None = None) -> Iterator[tuple[int, np.ndarray]]:
         """(start, rows from there on), ... as many on every rank; rows: (start, stop) of this one (default: all of one process).
-
-        Collective; raises GfmdError, for damaged numbers after the last row of a pass over all of them, in one call or several.
-        """
-        comm, rows, found, doing = comm or SerialComm(), rows or self.span, 0, f"reading {self.path}"
+        Collective; raises GfmdError, for damaged numbers after the last row of a pass over all of them, in one call or several."""
+        comm, rows, found, doing = comm or SerialComm(), rows or (0, self.shape[0]), 0, f"reading {self.path}"
         with opened(comm, self.path, "r", doing) as file:
             for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
                 with guarded(comm, doing):  # before the others begin to read together
@@ -62,7 +57,7 @@ class Stored:
             if end == self.shape[0] and self.passed[1] != self.checksum:
                 raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
 
-    def slab(self, comm, rows) -> np.ndarray:
+    def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
         """This rank's rows (start, stop) in one array. Collective; raises GfmdError as `pieces`."""
         with guarded(comm, f"reading {self.path}"):
             found = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
@@ -70,24 +65,25 @@ class Stored:
             found[start - rows[0] : start - rows[0] + len(part)] = part
         return found
 
-    def read(self, start, stop) -> np.ndarray:
+    def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
         """Rows start <= i < stop. Not collective: every rank may read what it needs. Raises GfmdError as `pieces`."""
-        return self.slab(SerialComm(), (start, stop))
+        return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
 
 
-def driver(comm) -> dict:
+def driver(comm: Comm) -> dict[str, Any]:
     """Keywords of h5py.File: by MPI-IO, where opening and closing are collective, on several ranks if HDF5 has it."""
     import h5py
 
     return {"driver": "mpio", "comm": comm.mpi} if comm.size > 1 and h5py.get_config().mpi else {"locking": False}
 
 
-def io_way(comm) -> str:
+def io_way(comm: Comm) -> str:
     """How fields are written and read: "mpio" or "serial"."""
     return driver(comm).get("driver", "serial")
 
 
-def write_file(comm, path, n, rows, fields, describe=lambda file: None, compressed=False, dtype=None) -> dict[str, Stored]:
+def write_file(comm: Comm, path: Path, n: tuple[int, int], rows: tuple[int, int], fields: Mapping[str, Any],
+               describe: Callable = lambda file: None, compressed: bool = False, dtype: str | None = None) -> dict[str, Stored]:
     """Write one HDF5 file, all of it or nothing; returns its fields. Collective.
 
     n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; fields: {dataset: local slab, which is only sliced, or Stored}, with
@@ -95,7 +91,6 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
     chunks (so that none belongs to two ranks), shuffled and packed; dtype: as stored (default: as they come).
     Raises GfmdError on every rank when any of them fails (disk full, folder gone, field of a wrong shape, Stored one damaged).
     """
-    path = Path(path)
     tmp, doing, together = path.with_name(path.name + ".tmp"), f"writing {path}", io_way(comm) == "mpio"
     types, stored = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}, {}
     try:
@@ -106,8 +101,8 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
                 for start, part in _parts(comm, field, types[name], n, rows, doing):
                     parts = [(start, part)] if together else comm.gather((start, part)) or ()
                     with guarded(comm, doing):
-                        for one in parts:
-                            _transfer(file[name], *one, "write")
+                        for at, numbers in parts:
+                            _transfer(file[name], at, numbers, "write")
                             sync(tmp, wait=False)
                         found += _checksum(part, start)
                 stored[name] = Stored(path, name, n, types[name], _total(comm, found))
@@ -116,7 +111,7 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
         with guarded(comm, doing):
             if comm.rank == 0 or together:
                 sync(tmp)
-        on_rank_0(comm, doing, lambda: (os.replace(tmp, path), sync(path.parent)))
+        on_rank_0(comm, doing, lambda: sync(tmp.replace(path).parent))
     except GfmdError:
         if comm.rank == 0:
             tmp.unlink(missing_ok=True)
@@ -124,7 +119,7 @@ def write_file(comm, path, n, rows, fields, describe=lambda file: None, compress
     return stored
 
 
-def sync(path, wait=True) -> None:
+def sync(path: Path, wait: bool = True) -> None:
     """Bring a file or folder to the disk, or have the system begin to: the disk is busy then while the next piece is made."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
@@ -134,7 +129,7 @@ def sync(path, wait=True) -> None:
 
 
 @contextmanager
-def opened(comm, path, mode, doing):
+def opened(comm: Comm, path: Path, mode: str, doing: str) -> Iterator[Any]:
     """An h5py file, by MPI-IO where it can be; otherwise each rank's own to read ("r"), rank 0's alone to write ("r+"). Collective."""
     import h5py
 
@@ -147,7 +142,7 @@ def opened(comm, path, mode, doing):
         yield file
 
 
-def inside(group, name):
+def inside(group: Any, name: str) -> Any:
     """The group or dataset `name`. Raises ValueError if it, or its numbers, lie in another file: a link, a virtual or an external
     dataset could name any one of the machine."""
     import h5py
@@ -160,7 +155,7 @@ def inside(group, name):
     return found
 
 
-def _lay_out(path, n, types, describe, compressed) -> None:
+def _lay_out(path, n, types, describe, compressed):
     """The file without the numbers of the fields, and the disk space for all of it. One process only."""
     import h5py
 
@@ -194,7 +189,7 @@ def _parts(comm, field, dtype, n, rows, doing):
         yield start, part
 
 
-def _cuts(comm, rows, row_bytes) -> list[tuple[int, int]]:
+def _cuts(comm, rows, row_bytes):
     """(start, stop) of pieces of this rank's rows, as many on every rank."""
     ranks = comm.size if io_way(comm) == "serial" else 1  # of which rank 0 has a piece each
     step = max(1, PIECE_BYTES // (row_bytes * ranks))
@@ -202,7 +197,7 @@ def _cuts(comm, rows, row_bytes) -> list[tuple[int, int]]:
     return [(min(i, rows[1]), min(i + step, rows[1])) for i in range(rows[0], rows[0] + calls * step, step)]
 
 
-def _transfer(dataset, start, rows, what) -> None:
+def _transfer(dataset, start, rows, what):
     """HDF5's "read" or "write", collective by MPI-IO; low-level because h5py's own leaves out ranks without rows."""
     from h5py import h5fd, h5p, h5s
 
@@ -213,13 +208,13 @@ def _transfer(dataset, start, rows, what) -> None:
     getattr(dataset.id, what)(memory, space, rows, dxpl=how)
 
 
-def _checksum(rows, start) -> int:
+def _checksum(rows: np.ndarray, start: int) -> int:
     """Of rows start, start + 1, ...: the sum of their words, times an odd number of the row; adds up over pieces and ranks."""
     words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
     return int(words.sum(axis=1, dtype=np.uint64) @ np.arange(2 * start + 1, 2 * (start + len(rows)), 2, dtype=np.uint64))
 
 
-def _total(comm, checksum) -> int:
+def _total(comm: Comm, checksum: int) -> int:
     """Sum over ranks modulo 2**64; as halves, which float64 adds exactly."""
     high, low = comm.sum(divmod(checksum % 2**64, 2**32))
     return (int(high) * 2**32 + int(low)) % 2**64
