@@ -13,7 +13,7 @@ The displacement itself never appears: with the gap g = u + h and p = p0 + K u, 
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
-from ..bounds import field_errors, misclassified_points, participation_number, relative_area
+from ..bounds import error_pattern, field_errors, misclassified_points, relative_area
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
 from ..operators.elastic import Elastic
@@ -212,6 +212,6 @@ class Bpx(Solver):
     def expected_area(self, pressure):
         rows, m = self.grid.inside
         squares, fourth = self.grid.comm.sum(open_moments(self.g[:rows, :m], self.p[:rows, :m]))
-        spread = participation_number(squares, fourth, self.contact, self.N)
-        wrong = misclassified_points(self.problem, self.g, self.p, self.compliance, pressure**2 * (self.pp - self.rr), spread)
+        pattern = error_pattern(self.mean / self.p_cell * self.p0 * self.N, squares, fourth, self.contact, self.N)
+        wrong = misclassified_points(self.problem, self.g, self.p, self.compliance, pressure**2 * (self.pp - self.rr), pattern)
         return EXPECTED * relative_area(max(wrong, self.changing), self.contact)

@@ -1,7 +1,5 @@
 """The contact area at which contact first percolates, by finite-size scaling."""
 
-from collections import defaultdict
-from collections.abc import Callable
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -11,11 +9,11 @@ import numpy as np
 from ...plotting.style import COLOURS, THEORY, figure
 from ..case import Case
 from ..draw import points
-from ..levels import cases_of, level_of
-from ..markdown import table
-from ..paper import quoted, saying
-from ..rows import Rows, by_hurst, longest
+from ..levels import at_level, series_of
+from ..paper import Sayings, saying
+from ..rows import Rows, by_hurst, groups, longest, where
 from ..study import Study
+from ..text import filled
 from ..thresholds import between, jackknife, middle
 
 HURST = (0.3, 0.5, 0.8)
@@ -38,12 +36,11 @@ HALF = 0.521058  # share of square cells in which a cluster wraps along a given 
 
 def series(level: str) -> list[Case]:
     """All surfaces of a level."""
-    level_of(level)
-    found = []
-    for row in ROWS[level]:
-        fluid = ("spanning",) if row[0] <= SMALL else ()
-        found += cases_of((row,), HURST, LOADS, observables=("percolation", "percolation_8", *fluid))
-    return found
+    rows = at_level(ROWS, level)
+    asked = ("percolation", "percolation_8")
+    small, large = (tuple(row for row in rows if (row[0] <= SMALL) is small) for small in (True, False))
+    return [case for part, observables in ((small, (*asked, "spanning")), (large, asked))
+            for case in series_of({level: part}, HURST, LOADS, observables=observables)(level)]
 
 
 def thresholds(runs: Rows, level: str) -> Rows:
@@ -55,28 +52,27 @@ def thresholds(runs: Rows, level: str) -> Rows:
     counted area at which no gap reaches from edge to edge any more; shift, shift_se: what must be added to a_c for a -> 0
     (to_fine_grids); more_waves, more_waves_se: by how much a_c differs from that at the smallest lam_l/lam_s, seeds of both.
     """
-    systems: dict[tuple, dict[int, Rows]] = defaultdict(lambda: defaultdict(list))
-    for run in sorted(runs, key=lambda run: run["p_star"]):
-        systems[tuple(run[name] for name in SYSTEM)][run["seed"]].append(run)
-    bounds = {system: {seed: _bounds(sweep) for seed, sweep in surfaces.items()} for system, surfaces in sorted(systems.items())}
+    bounds = {system: {seed: _bounds(sweep) for seed, sweep in groups(part, "seed").items()}
+              for system, part in groups(sorted(runs, key=itemgetter("p_star")), *SYSTEM).items()}
     rows: Rows = []
     fine: dict[tuple, dict] = {}
     for system, surfaces in bounds.items():
+        hurst, L, F, C = system
         wraps = np.array([one for one, _ in surfaces.values()])  # (surfaces, AREAS, ENDS, axes, 2)
-        row = dict(zip(SYSTEM, system, strict=True)) | {"surfaces": len(surfaces)}
-        row |= {"eps_t": 1 / system[1], "eps_c": 1 / system[3], "grid": f"{system[2]:g} {system[3]:g}"}
+        row: dict[str, Any] = dict(zip(SYSTEM, system, strict=True)) | {"surfaces": len(surfaces)}
+        row |= {"eps_t": 1 / L, "eps_c": 1 / C, "grid": f"{F:g} {C:g}"}
         row["a_c"], row["a_c_se"] = _known(wraps[:, 0], HALF)
         row["width"] = middle(wraps[:, 0])[1]
         for name, part in (("sides", wraps[:, 0, 0]), ("corners", wraps[:, 0, 1]), ("counted", wraps[:, 1])):
             row[f"a_c_{name}"] = middle(part, HALF)[0]
         row["along_x_or_y"], row["along_x_and_y"] = (middle(of(wraps[:, 0], axis=2))[0] for of in (np.min, np.max))
-        row["flow_ends"], row["flow_ends_se"] = (
-            _known(np.array([one for _, one in surfaces.values()])) if system[1] <= SMALL else (None, None))
+        flow = np.array([one for _, one in surfaces.values()])
+        row["flow_ends"], row["flow_ends_se"] = _known(flow) if L <= SMALL else (None, None)
         if system[:3] not in fine:
             fine[system[:3]] = to_fine_grids({key[3]: {seed: one for seed, (one, _) in part.items()}
                                               for key, part in bounds.items() if key[:3] == system[:3]})
-        row["shift"], row["shift_se"] = fine[system[:3]].get(system[3], (None, None))
-        few_waves = bounds.get((*system[:2], min(key[2] for key in bounds), system[3]), {})
+        row["shift"], row["shift_se"] = fine[system[:3]].get(C, (None, None))
+        few_waves = bounds.get((hurst, L, min(key[2] for key in bounds), C), {})
         row["more_waves"], row["more_waves_se"] = _apart(surfaces, few_waves) if few_waves is not surfaces else (None, None)
         rows.append(row)
     return rows
@@ -129,7 +125,7 @@ def _known(bounds: np.ndarray, share: float = 0.5) -> tuple[float, float]:
 def large(rows: Rows) -> dict[float, dict]:
     """{H: limit of large cells}, from the sizes at the lam_l/lam_s and lam_s/a with most of them.
 
-    at_grid, at_grid_se, counted: mean a_c over cells of two lam_l and more, where it hardly depends on the size; a_c, a_c_se: for
+    at_grid, counted, their _se: mean a_c over cells of two lam_l and more, where it hardly depends on the size; a_c, a_c_se: for
     a -> 0, with the mean shift (shift, shift_se) of all that have one, None without; exponent: of the width in L/lam_l; sizes: all
     rows; surfaces: of all of them.
     """
@@ -140,16 +136,18 @@ def large(rows: Rows) -> dict[float, dict]:
         big = [row for row in part if row["L_over_lam_l"] >= 2 and row["a_c_se"] > 0]
         if not big:
             continue
-        one: dict[str, Any] = dict(zip(("at_grid", "at_grid_se"), _mean(big, "a_c", "a_c_se"), strict=True))
-        one |= {"lam_s_over_a": big[0]["lam_s_over_a"], "surfaces": sum(row["surfaces"] for row in part), "exponent": None,
-                "a_c": None, "a_c_se": None, "counted": _mean(big, "a_c_counted", "a_c_se")[0], "sizes": part}
+        one: dict[str, Any] = {"lam_s_over_a": big[0]["lam_s_over_a"], "surfaces": sum(row["surfaces"] for row in part),
+                               "counted": _mean(big, "a_c_counted", "a_c_se")[0], "exponent": None, "a_c": None, "a_c_se": None,
+                               "sizes": part}
+        one["at_grid"], one["at_grid_se"] = _mean(big, "a_c", "a_c_se")
+        one["counted_se"] = one["at_grid_se"]
         if shifted := [row for row in part if row["shift"] is not None]:
             one["shift"], one["shift_se"] = _mean(shifted, "shift", "shift_se")
             one |= {"a_c": one["at_grid"] + one["shift"], "a_c_se": float(np.hypot(one["at_grid_se"], one["shift_se"]))}
-        found[hurst] = one
         if len(many) > 1:
             size, width, count = (np.array([row[name] for row in many], dtype=float) for name in ("L_over_lam_l", "width", "surfaces"))
             one["exponent"] = float(np.polyfit(np.log(size), np.log(width), 1, w=np.sqrt(count))[0])
+        found[hurst] = one
     return found
 
 
@@ -161,57 +159,41 @@ def _mean(rows: Rows, name: str, error: str) -> tuple[float, float]:
     return mean, float(np.sqrt(max(1.0, chi2) / np.sum(weight)))
 
 
-def findings(rows: Rows) -> Rows:
+def findings(rows: Rows) -> Sayings:
     """The critical area by our definition and by that of the literature, what grid, connectivity and more waves do to it, the width."""
     limit = large(rows)
     if not limit:
-        return []
+        return
 
-    def each(text: Callable[[dict], str], part: dict | None = None) -> str:
-        return ", ".join(f"{text(x)} (H = {hurst:g})" for hurst, x in (part or limit).items())
+    def each(template: str, part: dict[float, dict] = limit) -> str:
+        return ", ".join(filled(template, x | {"hurst": hurst}) + f" (H = {hurst:g})" for hurst, x in part.items())
 
-    def near_literature(areas: dict[float, float]) -> str:
-        found = [f"{hurst:g}" for hurst, area in areas.items() if abs(area - LITERATURE[0]) <= LITERATURE[1]]
+    def near_literature(name: str, part: dict[float, dict] = limit) -> str:
+        found = [f"{hurst:g}" for hurst, x in part.items() if abs(x[name] - LITERATURE[0]) <= LITERATURE[1]]
         return f"in {LITERATURE[0]:g} ± {LITERATURE[1]:g}: " + (f"H = {', '.join(found)}" if found else "none")
 
     grid = f"lam_s/a = {next(iter(limit.values()))['lam_s_over_a']:g}"
-    lines = []
+    flow = {hurst: {"flow": ", ".join(
+        filled("{flow_ends:±} at L/lam_l = {L_over_lam_l:g}", row) for row in x["sizes"] if row["flow_ends"])}
+        for hurst, x in limit.items()}
+    apart = {c: np.mean([row["a_c_sides"] - row["a_c_corners"] for row in part]) for c, part in groups(rows, "lam_s_over_a").items()}
     if fine := {hurst: x for hurst, x in limit.items() if x["a_c"]}:
-        lines += [saying("critical contact area of large cells, a -> 0", each(lambda x: quoted(x["a_c"], x["a_c_se"]), fine),
-                         near_literature({hurst: x["a_c"] for hurst, x in fine.items()})),
-                  saying(f"from {grid}, edge-corrected, to a -> 0", each(lambda x: quoted(x["shift"], x["shift_se"]), fine),
-                         "the same surfaces on all grids; sides and corners, counted and edge-corrected must meet")]
-    lines += [
-        saying(f"at {grid}, edge-corrected", each(lambda x: f"{quoted(x['at_grid'], x['at_grid_se'])}, {x['surfaces']} surfaces"),
-               near_literature({hurst: x["at_grid"] for hurst, x in limit.items()})),
-        saying(f"at {grid}, the same contacts as counted", each(lambda x: quoted(x["counted"], x["at_grid_se"])),
-               near_literature({hurst: x["counted"] for hurst, x in limit.items()})),
-        saying(f"at {grid}, as counted, no fluid passes from edge to edge any more",
-               each(lambda x: ", ".join(f"{quoted(row['flow_ends'], row['flow_ends_se'])} at L/lam_l = {row['L_over_lam_l']:g}"
-                                        for row in x["sizes"] if row["flow_ends"])), "mean over surfaces, along x and along y")]
-    grids = defaultdict(list)
-    for row in rows:
-        grids[row["lam_s_over_a"]].append(row["a_c_sides"] - row["a_c_corners"])
-    lines.append(saying("points that share corners instead of sides percolate earlier by", ", ".join(
-        f"{np.mean(apart):.4f} (lam_s/a = {grid:g})" for grid, apart in sorted(grids.items())), "edge-corrected; a_c is the mean"))
+        yield saying("critical contact area of large cells, a -> 0", each("{a_c:±}", fine), near_literature("a_c", fine))
+        yield saying(f"from {grid}, edge-corrected, to a -> 0", each("{shift:±}", fine),
+                     "the same surfaces on all grids; sides and corners, counted and edge-corrected must meet")
+    yield saying(f"at {grid}, edge-corrected", each("{at_grid:±}, {surfaces} surfaces"), near_literature("at_grid"))
+    yield saying(f"at {grid}, the same contacts as counted", each("{counted:±}"), near_literature("counted"))
+    yield saying(f"at {grid}, as counted, no fluid passes from edge to edge any more", each("{flow}", flow),
+                 "mean over surfaces, along x and along y")
+    yield saying("points that share corners instead of sides percolate earlier by",
+                 ", ".join(f"{mean:.4f} (lam_s/a = {c:g})" for c, mean in apart.items()), "edge-corrected; a_c is the mean")
     if more := [row for row in rows if row["more_waves"] is not None]:
-        lines.append(saying("more octaves of waves, the same seeds", ", ".join(
-            f"{row['more_waves']:+.4f} ± {row['more_waves_se']:.4f} (H = {row['hurst']:g}, eps_f = 1/{row['lam_l_over_lam_s']:g}, "
-            f"L/lam_l = {row['L_over_lam_l']:g}, lam_s/a = {row['lam_s_over_a']:g})" for row in more)))
-    lines.append(saying(f"width falls as L^-{1 / NU:g} in two dimensions",
-                        each(lambda x: f"L^{x['exponent']:.2f}" if x["exponent"] else "-")))
-    return lines
-
-
-def numbers(rows: Rows) -> str:
-    """All systems."""
-    lines = [{"H": f"{row['hurst']:g}", "L": f"{row['L_over_lam_l']:g}", "F": f"1/{row['lam_l_over_lam_s']:g}",
-              "C": f"1/{row['lam_s_over_a']:g}", "n": row["surfaces"], "a_c": quoted(row["a_c"], row["a_c_se"])}
-             | {name: f"{row[name]:.3f}" for name in ("a_c_sides", "a_c_corners", "a_c_counted", *RULES, "width")}
-             | {"flow": quoted(row["flow_ends"], row["flow_ends_se"])} for row in rows]
-    return table(lines, {"H": "H", "L": "L/lam_l", "F": "eps_f", "C": "eps_c", "n": "surfaces", "a_c": "a_c", "a_c_sides": "sides",
-                         "a_c_corners": "corners", "a_c_counted": "counted", "along_x_or_y": "x or y", "along_x_and_y": "x and y",
-                         "width": "width", "flow": "no flow, counted"})
+        yield saying("more octaves of waves, the same seeds", ", ".join(filled(
+            "{more_waves:+.4f} ± {more_waves_se:.4f} (H = {hurst:g}, eps_f = 1/{lam_l_over_lam_s:g}, L/lam_l = {L_over_lam_l:g}, "
+            "lam_s/a = {lam_s_over_a:g})", row) for row in more))
+    yield saying(f"width falls as L^-{1 / NU:g} in two dimensions",
+                 ", ".join((f"L^{x['exponent']:.2f}" if x["exponent"] else "-") + f" (H = {hurst:g})"
+                           for hurst, x in limit.items()))
 
 
 def draw(rows: Rows, path: Path) -> None:
@@ -219,15 +201,15 @@ def draw(rows: Rows, path: Path) -> None:
     with figure(path, 10.6, 3.2) as fig:
         left, middle_, right = fig.subplots(1, 3)
         for (hurst, family), shade in zip(by_hurst(rows).items(), COLOURS, strict=False):
-            part = sorted(longest(family, "eps_t", "grid"), key=lambda row: row["L_over_lam_l"])
+            part = sorted(longest(family, "eps_t", "grid"), key=itemgetter("L_over_lam_l"))
             size = [row["L_over_lam_l"] for row in part]
             points(left, part, "L_over_lam_l", "a_c", shade, label=f"$H = {hurst:g}$", line="-")
             for name in RULES:
                 left.plot(size, [row[name] for row in part], color=shade, linewidth=0.6, linestyle="--")
             many = [row for row in part if row["surfaces"] >= SEVERAL]
             middle_.plot([row["L_over_lam_l"] for row in many], [row["width"] for row in many], color=shade, marker="o")
-            grids = sorted((row for row in family if row["shift"] is not None and row["L_over_lam_l"] == SMALL),
-                           key=lambda row: row["eps_c"])
+            grids = [row for row in where(family, L_over_lam_l=SMALL) if row["shift"] is not None]
+            grids.sort(key=itemgetter("eps_c"))
             for name, mark in (("a_c_sides", "o"), ("a_c_corners", "s"), ("a_c_counted", "^")):
                 right.plot([0, *(row["eps_c"] for row in grids)], [0, *(row[name] - row["a_c"] - row["shift"] for row in grids)],
                            color=shade, marker=mark, markersize=4,
@@ -259,5 +241,9 @@ larger areas than it goes around ("no flow, counted"). Dashed in the picture: al
 
 STUDIES = (
     Study("percolation", "The contact area at which contact percolates", "critical area near 0.42",
-          series, thresholds, draw, findings, QUESTION, numbers),
+          series, thresholds, draw, findings, QUESTION,
+          {"H": "{hurst:g}", "L/lam_l": "{L_over_lam_l:g}", "eps_f": "1/{lam_l_over_lam_s:g}", "eps_c": "1/{lam_s_over_a:g}",
+           "surfaces": "{surfaces}", "a_c": "{a_c:±}", "sides": "{a_c_sides:.3f}", "corners": "{a_c_corners:.3f}",
+           "counted": "{a_c_counted:.3f}", "x or y": "{along_x_or_y:.3f}", "x and y": "{along_x_and_y:.3f}", "width": "{width:.3f}",
+           "no flow, counted": "{flow_ends:±}"}),
 )
