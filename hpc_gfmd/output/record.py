@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from ..errors import GfmdError, SceneError
-from ..grid import Grid
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0, one_line
 from ..parallel.h5 import Stored, io_way, write_file
@@ -72,7 +71,7 @@ class RunFile(AbstractContextManager):
         self._steps[_group(index)] = attributes
         self.finished = sorted({*self.finished, index})
 
-    def write_checkpoint(self, grid: Grid, solver: str, step: int, state: tuple[dict, dict], seconds: float | None = None) -> None:
+    def write_checkpoint(self, grid: Any, solver: str, step: int, state: tuple[dict, dict], seconds: float | None = None) -> None:
         """Where the run can go on: solver: its name; step: index of the load; state: (arrays, numbers) of Sweep.state on `grid`;
         seconds: spent on the load so far, None at its beginning."""
         name, (arrays, numbers) = _group(step), state
