@@ -10,7 +10,6 @@ from pathlib import Path
 from hpc_gfmd.commands.show import as_dict, as_text
 from hpc_gfmd.errors import GfmdError
 from hpc_gfmd.output.read import read_checkpoint, read_result
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import File, Scene, load_scene
 from hpc_gfmd.surface.files import HeightMap
 from hpc_gfmd.theory import tfc
