@@ -45,13 +45,6 @@ def test_a_fresh_run_removes_what_was_left_and_says_so(path):
         assert "removed an interrupted run of the same scene (1 files of load steps" in run.notes[0]
 
 
-def test_resuming_needs_the_same_scene(path):
-    begin(path).close()
-    with pytest.raises(SceneError, match="another scene"):
-        begin(path, "xyz", resume=True)
-    assert read_partial(path).status == "interrupted"
-
-
 def test_steps_that_were_damaged_count_as_not_done(path):
     with begin(path) as run:
         for index in range(2):
