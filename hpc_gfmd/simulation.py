@@ -95,14 +95,13 @@ def run_scene(scene: str | PathLike | Scene, overrides: Iterable[str] = (), out:
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
         try:
-            return _solve(comm, scene, file, say, interrupt, (n, threads, begun, resume))
+            return _solve(comm, scene, n, threads, file, say, interrupt, begun, resume)
         except Stopped:  # between two iterations: the last checkpoint is what a restart begins from
             return _stopped(comm, file, say, interrupt)
 
 
-def _solve(comm, scene, file, say, interrupt, how):
-    """Surface, sweep and all steps; how: (size of the surface, threads, time at which the run began, whether it is resumed)."""
-    n, threads, begun, resume = how
+def _solve(comm, scene, n, threads, file, say, interrupt, begun, resume):
+    """Surface, sweep and all steps; n: size of the surface, begun: time at which the run began, resume: whether it is continued."""
     if resume and comm.rank == 0:
         wisdom.take_from(file.partial)
     compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material, asked(scene.output), say.say)
