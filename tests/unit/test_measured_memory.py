@@ -19,8 +19,8 @@ LIBRARIES_GIB = 0.1  # of files in the estimate, which peak.py leaves out
 
 def scene(n, p_star=(0.1,), threads=1, fields=(), observables=None, boundary="periodic", **solver):
     output = {"fields": list(fields)} | ({"observables": observables} if observables else {})
-    return {"surface": rough((2, n // 4, 2)) | {"boundary": boundary}, "load": {"p_star": list(p_star)}, "solver": solver, "machine": {"threads": threads},
-            "output": output}
+    return {"surface": rough((2, n // 4, 2)) | {"boundary": boundary}, "load": {"p_star": list(p_star)}, "solver": solver,
+            "machine": {"threads": threads}, "output": output}
 
 
 def measured(table, ranks, folder):
@@ -80,6 +80,7 @@ def test_free_edges(ranks, compiled, tmp_path):
     (scene(4096, [0.1, 0.3], low_memory=True), "float32"),
     (scene(2048, boundary="free", low_memory=True, precision="single"), "float32"), (scene(2048, boundary="free"), "float32")],
     ids=["small", "few points", "small, few points, threads", "4 threads", "16 threads", "two loads",
-         "two loads, double", "few points later", "low memory", "field", "stiffness", "large, double", "large, low memory", "free edges, low memory", "free edges"])
+         "two loads, double", "few points later", "low memory", "field", "stiffness", "large, double", "large, low memory",
+         "free edges, low memory", "free edges"])
 def test_all_ways(table, precision, ranks, compiled, tmp_path):
     check(table, ranks, tmp_path, precision)
