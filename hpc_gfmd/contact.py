@@ -201,7 +201,7 @@ class Contact:
             return 0, 0
         rows, points = grid.inside
         g, p = self.g[:rows, :points], self.p[:rows, :points]
-        below = halo.next_row(grid.comm, np.stack([g[:1], p[:1]]))
+        below = halo.next_row(grid.comm, np.stack([g[:1], p[:1]]), np.minimum(grid.starts, grid.nominal[0]))
         around_x, around_y = self.periodic
         if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
             below = g[-1], p[-1]

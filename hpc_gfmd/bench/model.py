@@ -92,10 +92,10 @@ class Network:
 
 @dataclass(frozen=True)
 class _Part:
-    """The numbers of a Share, of rank 0, that the model takes. size: ranks; K: all-to-alls of a transform; transpose: (bytes, messages)
-    to other nodes."""
+    """The numbers of a Share, of rank 0, that the model takes. here: ranks of its node with a part in the grid; K: all-to-alls of a
+    transform; transpose: (bytes, messages) to other nodes."""
 
-    size: int
+    here: int
     N: int
     points: int
     gathered: float
@@ -110,28 +110,27 @@ def _grids(n, ranks, itemsize=4, per_node=1):
     """A grid and all coarser ones of the nested start."""
     finest = share_of(n, np.float32 if itemsize == 4 else np.float64, ranks, per_node=per_node)
     shares = [finest, *(Share(grid, finest.dtype) for grid in finest.grids)]
-    return [_Part(share.grid.comm.size, share.grid.cell_points, share.points, max(share.level_points - share.points / 3, 0.0),
+    return [_Part(len(share.grid.comm.beside), share.grid.cell_points, share.points, max(share.level_points - share.points / 3, 0.0),
                   share.layout.K, share.transpose_traffic, share.level_traffic, share.reduction_traffic[1]) for share in shares]
 
 
-def _pair(part, machine, network, ranks_per_node, threads):
+def _pair(part, machine, network, threads):
     """Seconds of the parts of an FFT pair on a grid: compute, transpose, levels and reductions."""
-    here = min(ranks_per_node, part.size)
     alone = machine.seconds_per_point(part.N)
     per_point = alone * (machine.levels + (1 - machine.levels) / threads)
-    crowded = machine.bytes_per_point * here / machine.bandwidth
+    crowded = machine.bytes_per_point * part.here / machine.bandwidth
     compute = part.points * max(per_point, crowded) + part.gathered * 3 * machine.levels * alone
 
     (nbytes, messages), (level_bytes, level_messages) = part.transpose, part.levels
-    transpose = nbytes * here / network.bandwidth + messages * network.overhead
-    transpose += 2 * part.K * network.latency * (messages > 0) + 2 * machine.barrier * stages(here)
+    transpose = nbytes * part.here / network.bandwidth + messages * network.overhead
+    transpose += 2 * part.K * network.latency * (messages > 0) + 2 * machine.barrier * stages(part.here)
     levels = level_bytes / network.bandwidth + level_messages * network.latency
     return np.array([compute, transpose, levels, part.stages * network.latency])
 
 
 def _solve(n, ranks, ranks_per_node, threads, machine, network):
     """Seconds of the parts of a solve."""
-    finest, *coarser = (_pair(part, machine, network, ranks_per_node, threads)
+    finest, *coarser = (_pair(part, machine, network, threads)
                         for part in _grids((n, n), ranks, machine.itemsize, ranks_per_node))
     return machine.pairs * finest + machine.coarse_pairs * sum(coarser, np.zeros(4))
 

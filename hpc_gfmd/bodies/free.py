@@ -73,8 +73,9 @@ class Free(HalfSpace):
     def compliance_rows(self, grid):
         """fill(i0, i1, x): rows of S between point 0 and all others. Collective."""
         n, space = grid.n, _Space(grid, self.free)
-        distances, places = np.unique(offsets(np.arange(*grid.rows), n[0]), return_inverse=True)
-        rows = space.rows(grid.comm, distances)
+        wanted = [np.unique(offsets(np.arange(*rows), n[0])) for rows in zip(grid.starts, grid.starts[1:])]  # of every rank
+        places = np.searchsorted(wanted[grid.comm.rank], offsets(np.arange(*grid.rows), n[0]))
+        rows = space.rows(grid.comm, wanted)
         fold = offsets(np.arange(n[1]), n[1])
 
         def fill(i0, i1, x):
@@ -137,9 +138,10 @@ class _Space:
             x = fft.irfft(spectrum.astype(complex), n=k, axis=axis)
         return x[:keep] if axis == 0 else x[:, :keep]
 
-    def rows(self, comm, distances):
-        """Transformed along x alone: this rank's offsets along x, all q_y. Every rank transforms its share of the q_y."""
-        wanted, count = comm.allgather(distances), len(self.q[1])
+    def rows(self, comm, wanted):
+        """Transformed along x alone: this rank's offsets along x, all q_y. Every rank transforms its share of the q_y; wanted: the
+        offsets of every rank."""
+        count = len(self.q[1])
         width = max(1, min(PIECE_BYTES // (8 * len(self.q[0])), -(-count // comm.size)))
         rows, filled = np.empty((len(distances), count)), 0
         for first in range(0, count, width * comm.size):

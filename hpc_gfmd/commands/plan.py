@@ -11,6 +11,8 @@ def add_parser(subparsers):
     parser.add_argument("scene", metavar="SCENE.toml")
     parser.add_argument("--ranks", type=int, default=1, metavar="K", help="number of ranks (default 1), as many as you like")
     parser.add_argument("--threads", type=int, metavar="T", help="threads of each rank instead of machine.threads")
+    parser.add_argument("--ranks-per-node", type=int, metavar="P",
+                        help="ranks on each node, which share memory (default: what Slurm says, else what this machine's cores take)")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the scene: table.key=value")
     parser.add_argument("--json", action="store_true")
     parser.set_defaults(main=main)
@@ -24,27 +26,29 @@ def main(args) -> int:
     from ..driver.timing import expected_seconds
     from ..errors import SceneError
     from ..fields import STORABLE
+    from ..parallel.world import ranks_per_node
     from ..registry import distribution_names, observable_names, solver_names
     from ..scene import check_names, load_scene
     from ..surface import cell_of, surface_size
 
-    for name in ("ranks", "threads"):
+    for name in ("ranks", "threads", "ranks_per_node"):
         if getattr(args, name) is not None and getattr(args, name) < 1:
-            raise SceneError(f"--{name}: found {getattr(args, name)}, allowed: a whole number from 1")
+            raise SceneError(f"--{name.replace('_', '-')}: found {getattr(args, name)}, allowed: a whole number from 1")
     scene = load_scene(args.scene, args.set)
     check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names(scene.surface.free))
     n = surface_size(scene.surface)
     cell = cell_of(n, scene.surface.free)
     cores = len(os.sched_getaffinity(0))
     threads = args.threads or (max(1, cores // args.ranks) if scene.machine.threads == "auto" else scene.machine.threads)
-    memory = memory_of(scene, n, args.ranks, threads)
+    per_node = min(args.ranks, args.ranks_per_node or ranks_per_node(args.ranks, threads))
+    memory = memory_of(scene, n, args.ranks, threads, per_node=per_node)
     there = scene.machine.memory_gib or available_gib()
     columns = cell[1] // 2 + 1
-    shares = busiest(cell, largest_precision(scene, n), args.ranks, nominal=n, nested=scene.solver.nested is not False)
+    shares = busiest(cell, largest_precision(scene, n), args.ranks, per_node, nominal=n, nested=scene.solver.nested is not False)
     sent = [share.traffic for share in shares]
     plan = {
         "n": list(n), "points": n[0] * n[1], "cell": list(cell),
-        "loads": len(scene.load.given[1]), "ranks": args.ranks, "threads": threads,
+        "loads": len(scene.load.given[1]), "ranks": args.ranks, "ranks_per_node": per_node, "threads": threads,
         "idle_ranks": max(0, args.ranks - cell[0]), "idle_ranks_of_columns": max(0, args.ranks - columns),
         "points_per_rank": max(share.points for share in shares),
         "coarse_points_per_rank": max(share.coarse_points for share in shares),
@@ -68,6 +72,7 @@ def main(args) -> int:
         if plan["file_gib"]:
             print(f"file:   {plan['file_gib']:.3g} GiB, while it is written twice that")
         if args.ranks > 1:
+            print(f"nodes:  {-(-args.ranks // per_node)} with {per_node} ranks each, which share memory (--ranks-per-node)")
             print(f"ranks:  up to {plan['points_per_rank']:.4g} points each and {plan['coarse_points_per_rank']:.4g} of coarser grids; "
                   f"{plan['message_bytes_per_pair'] / 2**20:.3g} MiB in {plan['messages_per_pair']} messages per FFT pair")
         print(f"time:   about {plan['seconds']:.2g} s of solving on this machine")
@@ -75,8 +80,9 @@ def main(args) -> int:
             print(f"idle:   {plan['idle_ranks']} ranks have no rows, {plan['idle_ranks_of_columns']} no columns of the spectrum")
         for line in plan["notes"]:
             print(f"note:   {line}")
-    # More ranks than there are cores will run on other machines: then one rank has to fit into one like this.
-    here, need = (args.ranks, plan["gib"]) if args.ranks * threads <= cores else (1, memory.total)
+    # Nodes on which more ranks run than there are cores here are other machines: one rank has to fit into one like this.
+    here = per_node if per_node * threads <= cores or scene.machine.memory_gib else 1
+    need = plan["gib"] if here == args.ranks else here * memory.total
     if need > there:
         raise SceneError(f"surface: {n[0]} x {n[1]} points need {need:.2f} GiB on {here} of {args.ranks} ranks, this "
                          f"machine has {there:.2f} GiB: use more machines, fewer points or single precision")

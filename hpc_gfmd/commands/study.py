@@ -30,13 +30,13 @@ def main(args) -> int:
     from ..errors import SceneError
     from ..parallel.world import world
     from ..study import catalogue
-    from ..study.levels import level_of
+    from ..study.levels import REFERENCE, at_level
 
     comm = world()
     if args.list:
         _say(comm, "\n".join(f"{name:8} {catalogue.study(name).title}" for name in catalogue.names()))
         return 0
-    level_of(args.level)
+    at_level(REFERENCE, args.level)
     part, threads = _part(args), _threads(args.threads)
     if args.only_run and (args.report or args.reference or args.coefficients):
         raise SceneError("--only-run: found with --report, --reference or --coefficients, allowed: without them")

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bounds import field_errors, misclassified_points, participation_number, relative_area
+from ..bounds import error_pattern, field_errors, misclassified_points, relative_area
 from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import EQUIVALENCE
@@ -124,8 +124,8 @@ def _errors(problem, levels, g, p, sums, uKu):
     typical = 1.0 / problem.body.typical(grid)
     mean_gap, pressure = field_errors(energy, uKu, closed_pp, contact, N, p0, gap / N, typical, response, aligned, problem.self_energy)
 
-    spread = participation_number(sums.open_pp, sums.open_p4, contact, N)
-    wrong = misclassified_points(problem, g, p, compliance, pressure**2 * closed_pp, spread)
+    pattern = error_pattern(N * p0 - sums.closed_p, sums.open_pp, sums.open_p4, contact, N)
+    wrong = misclassified_points(problem, g, p, compliance, pressure**2 * closed_pp, pattern)
     if contact == N and wrong == 0:
         mean_gap = 0.0  # nothing is open, nor could be
     elif gap > 0:

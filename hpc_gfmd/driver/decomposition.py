@@ -117,12 +117,14 @@ class Share:
 
 
 def share_of(n, dtype, ranks, rank=0, nominal=None, nested=True, sizes=(1.0, 1.0), per_node=1):
-    """The Share of one rank of a grid of n points; nominal: those of the surface; per_node: ranks on each node, which need no messages
-    to transpose among themselves."""
+    """The Share of one rank of a grid of n points; nominal: those of the surface; per_node: ranks on each node, dealt out in their
+    order, which need no messages to transpose among themselves."""
     comm = Imagined(rank, ranks, np.arange(ranks) // per_node)
     return Share(Grid(n, sizes, comm, nominal=nominal), np.dtype(dtype), nested)
 
 
-def busiest(n, dtype, ranks, **how):
-    """Shares of ranks among which is the one with most of everything: rank 0 has a part in all levels, and all remainders."""
-    return [share_of(n, dtype, ranks, rank, **how) for rank in sorted({0, min(1, ranks - 1), ranks // 2, ranks - 1})]
+def busiest(n, dtype, ranks, per_node=1, **how):
+    """Shares of ranks among which is the one with most of everything: rank 0 has a part in all levels, and all remainders; ranks
+    of the last node, which may be fewer, send more."""
+    chosen = {0, min(1, ranks - 1), ranks // 2, (ranks - 1) // per_node * per_node, ranks - 1}
+    return [share_of(n, dtype, ranks, rank, per_node=per_node, **how) for rank in sorted(chosen)]

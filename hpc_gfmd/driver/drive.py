@@ -18,13 +18,15 @@ STORED_AS = {"threshold": "demand"}  # names in a checkpoint that are not those 
 @dataclass(frozen=True)
 class Target:
     """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per load; certificate_dtype: precision
-    of the certificate; duality: whether it has to give the duality gap."""
+    of the certificate; duality: whether it has to give the duality gap; in_turn: whether its transforms take the memory of those of the
+    solver, and of its last step."""
 
     accuracy: float | None = None
     residual: float | None = None
     max_iterations: int = 100_000
     certificate_dtype: type = np.float64
     duality: bool = False
+    in_turn: bool = False
 
 
 @dataclass
@@ -93,7 +95,7 @@ def drive(solver, target, watch=None, loop=None, search=None):
             status = "nonfinite"
         elif (measure < loop.threshold and (search is None or search.may_be_met)
               and _area_may_be_known(solver, progress, target)) or (unknown and done >= loop.next_check):
-            certificate = _certificate(solver, target)
+            certificate = certificate_of(solver, target)
             loop.checks += certificate.pairs
             left = _left(target, certificate)
             met = search is None or search.met(solver, certificate)
@@ -122,7 +124,7 @@ def drive(solver, target, watch=None, loop=None, search=None):
         elif watch is not None and watch(done, progress):
             status = "interrupted"
         if status is not None:
-            certificate = _certificate(solver, target)
+            certificate = certificate_of(solver, target)
             met = search is None or search.met(solver, certificate)
             if status not in ("nonfinite", "interrupted") and met and _left(target, certificate) < 1:
                 status = "converged"
@@ -131,9 +133,15 @@ def drive(solver, target, watch=None, loop=None, search=None):
         progress = solver.progress()
 
 
-def _certificate(solver, target):
-    """The certificate of the solver's state."""
-    return certify(solver.problem_now, solver.g, solver.p, solver.levels, target.certificate_dtype, target.duality)
+def certificate_of(solver, target):
+    """The certificate of the solver's state. Collective."""
+    if target.in_turn:
+        solver.make_room()
+    found = certify(solver.problem_now, solver.g, solver.p, solver.levels, target.certificate_dtype, target.duality)
+    if target.in_turn:
+        solver.grid.forget_fft(target.certificate_dtype)
+        solver.take_room()
+    return found
 
 
 def _measure(progress, target):

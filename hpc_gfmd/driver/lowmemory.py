@@ -1,8 +1,12 @@
 """The sweep for the largest systems: the heights are not kept while iterating, so four fields and a bit are all there is.
 
 The starting gap takes the memory of the heights; where p = p0 + K u needs the displacement u = g - h, the transform of h, which is
-known mode by mode, is added in Fourier space. The certificate is computed in the working precision. Every load that does not start
-from the one before makes the surface anew. Where the surface ends, its heights take a quarter or half of a field, and are kept.
+known mode by mode, is added in Fourier space. Every load that does not start from the one before makes the surface anew. Where the
+surface ends, its heights take a quarter or half of a field, and are kept.
+
+The pressure of a gap is computed in the working precision as long as its rounding errors, which the certificate cannot tell from
+pressure out of contact, are far below the accuracy that is asked for. Otherwise, on large grids at small loads, the first pressure and
+the certificates are in double precision: their transforms take the memory of the solver's and of its last step meanwhile.
 """
 
 from dataclasses import replace
@@ -10,8 +14,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import SceneError
+from .drive import certificate_of
 from .nested import Nested, mean_height
 from .sweep import Sweep
+
+NOISE = 0.8  # of Problem.rounding over sqrt(p*), to the accuracy, or over p*, to the residual: a quarter of what the certificate sees
 
 
 class LowMemorySweep(Sweep):
@@ -35,6 +42,7 @@ class LowMemorySweep(Sweep):
         near = self.solver is not None and self._near(problem.p0)
         if arrays is None and near:
             self._count()
+            self._choose_certificate(replace(self.solver.problem_now, p0=problem.p0))
             self.solver.continue_at(problem.p0)
             return
         self.solver = None  # its memory is needed now
@@ -52,7 +60,19 @@ class LowMemorySweep(Sweep):
             problem = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)
         self.solver = self.solver_class(problem, self.settings.options, g=g)
         self._count()
-        if arrays is None:
-            self.solver.start(g)
-        else:
+        self._choose_certificate(problem)
+        if arrays is not None:
             self._go_on(arrays, numbers)
+        elif self.target.in_turn:
+            fresh = certificate_of(self.solver, self.target)
+            self._spent += fresh.pairs
+            self.solver.refresh(fresh.uKu)
+        else:
+            self.solver.start(g)
+
+    def _choose_certificate(self, problem):
+        """Its precision: double where rounding errors would count, unless it would take tables, too."""
+        wanted = self.settings.residual * problem.p0 if self.settings.residual else self.settings.accuracy * problem.p0**0.5
+        plain = self.dtype == np.float64 or self.surface.grid.padded or self.body.table_share
+        in_turn = not plain and problem.rounding > NOISE * wanted
+        self.target = replace(self.target, certificate_dtype=np.float64 if in_turn else self.dtype.type, in_turn=in_turn)

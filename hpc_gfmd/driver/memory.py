@@ -47,15 +47,16 @@ class Memory:
         return ranks * (self.total - self.heights) + self.all_heights
 
 
-def memory_of(scene, n, ranks, threads=1, rank=0):
-    """The Memory of a scene on one of a number of ranks with so many threads each; rank 0 has a part in everything."""
+def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
+    """The Memory of a scene on one of a number of ranks with so many threads each, so many on each node; rank 0 has a part in
+    everything."""
     dtype = largest_precision(scene, n)
     itemsize, free = dtype.itemsize, scene.surface.free
     cell = cell_of(n, free)
     if max(cell) > LONGEST_AXIS:
         return Memory(FIELDS * np.prod(cell, dtype=float) * itemsize / ranks / GIB, 0.0, 0.0, 0.0, PROCESS_GIB, 0.0)
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
-    share = share_of(cell, dtype, ranks, rank, nominal=n, nested=nested)
+    share = share_of(cell, dtype, ranks, rank, nominal=n, nested=nested, per_node=per_node)
     rows = share.grid.shape[0]
     field = share.points * itemsize / GIB
     kept = itemsize if any(free) or not low else 0  # of a height
@@ -141,7 +142,7 @@ def limit_gib():
 
 def require_memory(comm, scene, n, threads):
     """Raise SceneError on all ranks if the ranks of some machine need more memory than it has. Collective."""
-    need = memory_of(scene, n, comm.size, threads, comm.rank).total
+    need = memory_of(scene, n, comm.size, threads, comm.rank, comm.node.size).total
     most, own = float(comm.max([need])[0]), float(comm.min([limit_gib()])[0])
     if most > own:
         raise SceneError(f"surface: {n[0]} x {n[1]} points need {most:.2f} GiB on each of {comm.size} ranks, a process may have "

@@ -5,6 +5,7 @@ gathered on every second, fourth, ... rank: none ever holds more than its own sh
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -44,9 +45,9 @@ def _nyquist(n, spacing):
     return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
 
-def axis_tables(n, m, dtype):
-    """J0 and f of every fine point of one axis (see kernels/multilevel.py)."""
-    i = np.arange(n, dtype=np.int64)
+def axis_tables(n, m, dtype, start=0, stop=None):
+    """J0 and f of the fine points start <= i < stop (default: all) of one axis (see kernels/multilevel.py)."""
+    i = np.arange(start, n if stop is None else stop, dtype=np.int64)
     return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
 
 
@@ -86,32 +87,34 @@ def gathered(starts, points, share):
 
 
 class Transfer:
-    """This rank's part of the transfer between a level with rows [start, stop) of n and the next coarser one, m points.
+    """This rank's part of the transfer between a level with rows [start, stop) of n and the next coarser one, m points. Its tables are
+    made when they are first asked for.
 
     It writes to and reads from a window of coarse rows: those that it owns, one before and one after; none where it has no fine rows.
     """
 
     def __init__(self, n, m, starts, rank, dtype):
-        self.n, self.m, self.rank = n, m, rank
+        self.n, self.m, self.rank, self.dtype = n, m, rank, np.dtype(dtype)
         self.coarse_starts = owned_rows(starts, n[0], m[0])
-        start, stop = int(starts[rank]), int(starts[rank + 1])
-        self.start, self.stop = int(self.coarse_starts[rank]), int(self.coarse_starts[rank + 1])
-        J0, f = axis_tables(n[0], m[0], dtype)
-        # Row numbers count the halo row: the first own coarse row is 1. The row before it (0) is used by fine rows whose J0
-        # belongs to the rank before.
-        self.k0 = (J0[start:stop] - self.start + 1).astype(np.int32)
-        self.f_x = f[start:stop].copy()
-        self.mode = axis_mode(n[1], m[1])
-        self.j0, self.f = axis_tables(n[1], m[1], dtype)
-        self.factor = np.dtype(dtype).type(m[0] / n[0] * m[1] / n[1])
+        self.fine = int(starts[rank]), int(starts[rank + 1])
+        self.start = int(self.coarse_starts[rank])
         empty = np.diff(starts) == 0
         self.lo, self.hi = self.coarse_starts[:-1] - ~empty, self.coarse_starts[1:] + ~empty  # windows of all ranks
-        self.firsts = np.flatnonzero(np.diff(J0[start:stop], prepend=-2))  # local rows that open a coarse row
 
-    @property
+    @cached_property
     def tables(self):
         """What kernels take as `transfer`: a plain tuple, which numba is called with as fast as with its parts."""
-        return self.k0, self.f_x, self.mode, self.j0, self.f, self.factor
+        J0, f_x = axis_tables(self.n[0], self.m[0], self.dtype, *self.fine)
+        # Row numbers count the halo row: the first own coarse row is 1. The row before it (0) is used by fine rows whose J0
+        # belongs to the rank before.
+        k0 = (J0 - self.start + 1).astype(np.int32)
+        factor = self.dtype.type(self.m[0] / self.n[0] * self.m[1] / self.n[1])
+        return k0, f_x, axis_mode(self.n[1], self.m[1]), *axis_tables(self.n[1], self.m[1], self.dtype), factor
+
+    @property
+    def k0(self):
+        """The coarse row of each of its fine rows, the halo row counted."""
+        return self.tables[0]
 
     @property
     def window_rows(self):
@@ -121,9 +124,10 @@ class Transfer:
     def passes(self, longest):
         """Row ranges of at most `longest` rows (or one coarse row's) that begin where a coarse row begins."""
         out, n_loc = [], len(self.k0)
+        firsts = np.flatnonzero(np.diff(self.k0, prepend=-2))  # rows that open a coarse row
         begin = 0
         while begin < n_loc:
-            ends = self.firsts[(self.firsts > begin) & (self.firsts <= begin + longest)]
+            ends = firsts[(firsts > begin) & (firsts <= begin + longest)]
             end = n_loc if begin + longest >= n_loc else (int(ends[-1]) if len(ends) else begin + longest)
             out.append((begin, end))
             begin = end

@@ -11,10 +11,19 @@ class Elastic:
     """
 
     def __init__(self, grid, body, dtype):
-        self.grid = grid
-        self.fft = grid.fft(dtype)
-        self.multipliers = body.multipliers(grid, self.fft)
+        self.grid, self.body, self.dtype = grid, body, dtype
         self.pairs, self.mean = 0.0, 0.0
+        self.plan()
+
+    def plan(self):
+        """Have the memory of the transforms. Collective."""
+        self.fft = self.grid.fft(self.dtype)
+        self.multipliers = self.body.multipliers(self.grid, self.fft)
+
+    def make_room(self):
+        """Give it back, until `plan`."""
+        self.fft = self.multipliers = None
+        self.grid.forget_fft(self.dtype)
 
     def _columns(self, multiply, backward=True, add=None):
         def apply(block, m):

@@ -1,19 +1,20 @@
 """Connected clusters of points on slabs, periodic or free: how large they are and whether one of them percolates.
 
 Every rank labels its rows strip by strip (scipy) and keeps of each strip no more than the sizes of its pieces and the labels along its
-borders. Pieces that touch across the borders of strips, and of the periodic cell, are joined; then the clusters that reach the first or
-the last row of a rank are joined on rank 0. Messages are as long as those rows, and the result is the same on any number of ranks.
+borders. Pieces that touch across the borders of strips, and of the periodic cell, are joined; then the blocks of rows of two ranks, of
+twice two, and so on up a tree: of each block only the clusters matter that reach its first or its last row. Messages are as long as two
+rows, a rank gets one for each doubling of their number at most, and the result is the same on any number of ranks.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..kernels.clusters import join
-from . import halo
 
 STRIP_POINTS = 2**20  # labelled at a time
 NOTHING = -1  # label of a point outside the mask
+NO_EDGES = np.zeros((0, 4), np.int64)
 FIRST_ROW, LAST_ROW, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4, 8  # what edges of the cell a cluster reaches
 
 
@@ -37,23 +38,24 @@ def find_clusters(comm, mask, rows, n, periodic=(True, True), corners=False):
     cluster has no end there if the cell is repeated (a way that goes around both axes counts for both); along a free one where it
     reaches from the first point to the last.
     """
-    local = _Local(mask, rows, n, periodic, corners)
-    base = comm.before(len(local.sizes))
-    mine = [line and line.of_ranks(local, base) for line in (local.first, local.last)]
-    edges = _between_ranks(comm, *mine, rows[1] == n[0], periodic, corners)
-    at_border = np.unique(np.concatenate([line.labels[line.labels != NOTHING] for line in mine] if local.first else [[]])).astype(int)
-    here = at_border - base
-    found = comm.gather((at_border, local.sizes[here], local.sides[here], edges))
+    around_y, counted = (0, 1) if periodic[1] else None, _Counted()
 
-    sizes, sides = np.delete(local.sizes, here), np.delete(local.sides, here)
-    sizes, sides, wraps = sizes[sizes > 0], sides[sizes > 0], local.wraps
-    if comm.rank == 0:
-        ids, parts, reached, edges = (np.concatenate(one) for one in zip(*found, strict=True))
-        edges[:, :2] = np.searchsorted(ids, edges[:, :2])
-        joined = _Joined(edges, parts, reached)
-        whole = joined.sizes > 0
-        sizes, sides = np.append(sizes, joined.sizes[whole]), np.append(sides, joined.sides[whole])
-        wraps = wraps | joined.wraps
+    def join_blocks(upper, lower):
+        if upper is None or lower is None:
+            return lower if upper is None else upper
+        lower = lower.renumbered(len(upper.sizes))
+        edges = _between(upper.last, lower.first, (0, 0), corners, around_y)
+        pieces = (np.append(a, b) for a, b in ((upper.sizes, lower.sizes), (upper.sides, lower.sides)))
+        return _Joined(edges, *pieces, upper.wraps | lower.wraps).block(upper.first, lower.last, counted)
+
+    block = _local_block(mask, rows, n, periodic, corners, counted) if rows[0] < rows[1] else None
+    block, wraps = comm.fold(block, join_blocks), np.zeros(2, np.bool_)
+    if block is not None:
+        across = _between(block.last, block.first, (1, 0), corners, around_y) if periodic[0] else NO_EDGES
+        whole = _Joined(across, block.sizes, block.sides, block.wraps)
+        counted.add(whole.sizes, whole.sides)
+        wraps = whole.wraps
+    sizes, sides = counted.all()
     spans = [_reaches(sides, first) for first in (FIRST_ROW, FIRST_COLUMN)]
     percolates = comm.max([wraps[axis] if periodic[axis] else spans[axis] for axis in (0, 1)])
     return Clusters(sizes, tuple(bool(one) for one in percolates))
@@ -75,13 +77,48 @@ class _Line:
     def of(cls, labels):
         return cls(labels, np.zeros((2, len(labels)), dtype=np.int64))
 
-    def of_ranks(self, local, base):
-        """The same with the clusters of the rank in place of their pieces, numbered over all ranks."""
+    def of_roots(self, joined, number):
+        """The same with the roots of its pieces, by their new numbers, in place of these."""
         inside = self.labels != NOTHING
-        labels, shift = self.labels.copy(), self.shift.copy()
-        pieces = self.labels[inside]
-        labels[inside], shift[:, inside] = local.parent[pieces] + base, local.shift[pieces].T
+        labels, shift, pieces = self.labels.copy(), self.shift.copy(), self.labels[inside]
+        labels[inside] = number[joined.parent[pieces]]
+        shift[:, inside] += joined.shift[pieces].T
         return _Line(labels, shift)
+
+    def renumbered(self, base):
+        """The same with numbers that begin at base."""
+        return _Line(np.where(self.labels != NOTHING, self.labels + base, NOTHING), self.shift)
+
+
+@dataclass(frozen=True)
+class _Block:
+    """The clusters of consecutive rows that reach the first or the last of them. sizes, sides (bits): of what they have in these rows;
+    wraps (2,): whether any cluster of these rows goes around the cell."""
+
+    first: _Line
+    last: _Line
+    sizes: np.ndarray
+    sides: np.ndarray
+    wraps: np.ndarray
+
+    def renumbered(self, base):
+        """The same with numbers that begin at base."""
+        return replace(self, first=self.first.renumbered(base), last=self.last.renumbered(base))
+
+
+class _Counted:
+    """Sizes and sides of clusters that are whole."""
+
+    def __init__(self):
+        self._parts = [(np.zeros(0, np.int64), np.zeros(0, np.uint8))]
+
+    def add(self, sizes, sides):
+        """Of roots of clusters; pieces that are none have no size."""
+        self._parts.append((sizes[sizes > 0], sides[sizes > 0]))
+
+    def all(self):
+        """(sizes, sides) of all of them."""
+        return tuple(np.concatenate(part) for part in zip(*self._parts))
 
 
 def _between(a, b, across, corners, around):
@@ -107,52 +144,51 @@ def _between(a, b, across, corners, around):
 class _Joined:
     """Pieces after `join`: parent, shift and wraps as there; sizes and sides (bits) of whole clusters at their roots, else 0."""
 
-    def __init__(self, edges, sizes, sides):
+    def __init__(self, edges, sizes, sides, wraps=(False, False)):
         pieces = len(sizes)
         self.parent, self.shift = np.arange(pieces), np.zeros((pieces, 2), dtype=np.int64)
-        self.wraps = np.zeros(2, dtype=np.bool_)
+        self.wraps = np.array(wraps, np.bool_)
         join(edges, self.parent, self.shift, self.wraps)
         self.sizes, self.sides = np.zeros(pieces, dtype=np.int64), np.zeros(pieces, dtype=np.uint8)
         np.add.at(self.sizes, self.parent, sizes)
         np.bitwise_or.at(self.sides, self.parent, sides)
 
-
-class _Local(_Joined):
-    """The clusters of one rank. first, last: _Line of its first and last row in pieces, None without rows."""
-
-    def __init__(self, mask, rows, n, periodic, corners):
-        from scipy import ndimage
-
-        structure = ndimage.generate_binary_structure(2, 2 if corners else 1)
-        strip, count = max(1, STRIP_POINTS // n[1]), 0
-        around_y = (0, 1) if periodic[1] else None
-        sizes, sides, edges = [np.zeros(0, int)], [np.zeros(0, np.uint8)], [np.zeros((0, 4), int)]
-        self.first = self.last = None
-        for i0 in range(0, rows[1] - rows[0], strip):
-            labels, found = ndimage.label(mask(i0, min(i0 + strip, rows[1] - rows[0])), structure)
-            sizes.append(np.bincount(labels.ravel(), minlength=found + 1)[1:])
-            top, bottom, left, right = (np.where(one > 0, one + (count - 1), NOTHING).astype(np.int64)
-                                        for one in (labels[0], labels[-1], labels[:, 0], labels[:, -1]))
-            if self.last is not None:
-                edges.append(_between(self.last, _Line.of(top), (0, 0), corners, around_y))
-            if periodic[1]:
-                edges.append(_between(_Line.of(right), _Line.of(left), around_y, corners, None))
-            self.first, self.last = self.first or _Line.of(top), _Line.of(bottom)
-
-            reached = np.zeros(found + 1, np.uint8)
-            last = rows[0] + i0 + len(labels) == n[0]
-            for side, line, there in ((FIRST_ROW, labels[0], rows[0] + i0 == 0), (LAST_ROW, labels[-1], last),
-                                      (FIRST_COLUMN, labels[:, 0], True), (LAST_COLUMN, labels[:, -1], True)):
-                if there:
-                    reached[line] |= side
-            sides.append(reached[1:])
-            count += found
-        super().__init__(np.concatenate(edges), np.concatenate(sizes), np.concatenate(sides))
+    def block(self, first, last, counted):
+        """The _Block of rows from line `first` to line `last`; clusters that reach neither are counted."""
+        reached = np.zeros(len(self.sizes), np.bool_)
+        for line in (first, last):
+            reached[self.parent[line.labels[line.labels != NOTHING]]] = True
+        counted.add(self.sizes[~reached], self.sides[~reached])
+        number = np.cumsum(reached) - 1
+        return _Block(first.of_roots(self, number), last.of_roots(self, number), self.sizes[reached], self.sides[reached], self.wraps)
 
 
-def _between_ranks(comm, first, last, at_end, periodic, corners):
-    """Edges between the clusters of this rank's last row and those of the row that follows it, perhaps its own first one."""
-    below = halo.next_row(comm, np.zeros((3, 0, 0)) if first is None else np.stack([first.labels, *first.shift])[:, None])
-    if last is None or (at_end and not periodic[0]):
-        return np.zeros((0, 4), int)
-    return _between(last, _Line(below[0], below[1:]), (int(at_end), 0), corners, (0, 1) if periodic[1] else None)
+def _local_block(mask, rows, n, periodic, corners, counted):
+    """The _Block of the rows of one rank, which has some."""
+    from scipy import ndimage
+
+    structure = ndimage.generate_binary_structure(2, 2 if corners else 1)
+    strip, count = max(1, STRIP_POINTS // n[1]), 0
+    around_y = (0, 1) if periodic[1] else None
+    sizes, sides, edges = [], [], [NO_EDGES]
+    first = last = None
+    for i0 in range(0, rows[1] - rows[0], strip):
+        labels, found = ndimage.label(mask(i0, min(i0 + strip, rows[1] - rows[0])), structure)
+        sizes.append(np.bincount(labels.ravel(), minlength=found + 1)[1:])
+        top, bottom, left, right = (np.where(one > 0, one + (count - 1), NOTHING).astype(np.int64)
+                                    for one in (labels[0], labels[-1], labels[:, 0], labels[:, -1]))
+        if last is not None:
+            edges.append(_between(last, _Line.of(top), (0, 0), corners, around_y))
+        if periodic[1]:
+            edges.append(_between(_Line.of(right), _Line.of(left), around_y, corners, None))
+        first, last = first or _Line.of(top), _Line.of(bottom)
+
+        reached = np.zeros(found + 1, np.uint8)
+        at_end = rows[0] + i0 + len(labels) == n[0]
+        for side, line, there in ((FIRST_ROW, labels[0], rows[0] + i0 == 0), (LAST_ROW, labels[-1], at_end),
+                                  (FIRST_COLUMN, labels[:, 0], True), (LAST_COLUMN, labels[:, -1], True)):
+            if there:
+                reached[line] |= side
+        sides.append(reached[1:])
+        count += found
+    return _Joined(np.concatenate(edges), np.concatenate(sizes), np.concatenate(sides)).block(first, last, counted)

@@ -53,6 +53,10 @@ class SerialComm:
         """The object of rank `source`; ranks: those that want the object of this one."""
         return obj
 
+    def fold(self, obj, join):
+        """The objects of all ranks in their order, joined two at a time by join(one, next one), on rank 0; None on the others."""
+        return obj
+
     def among(self, ranks):
         """The communicator of these ranks alone, rank 0 first; None on others."""
         return self
@@ -67,10 +71,6 @@ class SerialComm:
 
     node = machine  # of those that have memory in common with this one
     beside = np.zeros(1, int)  # these ranks
-
-    def before(self, number):
-        """The sum of the whole numbers of all ranks before this one."""
-        return 0
 
 
 @dataclass
@@ -149,12 +149,6 @@ class MpiComm:
         self.alltoall_bytes((np.concatenate([a.ravel() for a in arrays]), lengths[0], offsets[0]), (found, lengths[1], offsets[1]))
         return [part.reshape(shape) for part, shape in zip(np.split(found, offsets[1][1:] // dtype.itemsize), shapes)]
 
-    def before(self, number):
-        """The sum of the whole numbers of all ranks before this one."""
-        found = np.zeros(1, np.int64)
-        self.mpi.Exscan(np.array([number], np.int64), found)
-        return int(found[0]) if self.rank else 0
-
     def counts(self, number):
         """Every rank's whole number, an array."""
         found = np.empty(self.size, np.int64)
@@ -190,6 +184,19 @@ class MpiComm:
         for request in requests:
             request.wait()
         return found
+
+    def fold(self, obj, join):
+        """The objects of all ranks in their order, joined two at a time by join(one, next one), on rank 0; None on the others. Up a
+        tree: a rank gets log2(ranks) messages at most."""
+        step = 1
+        while step < self.size:
+            if self.rank % (2 * step):
+                self.mpi.send(obj, dest=self.rank - step)
+                return None
+            if self.rank + step < self.size:
+                obj = join(obj, self.mpi.recv(source=self.rank + step))
+            step *= 2
+        return obj
 
     def among(self, ranks):
         """The communicator of these ranks alone, rank 0 first; None on others. Made once: MPI has few of them. Collective."""

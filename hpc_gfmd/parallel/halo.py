@@ -114,10 +114,12 @@ def neighbours(comm, a, starts, width, owned=None):
     return rows_of(comm, a, owned, first - width, first, n), rows_of(comm, a, owned, last, last + width, n)
 
 
-def next_row(comm, a):
-    """The row after this rank's rows, of which a (..., >= 0 rows, m) has the first; periodic, ranks without rows are skipped."""
-    filled = np.flatnonzero(comm.counts(min(a.shape[-2], 1)))
-    after = np.searchsorted(filled, np.arange(comm.size), "right") % len(filled)  # of every rank
-    source = int(filled[after[comm.rank]])
-    wanted = [rank for rank in range(comm.size) if filled[after[rank]] == comm.rank]
+def next_row(comm, a, starts):
+    """The row after this rank's rows, of which a (..., >= 0 rows, m) has the first; starts: first row of every rank, and their number.
+    Periodic, ranks without rows are skipped. Collective."""
+    rank, filled = comm.rank, np.flatnonzero(np.diff(starts))
+    source = int(filled[np.searchsorted(filled, rank, "right") % len(filled)])
+    here = int(np.searchsorted(filled, rank))
+    first = int(filled[here - 1]) - (comm.size if here == 0 else 0)  # all from the one before that has rows want our first one
+    wanted = [r % comm.size for r in range(first, rank)] if a.shape[-2] else []
     return comm.pass_on(a[..., 0, :].copy() if a.shape[-2] else None, wanted, source)

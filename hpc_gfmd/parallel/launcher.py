@@ -1,6 +1,7 @@
 """Whether and by what this process was started as one of several."""
 
 import os
+import re
 
 # Set by mpirun (Open MPI, MPICH, Intel MPI) and by srun --mpi=pmix/pmi2 for every process that they start.
 LAUNCHER_SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS")
@@ -27,6 +28,13 @@ def srun_size():
     """Number of processes that srun started with this one, or None."""
     text = os.environ.get("SLURM_STEP_NUM_TASKS", "")
     return int(text) if text.isdigit() else None
+
+
+def tasks_per_node():
+    """Number of processes on each node (the fullest one) of the Slurm job around this process, or None."""
+    said = os.environ.get("SLURM_NTASKS_PER_NODE") or os.environ.get("SLURM_TASKS_PER_NODE", "")  # the latter as in "16(x3),8"
+    found = [int(number) for number in re.findall(r"(?:^|,)(\d+)", said)]
+    return max(found, default=0) or None
 
 
 def launcher_rank():

@@ -30,6 +30,7 @@ def planned(comm, dtype, make, shapes):
     if comm.size == 1 and shapes in wisdom.made:  # writing out all that FFTW knows takes longer than making a plan that is known
         return make()
     wisdom.made.add(shapes)
+    wisdom.version = wisdom.version if comm.size > 1 else None
     if comm.rank == 0:
         if len(wisdom.text()) > LIMIT:
             wisdom.replace(b"")
@@ -39,11 +40,21 @@ def planned(comm, dtype, make, shapes):
             wisdom.read()  # what others have found meanwhile
             keep(wisdom.path, wisdom.text())
     if comm.size > 1:
-        text = comm.bcast(wisdom.text() if comm.rank == 0 else None)
+        _take_over(comm, wisdom)
+        plans = plans if comm.rank == 0 else make()
+    return plans
+
+
+def _take_over(comm, wisdom):
+    """Give all ranks what rank 0 knows. It is up to a megabyte, which takes longer to read than to send, and for most grids the same as
+    for the one before: it is sent where a rank has another version. Collective."""
+    text = wisdom.text() if comm.rank == 0 else None
+    version = comm.bcast(text and hashlib.sha256(text).digest())
+    if comm.max([version != wisdom.version])[0]:
+        text = comm.bcast(text)
         if comm.rank != 0:
             wisdom.replace(text)
-            plans = make()
-    return plans
+        wisdom.version = version
 
 
 def keep_with(folder):
@@ -61,13 +72,14 @@ def take_from(folder):
 
 
 class _Wisdom:
-    """The wisdom of this process in one precision. What it knows already wins over what is read. made: shapes of plans it has made."""
+    """The wisdom of this process in one precision. What it knows already wins over what is read. made: shapes of plans it has made;
+    version: of what rank 0 has sent, None where something else is known."""
 
     def __init__(self, name):
         from mpi4py_fft.fftw import fftw_xfftn, fftwf_xfftn
 
         self.name, self.library = name, fftw_xfftn if name == "float64" else fftwf_xfftn
-        self._lines, self._stamp, self.made = set(), None, set()
+        self._lines, self._stamp, self.version, self.made = set(), None, None, set()
         tiny = empty_aligned((8,), np.result_type(name, np.complex64))
         # The first plan initialises the threads of FFTW, which forgets wisdom read before it.
         load_fftw().fftn(tiny, None, (0,), 1, (load_fftw().FFTW_ESTIMATE,), tiny)
@@ -108,7 +120,7 @@ class _Wisdom:
 
     def replace(self, text):
         """Know this and nothing else."""
-        self._stamp = None
+        self._stamp = self.version = None
         self.made.clear()
         self.library.forget_wisdom()
         self.add(text)

@@ -6,7 +6,7 @@ import sys
 from ..errors import GfmdError, SceneError
 from ..streams import unfailing
 from .comm import MpiComm, SerialComm
-from .launcher import LAUNCHER, launched, srun_size
+from .launcher import LAUNCHER, launched, srun_size, tasks_per_node
 
 THREADS_PER_CORE = 8  # more are a mistake
 
@@ -74,6 +74,12 @@ def threads_of(comm, wanted):
         return min(int(of_slurm), len(cores))
     beside = comm.machine.allgather(cores).count(cores)  # ranks that are bound elsewhere do not share our cores
     return max(1, len(cores) // beside)
+
+
+def ranks_per_node(ranks, threads):
+    """How many of so many ranks share a node, as long as nobody says: as many as Slurm starts on one, else as the cores that this
+    process may use are enough for."""
+    return min(ranks, tasks_per_node() or max(1, len(os.sched_getaffinity(0)) // threads))
 
 
 def _abort_on_error(mpi, hook):

@@ -13,7 +13,7 @@ The displacement itself never appears: with the gap g = u + h and p = p0 + K u, 
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
-from ..bounds import field_errors, misclassified_points, participation_number, relative_area
+from ..bounds import error_pattern, field_errors, misclassified_points, relative_area
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
 from ..operators.elastic import Elastic
@@ -45,16 +45,33 @@ class Bpx(Solver):
         self.options = read_options(self.name, self.options, {})
         grid, body, dtype = self.grid, problem.body, problem.dtype
         self.elastic = Elastic(grid, body, dtype)
-        self.fft = self.elastic.fft
-        self.levels = Multilevel(grid, body, dtype, self.fft.R)
+        self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(dtype)
+        self._make_scratch()
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
         self.typical_compliance = 1.0 / body.typical(grid)
         self.gradient = 1.0 / (GRADIENT * self.compliance * body.bounds(grid)[1])
-        self._scratch = {id(x): zeros_aligned((7, grid.n[1] + LINE // dtype.itemsize), dtype) for x in self.fft.row_scratch}
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
+
+    def _make_scratch(self):
+        """Rows for each thread."""
+        dtype, rows = self.problem.dtype, self.elastic.fft.row_scratch
+        self._scratch = {id(x): zeros_aligned((7, self.grid.n[1] + LINE // dtype.itemsize), dtype) for x in rows}
+
+    def make_room(self):
+        """Until `take_room` somebody else needs the memory of the transforms and of the last step, which is lost."""
+        self.d = None
+        self.elastic.make_room()
+
+    def take_room(self):
+        """Go on without a last step."""
+        self.elastic.plan()
+        self._make_scratch()
+        self.d = self.grid.empty(self.problem.dtype)
+        self.d[...] = 0
+        self.rd = self.zKd = self.dKd = 0.0
 
     # -- starting ------------------------------------------------------------------------------------------------------------
 
@@ -64,7 +81,7 @@ class Bpx(Solver):
         self.p[...] = self.p_cell
         self.d[...] = 0
         self.elastic.pressure_rows(self.problem.displacement_rows(self.g), self.passes)
-        self.uKu = float(self.grid.comm.sum([self.elastic.pressure_columns(self.problem.adder(self.fft))])[0])
+        self.uKu = float(self.grid.comm.sum([self.elastic.pressure_columns(self.problem.adder(self.elastic.fft))])[0])
         self._begin(self._update(1.0))
 
     def refresh(self, uKu=None):
@@ -212,6 +229,6 @@ class Bpx(Solver):
     def expected_area(self, pressure):
         rows, m = self.grid.inside
         squares, fourth = self.grid.comm.sum(open_moments(self.g[:rows, :m], self.p[:rows, :m]))
-        spread = participation_number(squares, fourth, self.contact, self.N)
-        wrong = misclassified_points(self.problem, self.g, self.p, self.compliance, pressure**2 * (self.pp - self.rr), spread)
+        pattern = error_pattern(self.mean / self.p_cell * self.p0 * self.N, squares, fourth, self.contact, self.N)
+        wrong = misclassified_points(self.problem, self.g, self.p, self.compliance, pressure**2 * (self.pp - self.rr), pattern)
         return EXPECTED * relative_area(max(wrong, self.changing), self.contact)

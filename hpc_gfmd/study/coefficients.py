@@ -7,9 +7,10 @@ from pathlib import Path
 from ..errors import SceneError
 from ..theory.tfc_fit import TfcFit
 from . import fits, paper
-from .levels import PRESSURES, level_of
+from .levels import PRESSURES, REFERENCE, at_level
 from .publish import write_whole
-from .rows import Rows, by_hurst, low_high
+from .rows import Rows, by_hurst, low_high, where
+from .text import filled
 
 TERMS = "cft"
 FITS = {"kappa": (("raw", "kappa"), ("edge", "kappa_edge")), "gap_over_h_rms": (("raw", "gap_over_h_rms"),)}
@@ -21,7 +22,7 @@ def table_rows(runs: Rows, level: str, observable: str, pressure: str) -> Rows:
     Columns C_i, alpha_i, limit with NAME_se (None for what is not fitted), term_i = C_i eps_i^alpha_i at the reference system,
     chi2_per_dof, n_runs. pressure: "low" or "high".
     """
-    eps = dict(zip("tfc", (1 / ratio for ratio in level_of(level).reference), strict=True))
+    eps = dict(zip("tfc", (1 / ratio for ratio in at_level(REFERENCE, level)), strict=True))
     rows = []
     for hurst, part in by_hurst(low_high(runs)[pressure]).items():
         for area, exponents, fit in _fits(part, level, observable):
@@ -33,23 +34,18 @@ def table_rows(runs: Rows, level: str, observable: str, pressure: str) -> Rows:
     return rows
 
 
-def compare(rows: Rows, observable: str, pressure: str) -> Rows:
+def compare(rows: Rows, observable: str, pressure: str) -> paper.Sayings:
     """Our coefficients beside the paper's: with its exponents where we have such a fit, and with ours."""
-    lines = []
+    theirs, mine = (", ".join(f"C_{i} = {{C_{i}:{how}}} (alpha {{alpha_{i}:{how}}})" for i in TERMS) for how in "g±")
     for hurst, part in by_hurst(rows).items():
-        printed = next((row for row in part if row["area"] == "paper"), None)
-        ours = [row for row in part if row["area"] == "raw"]
+        printed, ours = where(part, area="paper"), where(part, area="raw")
         if printed and ours:
-            theirs, mine = (sum(row[f"term_{i}"] for i in TERMS) for row in (printed, ours[0]))
-            lines.append(paper.saying(
-                f"H = {hurst:g}, p* = {paper.PRINTED[pressure]}: "
-                + ", ".join(f"C_{i} = {printed[f'C_{i}']:g} (alpha {printed[f'alpha_{i}']:g})" for i in TERMS),
-                "; ".join(
-                    ", ".join(f"C_{i} = {_quoted(row, f'C_{i}')} (alpha {_quoted(row, f'alpha_{i}')})" for i in TERMS)
-                    for row in sorted(ours, key=lambda row: row["exponents"])),
-                f"sum of the terms at the reference system: paper {theirs:.3g}, ours {mine:.3g}"
-                + ("; the fractal term is nearly the whole gap" if observable != "kappa" else "")))
-    return lines
+            paper_sum, our_sum = (sum(row[f"term_{i}"] for i in TERMS) for row in (printed[0], ours[0]))
+            yield paper.saying(
+                f"{paper.at(pressure, hurst)}: {filled(theirs, printed[0])}",
+                "; ".join(filled(mine, row) for row in sorted(ours, key=lambda row: row["exponents"])),
+                f"sum of the terms at the reference system: paper {paper_sum:.3g}, ours {our_sum:.3g}"
+                + ("; the fractal term is nearly the whole gap" if observable != "kappa" else ""))
 
 
 def our_table(runs: Rows, level: str) -> dict:
@@ -64,7 +60,7 @@ def our_table(runs: Rows, level: str) -> dict:
     return {
         "source": f"hpc_gfmd, study level {level}",
         "note": "O_sim = O_TFC + C_t eps_t^alpha_t + C_f eps_f^alpha_f + C_c eps_c^alpha_c around the reference system "
-        f"(L/lam_l, lam_l/lam_s, lam_s/a) = {level_of(level).reference}, area as counted; the terms do not add up far from it. "
+        f"(L/lam_l, lam_l/lam_s, lam_s/a) = {REFERENCE[level]}, area as counted; the terms do not add up far from it. "
         "sigma, covariance (in the order of names): realisations and solver. The limit of gap/h_rms is zero by construction.",
         "tables": tables,
     }
@@ -94,7 +90,3 @@ def _columns(fit: TfcFit, eps: dict[str, float]) -> dict:
     for i in TERMS:
         row[f"term_{i}"], row[f"term_{i}_se"] = fit.correction(**{f"eps_{i}": eps[i]})
     return row
-
-
-def _quoted(row: dict, name: str) -> str:
-    return paper.quoted(row[name], row[f"{name}_se"])

@@ -50,6 +50,7 @@ def continuum(runs: Rows, observable: str) -> Continuum:
         raise SceneError("runs: found one realisation of each surface, allowed: at least two of some")
     errors = _covariance(runs, [one for one, part in zip(scatter, parts, strict=True) for _ in part], observable)
     own, common = POWERS[observable]
+    common = common[: max(1, len({run["eps_c"] for run in runs}) - 1 - len(own))]  # as many as the grids can tell
     design = np.column_stack([*_of_families(runs, families, own), *_of_grids(runs, common, len(own))])
     whiten = np.linalg.inv(np.linalg.cholesky(errors))
     white, target = whiten @ design, whiten @ np.log(value)

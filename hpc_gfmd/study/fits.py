@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..theory.tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc
-from .levels import level_of
+from .levels import REFERENCE, at_level
 from .rows import Rows, near
 from .scatter import SOLVER_SHARE, Scatter, error_of
 
@@ -34,7 +34,7 @@ def fit_runs(runs: Rows, observable: str, alpha: dict, terms: str = "tfc", limit
 def axes(runs: Rows, level: str) -> dict[str, Rows]:
     """The runs in which one ratio at a time differs from a system of the eps_f series: {"t", "f", "c": runs}, the last at the
     reference lam_l/lam_s, and "fine", those along eps_c at the lam_l/lam_s with most grids."""
-    L, F, C = level_of(level).reference
+    L, F, C = at_level(REFERENCE, level)
     grids: dict[float, set] = defaultdict(set)
     for run in runs:
         if near(run["L_over_lam_l"], L):

@@ -8,7 +8,8 @@ eq. tfc with the product that the data demand, and with a Taylor series in eps_c
 has a boundary of finite length, so the excess of counted grid points is linear in eps_c for eps_c -> 0.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,22 +26,10 @@ ALPHA_F = (0.1, 3.0)  # what is tried
 
 @dataclass(frozen=True)
 class Limit:
-    """One route to the limit, at a given alpha_f or a fitted one.
+    """kappa by one route, at a given alpha_f or a fitted one.
 
-    Attributes
-    ----------
-    values : dict by NAMES
-    covariance : array, shape (k, k)
-        Of the fitted parameters, NAMES in their order, without alpha_f where that is given.
-    influence : array, shape (runs,)
-        How kappa follows a change of the value of each run.
-    chi2, dof : float, int
-    shift, lean : float
-        Of kappa, when the coarsest third of the eps_f is left out, and when alpha_f is larger by its error.
-    alpha_error, alpha_own
-        Error of alpha_f, and (alpha_f, error) of this route alone.
-    kappa_paper
-        The limit with the paper's alpha_f, and its standard error.
+    values: by NAMES; covariance: of the fitted parameters, NAMES in their order, without alpha_f where it is given; influence: how
+    kappa follows a change of the value of each run; chi2, dof: of the fit.
     """
 
     values: dict
@@ -48,11 +37,6 @@ class Limit:
     influence: np.ndarray
     chi2: float
     dof: int
-    shift: float = 0.0
-    lean: float = 0.0
-    alpha_error: float = 0.0
-    alpha_own: tuple = (None, None)
-    kappa_paper: tuple = (None, None)
 
     @property
     def kappa(self) -> float:
@@ -60,27 +44,18 @@ class Limit:
         return self.values["kappa"]
 
     @property
-    def sigma(self) -> float:
-        """Standard error of kappa from realisations and solver, at this alpha_f."""
-        return float(np.sqrt(self.covariance[0, 0]))
-
-    @property
-    def error(self) -> float:
-        """All uncertainties of kappa together."""
-        return float(np.hypot.reduce([self.sigma, self.shift, self.lean]))
-
-    def row(self) -> dict:
-        """Columns kappa_tfc, kappa_tfc_se (all), its parts, NAME and NAME_se of the other parameters, chi2_per_dof."""
-        errors = dict(zip(NAMES, np.sqrt(np.diag(self.covariance)).tolist(), strict=False)) | {"alpha_f": self.alpha_error}
-        row = {"kappa_tfc": self.kappa, "kappa_tfc_se": self.error, "kappa_tfc_se_runs": self.sigma, "kappa_tfc_shift": self.shift,
-               "kappa_tfc_lean": self.lean, "kappa_paper_alpha": self.kappa_paper[0], "kappa_paper_alpha_se": self.kappa_paper[1]}
-        for name in ("C_t", "C_f", "alpha_f", "D", "C_1", "C_2", "C_3"):
-            row |= {name: self.values[name], f"{name}_se": errors[name]}
-        return row | {"alpha_f_own": self.alpha_own[0], "alpha_f_own_se": self.alpha_own[1], "chi2_per_dof": self.chi2 / self.dof}
+    def errors(self) -> dict[str, float]:
+        """Standard errors of the fitted parameters from realisations and solver."""
+        return dict(zip(NAMES, np.sqrt(np.diag(self.covariance)).tolist(), strict=False))
 
 
-def compare_routes(runs: Rows) -> tuple[Limit, Limit, float, float]:
-    """(raw Limit, edge-corrected Limit, raw minus edge-corrected, its standard error) of runs at one H and p*.
+def compare_routes(runs: Rows) -> Rows:
+    """Two rows, the limit as counted and edge-corrected, of runs at one H and p*.
+
+    Columns: kappa_tfc, kappa_tfc_se (all uncertainties together) and its parts: kappa_tfc_se_runs (realisations and solver),
+    kappa_tfc_shift (the coarsest third of the eps_f left out), kappa_tfc_lean (alpha_f larger by its error); kappa_paper_alpha,
+    kappa_paper_alpha_se: with the paper's alpha_f; NAME and NAME_se of the other parameters; alpha_f_own, alpha_f_own_se: of this route
+    alone; chi2_per_dof; difference, difference_se: raw minus edge-corrected.
 
     alpha_f is a property of the fractal limit, not of how the area is counted, and common to both: the mean of what each route
     finds alone, weighted with their errors. Both routes see the same contacts, so that what realisations add cancels in the
@@ -88,19 +63,21 @@ def compare_routes(runs: Rows) -> tuple[Limit, Limit, float, float]:
     Raises SceneError where the ratios vary too little.
     """
     _check(runs)
-    names = ("kappa", "kappa_edge")
-    scatter = {name: Scatter.of(runs, name) for name in names}
-    alone = [fit_limit(runs, name, scatter[name]) for name in names]
-    own = [(fit.values["alpha_f"], float(np.sqrt(fit.covariance[-1, -1]))) for fit in alone]
-    errors = np.array([error for _, error in own])
-    alpha = float(np.average([alpha for alpha, _ in own], weights=errors**-2.0))
-    raw, edge = (_limit(runs, name, scatter[name], alpha, errors.min(), own) for name, own in zip(names, own))
+    scatter = {name: Scatter.of(runs, name) for name in ("kappa", "kappa_edge")}
+    alone = [fit_limit(runs, name, of) for name, of in scatter.items()]
+    own = [(fit.values["alpha_f"], fit.errors["alpha_f"]) for fit in alone]
+    alphas, errors = np.array(own).T
+    alpha = float(np.average(alphas, weights=errors**-2.0))
+    routes = [_given(runs, name, of, alpha, errors.min()) for name, of in scatter.items()]
+    raw, edge = (route.best for route in routes)
     excess = [run | {"excess": run["kappa"] - run["kappa_edge"]} for run in runs]
-    a, b = raw.influence, edge.influence
     of_excess = Scatter.of(excess, "excess").covariance(excess, "excess", error="a_r_error")
-    of_edge = scatter["kappa_edge"].covariance(runs, "kappa_edge")
-    sigma = np.sqrt(a @ of_excess @ a + (a - b) @ of_edge @ (a - b))
-    return raw, edge, raw.kappa - edge.kappa, float(np.hypot.reduce([sigma, raw.shift - edge.shift, raw.lean - edge.lean]))
+    apart = raw.influence - edge.influence
+    sigma = np.sqrt(raw.influence @ of_excess @ raw.influence
+                    + apart @ scatter["kappa_edge"].covariance(runs, "kappa_edge") @ apart)
+    parts = [sigma, *(getattr(routes[0], name) - getattr(routes[1], name) for name in ("shift", "lean"))]
+    difference = {"difference": raw.kappa - edge.kappa, "difference_se": float(np.hypot.reduce(parts))}
+    return [_row(route, float(errors.min()), *of_it) | difference for route, of_it in zip(routes, own, strict=True)]
 
 
 def _check(runs: Rows) -> None:
@@ -116,20 +93,39 @@ def _check(runs: Rows) -> None:
         raise SceneError("runs: found one realisation of each surface, allowed: at least two of some")
 
 
-def _limit(runs: Rows, observable: str, scatter: Scatter, alpha: float, error: float, own: tuple) -> Limit:
-    """The Limit with alpha_f given as alpha +- error."""
+class _Route(NamedTuple):
+    """The Limit with alpha_f given, its shift and lean (see compare_routes), and the Limit with the paper's alpha_f."""
+
+    best: Limit
+    shift: float
+    lean: float
+    paper: Limit
+
+
+def _given(runs: Rows, observable: str, scatter: Scatter, alpha: float, error: float) -> _Route:
+    """The _Route with alpha_f given as alpha +- error."""
 
     def fit_at(exponent: float, chosen: Rows = runs) -> Limit:
         return fit_limit(chosen, observable, scatter, float(np.clip(exponent, *ALPHA_F)))
 
     best, octaves = fit_at(alpha), sorted({run["eps_f"] for run in runs})
-    lean = (fit_at(alpha + error).kappa - fit_at(alpha - error).kappa) / 2
     try:
         shift = fit_at(alpha, [run for run in runs if run["eps_f"] <= octaves[-1 - len(octaves) // 3]]).kappa - best.kappa
     except SceneError:  # not enough without the coarsest
         shift = 0.0
-    paper = fit_at(PAPER_ALPHA["f"])
-    return replace(best, shift=shift, lean=lean, alpha_error=float(error), alpha_own=own, kappa_paper=(paper.kappa, paper.sigma))
+    lean = (fit_at(alpha + error).kappa - fit_at(alpha - error).kappa) / 2
+    return _Route(best, shift, lean, fit_at(PAPER_ALPHA["f"]))
+
+
+def _row(route: _Route, error: float, alpha_own: float, error_own: float) -> dict:
+    best, shift, lean, paper = route
+    errors = best.errors | {"alpha_f": error}
+    row = {"kappa_tfc": best.kappa, "kappa_tfc_se": float(np.hypot.reduce([errors["kappa"], shift, lean])),
+           "kappa_tfc_se_runs": errors["kappa"], "kappa_tfc_shift": shift, "kappa_tfc_lean": lean,
+           "kappa_paper_alpha": paper.kappa, "kappa_paper_alpha_se": paper.errors["kappa"]}
+    for name in ("C_t", "C_f", "alpha_f", "D", "C_1", "C_2", "C_3"):
+        row |= {name: best.values[name], f"{name}_se": errors[name]}
+    return row | {"alpha_f_own": alpha_own, "alpha_f_own_se": error_own, "chi2_per_dof": best.chi2 / best.dof}
 
 
 def fit_limit(runs: Rows, observable: str, scatter: Scatter, alpha_f: float | None = None) -> Limit:

@@ -1,9 +1,11 @@
 """The page of a study beyond the paper: question, picture, what we find, numbers, command, time. Markdown."""
 
+from typing import Any
+
 from .. import __version__
-from .markdown import literal
 from .rows import Rows
 from .study import Study
+from .text import literal, table
 
 PAGE = """# {title}
 
@@ -24,13 +26,15 @@ points, {minutes:.0f} minutes of solving in all, on one shared core; {poor} load
 
 def page(study: Study, rows: Rows, runs: Rows, level: str) -> str:
     """The text; runs: those that the rows are made of."""
-    lines = study.compare(rows)
     found = "\n".join(f"- {literal(line['paper'])}: **{literal(line['ours'])}**" + (f" ({literal(line['why'])})" if line["why"] else "")
-                      for line in lines)
-    sizes = [run["n"] for run in runs]
-    return PAGE.format(
-        title=study.title, name=study.name, question=study.question, found=found, level=level, version=__version__,
-        numbers=study.numbers(rows) if study.numbers else "", loads=len(runs),
-        surfaces=len({(run["hurst"], run["seed"], run["eps_t"], run["eps_f"]) for run in runs}), low=min(sizes), high=max(sizes),
-        minutes=sum(run["wall_seconds"] for run in runs) / 60, poor=sum(run["status"] != "converged" for run in runs),
-        accuracy=max(run["accuracy"] for run in runs))
+                      for line in study.compare(rows))
+    surfaces = {(run["hurst"], run["seed"], run["eps_t"], run["eps_f"]) for run in runs}
+    return PAGE.format(name=study.name, title=study.title, question=study.question, found=found, level=level, version=__version__,
+                       numbers=table(study.lines(rows), study.columns), surfaces=len(surfaces), **effort(runs))
+
+
+def effort(runs: Rows) -> dict[str, Any]:
+    """What runs took: loads, low and high (points along an axis), minutes, poor (loads that failed their accuracy), accuracy."""
+    sizes = [run["n"] for run in runs] or [0]
+    return {"loads": len(runs), "low": min(sizes), "high": max(sizes), "minutes": sum(run["wall_seconds"] for run in runs) / 60,
+            "poor": sum(run["status"] != "converged" for run in runs), "accuracy": max((run["accuracy"] for run in runs), default=0)}

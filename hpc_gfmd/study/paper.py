@@ -1,14 +1,19 @@
 """What the paper prints: the numbers of its text and captions, and its coefficient tables."""
 
 import json
+from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from ..theory import tfc
 from .rows import near
+from .text import filled
 
 PRINTED = {"low": 0.007, "high": 0.353}  # the two pressures as the paper rounds them
+
+
+Sayings = Iterable[dict]  # lines of the table "paper says / we find / why"
 
 
 @cache
@@ -42,16 +47,11 @@ def correction(coefficients: dict, eps_t: float, eps_f: float, eps_c: float) -> 
     return sum(coefficients[f"C_{i}"] * eps[i] ** coefficients[f"alpha_{i}"] for i in eps)
 
 
-def saying(paper: str, ours: str, why: str = "") -> dict:
-    """A line of the table "paper says / we find / why"."""
-    return {"paper": paper, "ours": ours, "why": why}
+def at(pressure: str, hurst: float) -> str:
+    """ "H = 0.8, p* = 0.353", as the paper would name a family of runs."""
+    return f"H = {hurst:g}, p* = {PRINTED[pressure]}"
 
 
-def quoted(value: Any, sigma: float | None = None, digits: int = 3) -> str:
-    """A number with its uncertainty in two digits, "2.060 ± 0.012"; "-" for None."""
-    if value is None:
-        return "-"
-    if sigma is None or not sigma > 0:
-        return f"{value:.{digits}g}"
-    places = max(0, 1 - int(f"{sigma:e}".rpartition("e")[2]))
-    return f"{value:.{places}f} ± {sigma:.{places}f}" if places < 8 else f"{value:.{digits}g} ± {sigma:.2g}"
+def saying(paper: str, ours: str, why: str = "", **row: Any) -> dict:
+    """One of the Sayings, {"paper", "ours", "why"}; row: columns with which its parts are filled in (text.filled)."""
+    return {name: filled(text, row) for name, text in (("paper", paper), ("ours", ours), ("why", why))}

@@ -8,12 +8,11 @@ from . import fits, paper
 from .items.gap import share_explained
 from .levels import PRESSURES
 from .limits import compare_routes
-from .markdown import table
-from .paper import quoted
 from .rows import Rows, families, fine_half
+from .text import filled, quoted, table
 
 SHARPEST = 0.125  # eps_c from which on alpha_c is fitted as its asymptotic value
-FAMILY = {"hurst": "H", "p_star": "p*"}
+FAMILY = {"H": "{hurst:g}", "p*": "{p_star:.3f}"}
 
 LIMITS = """### kappa in the TFC limit
 
@@ -57,40 +56,38 @@ def section(runs: Rows, tables: dict[str, Rows], level: str) -> str:
 
 
 def _limits(runs: Rows) -> str:
+    one = {"raw": "{kappa_tfc:±}", "alone": "{alpha_f_own:±}", "theirs": "{kappa_paper_alpha:±}", "chi2": "{chi2_per_dof:.2f}"}
     rows = []
     for pressure, hurst, part in families(runs):
-        row = _family(pressure, hurst)
+        row = {"hurst": hurst, "p_star": PRESSURES[pressure], "expected": 2 - 2 * hurst,
+               "paper": (pressure == "low" and paper.of_hurst("kappa_tfc", hurst)) or ""}
         try:
-            raw, edge, difference, sigma = compare_routes(part)
+            raw, edge = compare_routes(part)
         except SceneError as error:
-            rows.append(row | {"raw": f"not yet ({error})"})
+            rows.append({"hurst": hurst, "p_star": PRESSURES[pressure], "raw": f"not yet ({error})"})
             continue
-        rows.append(row | {
-            "raw": quoted(raw.kappa, raw.error), "edge": quoted(edge.kappa, edge.error),
-            "difference": f"{difference:+.4f}", "sigmas": f"{difference / sigma:+.1f}",
-            "paper": (pressure == "low" and paper.of_hurst("kappa_tfc", hurst)) or "",
-            "alpha": quoted(raw.values["alpha_f"], raw.alpha_error), "own": f"{quoted(*raw.alpha_own)}; {quoted(*edge.alpha_own)}",
-            "expected": f"{2 - 2 * hurst:g}", "theirs": f"{quoted(*raw.kappa_paper)}; {quoted(*edge.kappa_paper)}",
-            "chi2": f"{raw.chi2 / raw.dof:.2f}; {edge.chi2 / edge.dof:.2f}"})
+        both = {name: "; ".join(filled(cell, route) for route in (raw, edge)) for name, cell in one.items()}
+        rows.append(raw | row | both | {"raw": filled(one["raw"], raw), "edge": filled(one["raw"], edge),
+                                        "sigmas": raw["difference"] / raw["difference_se"]})
     return table(rows, FAMILY | {
-        "raw": "as counted", "edge": "edge-corrected", "difference": "difference", "sigmas": "in its sigma", "paper": "paper",
-        "alpha": "alpha_f", "own": "alone", "expected": "2 - 2H", "theirs": f"with alpha_f = {paper.numbers()['alpha_f']:g}",
-        "chi2": "chi²/dof"})
+        "as counted": "{raw}", "edge-corrected": "{edge}", "difference": "{difference:+.4f}", "in its sigma": "{sigmas:+.1f}",
+        "paper": "{paper}", "alpha_f": "{alpha_f:±}", "alone": "{alone}", "2 - 2H": "{expected:g}",
+        f"with alpha_f = {paper.numbers()['alpha_f']:g}": "{theirs}", "chi²/dof": "{chi2}"})
 
 
 def _alpha_c(runs: Rows, level: str) -> str:
     rows = []
     for pressure, hurst, part in families(runs):
-        row = _family(pressure, hurst)
+        row: dict[str, Any] = {"hurst": hurst, "p_star": PRESSURES[pressure]}
         for observable in ("kappa", "kappa_edge"):
-            row[observable] = ", ".join(f"{quoted(x['alpha'], x['alpha_se'])} (1/{1 / x['eps_c']:g})"
-                                        for x in fits.local_exponents(part, observable, level) if x["alpha"] is not None)
-            for name, coarsest in (("all", 0.5), ("fine", SHARPEST)):
-                row[f"{observable}_{name}"] = _exponent(part, observable, level, coarsest)
+            local = (x for x in fits.local_exponents(part, observable, level) if x["alpha"] is not None)
+            row[observable] = ", ".join(filled("{alpha:±} ({eps_c:1/})", x) for x in local)
+            row[f"{observable}_all"], row[f"{observable}_fine"] = (
+                _exponent(part, observable, level, coarsest) for coarsest in (0.5, SHARPEST))
         rows.append(row)
     return table(rows, FAMILY | {
-        "kappa": "local, as counted", "kappa_all": "fit, all", "kappa_fine": "fit, fine grids",
-        "kappa_edge": "local, edge-corrected", "kappa_edge_fine": "fit, fine grids, edge-corrected"})
+        "local, as counted": "{kappa}", "fit, all": "{kappa_all}", "fit, fine grids": "{kappa_fine}",
+        "local, edge-corrected": "{kappa_edge}", "fit, fine grids, edge-corrected": "{kappa_edge_fine}"})
 
 
 def _exponent(runs: Rows, observable: str, level: str, coarsest: float) -> str:
@@ -105,17 +102,10 @@ def _exponent(runs: Rows, observable: str, level: str, coarsest: float) -> str:
 def _theory(fig6: Rows) -> Any:
     rows = []
     for pressure, hurst, part in families(fig6):
-        high = pressure == "high"
         for row in sorted(fine_half(part), key=lambda row: -row["eps_f"]):
-            rows.append(_family(pressure, hurst) | {
-                "eps_f": f"1/{1 / row['eps_f']:g}", "gap": quoted(row["gap_over_h_rms"], row["gap_over_h_rms_se"]),
-                "printed": f"{row['over_persson_printed']:.3f}", "corrected": f"{row['over_persson']:.3f}",
-                "explained": f"{share_explained([row]):.0%}" if high else "",
-                "paper": paper.of_hurst("theory_factor_h_rms", hurst) if high else "1 within 10 %"})
+            rows.append(row | {
+                "explained": f"{share_explained([row]):.0%}" if pressure == "high" else "",
+                "paper": paper.of_hurst("theory_factor_h_rms", hurst) if pressure == "high" else "1 within 10 %"})
     return rows and table(rows, FAMILY | {
-        "eps_f": "eps_f", "gap": "gap/h_rms", "printed": "over printed", "corrected": "over corrected", "explained": "explained",
-        "paper": "paper"})
-
-
-def _family(pressure: str, hurst: float) -> dict:
-    return {"hurst": f"{hurst:g}", "p_star": f"{PRESSURES[pressure]:.3f}"}
+        "eps_f": "{eps_f:1/}", "gap/h_rms": "{gap_over_h_rms:±}", "over printed": "{over_persson_printed:.3f}",
+        "over corrected": "{over_persson:.3f}", "explained": "{explained}", "paper": "{paper}"})

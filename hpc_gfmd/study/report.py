@@ -11,12 +11,13 @@ from typing import Any
 from .. import __version__
 from . import catalogue, coefficients, questions
 from .errata import area, formulas, gap
-from .levels import level_of, tfc_series
-from .markdown import literal, table
+from .levels import tfc_series
+from .page import effort
 from .publish import publish, write_whole
 from .rows import Rows
 from .store import Store
 from .study import Study
+from .text import literal, table
 
 FILE, OUR_TABLE = "README.md", "our_tfc.json"
 ERRATA = (*formulas.ERRATA, *area.ERRATA, *gap.ERRATA)
@@ -40,18 +41,17 @@ def report(folder: str | Path, level: str) -> Path:
 
     Returns the path of the report. Raises OSError, SceneError for a level that does not exist.
     """
-    level_of(level)
     store = Store(folder)
     store.folder.mkdir(parents=True, exist_ok=True)
     runs = store.load()
     studies = [catalogue.study(name) for name in catalogue.of_paper()]
     tables = {study.name: _rows(study, store, level) for study in studies}
-    lines = {study.name: study.compare(tables[study.name]) if tables[study.name] else [] for study in studies}
+    lines = {study.name: list(study.compare(tables[study.name])) if tables[study.name] else [] for study in studies}
     series = store.runs_of(tfc_series(level))
     ours = coefficients.our_table(series, level)
     if ours["tables"]:
         coefficients.write_our_table(ours, store.folder / OUR_TABLE)
-    parts = [_head(runs, level), _beyond(store), questions.section(series, tables, level),
+    parts = [HEAD.format(version=__version__, level=level, **effort(runs)), _beyond(store), questions.section(series, tables, level),
              _figures(studies, tables, lines, store), _says(lines), _errata(tables)]
     path = store.folder / FILE
     write_whole(path, "\n\n".join(part for part in parts if part) + "\n")
@@ -69,14 +69,6 @@ def _rows(study: Study, store: Store, level: str) -> Rows:
     except (OSError, ValueError, KeyError):
         pass
     return publish(study, store, level)
-
-
-def _head(runs: Rows, level: str) -> str:
-    sizes = [run["n"] for run in runs] or [0]
-    return HEAD.format(
-        version=__version__, level=level, loads=len(runs), low=min(sizes), high=max(sizes),
-        minutes=sum(run["wall_seconds"] for run in runs) / 60, accuracy=max((run["accuracy"] for run in runs), default=0),
-        poor=sum(run["status"] != "converged" for run in runs))
 
 
 def _beyond(store: Store) -> Any:
@@ -104,11 +96,11 @@ def _figures(studies: list[Study], tables: dict[str, Rows], lines: dict[str, Row
 
 def _says(lines: dict[str, Rows]) -> str:
     rows = [{"study": name} | line for name, said in lines.items() for line in said]
-    columns = {"study": "where", "paper": "paper says", "ours": "we find", "why": "why"}
+    columns = {"where": "{study}", "paper says": "{paper}", "we find": "{ours}", "why": "{why}"}
     return "## Paper says / we find / why\n\n" + table(rows, columns)
 
 
 def _errata(tables: dict[str, Rows]) -> str:
     rows = [row for erratum in ERRATA if (row := erratum.row(tables))]
-    columns = {"number": "", "printed": "printed", "right": "right", "shown": "shown by"}
+    columns = {"": "{number}", "printed": "{printed}", "right": "{right}", "shown by": "{shown}"}
     return "## Errata of the paper\n\n" + table([{"number": i + 1} | row for i, row in enumerate(rows)], columns)

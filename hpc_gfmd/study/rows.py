@@ -1,6 +1,8 @@
-"""Choosing among rows: by pressure, by H, along a ratio."""
+"""Choosing among rows, which are dicts: by what columns have, by pressure, by H, along a ratio."""
 
 from collections.abc import Iterator
+from itertools import groupby
+from operator import itemgetter
 from typing import Any
 
 from .levels import PRESSURES
@@ -11,6 +13,17 @@ Rows = list[dict]
 def near(a: float, b: float) -> bool:
     """Whether two pressures or ratios are the same but for rounding."""
     return abs(a - b) <= 1e-6 * abs(b)
+
+
+def where(rows: Rows, **columns: Any) -> Rows:
+    """The rows whose columns have these values."""
+    return [row for row in rows if all(row[name] == value for name, value in columns.items())]
+
+
+def groups(rows: Rows, *columns: str) -> dict[Any, Rows]:
+    """{value: rows that have it in a column}, of several columns {values: rows}, sorted by the values; rows keep their order."""
+    of = itemgetter(*columns)
+    return {key: list(part) for key, part in groupby(sorted(rows, key=of), of)}
 
 
 def at_load(rows: Rows, p_star: float) -> Rows:
@@ -25,7 +38,7 @@ def low_high(rows: Rows) -> dict[str, Rows]:
 
 def by_hurst(rows: Rows) -> dict[float, Rows]:
     """{H: rows}, in the order of H."""
-    return {hurst: [row for row in rows if row["hurst"] == hurst] for hurst in sorted({row["hurst"] for row in rows})}
+    return groups(rows, "hurst")
 
 
 def families(rows: Rows) -> Iterator[tuple[str, float, Rows]]:
@@ -37,17 +50,17 @@ def families(rows: Rows) -> Iterator[tuple[str, float, Rows]]:
 
 def finest(rows: Rows, ratio: str) -> Any:
     """The row with the smallest value of eps_c, eps_f or eps_t; None of no rows."""
-    return min(rows, key=lambda row: row[ratio], default=None)
+    return min(rows, key=itemgetter(ratio), default=None)
 
 
 def coarsest(rows: Rows, ratio: str) -> Any:
     """The row with the largest value of a ratio; None of no rows."""
-    return max(rows, key=lambda row: row[ratio], default=None)
+    return max(rows, key=itemgetter(ratio), default=None)
 
 
-def longest(rows: Rows, ratio: str, column: str) -> Rows:
+def longest(rows: Rows, ratio: str, column: str = "lam_l_over_lam_s") -> Rows:
     """Of the series of rows that share a value of `column`, the one with most values of `ratio`; [] of no rows."""
-    series = {row[column]: [r for r in rows if r[column] == row[column]] for row in rows}
+    series = {row[column]: where(rows, **{column: row[column]}) for row in rows}
     return max(series.values(), key=lambda part: len({row[ratio] for row in part}), default=[])
 
 

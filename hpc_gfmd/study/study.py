@@ -1,11 +1,16 @@
 """What a figure or table of the paper, or a question beyond it, is to this program."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from .case import Case
+from .paper import Sayings
 from .rows import Rows
+
+
+def _as_they_are(rows: Rows) -> Rows:
+    return rows
 
 
 @dataclass(frozen=True)
@@ -28,16 +33,19 @@ class Study:
         Lines "paper says / we find / why" (paper.saying).
     question : str
         Of a study beyond the paper: what it asks. It gets a page of its own instead of a place in the report.
-    numbers : function of the rows
-        The table of that page, Markdown.
+    columns : dict
+        The table of that page: {title: template of a cell (text.filled)}.
+    lines : function of the rows
+        The rows that fill them in, if not those of the table itself.
     """
 
     name: str
     title: str
     paper: str
     cases: Callable[[str], list[Case]]
-    tabulate: Callable[[list[dict], str], Rows]
+    tabulate: Callable[[Rows, str], Rows]
     draw: Callable[[Rows, Path], None]
-    compare: Callable[[Rows], list[dict]]
+    compare: Callable[[Rows], Sayings]
     question: str = ""
-    numbers: Callable[[Rows], str] | None = None
+    columns: dict[str, str] = field(default_factory=dict)
+    lines: Callable[[Rows], Rows] = _as_they_are

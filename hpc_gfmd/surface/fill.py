@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError
-from ..parallel.guard import guarded
+from ..parallel.guard import on_rank_0
 from .slabs import local, own_slabs
 from .topography import Topography
 
@@ -18,19 +18,10 @@ def filled(found: Topography, how: str, comm: Any) -> tuple[Topography, int]:
 
     Raises SceneError where holes are not to be filled.
     """
-    parts = comm.allgather(local(comm, lambda: _holes(found, comm)))
-    points, neighbours, known = (np.concatenate(part) for part in zip(*parts))
+    holes = comm.fold(local(comm, lambda: _holes(found, comm)), lambda one, next_one: list(map(np.append, one, next_one)))
+    points, heights = on_rank_0(comm, "filling the surface", lambda: _filled(found, how, *holes))
     if len(points) == 0:
         return found, 0
-    i, j = divmod(int(points[0]), found.n[1])
-    if how == "none" or len(points) == found.n[0] * found.n[1]:
-        raise SceneError(f"surface.path: found nan at ({i}, {j}) in {found.path}, {len(points)} points without a height, allowed: "
-                         'finite heights, or fill = "harmonic" where some are known')
-    heights = None
-    with guarded(comm, "filling the surface"):
-        if comm.rank == 0:
-            heights = _harmonic(points, neighbours, known, found.n)
-    heights = comm.bcast(heights)
 
     def rows(start: int, stop: int) -> np.ndarray:
         z = np.array(found.rows(start, stop))
@@ -39,6 +30,15 @@ def filled(found: Topography, how: str, comm: Any) -> tuple[Topography, int]:
         return z
 
     return replace(found, rows=rows), len(points)
+
+
+def _filled(found: Topography, how: str, points: np.ndarray, neighbours: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The points without a height and the heights that they get."""
+    if len(points) and (how == "none" or len(points) == found.n[0] * found.n[1]):
+        i, j = divmod(int(points[0]), found.n[1])
+        raise SceneError(f"surface.path: found nan at ({i}, {j}) in {found.path}, {len(points)} points without a height, allowed: "
+                         'finite heights, or fill = "harmonic" where some are known')
+    return points, _harmonic(points, neighbours, known, found.n) if len(points) else np.zeros(0)
 
 
 def _holes(found: Topography, comm: Any) -> tuple[np.ndarray, ...]:

@@ -25,7 +25,7 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
     rows, n_y = grid.shape
     x = np.empty((max(rows, 1) + 1, n_y))
     fill(0, rows, x)
-    x[rows] = halo.next_row(grid.comm, x[:min(rows, 1)])
+    x[rows] = halo.next_row(grid.comm, x[:min(rows, 1)], grid.starts)
     if free[0] and grid.rows[1] == grid.n[0]:
         x[rows] = x[rows - 1]  # the last row has no next one
     x = x[:rows + 1] if rows else x[:1]

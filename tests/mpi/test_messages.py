@@ -13,6 +13,7 @@ from hpc_gfmd.driver.decomposition import Share
 from hpc_gfmd.driver.memory import require_memory
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.operators import multilevel
+from hpc_gfmd.parallel.comm import stages
 from hpc_gfmd.parallel.world import threads_of
 from hpc_gfmd.scene import Scene
 
@@ -60,7 +61,19 @@ def test_all_to_all(comm):
     found = comm.alltoall(parts)
     for k, part in enumerate(found):
         assert np.array_equal(part, np.full((k + 1, comm.rank), 10 * k + comm.rank))
-    assert comm.before(comm.rank + 1) == comm.rank * (comm.rank + 1) // 2
+
+
+def test_fold(comm):
+    """In the order of the ranks; one message for each doubling of their number is all that a rank gets."""
+    joined = []
+
+    def join(one, next_one):
+        joined.append(comm.rank)
+        return one + next_one
+
+    found = comm.fold([comm.rank], join)
+    assert found == (list(range(comm.size)) if comm.rank == 0 else None)
+    assert len(joined) <= stages(comm.size)
 
 
 def test_memory_of_a_machine(comm, monkeypatch):

@@ -7,28 +7,21 @@ import os
 import numpy as np
 import pytest
 from contacts import rough, solve_scene, sweep_of
+from nodes import NODES, PER_NODE, on_pretended_nodes
 
-from hpc_gfmd.driver.decomposition import Share, share_of
+from hpc_gfmd.driver.decomposition import Share, busiest, share_of
 from hpc_gfmd.grid import Grid
-from hpc_gfmd.parallel import comm as communicators
 from hpc_gfmd.parallel import shared
 from hpc_gfmd.parallel.comm import MpiComm, SerialComm
 
 pytestmark = pytest.mark.mpi
-NODES = {"one": lambda rank: 0, "each its own": lambda rank: rank, "pairs": lambda rank: rank // 2, "in turn": lambda rank: rank % 2}
 on_nodes = pytest.mark.parametrize("nodes", NODES)
 
 
 @pytest.fixture
 def machines(comm, nodes, monkeypatch):
     """The communicator of all ranks, as if they were on these nodes."""
-    if comm is None or comm.size == 1:
-        return comm
-    node_of = NODES[nodes]
-    monkeypatch.setattr(communicators, "same_machine", lambda mpi: mpi.Split(node_of(comm.rank), mpi.Get_rank()))
-    made = MpiComm(comm.mpi)
-    assert list(made.beside) == [rank for rank in range(comm.size) if node_of(rank) == node_of(comm.rank)]
-    return made
+    return comm if comm is None or comm.size == 1 else on_pretended_nodes(comm, NODES[nodes], monkeypatch)
 
 
 def transformed(comm, n, dtype, threads):
@@ -66,7 +59,7 @@ def test_transforms(machines):
 
 
 @on_nodes
-def test_messages_are_those_between_nodes(machines):
+def test_messages_are_those_between_nodes(machines, nodes):
     """Counted as planned, for the solver's whole iteration; none of a transpose where all ranks have a node in common."""
     sweep = sweep_of(rough((2, 32, 4)), comm=machines, accuracy=1e-2, precision="single")
     sweep.solve(0.1 * sweep.surface.g_rms)
@@ -79,9 +72,13 @@ def test_messages_are_those_between_nodes(machines):
     assert (share.transpose_traffic == (0, 0)) == (len(machines.beside) == machines.size)
     fft = sweep.surface.grid.fft(sweep.dtype)
     assert fft.nbytes == share.layout.bytes + share.layout.scratch_bytes
-    alone = share_of(sweep.surface.grid.n, sweep.dtype, machines.size, machines.rank)  # what `plan` says: at least what is held
-    assert alone.layout.scratch_bytes - share.layout.scratch_bytes == \
-        (fft.W * fft.n[0] * fft.itemsize if len(machines.beside) == machines.size else 0)
+    if nodes in PER_NODE:
+        how = {"per_node": PER_NODE[nodes] or machines.size}
+        planned = share_of(sweep.surface.grid.n, sweep.dtype, machines.size, machines.rank, **how)
+        assert planned.traffic == share.traffic
+        assert planned.layout.scratch_bytes == share.layout.scratch_bytes
+        most = [one.traffic for one in busiest(sweep.surface.grid.n, sweep.dtype, machines.size, **how)]  # what `plan` says
+        assert tuple(machines.max(share.traffic)) == tuple(map(max, zip(*most, strict=True)))
 
 
 @on_nodes

@@ -8,12 +8,12 @@ import mpi_harness
 import pytest
 
 SCRIPT = Path(__file__).parents[1] / "many_ranks.py"
-RANKS = (2, 4, 8, 16)
+RANKS = ((2, 2), (4, 4), (8, 8), (8, 1), (16, 16), (16, 4))  # and as if so many of them shared a node
 ROUNDING = 1e-9
 
 
-def solved(ranks, lam_l_over_lam_s, folder):
-    process = mpi_harness.start(ranks, [SCRIPT, lam_l_over_lam_s, folder], subprocess.PIPE)
+def solved(ranks, per_node, lam_l_over_lam_s, folder):
+    process = mpi_harness.start(ranks, [SCRIPT, lam_l_over_lam_s, per_node, folder], subprocess.PIPE)
     try:
         out, err = process.communicate(timeout=3000)
     finally:
@@ -25,10 +25,10 @@ def solved(ranks, lam_l_over_lam_s, folder):
 def check(lam_l_over_lam_s, rank_counts, folder):
     if mpi_harness.missing():
         pytest.skip(f"{mpi_harness.missing()} is missing")
-    alone = solved(1, lam_l_over_lam_s, folder)
+    alone = solved(1, 1, lam_l_over_lam_s, folder)
     assert alone["status"] == "converged"
-    for ranks in rank_counts:
-        found = solved(ranks, lam_l_over_lam_s, folder)
+    for ranks, per_node in rank_counts:
+        found = solved(ranks, per_node, lam_l_over_lam_s, folder)
         assert {name: found[name] for name in ("n", "status", "contact")} == {name: alone[name] for name in ("n", "status", "contact")}
         assert abs(found["iterations"] - alone["iterations"]) <= 1
         assert found["gap_mean"] == pytest.approx(alone["gap_mean"], rel=ROUNDING)

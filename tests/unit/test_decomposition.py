@@ -1,6 +1,8 @@
 """What ranks have and send, for any number of them: nobody has more than its share, and nothing is padded."""
 
 import json
+import os
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -76,17 +78,54 @@ def test_bytes_are_those_that_are_held(ranks):
     assert share.layout.bytes + 2 * share.layout.scratch_bytes == fft.nbytes
 
 
-def test_plan_says_it(tmp_path, capsys):
+@pytest.mark.parametrize(("n", "ranks"), [((96, 80), 6), ((201, 301), 12), ((512, 512), 60), ((1000, 1000), 96)], ids=str)
+@pytest.mark.parametrize("per_node", [1, 4, 16, 96])
+def test_nobody_sends_more_than_the_busiest(n, ranks, per_node):
+    everybody = [share_of(n, np.float32, ranks, rank, per_node=per_node).traffic for rank in range(ranks)]
+    chosen = [share.traffic for share in busiest(n, np.float32, ranks, per_node)]
+    assert list(map(max, zip(*chosen, strict=True))) == list(map(max, zip(*everybody, strict=True)))
+
+
+def planned(capsys, path, *args):
+    """What `plan` says of a scene."""
+    assert main(["plan", str(path), *map(str, args), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_plan_says_it(tmp_path, capsys, monkeypatch):
     scene = {"surface": rough((2, 4096, 8)), "load": {"p_star": [0.1]}, "solver": {"precision": "single"}}
     path = tmp_path / "scene.toml"
     path.write_text(Scene.from_dict(scene).to_toml())
-    assert main(["plan", str(path), "--ranks", "4096", "--threads", "2", "--json"]) == 0
-    plan = json.loads(capsys.readouterr().out)
+    plan = planned(capsys, path, "--ranks", 4096, "--threads", 2, "--ranks-per-node", 48)
     share = share_of((65536, 65536), np.float32, 4096)
     assert (plan["ranks"], plan["threads"]) == (4096, 2)
     assert plan["points_per_rank"] == 65536 * 16
     assert plan["coarse_points_per_rank"] == share.coarse_points <= 65536 * 16 * (1 / 3 + 0.1)
     assert plan["padding"] <= 1.05
-    sent = [one.traffic for one in busiest((65536, 65536), np.float32, 4096)]
-    assert (plan["message_bytes_per_pair"], plan["messages_per_pair"]) == tuple(map(max, zip(*sent)))
     assert plan["bytes_per_rank"] > plan["points_per_rank"] * 4 * 6
+
+    def sent(per_node):
+        return tuple(map(max, zip(*(one.traffic for one in busiest((65536, 65536), np.float32, 4096, per_node)), strict=True)))
+
+    assert (plan["message_bytes_per_pair"], plan["messages_per_pair"]) == sent(48) < sent(1)
+    # By default as many share a node as this machine's cores are enough for, or as Slurm says.
+    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: set(range(12)))
+    for environment, threads, per_node in (({}, 3, 4), ({"SLURM_TASKS_PER_NODE": "16(x3),7"}, 3, 16), ({}, 24, 1),
+                                           ({"SLURM_TASKS_PER_NODE": "2", "SLURM_NTASKS_PER_NODE": "8"}, 1, 8)):
+        with monkeypatch.context() as slurm:
+            for name, value in environment.items():
+                slurm.setenv(name, value)
+            plan = planned(capsys, path, "--ranks", 4096, "--threads", threads)
+        assert (plan["ranks_per_node"], plan["message_bytes_per_pair"]) == (per_node, sent(per_node)[0])
+
+
+@pytest.mark.parametrize("n", [2**24, 2**20])
+def test_a_plan_takes_no_memory(n):
+    """Not even as much as a table of an axis for each level."""
+    tracemalloc.start()
+    try:
+        share = share_of((n, n), np.float32, 1)
+        assert share.level_bytes > n
+        assert tracemalloc.get_traced_memory()[1] < 4 * n
+    finally:
+        tracemalloc.stop()

@@ -192,7 +192,7 @@ def test_same_surface_along_an_eps_c_series():
 
 @pytest.mark.parametrize("level", levels.LEVELS)
 def test_levels(level):
-    reference = levels.level_of(level).reference
+    reference = levels.REFERENCE[level]
     for series in (levels.eps_c_series, levels.eps_f_series, levels.eps_t_series):
         cases = series(level)
         assert {case.hurst for case in cases} == set(levels.HURST)

@@ -102,10 +102,9 @@ def test_critical_area_between_loads():
         assert row["width"] == pytest.approx(0.06 * row["L_over_lam_l"] ** -0.75, rel=0.25)
         assert abs(row["a_c"] - 0.421 - 0.053 * row["width"]) < 4 * row["a_c_se"] < 0.04
         assert 0.001 < row["a_c_sides"] - row["a_c_corners"] < 0.009
-        assert row["along_x_or_y"] < row["a_c"] < row["along_x_and_y"]
         assert row["a_c_counted"] == pytest.approx(1.125 * row["a_c"], abs=0.002)
-        if row["L_over_lam_l"] <= percolation.SMALL:
-            assert abs(row["flow_ends"] - 1.125 * 0.43) < 4 * row["flow_ends_se"] < 0.05
+        assert abs(row["half_sealed"] - 0.43) < 4 * row["half_sealed_se"] < 0.05
+        assert row["half_sealed"] - row["a_c_sealed"] == pytest.approx(0.349 * row["width"], rel=0.15)
         assert row["shift"] is row["more_waves"] is None
     large = percolation.large(rows)[0.5]
     assert large["at_grid"] == pytest.approx(0.423, abs=4 * large["at_grid_se"])
@@ -125,6 +124,7 @@ def test_critical_area_on_fine_grids():
     assert abs(rows[64, 8]["more_waves"] - 0.02) < 4 * rows[64, 8]["more_waves_se"] < 0.02
     large = percolation.large(list(rows.values()))[0.5]
     assert abs(large["a_c"] - 0.4 - 0.053 * 0.03) < 4 * large["a_c_se"] < 0.04
+    assert abs(large["sealed"] - 0.41 + 0.349 * 0.03) < 4 * large["sealed_se"] < 0.04
 
 
 def test_surfaces_beyond_the_loads_count():
@@ -144,6 +144,11 @@ def test_stiffness_of_a_power_law_that_ends():
     (law,) = stiffness.power_laws(rows)
     assert law["exponent"] == pytest.approx(0.6, abs=0.02)
     assert 0.002 < law["ends"] < law["linear"] < 0.008
+    assert 0 < law["ends_se"] < 0.1 * law["ends"]
+    of_sizes = [law | {"L_over_lam_l": size, "ends": 0.004 * size**-1.7, "ends_se": 2e-4 * size**-1.7} for size in (1, 2, 4)]
+    (size,) = stiffness.ends_with_size(of_sizes)
+    assert size["power"] == pytest.approx(-1.7)
+    assert size["power_se"] == pytest.approx(0.05 / 2**0.5 / np.log(2))
     assert rows[-1]["exponent"] == pytest.approx(1.4, abs=0.05)
     assert rows[0]["stiffness"] == pytest.approx(6 * stiffness_at(1e-4) * 1.2, rel=0.35)
 

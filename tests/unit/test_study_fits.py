@@ -8,7 +8,7 @@ import pytest
 from study_runs import EDGE, GAP, LAW, runs_of
 
 from hpc_gfmd.errors import SceneError
-from hpc_gfmd.study import coefficients, fits, limits, paper
+from hpc_gfmd.study import coefficients, fits, limits, paper, text
 from hpc_gfmd.study.averages import average
 from hpc_gfmd.study.case import Case
 from hpc_gfmd.study.levels import P_HIGH, P_LOW, tfc_series
@@ -132,16 +132,16 @@ def planted(case):
 
 
 def test_both_routes_find_the_limit():
-    raw, edge, difference, sigma = limits.compare_routes(desk(kappa=planted, noise=2e-3))
+    raw, edge = limits.compare_routes(desk(kappa=planted, noise=2e-3))
     for limit in (raw, edge):
-        assert abs(limit.kappa - 1.9) < 4 * limit.error
-        assert limit.error < 0.1
-        assert abs(limit.values["alpha_f"] - 0.6) < 0.3
-        assert 0.5 < limit.chi2 / limit.dof < 1.5
-    assert abs(difference) < 4 * sigma
-    assert sigma < min(raw.error, edge.error)  # the same contacts
-    assert raw.values["alpha_f"] == edge.values["alpha_f"]
-    assert raw.row()["kappa_tfc"] == raw.kappa
+        assert abs(limit["kappa_tfc"] - 1.9) < 4 * limit["kappa_tfc_se"]
+        assert limit["kappa_tfc_se"] < 0.1
+        assert abs(limit["alpha_f"] - 0.6) < 0.3
+        assert 0.5 < limit["chi2_per_dof"] < 1.5
+        assert limit["difference"] == raw["kappa_tfc"] - edge["kappa_tfc"]
+        assert abs(limit["difference"]) < 4 * limit["difference_se"]
+        assert limit["difference_se"] < limit["kappa_tfc_se"]  # the same contacts
+    assert raw["alpha_f"] == edge["alpha_f"]
 
 
 def test_limits_need_enough_runs():
@@ -185,11 +185,18 @@ def test_numbers_of_the_paper():
 
 
 @pytest.mark.parametrize(
-    ("value", "sigma", "text"),
+    ("value", "sigma", "expected"),
     [(2.0604, 0.0123, "2.060 ± 0.012"), (2.0604, None, "2.06"), (None, None, "-"), (-0.5, 12.0, "-0 ± 12"), (1.5, 0.96, "1.50 ± 0.96")],
 )
-def test_quoted(value, sigma, text):
-    assert paper.quoted(value, sigma) == text
+def test_quoted(value, sigma, expected):
+    assert text.quoted(value, sigma) == expected
+
+
+def test_templates():
+    row = {"kappa": 2.0604, "kappa_se": 0.0123, "eps_f": 1 / 16, "gap": None, "n": 512, "0.1": 3.14159}
+    assert text.filled("{kappa:±} or {kappa:.1f} at {eps_f:1/}, n = {n}", row) == "2.060 ± 0.012 or 2.1 at 1/16, n = 512"
+    assert text.filled("{gap:.3g} {gap:±} {missing:.3g}|{0.1:.3g}", row) == "- - |3.14"
+    assert text.table([row], {"H | x": "{n}", "kappa": "{kappa:±}|"}) == "| H | x | kappa |\n|---|---|\n| 512 | 2.060 ± 0.012\\| |"
 
 
 def test_pressures():

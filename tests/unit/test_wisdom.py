@@ -89,14 +89,15 @@ def test_a_cache_that_cannot_be_written_is_none(memory, tmp_path):
 class Rank(SerialComm):
     """One of two ranks; what rank 0 sends is in `sent`."""
 
-    size, sent = 2, None
+    size = 2
 
-    def __init__(self, rank):
-        self.rank = rank
+    def __init__(self, rank, sent):
+        self.rank, self.sent = rank, sent
 
     def bcast(self, obj):
-        Rank.sent = obj if self.rank == 0 else Rank.sent
-        return Rank.sent
+        if self.rank == 0:
+            self.sent.append(obj)
+        return self.sent[-1] if self.rank == 0 else self.sent.pop(0)
 
 
 def test_ranks_plan_as_rank_0_does(memory):
@@ -108,12 +109,25 @@ def test_ranks_plan_as_rank_0_does(memory):
         plan((16, 250)) if len(made) == 1 else None
         return len(made)
 
-    assert wisdom.planned(Rank(0), np.float64, make, N) == 1
+    sent = []
+    assert wisdom.planned(Rank(0, sent), np.float64, make, N) == 1
+    assert len(sent) == 2  # a version, and what it stands for
     wanted = memory.text()
     memory.replace(b"")
     plan((64, 100))
-    assert wisdom.planned(Rank(1), np.float64, make, N) == 2
+    assert wisdom.planned(Rank(1, sent), np.float64, make, N) == 2
     assert wisdom._lines(made[1]) == wisdom._lines(wanted)
+
+
+def test_what_all_ranks_know_is_not_sent_again(memory):
+    sent = []
+    for k, pieces in enumerate((2, 1, 1)):
+        wisdom.planned(Rank(0, sent), np.float64, lambda: plan(N), (N, k))
+        assert len(sent) == pieces
+        sent.clear()
+    plan((16, 250))  # by one process alone
+    wisdom.planned(Rank(0, sent), np.float64, lambda: plan(N), N)
+    assert len(sent) == 2
 
 
 def test_a_continuation_plans_as_the_run_did(memory, tmp_path):

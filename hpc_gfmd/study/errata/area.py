@@ -5,8 +5,9 @@ from typing import Any
 from .. import paper
 from ..items import kappa
 from ..levels import P_HIGH
-from ..paper import of_hurst, quoted
-from ..rows import Rows, by_hurst, coarsest, finest, longest, low_high, near
+from ..paper import of_hurst
+from ..rows import Rows, by_hurst, coarsest, finest, longest, low_high, near, where
+from ..text import filled
 from .erratum import Errata
 
 ERRATA = Errata()
@@ -34,8 +35,7 @@ def exponent_of_the_grid(tables: dict[str, Rows]) -> Any:
         if row.get("kappa_alpha") is not None:
             last[row["hurst"], row["p_star"]] = row
     return last and "finest local exponents: " + ", ".join(
-        f"{quoted(row['kappa_alpha'], row['kappa_alpha_se'])} (H = {row['hurst']:g}, p* = {row['p_star']:.3f}, around eps_c = "
-        f"1/{1 / row['eps_c']:g})" for row in last.values())
+        filled("{kappa_alpha:±} (H = {hurst:g}, p* = {p_star:.3f}, around eps_c = {eps_c:1/})", row) for row in last.values())
 
 
 @ERRATA.add("eq. tfc: the three corrections add up",
@@ -83,7 +83,7 @@ def six_percent(_: object | None = None) -> str:
 def grid_needed(tables: dict[str, Rows]) -> Any:
     """The grid that reference data at H = 0.8 and low load need."""
     hurst = paper.numbers()["eps_c_needed"]["hurst"]
-    area, gap = (longest([row for row in low_high(tables[name])["low"] if near(row["hurst"], hurst)], "eps_c", "lam_l_over_lam_s")
+    area, gap = (longest([row for row in low_high(tables[name])["low"] if near(row["hurst"], hurst)], "eps_c")
                   for name in ("fig1", "fig4"))
     if not (len(area) > 1 and len(gap) > 1):
         return ""
@@ -102,7 +102,6 @@ def grid_needed(tables: dict[str, Rows]) -> Any:
             "the paper's own slopes differ by more")
 def spread_over_hurst(tables: dict[str, Rows]) -> Any:
     """How much kappa depends on H."""
-    ours = [f"{quoted(row['kappa_tfc'], row['kappa_tfc_se'])} (H = {row['hurst_number']:g})" for row in tables["table5"]
-            if row["area"] == "raw"]
+    ours = [filled("{kappa_tfc:±} (H = {hurst_number:g})", row) for row in where(tables["table5"], area="raw")]
     return (f"{SLOPE['high']:g} and {SLOPE['low']:g} differ by {SLOPE['high'] / SLOPE['low'] - 1:.1%}"
             + (f"; ours in the limit, as counted: {', '.join(ours)}" if len(ours) > 1 else ""))

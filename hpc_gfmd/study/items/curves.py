@@ -1,6 +1,5 @@
 """kappa and mean gap against p_star for many H and three eps_f, in the limit of fine grids and large cells: hpc_gfmd.reference."""
 
-from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +11,10 @@ from ...theory import persson
 from ..continuum import POWERS, continuum
 from ..draw import points
 from ..levels import P_HIGH, P_LOW, series_of
-from ..markdown import table
-from ..paper import quoted, saying
-from ..rows import Rows, at_load
+from ..paper import Sayings, saying
+from ..rows import Rows, at_load, groups, where
 from ..study import Study
+from ..text import filled
 
 HURST = (0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 1.0)
 LOADS = (1e-4, 3e-4, 0.001, P_LOW, 0.03, 0.06, 0.12, 0.2, P_HIGH, 0.6, 1.0, 1.5, 2.0)
@@ -37,6 +36,7 @@ ROWS: dict[str, Any] = {  # as in levels.py; at the end the loads, if not all
 }
 series = series_of(ROWS, HURST, LOADS)
 POOLED = ("kappa", "kappa_edge")  # at light loads single contacts meet the grid alike; the gap is known well enough at each load
+RESOLVED = 4  # lam_s/a from which on a grid resolves them: on coarser ones many are of one point
 SHOWN = (1e-4, 0.001, P_LOW, 0.06, P_HIGH, 1.0)
 FROM = (0.001, P_LOW, 0.03, 0.12)  # loads from which on errors are quoted
 
@@ -47,8 +47,10 @@ def limits(runs: Rows, level: str) -> Rows:
     found: dict[str, dict] = {name: {} for name in POWERS}
     for name, at in found.items():
         together = LIGHT if name in POOLED else ()
-        for loads in (together, *((p_star,) for p_star in LOADS if p_star not in together)):
-            at |= _limit([run for p_star in loads for run in at_load(runs, p_star)], name)
+        at |= _limit([run for p_star in together for run in at_load(runs, p_star) if run["lam_s_over_a"] >= RESOLVED], name)
+        for p_star in LOADS:
+            if p_star not in together:
+                at |= _limit(at_load(runs, p_star), name)
     rows = []
     for p_star in LOADS:
         for hurst, eps_f in sorted({(run["hurst"], run["eps_f"]) for run in at_load(runs, p_star)}):
@@ -73,44 +75,37 @@ def _limit(runs: Rows, name: str) -> dict[tuple, tuple[float, float]]:
     return {key: (value, value * found.error[key]) for key, value in found.value.items()}
 
 
-def findings(rows: Rows) -> Rows:
+def findings(rows: Rows) -> Sayings:
     """How precise it is, how far theory is off, how the two routes agree."""
     known = [row for row in rows if row["kappa"]]
     gaps = [row for row in rows if row["gap_over_h_rms"]]
     if not known or not gaps:
-        return []
+        return
 
     def worst(part: Rows, name: str, low: Any = 0.0, high: Any = np.inf) -> str:
         return f"{max((row[f'{name}_se'] / row[name] for row in part if low <= row['p_star'] <= high), default=0):.1%}"
 
     apart = [(row["kappa_counted"] - row["kappa_edge"]) / np.hypot(row["kappa_counted_se"], row["kappa_edge_se"]) for row in known]
-    ratios = defaultdict(list)
-    for row in known:
-        ratios[row["p_star"]].append(row["kappa"] / row["persson_kappa"])
+    ratios = {p_star: [row["kappa"] / row["persson_kappa"] for row in part] for p_star, part in groups(known, "p_star").items()}
     over = [row["gap_over_h_rms"] / row["persson_gap_over_h_rms"] for row in gaps if row["p_star"] <= P_HIGH]
-    return [
-        saying("standard error of kappa",
-               f"at most {worst(known, 'kappa')}; " + ", ".join(f"{worst(known, 'kappa', p)} from p* = {p:.3g}" for p in FROM)),
-        saying("standard error of the mean gap",
-               f"at most {worst(gaps, 'gap_over_h_rms', 0, P_HIGH)} up to p* = {P_HIGH:.3g}, "
-               f"{worst(gaps, 'gap_over_h_rms', 1, 1)} at p* = 1"),
-        saying("as counted and edge-corrected, both extrapolated to fine grids",
-               f"apart by {np.sqrt(np.mean(np.square(apart))):.1f} of their standard errors (rms), {max(np.abs(apart)):.1f} at most"),
-        saying("kappa over Persson's theory",
-               "; ".join(f"{min(ratios[p]):.2f} to {max(ratios[p]):.2f} at p* = {p:.3g}" for p in SHOWN if p in ratios)),
-        saying("gap over Persson's theory (gamma = 0.42, corrected)", f"{min(over):.2f} to {max(over):.2f} up to p* = {P_HIGH:.3g}"),
-    ]
+    yield saying("standard error of kappa",
+                 f"at most {worst(known, 'kappa')}; " + ", ".join(f"{worst(known, 'kappa', p)} from p* = {p:.3g}" for p in FROM))
+    yield saying("standard error of the mean gap",
+                 f"at most {worst(gaps, 'gap_over_h_rms', 0, P_HIGH)} up to p* = {P_HIGH:.3g}, "
+                 f"{worst(gaps, 'gap_over_h_rms', 1, 1)} at p* = 1")
+    yield saying("as counted and edge-corrected, both extrapolated to fine grids",
+                 f"apart by {np.sqrt(np.mean(np.square(apart))):.1f} of their standard errors (rms), {max(np.abs(apart)):.1f} at most")
+    yield saying("kappa over Persson's theory",
+                 "; ".join(f"{min(ratios[p]):.2f} to {max(ratios[p]):.2f} at p* = {p:.3g}" for p in SHOWN if p in ratios))
+    yield saying("gap over Persson's theory (gamma = 0.42, corrected)", f"{min(over):.2f} to {max(over):.2f} up to p* = {P_HIGH:.3g}")
 
 
-def numbers(rows: Rows) -> str:
-    """kappa and gap/h_rms at some loads."""
-    lines = []
-    for name, label in (("kappa", "kappa"), ("gap_over_h_rms", "gap/h_rms")):
-        for key in sorted({(row["eps_f"], row["hurst"]) for row in rows}, reverse=True):
-            at = {f"{row['p_star']:.3g}": quoted(row[name], row[f"{name}_se"])
-                  for row in rows if (row["eps_f"], row["hurst"]) == key and row["p_star"] in SHOWN}
-            lines.append({"what": label, "eps_f": f"1/{1 / key[0]:g}", "hurst": f"{key[1]:g}"} | at)
-    return table(lines, {"what": "", "eps_f": "eps_f", "hurst": "H"} | {f"{p:.3g}": f"p* = {p:.3g}" for p in SHOWN})
+def at_some_loads(rows: Rows) -> Rows:
+    """A row for each observable, eps_f and H, with a column for each of SHOWN."""
+    return [{"what": label, "eps_f": eps_f, "hurst": hurst}
+            | {str(row["p_star"]): filled(f"{{{name}:±}}", row) for row in part if row["p_star"] in SHOWN}
+            for name, label in (("kappa", "kappa"), ("gap_over_h_rms", "gap/h_rms"))
+            for (eps_f, hurst), part in reversed(groups(rows, "eps_f", "hurst").items())]
 
 
 def draw(rows: Rows, path: Path) -> None:
@@ -122,7 +117,7 @@ def draw(rows: Rows, path: Path) -> None:
         for column, eps_f in zip(axes.T, eps, strict=True):
             for ax, name, label in zip(column, ("kappa", "gap_over_h_rms"), (r"$\kappa$", r"$\Delta\bar u/\bar h$"), strict=True):
                 for hurst in sorted({row["hurst"] for row in rows}):
-                    part = [row for row in rows if (row["eps_f"], row["hurst"]) == (eps_f, hurst)]
+                    part = where(rows, eps_f=eps_f, hurst=hurst)
                     points(ax, part, "p_star", name, shade(0.9 * hurst), label=f"$H = {hurst:g}$", line="-", size=3)
                     if name != "kappa":
                         ax.plot(p_star, persson.mean_gap(p_star, hurst, eps_f), color=shade(0.9 * hurst), linestyle="--", linewidth=0.7)
@@ -141,5 +136,6 @@ at p\\* = 1.5, above which it closes (contact everywhere) in some cells. Dashed:
 
 STUDIES = (
     Study("curves", "Contact area and mean gap against the load, for many H", "Persson's theory, and the paper at a few H",
-          series, limits, draw, findings, QUESTION, numbers),
+          series, limits, draw, findings, QUESTION,
+          {"": "{what}", "eps_f": "{eps_f:1/}", "H": "{hurst:g}"} | {f"p* = {p:.3g}": f"{{{p}}}" for p in SHOWN}, at_some_loads),
 )

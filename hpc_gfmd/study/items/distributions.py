@@ -1,5 +1,6 @@
 """Distributions of pressure, gap and patch size, over many surfaces, beside Persson's theory."""
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -9,14 +10,14 @@ from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
 from ..draw import points
 from ..levels import P_HIGH, P_LOW, series_of
-from ..markdown import table
-from ..paper import quoted, saying
-from ..rows import Rows, at_load, by_hurst
+from ..paper import Sayings, saying
+from ..rows import Rows, at_load, by_hurst, where
 from ..study import Study
+from ..text import quoted
 
 HURST = (0.3, 0.5, 0.8)
 LOADS = (P_LOW, 0.06, P_HIGH)
-ROWS = {"quick": ((2, 8, 4, 3, (0.5,)),), "desk": ((2, 64, 4, 67),), "paper": ((4, 256, 8, 200),)}  # as in levels.py
+ROWS = {"quick": ((2, 8, 4, 3, (0.5,)),), "desk": ((2, 64, 4, 200),), "paper": ((4, 256, 8, 200),)}  # as in levels.py
 KINDS = {  # what it is a distribution of: (its unit in terms of a run, edges of bins in that unit)
     "pressure": (lambda run: run["g_rms"], np.arange(0, 4.0001, 0.05)),
     "gap": (lambda run: run["h_rms"], np.geomspace(1e-3, 8, 40)),
@@ -35,18 +36,13 @@ def means(runs: Rows, level: str) -> Rows:
     of patches, in units of lam_s^2. Surfaces count as they have points or patches.
     """
     rows = []
-    for hurst, part in by_hurst(runs).items():
-        for p_star in LOADS:
-            same = at_load(part, p_star)
-            for kind, (unit, edges) in KINDS.items():
-                found = [_binned(run, kind, unit(run), edges) for run in same if run[f"{kind}_distribution"]]
-                if len(found) < 2:
-                    continue
-                mean, error = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(len(found))
-                rows += [{"hurst": hurst, "p_star": p_star, "kind": kind, "low": low, "high": high, "density": m, "density_se": e,
-                          "surfaces": len(found)}
-                         for low, high, m, e in zip(edges[:-1].tolist(), edges[1:].tolist(), mean.tolist(), error.tolist(), strict=True)
-                         if m > 0]
+    for (hurst, part), p_star, (kind, (unit, edges)) in product(by_hurst(runs).items(), LOADS, KINDS.items()):
+        found = [_binned(run, kind, unit(run), edges) for run in at_load(part, p_star) if run[f"{kind}_distribution"]]
+        if len(found) > 1:
+            mean, error = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(len(found))
+            bins = zip(*(x.tolist() for x in (edges[:-1], edges[1:], mean, error)), strict=True)
+            rows += [{"hurst": hurst, "p_star": p_star, "kind": kind, "low": low, "high": high, "density": density, "density_se": se,
+                      "surfaces": len(found)} for low, high, density, se in bins if density > 0]
     return rows
 
 
@@ -59,7 +55,7 @@ def _binned(run: dict, kind: str, unit: float, edges: np.ndarray) -> np.ndarray:
 
 def of(rows: Rows, hurst: float, p_star: float, kind: str) -> Rows:
     """The bins of one distribution."""
-    return [row for row in at_load(rows, p_star) if (row["hurst"], row["kind"]) == (hurst, kind)]
+    return where(at_load(rows, p_star), hurst=hurst, kind=kind)
 
 
 def patch_exponent(rows: Rows) -> tuple[float | None, float | None]:
@@ -83,35 +79,30 @@ def _columns(rows: Rows, *names: str) -> list[np.ndarray]:
     return [np.array([row[name] for row in rows]) for name in names]
 
 
-def findings(rows: Rows) -> Rows:
+def findings(rows: Rows) -> Sayings:
     """Pressure beside theory, exponents of the patch sizes."""
+    for hurst, p_star in product(by_hurst(rows), LOADS):
+        pressure, patches = of(rows, hurst, p_star, "pressure"), of(rows, hurst, p_star, "patches")
+        if pressure and patches:
+            low, high, density = _columns(pressure, "low", "high", "density")
+            apart = np.sum(np.abs(density - theory(p_star, low, high)) * (high - low)) / 2
+            yield saying(
+                f"H = {hurst:g}, p* = {p_star:.3g}",
+                f"{apart:.1%} of the contact is at other pressures than in Persson's theory; patch sizes as A^-tau with tau = "
+                f"{quoted(*patch_exponent(patches))}",
+                f"{pressure[0]['surfaces']} surfaces, patches of {POWER_LAW[0]:g} to {POWER_LAW[1]:g} lam_s²")
+
+
+def quantiles(rows: Rows) -> Rows:
+    """Of every distribution, in columns named by them."""
     lines = []
-    for hurst in by_hurst(rows):
-        for p_star in LOADS:
-            pressure, patches = of(rows, hurst, p_star, "pressure"), of(rows, hurst, p_star, "patches")
-            if pressure and patches:
-                low, high, density = _columns(pressure, "low", "high", "density")
-                apart = np.sum(np.abs(density - theory(p_star, low, high)) * (high - low)) / 2
-                lines.append(saying(
-                    f"H = {hurst:g}, p* = {p_star:.3g}",
-                    f"{apart:.1%} of the contact is at other pressures than in Persson's theory; patch sizes as A^-tau with tau = "
-                    f"{quoted(*patch_exponent(patches))}",
-                    f"{pressure[0]['surfaces']} surfaces, patches of {POWER_LAW[0]:g} to {POWER_LAW[1]:g} lam_s²"))
+    for kind, hurst, p_star in product(KINDS, by_hurst(rows), LOADS):
+        if part := of(rows, hurst, p_star, kind):
+            low, high, density = _columns(part, "low", "high", "density")
+            below = np.append(0.0, np.cumsum(density * (high - low)))
+            at = np.interp(np.multiply(QUANTILES, below[-1]), below, np.append(low[0], high))
+            lines.append(part[0] | dict(zip(map(str, QUANTILES), at.tolist(), strict=True)))
     return lines
-
-
-def numbers(rows: Rows) -> str:
-    """Quantiles of the distributions."""
-    lines = []
-    for kind in KINDS:
-        for hurst in by_hurst(rows):
-            for p_star in LOADS:
-                if part := of(rows, hurst, p_star, kind):
-                    low, high, density = _columns(part, "low", "high", "density")
-                    below = np.append(0.0, np.cumsum(density * (high - low)))
-                    lines.append({"kind": kind, "H": f"{hurst:g}", "p": f"{p_star:.3g}", "surfaces": part[0]["surfaces"]}
-                                 | {f"{q:g}": f"{np.interp(q * below[-1], below, np.append(low[0], high)):.3g}" for q in QUANTILES})
-    return table(lines, {"kind": "of", "H": "H", "p": "p*", "surfaces": "surfaces"} | {f"{q:g}": f"{q:.0%} below" for q in QUANTILES})
 
 
 def draw(rows: Rows, path: Path) -> None:
@@ -140,5 +131,7 @@ patches: by number, in units of lam_s² (points that share sides)."""
 
 STUDIES = (
     Study("distributions", "Distributions of pressure, gap and patch size", "Persson's P(p); patch sizes follow a power law",
-          series_of(ROWS, HURST, LOADS, distributions=tuple(KINDS)), means, draw, findings, QUESTION, numbers),
+          series_of(ROWS, HURST, LOADS, distributions=tuple(KINDS)), means, draw, findings, QUESTION,
+          {"of": "{kind}", "H": "{hurst:g}", "p*": "{p_star:.3g}", "surfaces": "{surfaces}"}
+          | {f"{q:.0%} below": f"{{{q}:.3g}}" for q in QUANTILES}, quantiles),
 )

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from itertools import chain
 
 import numpy as np
 
@@ -10,9 +11,10 @@ from .. import fits, paper
 from ..averages import average, relative_scatter
 from ..draw import gap_lines, two_pressures
 from ..levels import P_LOW, eps_c_series, eps_f_series, eps_t_series
-from ..paper import of_hurst, quoted, saying
+from ..paper import Sayings, of_hurst, saying
 from ..rows import Rows, by_hurst, coarsest, families, fine_half, finest, longest, low_high, near
 from ..study import Study
+from ..text import quoted
 
 GAP = "gap_over_h_rms"
 WIDEST = (1e-16, 0.5)  # of eps_f in figure 8
@@ -28,10 +30,9 @@ def with_theory(runs: Rows, level: str | None = None, unit: str = "h_rms") -> Ro
     """Means over realisations of the gap in a unit with Persson's, corrected and as printed, and the ratios of simulation to both."""
     rows = average(runs, (f"gap_over_{unit}",))
     for row in rows:
-        for name, printed in (("persson", False), ("persson_printed", True)):
-            row[name] = float(persson.mean_gap(row["p_star"], row["hurst"], row["eps_f"], printed=printed, unit=unit))
-        for name in ("persson", "persson_printed"):
-            row[f"over_{name}"] = row[f"gap_over_{unit}"] / row[name] if row[name] > 0 else None
+        theory = {name: float(persson.mean_gap(row["p_star"], row["hurst"], row["eps_f"], printed=printed, unit=unit))
+                  for name, printed in (("persson", False), ("persson_printed", True))}
+        row |= theory | {f"over_{name}": row[f"gap_over_{unit}"] / gap if gap > 0 else None for name, gap in theory.items()}
     return rows
 
 
@@ -42,42 +43,35 @@ def share_explained(rows: Rows) -> float | None:
     return float(np.mean(logs)) if logs else None
 
 
-def coarse_grid(rows: Rows) -> Rows:
+def coarse_grid(rows: Rows) -> Sayings:
     """How much a coarse grid changes the gap at the high pressure."""
-    lines = []
     for hurst, chosen in by_hurst(low_high(rows)["high"]).items():
-        printed, series = of_hurst("gap_ratio_eps_c", hurst), longest(chosen, "eps_c", "lam_l_over_lam_s")
+        printed, series = of_hurst("gap_ratio_eps_c", hurst), longest(chosen, "eps_c")
         if printed and len(series) > 1:
             best = finest(series, "eps_c")
-            lines.append(saying(
-                f"H = {hurst:g}, p* = {paper.PRINTED['high']}: gap {'almost ' if printed > 2 else 'roughly '}{printed:g} times the "
-                "limit at eps_c = 1/2",
-                f"{coarsest(series, 'eps_c')[GAP] / best[GAP]:.4f} times that at eps_c = 1/{1 / best['eps_c']:g} (lam_l/lam_s = "
-                f"{best['lam_l_over_lam_s']:g})",
-                "the same surfaces on finer grids, the error of every gap bounded by its duality gap: this is what the grid alone "
-                "does"))
-    return lines
+            yield saying(
+                f"{paper.at('high', hurst)}: gap {'almost' if printed > 2 else 'roughly'} {printed:g} times the limit at eps_c = 1/2",
+                "{ratio:.4f} times that at eps_c = {eps_c:1/} (lam_l/lam_s = {lam_l_over_lam_s:g})",
+                "the same surfaces on finer grids, the error of every gap bounded by its duality gap: this is what the grid alone does",
+                **best, ratio=coarsest(series, "eps_c")[GAP] / best[GAP])
 
 
-def finite_size(rows: Rows) -> Rows:
+def finite_size(rows: Rows) -> Sayings:
     """The sign and size of the finite-size correction."""
-    lines = []
     for pressure, hurst, chosen in families(rows):
-        printed, series = paper.coefficients(GAP, pressure, hurst), longest(chosen, "eps_t", "lam_l_over_lam_s")
+        printed, series = paper.coefficients(GAP, pressure, hurst), longest(chosen, "eps_t")
         if printed and len(series) > 1:
             small, large = coarsest(series, "eps_t"), finest(series, "eps_t")
             slope = (small[GAP] - large[GAP]) / (small["eps_t"] - large["eps_t"])
-            lines.append(saying(
-                f"H = {hurst:g}, p* = {paper.PRINTED[pressure]}: C_t = {printed['C_t']:g}",
+            yield saying(
+                f"{paper.at(pressure, hurst)}: C_t = {printed['C_t']:g}",
                 f"{slope:+.3g} from eps_t = {small['eps_t']:g} to {large['eps_t']:g} (lam_l/lam_s = {small['lam_l_over_lam_s']:g})",
                 f"one realisation scatters by {relative_scatter(small, GAP) or 0:.1%} at eps_t = {small['eps_t']:g}: the few "
-                "longest waves make h_rms; both cutoffs are included here, and how they are cut matters at eps_t = 1"))
-    return lines
+                "longest waves make h_rms; both cutoffs are included here, and how they are cut matters at eps_t = 1")
 
 
-def exponents(rows: Rows, unit: str) -> Rows:
+def exponents(rows: Rows, unit: str) -> Sayings:
     """The exponents of eps_f beside those of the paper. In the unit g_rms lam_s, those in the unit h_rms less H are expected."""
-    lines = []
     for pressure, hurst, chosen in families(rows):
         alpha, sigma = fits.power_law(fine_half(chosen), "eps_f", f"gap_over_{unit}")
         printed = of_hurst(f"gap_exponents_{unit}", hurst, pressure)
@@ -88,39 +82,36 @@ def exponents(rows: Rows, unit: str) -> Rows:
             expected = of_hurst("gap_exponents_h_rms", hurst, pressure) - hurst
             why = (f"exponents in the two units differ by H, so the paper's own in units of h_rms makes this one {expected:+.3f}; "
                    "negative: the gap in units of g_rms lam_s rises as eps_f falls")
-        lines.append(saying(f"H = {hurst:g}, p* = {paper.PRINTED[pressure]}: exponent of eps_f {printed:g}", quoted(alpha, sigma), why))
-    return lines
+        yield saying(f"{paper.at(pressure, hurst)}: exponent of eps_f {printed:g}", quoted(alpha, sigma), why)
 
 
-def theory_factors(rows: Rows, unit: str) -> Rows:
+def theory_factors(rows: Rows, unit: str) -> Sayings:
     """By how much Persson's theory is too small at the high pressure: as printed, corrected, and what the missing factor explains."""
-    lines = []
     for hurst, part in by_hurst(low_high(rows)["high"]).items():
         if (explained := share_explained(part)) is not None:
             spans = [_span([row[name] for row in fine_half(part) if row[name]]) for name in ("over_persson_printed", "over_persson")]
             printed = of_hurst(f"theory_factor_{unit}", hurst) or 0
-            lines.append(saying(
-                f"H = {hurst:g}, p* = {paper.PRINTED['high']}: theory {printed:g} times too small",
+            yield saying(
+                f"{paper.at('high', hurst)}: theory {printed:g} times too small",
                 f"{spans[0]} times as printed, {spans[1]} times corrected",
-                f"the missing factor 2 in the second term explains {explained:.0%} of the logarithm of our ratio"))
-    return lines
+                f"the missing factor 2 in the second term explains {explained:.0%} of the logarithm of our ratio")
 
 
-def decades_needed(rows: Rows) -> Rows:
+def decades_needed(rows: Rows) -> Sayings:
     """How many decades of roughness the fractal limit needs for H = 0.8 at the low pressure."""
     claim = paper.numbers()["decades_to_fractal_limit"]
     if not any(near(row["hurst"], claim["hurst"]) for row in low_high(rows)["low"]):
-        return []
+        return
 
     def gap(eps_f: float) -> float:
         return float(persson.mean_gap(P_LOW, claim["hurst"], eps_f, unit="g_rms_lam_s"))
 
     limit = gap(1e-60)
     needed = next(d for d in np.arange(1, 41) / 2 if gap(10.0**-d) >= (1 - CONVERGED) * limit)
-    return [saying(
+    yield saying(
         f"H = {claim['hurst']:g}, a_r of order 0.01: self-affine over {claim['decades']} decades before the gap has its fractal limit",
         f"corrected theory: within {CONVERGED:.0%} after {needed:g} decades; after three it has {gap(1e-3) / limit:.1g} of it",
-        "no simulation can show the limit; theory that fits the data at large eps_f says where it lies")]
+        "no simulation can show the limit; theory that fits the data at large eps_f says where it lies")
 
 
 def _span(values: list) -> str:
@@ -128,13 +119,13 @@ def _span(values: list) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _against_ratio(name: str, ratio: str, paper_says: str, series: Callable[[str], list], compare: Callable[[Rows], Rows]) -> Study:
+def _against_ratio(name: str, ratio: str, paper_says: str, series: Callable[[str], list], compare: Callable[[Rows], Sayings]) -> Study:
     """gap/h_rms against a ratio; marks tell eps_f."""
     draw = partial(two_pressures, x=ratio, observable=GAP)
     return Study(name, f"gap/h_rms against {ratio}", paper_says, series, means, draw, compare)
 
 
-def _against_theory(name: str, title: str, unit: str, paper_says: str, compare: Callable[[Rows], Rows],
+def _against_theory(name: str, title: str, unit: str, paper_says: str, compare: Callable[[Rows], Sayings],
                     widest: tuple[float, float] | None = None) -> Study:
     """The gap in a unit against eps_f, with Persson's theory over the range of the data or over `widest`."""
     draw = partial(two_pressures, x="eps_f", observable=f"gap_over_{unit}", series="lam_s_over_a", theory=gap_lines(unit, widest),
@@ -142,8 +133,8 @@ def _against_theory(name: str, title: str, unit: str, paper_says: str, compare: 
     return Study(name, title, paper_says, eps_f_series, partial(with_theory, unit=unit), draw, compare)
 
 
-def _exponents_and_factors(unit: str) -> Callable[[Rows], Rows]:
-    return lambda rows: exponents(rows, unit) + theory_factors(rows, unit)
+def _exponents_and_factors(unit: str) -> Callable[[Rows], Sayings]:
+    return lambda rows: chain(exponents(rows, unit), theory_factors(rows, unit))
 
 
 STUDIES = (

@@ -7,9 +7,10 @@ from .. import fits, paper
 from ..averages import average, relative_scatter
 from ..draw import kappa_lines, two_pressures
 from ..levels import eps_c_series, eps_f_series, eps_t_series
-from ..paper import of_hurst, quoted, saying
-from ..rows import Rows, by_hurst, coarsest, families, finest, longest, low_high, near
+from ..paper import Sayings, of_hurst, saying
+from ..rows import Rows, by_hurst, coarsest, families, finest, groups, longest, low_high, near, where
 from ..study import Study
+from ..text import filled
 
 OBSERVABLES = ("kappa", "kappa_edge")  # as counted, edge-corrected
 
@@ -23,39 +24,36 @@ def means_and_exponents(runs: Rows, level: str) -> Rows:
     """The means; where the series is long enough, alpha_c between neighbouring octaves of paired differences (NAME_alpha,
     NAME_alpha_se)."""
     rows = average(runs, OBSERVABLES)
-    for hurst, p_star in sorted({(row["hurst"], row["p_star"]) for row in rows}):
-        chosen, part = ([row for row in some if (row["hurst"], row["p_star"]) == (hurst, p_star)] for some in (rows, runs))
-        fine = longest(chosen, "eps_c", "lam_l_over_lam_s")
+    for (hurst, p_star), part in groups(runs, "hurst", "p_star").items():
+        fine = longest(where(rows, hurst=hurst, p_star=p_star), "eps_c")
         for observable in OBSERVABLES:
             for local in fits.local_exponents(part, observable, level):
-                row = next(row for row in fine if row["eps_c"] == local["eps_c"])
+                (row,) = where(fine, eps_c=local["eps_c"])
                 row |= {f"{observable}_alpha": local["alpha"], f"{observable}_alpha_se": local["alpha_se"]}
     return rows
 
 
-def exponent_and_area(rows: Rows) -> Rows:
+def exponent_and_area(rows: Rows) -> Sayings:
     """The exponent alpha_c, and the contact area that the text gives."""
-    lines = []
     for pressure, hurst, chosen in families(rows):
-        known = [row for row in longest(chosen, "eps_c", "lam_l_over_lam_s") if row.get("kappa_alpha") is not None]
+        known = [row for row in longest(chosen, "eps_c") if row.get("kappa_alpha") is not None]
         if known:
-            lines.append(saying(
-                f"H = {hurst:g}, p* = {paper.PRINTED[pressure]}: alpha_c = {paper.numbers()['alpha_c']:g}",
-                ", ".join(f"{quoted(row['kappa_alpha'], row['kappa_alpha_se'])} around {text}1/{1 / row['eps_c']:g}"
-                          for row, text in ((coarsest(known, "eps_c"), "eps_c = "), (finest(known, "eps_c"), ""))),
-                "a contact boundary of finite length makes the excess of counted points linear in eps_c for eps_c -> 0"))
+            yield saying(
+                f"{paper.at(pressure, hurst)}: alpha_c = {paper.numbers()['alpha_c']:g}",
+                filled("{kappa_alpha:±} around eps_c = {eps_c:1/}, ", coarsest(known, "eps_c"))
+                + filled("{kappa_alpha:±} around {eps_c:1/}", finest(known, "eps_c")),
+                "a contact boundary of finite length makes the excess of counted points linear in eps_c for eps_c -> 0")
     printed = paper.numbers()["area_high"]
     for hurst, chosen in by_hurst(low_high(rows)["high"]).items():
-        if of_hurst("area_high", hurst):
+        if ours := of_hurst("area_high", hurst):
             other = next(a_r for name, a_r in printed.items() if name != f"{hurst:g}")
             best = finest(chosen, "eps_c")
             p_star = best["p_star"]
-            lines.append(saying(
-                f"a_r = {of_hurst('area_high', hurst):g} at H = {hurst:g}, p* = {paper.PRINTED['high']}",
+            yield saying(
+                f"a_r = {ours:g} at {paper.at('high', hurst)}",
                 f"a_r = {best['kappa'] * p_star:.3f} as counted, {best['kappa_edge'] * p_star:.3f} edge-corrected, on the finest grid",
-                f"printed is kappa/2, which is a_r = {2 * of_hurst('area_high', hurst) * p_star:.3f}; the number printed for the other "
-                f"H is a_r = {2 * other * p_star:.3f}"))
-    return lines
+                f"printed is kappa/2, which is a_r = {2 * ours * p_star:.3f}; the number printed for the other "
+                f"H is a_r = {2 * other * p_star:.3f}")
 
 
 def fractal_claim() -> tuple[str, str]:
@@ -83,27 +81,25 @@ def fractal_excess(rows: Rows) -> str:
     return f"{raw:.0%} above lam_l/lam_s = {1 / best['eps_f']:g} as counted, {edge:.0%} edge-corrected"
 
 
-def fractal_error(rows: Rows) -> Rows:
+def fractal_error(rows: Rows) -> Sayings:
     """The fractal error that the text gives for H = 0.8."""
     claim, why = fractal_claim()
-    found = fractal_excess(rows)
-    return [saying(claim, found, why)] if found else []
+    if found := fractal_excess(rows):
+        yield saying(claim, found, why)
 
 
-def finite_size(rows: Rows) -> Rows:
+def finite_size(rows: Rows) -> Sayings:
     """The scatter that the text gives, and the trend with eps_t."""
-    lines = []
     for pressure, part in low_high(rows).items():
         fine = [row for row in part if row["eps_f"] == min(row["eps_f"] for row in part)]
         known = {row["hurst"]: x for row in fine if row["eps_t"] == 0.5 and (x := relative_scatter(row, "kappa"))}
         drift = {h: coarsest(r, "eps_t")["kappa"] / finest(r, "eps_t")["kappa"] - 1 for h, r in by_hurst(fine).items() if len(r) > 1}
         if known and drift:
-            lines.append(saying(
+            yield saying(
                 f"p* = {paper.PRINTED[pressure]}: kappa fluctuates by {paper.numbers()['kappa_fluctuation'][pressure]:.1%}",
                 "one realisation, eps_t = 1/2: " + ", ".join(f"{x:.2%} (H = {h:g})" for h, x in known.items()),
                 "scatter grows with H and falls as eps_t; from the smallest cell to the largest kappa changes by "
-                + ", ".join(f"{x:+.1%} (H = {h:g})" for h, x in drift.items())))
-    return lines
+                + ", ".join(f"{x:+.1%} (H = {h:g})" for h, x in drift.items()))
 
 
 def _drawn(ratio: str, series: str = "lam_l_over_lam_s") -> Callable:

@@ -1,6 +1,5 @@
 """kappa in the limit of large cells, many decades of roughness and fine grids: does 2 - 2H hold, do the routes meet?"""
 
-from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,11 +10,10 @@ from ...errors import SceneError
 from ...plotting.style import COLOURS, figure
 from ..case import Case
 from ..draw import points
-from ..levels import HURST, P_HIGH, P_LOW, PRESSURES, cases_of, tfc_series
+from ..levels import BOTH, HURST, PRESSURES, at_level, series_of, tfc_series
 from ..limits import ALPHA_F, fit_limit
-from ..markdown import table
-from ..paper import of_hurst, quoted, saying
-from ..rows import Rows, at_load, families
+from ..paper import Sayings, of_hurst, saying
+from ..rows import Rows, at_load, families, groups, where
 from ..scatter import Scatter
 from ..study import Study
 from . import curves
@@ -30,9 +28,8 @@ AGREE = 6.6  # chi2 that 2 - 2H may be above the best exponent, in units of chi2
 
 def series(level: str) -> list[Case]:
     """The series of tables 1 to 5, and the surfaces of the study "curves", which tell the limit of fine grids more sharply."""
-    both = (P_LOW, P_HIGH)
-    fine = [replace(case, p_star=tuple(p for p in both if p in case.p_star)) for case in curves.series(level) if case.hurst in HURST]
-    return tfc_series(level) + cases_of(MORE[level], HURST, both) + fine
+    fine = [replace(case, p_star=tuple(p for p in BOTH if p in case.p_star)) for case in curves.series(level) if case.hurst in HURST]
+    return tfc_series(level) + series_of(MORE, HURST, BOTH)(level) + fine
 
 
 def limits(runs: Rows, level: str) -> Rows:
@@ -49,7 +46,7 @@ def limits(runs: Rows, level: str) -> Rows:
             for left in range(LEFT_OUT + 1):
                 for name, exponent in (("free", None), ("2 - 2H", float(np.clip(2 - 2 * hurst, *ALPHA_F)))):
                     row = {"hurst": hurst, "p_star": part[0]["p_star"], "route": route, "exponent": name, "left_out": left,
-                           "base": left == BASE[level]}
+                           "base": left == at_level(BASE, level)}
                     try:
                         rows.append(row | _row(part, octaves, left, observable, scatter, exponent))
                     except (SceneError, IndexError):  # too few octaves, grids or cells
@@ -61,9 +58,9 @@ def _row(runs: Rows, octaves: list[float], left: int, observable: str, scatter: 
     chosen = [run for run in runs if run["eps_f"] <= octaves[-1 - left] * 1.01]
     fit = fit_limit(chosen, observable, scatter, exponent)
     scale = max(1.0, fit.chi2 / fit.dof) ** 0.5
-    return {"eps_f_coarsest": octaves[-1 - left], "kappa_tfc": fit.kappa, "kappa_tfc_se": fit.sigma * scale,
+    return {"eps_f_coarsest": octaves[-1 - left], "kappa_tfc": fit.kappa, "kappa_tfc_se": fit.errors["kappa"] * scale,
             "alpha_f": fit.values["alpha_f"],
-            "alpha_f_se": float(np.sqrt(fit.covariance[-1, -1])) * scale if exponent is None else None,
+            "alpha_f_se": fit.errors["alpha_f"] * scale if exponent is None else None,
             "chi2": fit.chi2, "dof": fit.dof, "runs": len(chosen)}
 
 
@@ -73,12 +70,10 @@ def conclusions(rows: Rows) -> Rows:
     kappa_tfc is the mean of both routes, its error that of the routes, half their difference, what one octave less changes and, where
     the exponents disagree, half of what that does, together.
     """
-    groups: dict[tuple, dict] = defaultdict(dict)
-    for row in rows:
-        groups[row["hurst"], row["p_star"]][row["route"], row["exponent"], row["left_out"]] = row
     found = []
-    for (hurst, p_star), group in sorted(groups.items(), key=lambda item: (item[0][1], item[0][0])):
-        base: Any = next((row["left_out"] for row in group.values() if row["base"]), None)
+    for (p_star, hurst), part in groups(rows, "p_star", "hurst").items():
+        group = {(row["route"], row["exponent"], row["left_out"]): row for row in part}
+        base: Any = next((row["left_out"] for row in part if row["base"]), None)
         if any((route, name, base) not in group for route in ROUTES for name in ("free", "2 - 2H")):
             continue
         free = [group[route, "free", base] for route in ROUTES]
@@ -97,27 +92,16 @@ def conclusions(rows: Rows) -> Rows:
     return found
 
 
-def findings(rows: Rows) -> Rows:
+def findings(rows: Rows) -> Sayings:
     """The limits beside the paper's, the exponent beside 2 - 2H and the paper's 0.67."""
-    lines = []
     for row in conclusions(rows):
         printed = of_hurst("kappa_tfc", row["hurst"]) if row["p_star"] < 0.1 else None
-        lines.append(saying(
-            f"H = {row['hurst']:g}, p* = {row['p_star']:.3g}" + (f" (paper: {printed:g})" if printed else ""),
-            f"kappa = {quoted(row['kappa_tfc'], row['kappa_tfc_se'])} ({row['kappa_tfc_se'] / row['kappa_tfc']:.2%}); alpha_f = "
-            f"{quoted(row['alpha_f'], row['alpha_f_se'])}",
-            f"2 - 2H = {2 - 2 * row['hurst']:g} {'agrees' if row['agrees'] else 'does not hold here'}; as counted "
-            f"{row['counted']:.4f}, edge-corrected {row['edge']:.4f}"))
-    return lines
-
-
-def numbers(rows: Rows) -> str:
-    """Every fit."""
-    lines = [{"H": f"{row['hurst']:g}", "p": f"{row['p_star']:.3g}", "route": row["route"], "x": row["exponent"],
-              "from": f"1/{1 / row['eps_f_coarsest']:g}", "kappa": quoted(row["kappa_tfc"], row["kappa_tfc_se"]),
-              "alpha": quoted(row["alpha_f"], row["alpha_f_se"]), "chi2": f"{row['chi2']:.0f}/{row['dof']}"} for row in rows]
-    return table(lines, {"H": "H", "p": "p*", "route": "area", "x": "exponent", "from": "eps_f from", "kappa": "kappa in the limit",
-                         "alpha": "alpha_f", "chi2": "chi²/dof"})
+        yield saying(
+            "H = {hurst:g}, p* = {p_star:.3g}" + (f" (paper: {printed:g})" if printed else ""),
+            "kappa = {kappa_tfc:±} ({share:.2%}); alpha_f = {alpha_f:±}",
+            f"2 - 2H = {{expected:g}} {'agrees' if row['agrees'] else 'does not hold here'}; "
+            "as counted {counted:.4f}, edge-corrected {edge:.4f}",
+            **row, share=row["kappa_tfc_se"] / row["kappa_tfc"], expected=2 - 2 * row["hurst"])
 
 
 def draw(rows: Rows, path: Path) -> None:
@@ -128,15 +112,13 @@ def draw(rows: Rows, path: Path) -> None:
             for ax, hurst in zip(line, HURST, strict=True):
                 for shade, route in zip(COLOURS, ROUTES, strict=False):
                     for shift, (name, mark) in enumerate((("free", "s"), ("2 - 2H", "o"))):
-                        part = [row | {"at": row["left_out"] + 0.12 * shift + 0.24 * (route == "edge")} for row in at_load(rows, p_star)
-                                if (row["hurst"], row["route"], row["exponent"]) == (hurst, route, name)]
+                        part = [row | {"at": row["left_out"] + 0.12 * shift + 0.24 * (route == "edge")}
+                                for row in where(at_load(rows, p_star), hurst=hurst, route=route, exponent=name)]
                         points(ax, part, "at", "kappa_tfc", shade, mark, name == "free", f"{route}, {name}")
-                for row in at_load(conclusions(rows), p_star):
-                    if row["hurst"] == hurst:
-                        low, high = (row["kappa_tfc"] + k * row["kappa_tfc_se"] for k in (-1, 1))
-                        ax.axhspan(low, high, color="0.88", zorder=0)
-                        wide = 6 * row["kappa_tfc_se"]
-                        ax.set_ylim(row["kappa_tfc"] - wide, row["kappa_tfc"] + wide)
+                for row in where(at_load(conclusions(rows), p_star), hurst=hurst):
+                    kappa, error = row["kappa_tfc"], row["kappa_tfc_se"]
+                    ax.axhspan(kappa - error, kappa + error, color="0.88", zorder=0)
+                    ax.set_ylim(kappa - 6 * error, kappa + 6 * error)
                 ax.set(title=f"$H = {hurst:g}$" if pressure == "low" else None)
             line[0].set_ylabel(r"$\kappa$ in the limit, $p^* = " + f"{p_star:.3g}$")
         for ax in axes[1]:
@@ -152,5 +134,7 @@ as counted and edge-corrected."""
 
 STUDIES = (
     Study("limit", "kappa in the thermodynamic, fractal and continuum limit", "2.16 (H = 0) to 1.93 (H = 0.8) with eps_f^0.67",
-          series, limits, draw, findings, QUESTION, numbers),
+          series, limits, draw, findings, QUESTION,
+          {"H": "{hurst:g}", "p*": "{p_star:.3g}", "area": "{route}", "exponent": "{exponent}", "eps_f from": "{eps_f_coarsest:1/}",
+           "kappa in the limit": "{kappa_tfc:±}", "alpha_f": "{alpha_f:±}", "chi²/dof": "{chi2:.0f}/{dof}"}),
 )

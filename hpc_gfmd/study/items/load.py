@@ -7,9 +7,10 @@ from .. import paper
 from ..averages import average
 from ..draw import areas, pressure_against_gap
 from ..levels import gap_pressure_series, pressure_series
-from ..paper import quoted, saying
-from ..rows import Rows, by_hurst
+from ..paper import Sayings, saying
+from ..rows import Rows, by_hurst, groups
 from ..study import Study
+from ..text import filled
 from .gap import with_theory
 
 LOW = 0.1  # p* up to which the area is called linear
@@ -34,59 +35,54 @@ def open_area(runs: Rows, level: str) -> Rows:
             for row in rows if row["open_area"] > 0]
 
 
-def slope(rows: Rows) -> Rows:
+def slope(rows: Rows) -> Sayings:
     """The slope at low pressure, and how little H matters."""
     low = by_hurst([row for row in rows if row["p_star"] <= LOW])
     if not low:
-        return []
-    text = {}
-    for name in ("kappa", "kappa_edge"):
-        at = {hurst: min(part, key=lambda row: abs(row["p_star"] - 0.01)) for hurst, part in low.items()}
-        text[name] = ", ".join(f"{quoted(row[name], row[name + '_se'])} (H = {hurst:g})" for hurst, row in at.items())
+        return
+    at = [min(part, key=lambda row: abs(row["p_star"] - 0.01)) for part in low.values()]
+    counted, edge = (", ".join(filled(f"{{{name}:±}} (H = {{hurst:g}})", row) for row in at) for name in ("kappa", "kappa_edge"))
+    areas = [[row["a_r_edge"] for row in part] for part in groups(rows, "p_star").values()]
+    spread = [max(part) / min(part) - 1 for part in areas]
     printed = paper.numbers()["slope"]
-    loads: dict[float, list] = {}
-    for row in rows:
-        loads.setdefault(row["p_star"], []).append(row["a_r_edge"])
-    spread = [max(areas) / min(areas) - 1 for areas in loads.values()]
-    return [
-        saying(f"slope {printed['low']:g} to {printed['high']:g}, Persson theory {printed['theory']:g}",
-               f"as counted {text['kappa']}; edge-corrected {text['kappa_edge']}; theory {persson.KAPPA_LOW_LOAD:.3f} (BGT "
-               f"{elastic.KAPPA_BGT:.3f})",
-               "ours are at finite eps_f, eps_t, eps_c; the limits are in table 5"),
-        saying(f"a_r between H near 0 and near 1 differs by at most {paper.numbers()['area_spread_in_hurst']:.0%}",
-               f"edge-corrected: {max(spread):.0%} at most over all loads, {min(spread):.1%} at least",
-               f"the paper's own slopes, {printed['high']:g} and {printed['low']:g}, differ by "
-               f"{printed['high'] / printed['low'] - 1:.0%}"),
-    ]
+    yield saying(
+        f"slope {printed['low']:g} to {printed['high']:g}, Persson theory {printed['theory']:g}",
+        f"as counted {counted}; edge-corrected {edge}; theory {persson.KAPPA_LOW_LOAD:.3f} (BGT {elastic.KAPPA_BGT:.3f})",
+        "ours are at finite eps_f, eps_t, eps_c; the limits are in table 5")
+    yield saying(
+        f"a_r between H near 0 and near 1 differs by at most {paper.numbers()['area_spread_in_hurst']:.0%}",
+        f"edge-corrected: {max(spread):.0%} at most over all loads, {min(spread):.1%} at least",
+        f"the paper's own slopes, {printed['high']:g} and {printed['low']:g}, differ by {printed['high'] / printed['low'] - 1:.0%}")
 
 
-def near_full_contact(rows: Rows) -> Rows:
+def near_full_contact(rows: Rows) -> Sayings:
     """The ratio of simulation to theory near full contact."""
     parts = []
-    for p_star in sorted({row["p_star"] for row in rows if row["p_star"] > NEAR_FULL}):
-        ratios = [row["open_area_edge"] / row["persson"] for row in rows if row["p_star"] == p_star]
+    for p_star, part in groups([row for row in rows if row["p_star"] > NEAR_FULL], "p_star").items():
+        ratios = [row["open_area_edge"] / row["persson"] for row in part]
         parts.append(f"{min(ratios):.2f} to {max(ratios):.2f} at p* = {p_star:g}")
-    return [saying(
-        "close to full contact Persson theory is closer to the simulations than at low loads",
-        f"1 - a_r edge-corrected over theory: {'; '.join(parts)}",
-        "the ratio of the small open areas is a sharper test than that of the areas, both near 1")] if parts else []
+    if parts:
+        yield saying(
+            "close to full contact Persson theory is closer to the simulations than at low loads",
+            f"1 - a_r edge-corrected over theory: {'; '.join(parts)}",
+            "the ratio of the small open areas is a sharper test than that of the areas, both near 1")
 
 
-def theory_within(rows: Rows) -> Rows:
+def theory_within(rows: Rows) -> Sayings:
     """How well theory and simulation agree on p* against gap at one H, without the highest loads."""
     within = paper.numbers()["theory_within"]["curves"]
     chosen = [row for row in rows if row["p_star"] < HIGHEST and row["over_persson"] and row["over_persson_printed"]]
     if not chosen:
-        return []
+        return
     parts = []
     for name, label in (("persson", "corrected"), ("persson_printed", "as printed")):
         ratios = [row[f"over_{name}"] for row in chosen]
         share = sum(abs(ratio - 1) <= within for ratio in ratios) / len(ratios)
         parts.append(f"{label}: {share:.0%} of the loads within {within:.0%}, simulation/theory {min(ratios):.2f} to {max(ratios):.2f}")
-    return [saying(
+    yield saying(
         f"H = {chosen[0]['hurst']:g}: theory within {within:.0%} over almost the whole range, except for the highest p*",
         "; ".join(parts),
-        f"loads below p* = {HIGHEST:g}; printed and corrected differ by the missing factor 2")]
+        f"loads below p* = {HIGHEST:g}; printed and corrected differ by the missing factor 2")
 
 
 def _gap(name: str, hurst: float) -> Study:

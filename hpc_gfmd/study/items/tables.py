@@ -7,43 +7,36 @@ from ...errors import SceneError
 from .. import coefficients, draw, paper
 from ..levels import HURST_GAP, tfc_series
 from ..limits import compare_routes
-from ..paper import of_hurst, quoted, saying
-from ..rows import Rows, by_hurst, low_high
+from ..paper import Sayings, of_hurst, saying
+from ..rows import Rows, by_hurst, low_high, where
 from ..study import Study
+from ..text import filled
 
 
 def limits(runs: Rows, level: str) -> Rows:
-    """The paper's table, and our limits as counted (area "raw") and edge-corrected ("edge").
-
-    kappa_tfc_se: realisations, solver and model together; difference, difference_se: raw minus edge-corrected; alpha_f: the fitted
-    exponent.
-    """
+    """The paper's table, and our limits (limits.compare_routes) as counted (area "raw") and edge-corrected ("edge")."""
     numbers = paper.numbers()
     rows = [{"area": "literature", "hurst_number": None} | entry for entry in numbers["literature"]]
     rows += [{"area": "paper", "hurst_number": float(hurst), "kappa_tfc": kappa} for hurst, kappa in numbers["kappa_tfc"].items()]
     for hurst, part in by_hurst(low_high(runs)["low"]).items():
         try:
-            raw, edge, difference, sigma = compare_routes(part)
+            routes = compare_routes(part)
         except SceneError:  # too few runs yet
             continue
-        for area, limit in (("raw", raw), ("edge", edge)):
-            rows.append({"area": area, "authors": "this code", "hurst_number": hurst} | limit.row()
-                        | {"difference": difference, "difference_se": sigma})
+        rows += [{"area": area, "authors": "this code", "hurst_number": hurst} | route
+                 for area, route in zip(("raw", "edge"), routes, strict=True)]
     return rows
 
 
-def our_limits(rows: Rows) -> Rows:
+def our_limits(rows: Rows) -> Sayings:
     """Our limits beside the paper's."""
-    lines = []
-    for raw, edge in zip(*([row for row in rows if row["area"] == area] for area in ("raw", "edge")), strict=True):
-        hurst = raw["hurst_number"]
-        printed = of_hurst("kappa_tfc", hurst)
-        lines.append(saying(
-            f"H = {hurst:g}: " + (f"kappa = {printed:g} in the TFC limit" if printed else "no number printed"),
-            f"{quoted(raw['kappa_tfc'], raw['kappa_tfc_se'])} as counted, {quoted(edge['kappa_tfc'], edge['kappa_tfc_se'])} "
-            f"edge-corrected; the routes differ by {raw['difference'] / raw['difference_se']:+.1f} sigma",
-            f"alpha_f = {quoted(edge['alpha_f'], edge['alpha_f_se'])} instead of {paper.numbers()['alpha_f']:g}"))
-    return lines
+    for raw, edge in zip(where(rows, area="raw"), where(rows, area="edge"), strict=True):
+        printed = of_hurst("kappa_tfc", raw["hurst_number"])
+        yield saying(
+            "H = {hurst_number:g}: " + (f"kappa = {printed:g} in the TFC limit" if printed else "no number printed"),
+            filled("{kappa_tfc:±} as counted, ", raw) + "{kappa_tfc:±} edge-corrected; the routes differ by {sigmas:+.1f} sigma",
+            f"alpha_f = {{alpha_f:±}} instead of {paper.numbers()['alpha_f']:g}",
+            **edge, sigmas=edge["difference"] / edge["difference_se"])
 
 
 def _coefficients(name: str, observable: str, pressure: str, remark: str = "") -> Study:
