@@ -143,7 +143,7 @@ class _Space:
         offsets of every rank."""
         count = len(self.q[1])
         width = max(1, min(PIECE_BYTES // (8 * len(self.q[0])), -(-count // comm.size)))
-        rows, filled = np.empty((len(distances), count)), 0
+        rows, filled = np.empty((len(wanted[comm.rank]), count)), 0
         for first in range(0, count, width * comm.size):
             mine = self.q[1][first + comm.rank * width: first + (comm.rank + 1) * width]
             made = self.back(self.spectrum(self.q[0], mine), 0)
