@@ -82,10 +82,10 @@ class Search:
     target: an area, or a length over the unit of slopes; tolerance: relative; x: log p0; slope: of the straightened curve; points: of
     the surface on this grid, top: its mean gap where the highest peak just touches, as target; offsets: of x from every grid to the
     next finer one, coarsest first, as they were found at another load; grids: how many so far, ends: x at the end of those before;
-    left: what x had still to change there; low, high: (x, quantity) that are too small and too large; known: (x, straightened
-    quantity, relative error) of the last correction; change: of x, then; corrections: by what was known, guesses: by what was not; answered: iteration at
-    which the solution will have followed the last one; looked: iteration of the last look; missed: by how much the target was missed
-    then; side: the area on the chosen side of a jump.
+    left: what x had still to change there; low, high: (x, quantity) that are too small and too large; known: (x, straightened quantity,
+    relative error) of the last correction; change: of x, then; corrections: by what was known, guesses: by what was not; answered:
+    iteration at which the solution will have followed the last one; looked: iteration of the last look; missed: by how much the target
+    was missed then; side: the area on the chosen side of a jump.
     """
 
     quantity: str
