@@ -84,8 +84,7 @@ class Search:
     next finer one, coarsest first, as they were found at another load; grids: how many so far, ends: x at the end of those before;
     left: what x had still to change there; low, high: (x, quantity) that are too small and too large; known: (x, straightened quantity,
     relative error) of the last correction; change: of x, then; corrections: by what was known, guesses: by what was not; answered:
-    iteration at which the solution will have followed the last one; looked: iteration of the last look; missed: by how much the target
-    was missed then; side: the area on the chosen side of a jump.
+    iteration at which the solution will have followed; looked: last one looked at; missed: the target, by how much; side: of a jump.
     """
 
     quantity: str
@@ -129,8 +128,7 @@ class Search:
             self.x += self._next_offset()
         self.grids, self.left, self.points, self.top = self.grids + 1, 0.0, points, top
         self.low = self.high = self.known = self.side = self.note = None
-        self.change = 0.0
-        self.corrections, self.guesses, self.answered, self.looked = 0, 0, 0, -1
+        self.change, self.corrections, self.guesses, self.answered, self.looked = 0.0, 0, 0, 0, -1
         return self.p0
 
     def _next_offset(self):
@@ -271,13 +269,11 @@ class Search:
         return self._go_to(x, solver)
 
     def _step(self, f, longest):
-        """By how much x is to change where the straightened quantity is f. Back it goes by half of the last change at most: that, or
-        this one, is likely to be taken from a solution that had not followed yet."""
-        wanted = self._straight(self.target)
-        step = (wanted - f) / self.slope if isfinite(f) else (longest if f < wanted else -longest)
-        if step * self.change < 0:
+        """By how much x is to change where the straightened quantity is f: the last change may have come too early, or this one."""
+        short = self._straight(self.target) - f
+        if short * self.change < 0:
             longest = min(longest, BACK * abs(self.change))
-        return min(max(step, -longest), longest)
+        return min(max(short / self.slope, -longest), longest)
 
     def _go_to(self, x, solver):
         """Change the load of the solver."""
