@@ -8,6 +8,7 @@ from ..scene import Scene
 
 SURFACE = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "seed")
 DISTRIBUTION = "{}_distribution"
+LARGE = 2**15  # points along an axis from which a surface is solved in low memory: two cores with 24 GiB can have it then
 
 
 @dataclass(frozen=True)
@@ -67,9 +68,8 @@ class Case:
     @cached_property
     def _scene(self) -> Scene:
         surface = {"kind": "self-affine"} | {name: getattr(self, name) for name in SURFACE}
-        return Scene.from_dict(
-            {"surface": surface, "load": {"p_star": list(self.p_star)}, "solver": {"accuracy": self.accuracy}}, "study"
-        )
+        solver = {"accuracy": self.accuracy, "low_memory": self.n >= LARGE}
+        return Scene.from_dict({"surface": surface, "load": {"p_star": list(self.p_star)}, "solver": solver}, "study")
 
     def scene(self) -> Scene:
         """The scene.Scene of this sweep, with the default solver. Raises SceneError for ratios that make no grid."""

@@ -163,6 +163,18 @@ def test_unconverged_runs_are_marked(tmp_path):
     assert {run["status"] for run in Store(tmp_path).load()} <= {"stagnated", "max_iterations"}
 
 
+def test_large_surfaces_are_solved_in_low_memory(tmp_path, monkeypatch, solved):
+    """And are the same contacts."""
+    monkeypatch.setattr("hpc_gfmd.study.case.LARGE", 64)
+    large = replace(CASES[2])  # one that has not made its scene
+    assert large.scene().solver.low_memory
+    solve([large], Store(tmp_path))
+    same = sorted(solved[0].runs_of([large]), key=key_of)
+    for run, plain in zip(sorted(Store(tmp_path).load(), key=key_of), same, strict=True):
+        assert run["status"] == "converged"
+        assert run["kappa"] == pytest.approx(plain["kappa"], rel=2e-3)
+
+
 def test_cheapest_first_and_each_surface_once():
     cases = runner.merged([replace(SMALL, p_star=(0.1,)), CASES[2], SMALL, replace(SMALL, p_star=(0.2, 0.05))])
     assert [case.p_star for case in cases] == [(0.05, 0.1, 0.2, 0.35), (0.05, 0.35)]

@@ -19,7 +19,7 @@ from ..study import Study
 from ..text import filled
 from . import curves
 
-MORE = {"quick": (), "desk": ((2, 128, 2, 144, (0.8,)), (1, 128, 2, 256, (0.8,)), (2, 128, 4, 72, (0.8,))),
+MORE = {"quick": (), "desk": ((2, 128, 2, 144, (0.8,)), (1, 128, 2, 256, (0.8,)), (2, 128, 4, 72, (0.8,)), (2, 8192, 2, 1, (0.8,))),
         "paper": ((2, 256, 4, 256, (0.8,)), (1, 256, 4, 256, (0.8,)))}  # as in levels.py
 ROUTES = {"counted": "kappa", "edge": "kappa_edge"}
 LEFT_OUT = 4  # up to so many of the coarsest octaves of eps_f
