@@ -15,7 +15,7 @@ from ..surface import cell_of
 from .decomposition import share_of
 from .sweep import few_points, first_precision
 
-FIELDS = 3  # g, p, d; and h, which in low memory is kept only where the surface ends
+FIELDS, STEP_BYTES = 2, 2  # g, p and d, which has 16 bits; and h, which in low memory is kept only where the surface ends
 SOLVER = 4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
 TANGENT = 4
 PIECE_GIB = 1 / 16  # of a field that is written at a time
@@ -58,7 +58,7 @@ def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
     share = share_of(cell, dtype, ranks, rank, nominal=n, nested=nested, per_node=per_node)
     rows = share.grid.shape[0]
-    field = share.points * itemsize / GIB
+    field, step = share.points * itemsize / GIB, share.points * STEP_BYTES / GIB
     kept = itemsize if any(free) or not low else 0  # of a height
     loads = len(scene.load.given[1])
 
@@ -79,10 +79,12 @@ def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
     transforms = spectra(dtype, grids[:1]) * with_table + spectra(dtype, grids[1:])
     transforms += sum(scratch(precision, grids) for precision in {dtype, first_precision(scene.solver)})
     certificate = 0.0 if low or itemsize == 8 else spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
+    if low and itemsize == 4 and with_table == 1:  # in turn with the solver's, which have no more than half of it and the step's
+        certificate = step
     if certificate and any(free):  # while its table is made
         certificate += min(rows, cell[0] // 2 + 1) * cell[1] * 8 / GIB
     heights, all_heights = (rows * n[1] * kept / GIB for rows in (share.grid.inside[0], n[0]))
-    return Memory(FIELDS * field + levels + max(passing), heights, transforms, certificate, PROCESS_GIB, all_heights)
+    return Memory(FIELDS * field + step + levels + max(passing), heights, transforms, certificate, PROCESS_GIB, all_heights)
 
 
 def largest_precision(scene, n):
