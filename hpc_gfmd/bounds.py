@@ -28,11 +28,12 @@ UNKNOWN, ALIGNED = 0.3, 1.2  # in the second expression for the mean gap: share 
 
 TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
 # The error of the pressure of a point is at most FAR times the rms, of EDGE points; of more it is at most NEAR times, and what it takes
-# less than CLOSE times to move is moved; where the error has one sign, as long waves have, COHERENT times more. Of the points that are
-# near a SHARE is on the wrong side; ASPERITY may change sides at once.
-FAR, NEAR, CLOSE, COHERENT, EDGE = 12.0, 1.8, 0.5, 0.7, 3
-ANY_SIGN, ONE_SIGN = 0.2, 0.4  # total^2 over squares and spread: of errors of any sign, of one sign
-FEW = 0.02  # share of the contact's points: an error of so few of them is that of single asperities
+# less than CLOSE times to move is moved; where it moves edges together, TOGETHER. Of the points that are near a SHARE is on the wrong
+# side; ASPERITY may change sides at once.
+FAR, NEAR, CLOSE, TOGETHER, EDGE = 12.0, 1.8, 0.5, 1.2, 3
+# Edges move together where the error has one sign, as long waves have (total^2 over squares and spread: from ANY_SIGN to ONE_SIGN), or
+# chords of the contact are LONG (points), but not where the error is one of single asperities (FEW: share of the contact's points).
+ANY_SIGN, ONE_SIGN, LONG, FEW = 0.2, 0.4, 16, 0.02
 SHARE, ASPERITY = 0.08, 10
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 
@@ -58,10 +59,10 @@ class Pattern(NamedTuple):
 
 
 def error_pattern(total, squares, fourth, contact, N):
-    """Pattern of the error of the pressure: as that of what is left out of contact (sums of p, p^2, p^4), over no more points than there
-    are in contact, or out of it."""
+    """Pattern of the error of the pressure: as that of what is left out of contact (sums of p, p^2, p^4), over no more points than are
+    in contact, or out of it."""
     spread = max(min(squares**2 / fourth if fourth > 0 else 1.0, contact, N - contact), 1.0)
-    alike = total**2 / (squares * spread) if squares > 0 and spread > FEW * contact else 0.0
+    alike = total**2 / (squares * spread) if squares > 0 else 0.0
     return Pattern(spread, min(max((alike - ANY_SIGN) / (ONE_SIGN - ANY_SIGN), 0.0), 1.0))
 
 
@@ -74,15 +75,18 @@ def misclassified_points(problem, g, p, compliance, squares, pattern):
     opposite ways.
     """
     double, rounding = problem.dtype == np.float64, problem.rounding
-    mean_square, moved = squares / pattern.spread, CLOSE + COHERENT * pattern.coherence
+    mean_square = squares / pattern.spread
     sure = 0.0 if double else SURE * rounding
     largest = max(min(mean_square * FAR**2, squares), sure**2)
     if largest <= 0:
         return 0.0
     counts = np.zeros((2, BINS))
     rows, m = problem.grid.inside
-    count_uncertain(g[:rows, :m], p[:rows, :m], compliance, TIE * rounding if double else 0.0, sure, largest, counts)
-    counts = problem.grid.comm.sum(counts.ravel()).reshape(counts.shape)
+    found = count_uncertain(g[:rows, :m], p[:rows, :m], compliance, TIE * rounding if double else 0.0, sure, largest, counts)
+    *counts, contact, changes = problem.grid.comm.sum([*counts.ravel(), *found])
+    counts = np.reshape(counts, (2, BINS))
+    together = max(pattern.coherence, 2 * contact > LONG * changes) if pattern.spread > FEW * contact else 0.0
+    moved = CLOSE + (TOGETHER - CLOSE) * together
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
     wrong = 0.0
@@ -90,8 +94,8 @@ def misclassified_points(problem, g, p, compliance, squares, pattern):
     for points in counts:
         easiest = np.cumsum((points * takes)[::-1]) <= squares
         easy = points * near
-        together = max((easy[1:] + easy[:-1]).max(), min(easy.sum(), ASPERITY), min(points.sum(), EDGE))
-        likely = max(SHARE * easy.sum() + together, easy[takes < mean_square * moved**2].sum())
+        at_once = max((easy[1:] + easy[:-1]).max(), min(easy.sum(), ASPERITY), min(points.sum(), EDGE))
+        likely = max(SHARE * easy.sum() + at_once, easy[takes < mean_square * moved**2].sum())
         wrong = max(wrong, min(likely, points[::-1][easiest].sum()))
     return wrong
 

@@ -90,29 +90,26 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
 
 
 @kernel
-def update_state(g, p, d, x, s, excess, rows, coarse, edges, transfer, inside, scratch):
-    """g += s d, p += s x, and everything that the next step needs of the new state; returns UpdateSums. d begins with row i0, as x.
+def update_state(state, x, s, excess, rows, coarse, edges, transfer, inside, scratch):
+    """g += s d, p += s x, and everything that the next step needs of the new state = (g, p, d); returns
+    UpdateSums. d begins with row i0, as x.
 
     Restricts p on F and excess p on A, the indicator of A, and x on F to the coarser grid: coarse (3, coarse rows + 2, m) with halo
     gets the rows that belong to this pass alone, edges (2, 3, m) the first and the last, which it shares. scratch: (7, n_y).
     """
+    g, p, _ = state
     i0, i1 = rows
-    k0, f_x, mode, j0, f, factor = transfer
-    first, last = edges[0], edges[1]
-    n = g.shape[1]
-    zero = g.dtype.type(0)
-    one = g.dtype.type(1)
+    k0, f_x = transfer[:2]
     RR = PP = PD = DX = PX = CONTACT = GAP = OPENING = CLOSING = 0.0
-    lo = k0[i0]
-    hi = k0[i1 - 1] + 1
-    scratch[3:6] = zero  # 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
+    ends = k0[i0], k0[i1 - 1] + 1
+    scratch[3:6] = 0  # 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
     i = i0
     while i < i1:
         K = k0[i]
         end = i + 1
         while end < i1 and k0[end] == K:
             end += 1
-        rr, pp, pd, dx, px, contact, gap, opening, closing = _update_rows(g, p, d, x, s, i0, i, end, inside, zero, one)
+        rr, pp, pd, dx, px, contact, gap, opening, closing = _update_rows(state, x, s, i0, i, end, inside)
         RR += rr
         PP += pp
         PD += pd
@@ -122,16 +119,18 @@ def update_state(g, p, d, x, s, excess, rows, coarse, edges, transfer, inside, s
         CONTACT += contact
         OPENING += opening
         CLOSING += closing
-        _gather_rows(g, p, x, excess, i0, i, end, f_x, inside, scratch, zero, one)
-        _scatter_row(scratch, 0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f)
+        _gather_rows(g, p, x, excess, i0, i, end, f_x, inside, scratch)
+        _scatter_row(scratch, 0, g.shape[1], K, ends, edges, coarse, transfer)
         i = end
-    _scatter_row(scratch, 3, n, hi, lo, hi, first, last, coarse, factor, mode, j0, f)
+    _scatter_row(scratch, 3, g.shape[1], ends[1], ends, edges, coarse, transfer)
     return RR, PP, PD, DX, PX, CONTACT, GAP, OPENING, CLOSING
 
 
 @inline
-def _update_rows(g, p, d, x, s, i0, start, end, inside, zero, one):
+def _update_rows(state, x, s, i0, start, end, inside):
     """Rows start..end of `update_state`: new g and p, and their sums."""
+    g, p, d = state
+    zero, one = g.dtype.type(0), g.dtype.type(1)
     rr = pp = pd = dx = px = contact = gap = opening = closing = zero
     for i in range(start, end):
         inner = points_inside(i, inside)
@@ -172,12 +171,13 @@ def _update_rows(g, p, d, x, s, i0, start, end, inside, zero, one):
 
 
 @inline
-def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows, zero, one):
+def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows):
     """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F and excess p on A, the indicator of A, x on F.
 
     A loop of its own, and rows of one array: with more pointers than this the compiler gives up on vectors.
     """
     n = g.shape[1]
+    zero, one = g.dtype.type(0), g.dtype.type(1)
     if end == start + 2 and start + 1 != inside[0]:  # two rows, both of the surface or both beyond it
         k = start + 1
         f0, f1 = f_x[start], f_x[k]
@@ -226,8 +226,9 @@ def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows, zero, one):
 
 
 @inline
-def _scatter_row(rows, c0, n, K, lo, hi, first, last, coarse, factor, mode, j0, f):
-    """Restrict a complete coarse row along the other axis to where it belongs."""
+def _scatter_row(rows, c0, n, K, ends, edges, coarse, transfer):
+    """Restrict coarse row K, complete in rows[c0:c0 + 3, :n], along the other axis to where it belongs; ends: first and last of all."""
+    _, _, mode, j0, f, factor = transfer
     for c in range(3):
-        target = first[c] if K == lo else (last[c] if K == hi else coarse[c, K])
+        target = edges[0, c] if K == ends[0] else (edges[1, c] if K == ends[1] else coarse[c, K])
         restrict_row(rows[c0 + c, :n], target, factor, mode, j0, f, rows[6])

@@ -27,11 +27,12 @@ def _uniform(x):
 
 
 @inline
-def _mode(seed, k_x, k_y, aspect, low, high, rolloff, exponent):
+def _mode(k_x, k_y, spectrum):
     """Amplitude of the mode (k_x, k_y), any signs: the conjugate of that of (-k_x, -k_y); 0 outside the band.
 
-    Wave numbers k are in units of 2 pi/L_x, aspect = L_y/L_x.
+    spectrum: (seed, aspect, low, high, rolloff, exponent); wave numbers k are in units of 2 pi/L_x, aspect = L_y/L_x.
     """
+    seed, aspect, low, high, rolloff, exponent = spectrum
     y = k_y / aspect
     k = np.sqrt(k_x * k_x + y * y)
     if k == 0.0 or k < low * (1 - 1e-12) or k > high * (1 + 1e-12):
@@ -51,8 +52,8 @@ def _mode(seed, k_x, k_y, aspect, low, high, rolloff, exponent):
 
 
 @kernel
-def self_affine(block, keep, factor, j0, columns, n_y, seed, aspect, low, high, rolloff, exponent):
-    """block = keep block + factor spectrum; block: complete columns (W, n_x) of the half spectrum.
+def self_affine(block, keep, factor, j0, columns, n_y, spectrum):
+    """block = keep block + factor modes; block: complete columns (W, n_x) of the half spectrum; spectrum: as of `_mode`.
 
     Column w is mode number k_y = j0 + w, w < columns.
 
@@ -69,7 +70,7 @@ def self_affine(block, keep, factor, j0, columns, n_y, seed, aspect, low, high, 
                 for s in range(2 if 2 * k_x == n_x else 1):
                     x = k_x if s == 0 else -k_x
                     for t in range(2 if 2 * k_y == n_y else 1):
-                        a, b = _mode(seed, x, k_y if t == 0 else -k_y, aspect, low, high, rolloff, exponent)
+                        a, b = _mode(x, k_y if t == 0 else -k_y, spectrum)
                         re += a
                         im += b
             block[w, i] = keep * block[w, i] + factor * complex(re, im)

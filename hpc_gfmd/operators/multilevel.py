@@ -128,7 +128,7 @@ class Multilevel:
         """Pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of the pass. Returns its UpdateSums as a plain
         tuple."""
         edges = self.edges[0 if self.in_order else k]
-        sums = update_state(g, p, d, x, s, self.dtype.type(excess), self.passes[k], self.fields[0], edges, self.transfers[0].tables,
+        sums = update_state((g, p, d), x, s, self.dtype.type(excess), self.passes[k], self.fields[0], edges, self.transfers[0].tables,
                             self.grid.inside, scratch)
         if self.in_order:
             self._join(k)

@@ -20,7 +20,7 @@ from .scatter import SOLVER_SHARE, Scatter, error_of
 POWERS = {  # of eps_c: (those of every family, those common to all); counted points exceed by the length of the contact boundary
     "kappa": ((1,), (2, 3)), "kappa_edge": ((), (1, 2, 3)), "gap_over_h_rms": ((), (3, 4))}
 
-ROUNDING = 1e-6  # relative: in full contact all values are the same
+MODEL = {"kappa": 1e-6, "kappa_edge": 1e-6, "gap_over_h_rms": 2e-4}  # relative: how well common terms describe what the grid does
 LOADS = 0.25     # what realisations add is correlated by (p/p')^LOADS at the loads p < p' of a surface, found in runs of level desk
 
 
@@ -50,6 +50,7 @@ def continuum(runs: Rows, observable: str) -> Continuum:
         raise SceneError("runs: found one realisation of each surface, allowed: at least two of some")
     errors = _covariance(runs, [one for one, part in zip(scatter, parts, strict=True) for _ in part], observable)
     own, common = POWERS[observable]
+    common = common[: max(1, len({run["eps_c"] for run in runs}) - 1 - len(own))]  # as many as the grids can tell
     design = np.column_stack([*_of_families(runs, families, own), *_of_grids(runs, common, len(own))])
     whiten = np.linalg.inv(np.linalg.cholesky(errors))
     white, target = whiten @ design, whiten @ np.log(value)
@@ -88,7 +89,7 @@ def _covariance(runs: Rows, scatter: list[Scatter], observable: str) -> np.ndarr
     sigma = [one.relative(run["eps_t"], run["eps_f"]) for one, run in zip(scatter, runs, strict=True)]
     alone = [np.hypot(one.grid(run), SOLVER_SHARE * run[error_of(observable)]) for one, run in zip(scatter, runs, strict=True)]
     shared = np.equal.outer(surface, surface) * np.exp(-LOADS * np.abs(np.subtract.outer(log, log)))
-    return shared * np.outer(sigma, sigma) + np.diag(np.square(alone) + ROUNDING**2)
+    return shared * np.outer(sigma, sigma) + np.diag(np.square(alone) + MODEL[observable] ** 2)
 
 
 def _of_families(runs: Rows, families: list[tuple[float, float, float]], powers: tuple[int, ...]) -> list[np.ndarray]:

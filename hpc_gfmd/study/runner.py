@@ -1,14 +1,14 @@
 """Solve what is missing of a study, cheapest first, and store every load as soon as it is finished. Collective."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
 from .. import __version__
+from ..composition import sweep_of
 from ..driver.memory import require_memory
-from ..driver.sweep import Sweep
 from ..driver.timing import expected_seconds
 from ..driver.warmup import compile_once
 from ..errors import GfmdError, SceneError
@@ -23,7 +23,7 @@ from .case import DISTRIBUTION, Case
 from .store import Store, key_of, missing
 
 PER_LOAD = 0.02  # seconds that a load takes at least
-FIELDS = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "n", "seed")
+FIELDS = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "n", "seed", "accuracy", "eps_t", "eps_f", "eps_c")
 SWEEP = ("p_star", "observables", "distributions")
 
 
@@ -133,14 +133,25 @@ def _plan(cases: list[Case], todo: list[Case], seconds: list[float]) -> str:
 
 def _attempt(case: Case, store: Store, comm: Any, threads: int, interrupt: Any) -> tuple[list[str], str | None]:
     """(status of every finished load, what went wrong or None). Only errors that all ranks see can be survived on several ranks."""
-    statuses = []
+    statuses: list[str] = []
     try:
-        for status in _solve(case, store, comm, threads, interrupt):
-            statuses.append(status)
+        scene: Any = case.scene()
+        require_memory(comm, scene, scene.n, threads)
+        sweep = sweep_of(scene, lambda dtype: build_surface(scene.surface, comm, dtype, threads))
+        for p_star, p in zip(case.p_star, sweep.pressures(scene.load), strict=True):
+            begun = time.monotonic()
+            step = sweep.solve(p, lambda *_: interrupt.poll()[0])
+            if step.contact.outcome.status == "interrupted":
+                break
+            run = _run(case, p_star, step, time.monotonic() - begun, comm.size)
+            _keep(run, store, comm)
+            statuses.append(run["status"])
+            if interrupt.poll()[0]:
+                break
     except NotStored:
         raise
     except Stopped:  # the Interrupt knows
-        return statuses, None
+        pass
     except GfmdError as error:
         return statuses, str(error)
     except Exception as error:
@@ -148,22 +159,6 @@ def _attempt(case: Case, store: Store, comm: Any, threads: int, interrupt: Any) 
             raise
         return statuses, f"{type(error).__name__}: {error}"
     return statuses, None
-
-
-def _solve(case: Case, store: Store, comm: Any, threads: int, interrupt: Any) -> Iterator[str]:
-    scene: Any = case.scene()
-    require_memory(comm, scene, scene.n, threads)
-    sweep = Sweep(lambda dtype: build_surface(scene.surface, comm, dtype, threads), scene.solver, lam_s=scene.surface.lam_s)
-    for p_star, p in zip(case.p_star, sweep.pressures(scene.load), strict=True):
-        begun = time.monotonic()
-        step = sweep.solve(p, lambda *_: interrupt.poll()[0])
-        if step.contact.outcome.status == "interrupted":
-            return
-        run = _run(case, p_star, step, time.monotonic() - begun, comm.size)
-        _keep(run, store, comm)
-        yield run["status"]
-        if interrupt.poll()[0]:
-            return
 
 
 def _keep(run: dict, store: Store, comm: Any) -> None:
@@ -188,8 +183,7 @@ def _run(case: Case, p_star: float, step: Any, seconds: float, ranks: int) -> di
     more |= {DISTRIBUTION.format(name): found.get(name) and {what: values.tolist() for what, values in found[name].items()}
              for name in case.distributions}
     run = {
-        **{name: getattr(case, name) for name in FIELDS}, "p_star": p_star, "accuracy": case.accuracy,
-        "eps_t": case.eps_t, "eps_f": case.eps_f, "eps_c": case.eps_c,
+        **{name: getattr(case, name) for name in FIELDS}, "p_star": p_star,
         "h_rms": contact.h_rms, "g_rms": contact.g_rms, "lam_s": contact.lam_s,
         "a_r": a_r, "a_r_edge": a_r_edge, "kappa": a_r / p_star, "kappa_edge": a_r_edge / p_star,
         "gap_over_h_rms": gap.gap_over_h_rms(contact), "gap_over_g_rms_lam_s": gap.gap_over_g_rms_lam_s(contact),

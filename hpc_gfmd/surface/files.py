@@ -10,8 +10,8 @@ from .. import errors
 from ..errors import SceneError
 from ..parallel.h5 import driver, inside, io_way
 from . import instruments, text
+from .metadata import Metadata, by_attributes, by_axes
 from .packed import Packing
-from .said import Said, by_attributes, by_axes
 
 Read = Callable[[slice, slice], np.ndarray]  # of rows and columns
 NPY = b"\x93NUMPY"
@@ -31,7 +31,7 @@ class HeightMap:
 
     def __init__(self, spec: Any) -> None:
         self.path = Path(spec.path)
-        self.said = Said()
+        self.metadata = Metadata()
         self._hdf5_data: _Hdf5Data | None = None
         if not self.path.is_file():
             raise SceneError(f"surface.path: found {self.path}, which is no file, allowed: the path of a height map")
@@ -48,7 +48,7 @@ class HeightMap:
         if self.dtype.kind not in "fiu":
             found = errors.one_line(str(self.dtype), 80)
             raise SceneError(f"surface.path: found values of type {found} in {self.path}, allowed: real numbers")
-        if self.said.transposed:
+        if self.metadata.transposed:
             self.shape, along_y = self.shape[::-1], self.read
             self.read = lambda rows, columns: along_y(columns, rows).T
 
@@ -82,7 +82,7 @@ class HeightMap:
         with np.load(self.path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         name = self._one_of([name for name, array in arrays.items() if array.ndim == 2], spec)
-        self.said = by_attributes(arrays)
+        self.metadata = by_attributes(arrays)
         return self._array(arrays[name])
 
     def _hdf5(self, spec: Any) -> Read:
@@ -98,7 +98,7 @@ class HeightMap:
             self.shape, self.dtype = data.shape, data.dtype
             scales = [scale[0] for scale in data.dims if len(scale)] if data.ndim == 2 else []
             axes = [(scale.name.rpartition("/")[2], dict(scale.attrs), scale[:], len(scale)) for scale in scales]
-            self.said = by_axes(dict(data.attrs), axes) if len(axes) == 2 else by_attributes(data.attrs, file.attrs)
+            self.metadata = by_axes(dict(data.attrs), axes) if len(axes) == 2 else by_attributes(data.attrs, file.attrs)
             packing = Packing(data.attrs)
             band = data.chunks[0] * data.shape[1] * data.dtype.itemsize if data.chunks and data.ndim == 2 else 0
         self._hdf5_data = _Hdf5Data(self.path, name, packing, band)
@@ -114,7 +114,7 @@ class HeightMap:
         name = self._one_of([name for name, variable in file.variables.items() if len(variable.shape) == 2], spec)
         data = file.variables[name].data
         self.shape, self.dtype = data.shape, data.dtype
-        self.said = by_axes(vars(file.variables[name]), [self._axis(file.variables.get(axis), axis, n)
+        self.metadata = by_axes(vars(file.variables[name]), [self._axis(file.variables.get(axis), axis, n)
                                                          for axis, n in zip(file.variables[name].dimensions, data.shape)])
         packing = Packing(vars(file.variables[name]))
         masked = MASK in file.variables and file.variables[MASK].shape == data.shape
@@ -133,7 +133,7 @@ class HeightMap:
         return name, vars(variable), np.array(variable.data) if variable.shape == (n,) else None, n
 
     def _whole(self, spec: Any) -> Read:
-        heights, self.said = (text if spec.format == "text" else instruments).read(self.path, spec.dataset)
+        heights, self.metadata = (text if spec.format == "text" else instruments).read(self.path, spec.dataset)
         return self._array(heights)
 
     def _array(self, data: np.ndarray) -> Read:

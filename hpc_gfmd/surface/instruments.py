@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from .said import Said
+from .metadata import Metadata
 
 ANY_CHANNEL = "surface"  # the name that nobody gave
 
 
-def read(path: str | Path, channel: str) -> tuple[np.ndarray, Said]:
-    """(heights (n_x, n_y), nan where they are missing; Said) of one channel of a file. Raises whatever is wrong with it."""
+def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
+    """(heights (n_x, n_y), nan where they are missing; Metadata) of one channel of a file. Raises whatever is wrong with it."""
     reader_of = surface_topography().open_topography
     reader = reader_of(str(path))
     maps = [found for found in reader.channels if found.dim == 2]
@@ -29,7 +29,7 @@ def read(path: str | Path, channel: str) -> tuple[np.ndarray, Said]:
         sizes_unit, unit = unit
     sizes = None if info.physical_sizes is None else tuple(map(float, topography.physical_sizes))
     # Most formats know nothing of periodicity, and are said to be not periodic.
-    return heights, Said(sizes, sizes_unit, unit, bool(topography.is_periodic) or None)
+    return heights, Metadata(sizes, sizes_unit, unit, bool(topography.is_periodic) or None)
 
 
 def surface_topography() -> Any:

@@ -22,12 +22,12 @@ def self_affine_gap(spec: Any, grid: Grid, dtype: DTypeLike, made_in: DTypeLike)
     fft = grid.fft(made_in)
     low = float(spec.L_over_lam_l)
     high = low * float(spec.lam_l_over_lam_s)
-    numbers = (np.uint64(spec.seed), float(spec.aspect), low, high, low * float(spec.lam_l_over_lam_r), 1.0 + spec.hurst)
+    spectrum = (np.uint64(spec.seed), float(spec.aspect), low, high, low * float(spec.lam_l_over_lam_r), 1.0 + spec.hurst)
 
     def adder(fft: Any, keep: float, factor: float) -> Callable:
         def add(block: np.ndarray, m: int) -> None:
             j0, j1 = fft.columns_of(m)
-            self_affine(block, fft.dtype.type(keep), fft.dtype.type(factor), j0, j1 - j0, grid.n[1], *numbers)
+            self_affine(block, fft.dtype.type(keep), fft.dtype.type(factor), j0, j1 - j0, grid.n[1], spectrum)
 
         return add
 

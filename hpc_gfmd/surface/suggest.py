@@ -33,7 +33,7 @@ def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
     Raises SceneError for a file that cannot be read.
     """
     found, plain = Suggestion(dict(given)), HeightMap(make(given))
-    said = plain.said
+    said = plain.metadata
     found.about = f"{plain.shape[0]} x {plain.shape[1]} points"
     if said.sizes is not None:
         unit = said.sizes_unit or said.unit

@@ -63,7 +63,7 @@ def _shown(found: Any) -> str:
 
 def _open_one(spec: Any) -> Topography:
     found = HeightMap(spec)
-    said, given = found.said, spec.physical_sizes
+    said, given = found.metadata, spec.physical_sizes
     unit = spec.unit or said.unit
     sizes_unit = said.sizes_unit or unit if given is None else unit
     if given is None and said.sizes is None:

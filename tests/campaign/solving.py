@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 
 from .families import make
-from .truth import truths
+from .kept import truths
 
 SECONDS = 120  # for all truths of one wall, and for all its loads by one solver in one precision to one accuracy
 

@@ -8,7 +8,7 @@ import pytest
 
 import hpc_gfmd
 from campaign import families
-from campaign.truth import truths
+from campaign.kept import truths
 from hpc_gfmd.errors import NotConverged
 
 PROBLEMS = float(os.environ.get("HPC_GFMD_PROBLEMS", 1))

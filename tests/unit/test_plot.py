@@ -11,6 +11,7 @@ from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.plotting import figures, height_map, plot, plot_result, style, survey
+from hpc_gfmd.theory import persson
 
 
 @pytest.fixture(autouse=True)
@@ -150,6 +151,25 @@ def test_theory_stands_beside_its_own_surfaces_only(tmp_path, scene, kind, name)
     assert r"\kappa" in texts(plot(file, "curves")) or kind in ("sphere", "wave")
     layer = scene.replace("[load]", "[material]\nnu1 = 0.3\nthickness = 0.1\n[load]")
     assert not name or name not in texts(plot(write(tmp_path / "layer.h5", scene=layer, surface={"kind": kind}), "curves"))
+
+
+@pytest.mark.parametrize("rolloff", [1, 4])
+def test_the_gap_of_theory_is_that_of_the_surface(tmp_path, rolloff):
+    """The line in the panel of the mean gap, in units of h_rms; with a roll-off against the spectrum sampled finely."""
+    scene = SCENE.replace("lam_s_over_a", f"lam_l_over_lam_r = {rolloff}\nlam_s_over_a")
+    picture = plot(write(tmp_path / "run.h5", scene=scene, surface={"kind": "self-affine", "eps_f": 1 / 16}), "curves")
+    (ax,) = (ax for ax in picture.axes if "langle g" in ax.get_ylabel())
+    (line,) = (line for line in ax.get_lines() if line.get_label().startswith("Persson"))
+    p_star, gap = map(np.asarray, line.get_data())
+    assert (p_star.min(), p_star.max()) == pytest.approx((0.005, 0.08))
+    q = np.geomspace(1, 16, 2001)
+    spectrum = np.maximum(q, rolloff) ** (-2 - 2 * 0.8)
+    h_rms, g_rms = (np.sqrt(np.trapezoid(spectrum * q**power, q) / 2 / np.pi) for power in (1, 3))
+    wanted = persson.mean_gap_spectrum(q, spectrum, p_star * g_rms) / h_rms
+    assert gap == pytest.approx(wanted, rel=1e-4)
+    plain = persson.mean_gap(p_star, 0.8, 1 / 16)
+    apart = np.abs(gap / plain - 1).max()
+    assert apart < 1e-9 if rolloff == 1 else apart > 0.05
 
 
 def test_axes_have_units_or_none(tmp_path):

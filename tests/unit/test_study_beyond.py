@@ -39,6 +39,15 @@ def test_continuum_without_scatter_is_exact():
         assert len(found.value) == 6
 
 
+def test_continuum_of_three_grids():
+    """They tell fewer powers of eps_c apart; here each eps_f is known of one cell only, which stays in the value."""
+    for observable in ("kappa", "kappa_edge"):
+        found = continuum([run for run in made_up(1e-7) if run["eps_c"] < 0.5], observable)
+        for (hurst, eps_f, _), value in found.value.items():
+            cell = {1 / 16: 8, 1 / 64: 2}[eps_f]
+            assert value == pytest.approx((2 + hurst + eps_f) * np.exp(0.1 / cell), rel=1e-5)
+
+
 def at_loads(loads, seed=0, jitter=3):
     """The same surfaces at several loads, on each of which a grid adds something of its own."""
     rng, names = np.random.default_rng(seed), ("kappa", "kappa_edge")
@@ -66,6 +75,15 @@ def test_loads_together_know_more_of_the_grid():
         share = {key: together[key] / error for key, error in alone.items()}
         assert max(share.values()) < 1
         assert max(x for (_, eps_f, _), x in share.items() if eps_f == 1 / 64) < 0.9  # most of their error is the grid's
+
+
+def test_light_loads_leave_the_coarsest_grid_out():
+    """One that does not resolve single contacts tells nothing of them."""
+    runs = runs_of(curves.series("quick"), kappa=lambda case: (1 + case.eps_c, 1 + 0.2 * case.eps_c))
+    spoilt = [run | ({"kappa": 3 * run["kappa"]} if run["lam_s_over_a"] == 2 and run["p_star"] in curves.LIGHT else {}) for run in runs]
+    light, other = ([row["kappa"] for row in curves.limits(some, "quick") if row["p_star"] in curves.LIGHT] for some in (runs, spoilt))
+    assert len(light) == 8
+    assert light == other
 
 
 def test_continuum_refuses_what_it_cannot_tell():
@@ -102,10 +120,9 @@ def test_critical_area_between_loads():
         assert row["width"] == pytest.approx(0.06 * row["L_over_lam_l"] ** -0.75, rel=0.25)
         assert abs(row["a_c"] - 0.421 - 0.053 * row["width"]) < 4 * row["a_c_se"] < 0.04
         assert 0.001 < row["a_c_sides"] - row["a_c_corners"] < 0.009
-        assert row["along_x_or_y"] < row["a_c"] < row["along_x_and_y"]
         assert row["a_c_counted"] == pytest.approx(1.125 * row["a_c"], abs=0.002)
-        if row["L_over_lam_l"] <= percolation.SMALL:
-            assert abs(row["flow_ends"] - 1.125 * 0.43) < 4 * row["flow_ends_se"] < 0.05
+        assert abs(row["half_sealed"] - 0.43) < 4 * row["half_sealed_se"] < 0.05
+        assert row["half_sealed"] - row["a_c_sealed"] == pytest.approx(0.349 * row["width"], rel=0.15)
         assert row["shift"] is row["more_waves"] is None
     large = percolation.large(rows)[0.5]
     assert large["at_grid"] == pytest.approx(0.423, abs=4 * large["at_grid_se"])
@@ -125,6 +142,7 @@ def test_critical_area_on_fine_grids():
     assert abs(rows[64, 8]["more_waves"] - 0.02) < 4 * rows[64, 8]["more_waves_se"] < 0.02
     large = percolation.large(list(rows.values()))[0.5]
     assert abs(large["a_c"] - 0.4 - 0.053 * 0.03) < 4 * large["a_c_se"] < 0.04
+    assert abs(large["sealed"] - 0.41 + 0.349 * 0.03) < 4 * large["sealed_se"] < 0.04
 
 
 def test_surfaces_beyond_the_loads_count():
@@ -144,8 +162,23 @@ def test_stiffness_of_a_power_law_that_ends():
     (law,) = stiffness.power_laws(rows)
     assert law["exponent"] == pytest.approx(0.6, abs=0.02)
     assert 0.002 < law["ends"] < law["linear"] < 0.008
+    assert 0 < law["ends_se"] < 0.1 * law["ends"]
+    of_sizes = [law | {"L_over_lam_l": size, "ends": 0.004 * size**-1.7, "ends_se": 2e-4 * size**-1.7} for size in (1, 2, 4)]
+    (size,) = stiffness.ends_with_size(of_sizes)
+    assert size["power"] == pytest.approx(-1.7)
+    assert size["power_se"] == pytest.approx(0.05 / 2**0.5 / np.log(2))
     assert rows[-1]["exponent"] == pytest.approx(1.4, abs=0.05)
     assert rows[0]["stiffness"] == pytest.approx(6 * stiffness_at(1e-4) * 1.2, rel=0.35)
+
+
+@pytest.mark.parametrize(("kappa", "alpha", "verdicts"), [
+    ((2.16, 1.93), 0.6, ["survives"] * 4),
+    ((2.10, 2.31), 0.36, ["does not survive"] * 4),
+])
+def test_what_survives_of_the_paper(kappa, alpha, verdicts):
+    found = [{"hurst": hurst, "p_star": levels.P_LOW, "kappa_tfc": value, "kappa_tfc_se": 0.02, "alpha_f": alpha, "alpha_f_se": 0.1}
+             for hurst, value in zip((0.0, 0.8), kappa, strict=True)]
+    assert [line["why"].partition(":")[0] for line in limit.of_the_paper(found)] == verdicts
 
 
 def test_distributions_keep_their_integral_and_mean():

@@ -26,7 +26,10 @@ ROWS: dict[str, Any] = {  # as in levels.py; at the end the loads, if not all
         *((8, 16, C, 8, HURST, LIGHT) for C in (2, 4, 8)),
         (2, 64, 2, 8), (2, 64, 4, 8), (2, 64, 8, 1), (2, 64, 16, 4, FEW, HEAVY), (8, 64, 2, 2),
         (1, 256, 2, 4), (1, 256, 4, 2), (2, 256, 8, 4, FEW, HEAVY), (4, 256, 2, 2),
-        *((*row, HURST, LIGHT) for row in ((32, 16, 2, 5), (16, 64, 2, 2), (1, 256, 2, 6), (1, 256, 4, 4))),
+        *((*row, HURST, LIGHT) for row in (
+            (8, 16, 16, 4), (32, 16, 2, 5), (32, 16, 4, 2), (2, 64, 8, 8), (2, 64, 16, 4), (8, 64, 4, 4), (16, 64, 2, 2),
+            (1, 256, 2, 6), (1, 256, 4, 8), (1, 256, 8, 4), (4, 256, 4, 1))),
+        (4, 256, 4, 2, (0.7, 0.8, 0.9, 1.0), LIGHT),
     ),
     "paper": (
         (8, 64, 2, 16), (8, 64, 4, 16), (8, 64, 8, 8), (8, 64, 16, 4), (32, 64, 2, 4),
@@ -36,6 +39,7 @@ ROWS: dict[str, Any] = {  # as in levels.py; at the end the loads, if not all
 }
 series = series_of(ROWS, HURST, LOADS)
 POOLED = ("kappa", "kappa_edge")  # at light loads single contacts meet the grid alike; the gap is known well enough at each load
+RESOLVED = 4  # lam_s/a from which on a grid resolves them: on coarser ones many are of one point
 SHOWN = (1e-4, 0.001, P_LOW, 0.06, P_HIGH, 1.0)
 FROM = (0.001, P_LOW, 0.03, 0.12)  # loads from which on errors are quoted
 
@@ -46,8 +50,10 @@ def limits(runs: Rows, level: str) -> Rows:
     found: dict[str, dict] = {name: {} for name in POWERS}
     for name, at in found.items():
         together = LIGHT if name in POOLED else ()
-        for loads in (together, *((p_star,) for p_star in LOADS if p_star not in together)):
-            at |= _limit([run for p_star in loads for run in at_load(runs, p_star)], name)
+        at |= _limit([run for p_star in together for run in at_load(runs, p_star) if run["lam_s_over_a"] >= RESOLVED], name)
+        for p_star in LOADS:
+            if p_star not in together:
+                at |= _limit(at_load(runs, p_star), name)
     rows = []
     for p_star in LOADS:
         for hurst, eps_f in sorted({(run["hurst"], run["eps_f"]) for run in at_load(runs, p_star)}):
@@ -126,10 +132,11 @@ def draw(rows: Rows, path: Path) -> None:
 
 
 QUESTION = """How do kappa = a_r/p\\* and the mean gap depend on the load, in a large cell and on a fine grid, for H from 0.1 to 1
-and three eps_f = lam_s/lam_l? Each pressure is fitted as a whole (the area at light loads, up to 0.007, together: there
-single contacts meet the grid alike): ln value = its limit at this H and eps_f + a term in eps_t + terms in eps_c common
-to all H and eps_f; surfaces are common along each series. `hpc_gfmd.reference` interpolates these numbers; the gap ends
-at p\\* = 1.5, above which it closes (contact everywhere) in some cells. Dashed: Persson's theory with the missing factor 2."""
+and three eps_f = lam_s/lam_l? Each pressure is fitted as a whole (the area at light loads, up to 0.007, together and
+from lam_s/a = 4 on: there single contacts meet the grid alike, and are of one point or two on coarser ones): ln value = its
+limit at this H and eps_f + a term in eps_t + terms in eps_c common to all H and eps_f; surfaces are common along each
+series. `hpc_gfmd.reference` interpolates these numbers; the gap ends at p\\* = 1.5, above which it closes (contact
+everywhere) in some cells. Dashed: Persson's theory with the missing factor 2."""
 
 STUDIES = (
     Study("curves", "Contact area and mean gap against the load, for many H", "Persson's theory, and the paper at a few H",

@@ -17,7 +17,7 @@ from ..text import quoted
 
 HURST = (0.3, 0.5, 0.8)
 LOADS = (P_LOW, 0.06, P_HIGH)
-ROWS = {"quick": ((2, 8, 4, 3, (0.5,)),), "desk": ((2, 64, 4, 67),), "paper": ((4, 256, 8, 200),)}  # as in levels.py
+ROWS = {"quick": ((2, 8, 4, 3, (0.5,)),), "desk": ((2, 64, 4, 200),), "paper": ((4, 256, 8, 200),)}  # as in levels.py
 KINDS = {  # what it is a distribution of: (its unit in terms of a run, edges of bins in that unit)
     "pressure": (lambda run: run["g_rms"], np.arange(0, 4.0001, 0.05)),
     "gap": (lambda run: run["h_rms"], np.geomspace(1e-3, 8, 40)),

@@ -12,10 +12,11 @@ from ..case import Case
 from ..draw import points
 from ..levels import BOTH, HURST, PRESSURES, at_level, series_of, tfc_series
 from ..limits import ALPHA_F, fit_limit
-from ..paper import Sayings, of_hurst, saying
+from ..paper import Sayings, numbers, of_hurst, saying
 from ..rows import Rows, at_load, families, groups, where
 from ..scatter import Scatter
 from ..study import Study
+from ..text import filled
 from . import curves
 
 MORE = {"quick": (), "desk": ((2, 128, 2, 144, (0.8,)), (1, 128, 2, 256, (0.8,)), (2, 128, 4, 72, (0.8,))),
@@ -93,8 +94,9 @@ def conclusions(rows: Rows) -> Rows:
 
 
 def findings(rows: Rows) -> Sayings:
-    """The limits beside the paper's, the exponent beside 2 - 2H and the paper's 0.67."""
-    for row in conclusions(rows):
+    """The limits beside the paper's, the exponent beside 2 - 2H, and which statements of the paper survive."""
+    found = conclusions(rows)
+    for row in found:
         printed = of_hurst("kappa_tfc", row["hurst"]) if row["p_star"] < 0.1 else None
         yield saying(
             "H = {hurst:g}, p* = {p_star:.3g}" + (f" (paper: {printed:g})" if printed else ""),
@@ -102,6 +104,29 @@ def findings(rows: Rows) -> Sayings:
             f"2 - 2H = {{expected:g}} {'agrees' if row['agrees'] else 'does not hold here'}; "
             "as counted {counted:.4f}, edge-corrected {edge:.4f}",
             **row, share=row["kappa_tfc_se"] / row["kappa_tfc"], expected=2 - 2 * row["hurst"])
+    apart = [(row["counted"] - row["edge"]) / row["kappa_tfc"] for row in found]
+    yield saying("as counted and edge-corrected, which must meet", f"apart by {np.max(np.abs(apart), initial=0):.2%} at most")
+    yield from of_the_paper(found)
+
+
+def of_the_paper(found: Rows) -> Sayings:
+    """What survives: the printed limits, that they fall with H, that one exponent holds for all H."""
+    for row in found:
+        printed = of_hurst("kappa_tfc", row["hurst"]) if row["p_star"] < 0.1 else None
+        if printed:
+            off = row["kappa_tfc"] - printed
+            yield saying("of the paper: kappa = {printed:g} at H = {hurst:g}, p* = {p_star:.3g}", "ours is {off:+.3f} from it",
+                         "survives" if abs(off) < 2 * row["kappa_tfc_se"] else "does not survive", **row, printed=printed, off=off)
+    for p_star, part in groups(found, "p_star").items():
+        falls = all(np.diff([row["kappa_tfc"] for row in part]) < 0)
+        yield saying("of the paper: kappa falls as H grows, p* = {p_star:.3g}", "by {share:.0%} from H = {low:g} to {high:g}",
+                     "survives" if falls else "does not survive", p_star=p_star, low=part[0]["hurst"], high=part[-1]["hurst"],
+                     share=1 - part[-1]["kappa_tfc"] / part[0]["kappa_tfc"])
+    exponent = numbers()["alpha_f"]
+    against = [row for row in found if abs(row["alpha_f"] - exponent) > 2 * row["alpha_f_se"]]
+    yield saying(f"of the paper: one exponent alpha_f = {exponent:g} for all H",
+                 ", ".join(filled("{alpha_f:±} at H = {hurst:g}, p* = {p_star:.3g}", row) for row in against) or "agrees",
+                 "does not survive: these are off by more than two standard errors" if against else "survives")
 
 
 def draw(rows: Rows, path: Path) -> None:

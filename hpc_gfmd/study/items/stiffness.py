@@ -14,10 +14,14 @@ from ..study import Study
 
 HURST = (0.3, 0.5, 0.8)
 LOADS = tuple(1e-4 * 2**k for k in range(11))
+LOWER = (2.5e-5, 5e-5, *LOADS)  # of larger cells, where the power law ends earlier
 WIDE = tuple(1e-5 * 4**k for k in range(7))  # of cells with more decades of roughness
 ROWS = {  # as in levels.py; at the end other loads
     "quick": ((1, 16, 2, 2, (0.5,)), (2, 16, 2, 2, (0.5,))),
-    "desk": ((1, 256, 2, 20, (0.3,)), (1, 256, 2, 13, (0.5,)), (1, 256, 2, 10, (0.8,)), (2, 128, 2, 6), (1, 512, 2, 2, HURST, WIDE)),
+    "desk": (
+        (1, 128, 2, 40), (2, 128, 2, 20, HURST, LOWER), (4, 128, 2, 10, HURST, LOWER),
+        (1, 256, 2, 30), (1, 512, 2, 10, HURST, WIDE),
+    ),
     "paper": ((1, 1024, 2, 100), (2, 1024, 2, 50), (4, 1024, 2, 20), (8, 1024, 2, 10)),
 }
 SYSTEM = ("hurst", "L_over_lam_l", "lam_l_over_lam_s")
@@ -50,37 +54,54 @@ def _mean(values: list[float]) -> tuple[float, float]:
 
 def power_laws(rows: Rows) -> Rows:
     """For each system the mean exponent at the lowest loads, up to LOW, with its standard error; `longer`: up to 3 LOW; `ends`: p_star
-    at which it is halfway between 1/(1 + H) and 1, `linear`: at which it is 1, by interpolation; None where it is so nowhere or
-    everywhere."""
+    at which it is halfway between 1/(1 + H) and 1, `linear`: at which it is 1, by interpolation, and their _se; None where it is so
+    nowhere or everywhere."""
     found = []
     for system, part in groups(rows, *SYSTEM).items():
         inner = [row for row in part if np.isfinite(row["exponent_se"]) and row["exponent_se"] > 0]
         low, longer = ([row for row in inner[1:] if row["p_star"] <= p_star] for p_star in (LOW, 3 * LOW))
         found.append(dict(zip(SYSTEM, system, strict=True)) | {
-            "surfaces": part[0]["surfaces"], "ends": _rises_to((1 / (1 + system[0]) + 1) / 2, inner), "linear": _rises_to(1.0, inner),
+            "surfaces": part[0]["surfaces"],
+            **_rises_to("ends", (1 / (1 + system[0]) + 1) / 2, inner), **_rises_to("linear", 1.0, inner),
             "exponent": float(np.mean([row["exponent"] for row in low])) if low else None,
             "exponent_se": float(np.mean([row["exponent_se"] for row in low])) if low else None,  # of one surface, not independent
             "longer": float(np.mean([row["exponent"] for row in longer])) if low else None})
     return found
 
 
-def _rises_to(exponent: float, rows: Rows) -> float | None:
+def _rises_to(name: str, exponent: float, rows: Rows) -> dict[str, float | None]:
     for a, b in zip(rows, rows[1:], strict=False):
         if a["exponent"] < exponent <= b["exponent"]:
-            share = (exponent - a["exponent"]) / (b["exponent"] - a["exponent"])
-            return float(a["p_star"] * (b["p_star"] / a["p_star"]) ** share)
-    return None
+            slope = np.log(b["p_star"] / a["p_star"]) / (b["exponent"] - a["exponent"])
+            p_star = float(a["p_star"] * np.exp(slope * (exponent - a["exponent"])))
+            return {name: p_star, f"{name}_se": float(p_star * slope * max(a["exponent_se"], b["exponent_se"]))}
+    return {name: None, f"{name}_se": None}
+
+
+def ends_with_size(laws: Rows) -> Rows:
+    """For each H and lam_l/lam_s of which several cells are known: power of L/lam_l with which `ends` goes, power_se."""
+    found = []
+    for (hurst, waves), part in groups([law for law in laws if law["ends"]], "hurst", "lam_l_over_lam_s").items():
+        if len(part) > 1:
+            size, end, error = (np.array([law[name] for law in part]) for name in ("L_over_lam_l", "ends", "ends_se"))
+            (power, _), covariance = np.polyfit(np.log(size), np.log(end), 1, w=end / error, cov="unscaled")
+            found.append({"hurst": hurst, "lam_l_over_lam_s": waves, "power": float(power), "power_se": float(covariance[0, 0] ** 0.5)})
+    return found
 
 
 def findings(rows: Rows) -> Sayings:
     """The exponents beside 1/(1 + H), where they end, the stiffness beside theory."""
-    for law in power_laws(rows):
+    laws = power_laws(rows)
+    for law in laws:
         if law["exponent"] is not None:
             yield saying(
                 "H = {hurst:g}, L/lam_l = {L_over_lam_l:g}, eps_f = 1/{lam_l_over_lam_s:g}: K as p^{expected:.3f} = p^1/(1 + H)",
                 f"exponent {{exponent:±}} up to p* = {LOW:g}, {{longer:.2f}} up to {3 * LOW:g}"
-                + ("; halfway to 1 at p* = {ends:.2g}" if law["ends"] else "") + (", 1 at {linear:.2g}" if law["linear"] else ""),
+                + ("; halfway to 1 at p* = {ends:±}" if law["ends"] else "") + (", 1 at {linear:±}" if law["linear"] else ""),
                 "{surfaces} surfaces", **law, expected=1 / (1 + law["hurst"]))
+    for size in ends_with_size(laws):
+        yield saying("H = {hurst:g}, eps_f = 1/{lam_l_over_lam_s:g}: with the size of the cell, p* halfway to 1 goes",
+                     "as L^x with x = {power:±}", "as the number of highest hills would: -2", **size)
     for hurst, part in by_hurst(rows).items():
         if near_line := [row["stiffness"] / row["persson"] for row in part if LINEAR / 2 < row["p_star"] < 2 * LINEAR]:
             yield saying(f"H = {hurst:g}: stiffness over Persson's theory (large systems) near p* = {LINEAR:g}",

@@ -10,7 +10,7 @@ UNEVEN = 1e-3  # of a step: coordinates that differ by more are not those of a g
 
 
 @dataclass(frozen=True)
-class Said:
+class Metadata:
     """sizes: (L_x, L_y), in sizes_unit; unit: of the heights; periodic: True where the file says so. None: the file does not say.
 
     transposed: the first axis of the array is y.
@@ -26,15 +26,16 @@ class Said:
 NAMES = ("physical_sizes", "unit", "units", "periodic")
 
 
-def by_attributes(*places: Mapping[str, Any]) -> Said:
+def by_attributes(*places: Mapping[str, Any]) -> Metadata:
     """Of attributes physical_sizes, unit and periodic, in the first of these dictionaries that has them (HDF5, .npz)."""
     found = {name: place[name] for place in reversed(places) for name in NAMES if name in place}
     sizes = np.asarray(found["physical_sizes"], dtype=float).reshape(-1) if "physical_sizes" in found else ()
     unit = _text(found.get("unit", found.get("units")))
-    return Said(tuple(map(float, sizes)) if len(sizes) == 2 else None, unit, unit, bool(np.all(found.get("periodic", False))) or None)
+    periodic = bool(np.all(found.get("periodic", False)))
+    return Metadata(tuple(map(float, sizes)) if len(sizes) == 2 else None, unit, unit, periodic or None)
 
 
-def by_axes(heights: Mapping[str, Any], axes: list) -> Said:
+def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
     """Of a NetCDF variable's attributes and its axes [(name, attributes, coordinates or None, points), ...].
 
     Both conventions: `length` and `unit` of the axes (SurfaceTopography), coordinates of the points and `units` (CF).
@@ -47,7 +48,7 @@ def by_axes(heights: Mapping[str, Any], axes: list) -> Said:
         raise ValueError(f"its axes are in different units, {units[0]} and {units[1]}")
     unit = _unit(heights) or (units[0] if all("length" in attributes for _, attributes, *_ in axes) else None)
     periodic = all(np.all(attributes.get("periodic", False)) for _, attributes, *_ in axes)
-    return Said(tuple(known) if len(known) == 2 else None, units[0], unit, periodic or None, transposed)
+    return Metadata(tuple(known) if len(known) == 2 else None, units[0], unit, periodic or None, transposed)
 
 
 def _length(attributes: Mapping[str, Any], x: np.ndarray | None, n: int) -> float | None:
