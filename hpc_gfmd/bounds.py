@@ -30,7 +30,7 @@ TIE = 4.0  # times the rms of rounding errors in double precision: a difference 
 # The error of the pressure of a point is at most FAR times the rms, of EDGE points; of more it is at most NEAR times, and what it takes
 # less than CLOSE times to move is moved; where it moves edges together, TOGETHER. Of the points that are near a SHARE is on the wrong
 # side; ASPERITY may change sides at once.
-FAR, NEAR, CLOSE, TOGETHER, EDGE = 12.0, 1.8, 0.5, 1.2, 3
+FAR, NEAR, CLOSE, TOGETHER, EDGE = 12.0, 1.8, 0.5, 1.5, 3
 # Edges move together where the error has one sign, as long waves have (total^2 over squares and spread: from ANY_SIGN to ONE_SIGN), or
 # chords of the contact are LONG (points), but not where the error is one of single asperities (FEW: share of the contact's points).
 ANY_SIGN, ONE_SIGN, LONG, FEW = 0.2, 0.4, 16, 0.02

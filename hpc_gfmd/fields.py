@@ -47,11 +47,7 @@ class Slab:
     def dtype(self) -> np.dtype:
         return np.dtype(self.data.dtype)
 
-    @property
-    def span(self) -> tuple[int, int]:
-        """(start, stop) of the rows that can be read."""
-        return self.start, self.start + len(self.data)
-
-    def read(self, start: int, stop: int) -> np.ndarray:
-        """Rows start <= i < stop, which must be among those of this rank."""
-        return np.ascontiguousarray(self.data[start - self.start : stop - self.start])
+    def read(self, start: int | None = None, stop: int | None = None) -> np.ndarray:
+        """Rows start <= i < stop, which must be among those of this rank (default: all of them)."""
+        first, last = (None if i is None else i - self.start for i in (start, stop))
+        return np.ascontiguousarray(self.data[first:last])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import SceneError
-from .fields import LazyField, Slab
+from .fields import Slab
 from .output.read import Result
 from .output.record import RunFile
 from .scene import ArrayScene, Scene
@@ -21,13 +21,15 @@ if TYPE_CHECKING:
 
 def whole(field: Any) -> np.ndarray:
     """All rows of a parallel.h5.Stored field, or those of this rank of a fields.Slab. Raises GfmdError where the file is damaged."""
-    return field.read(*field.span)
+    return field.read()
 
 
 def in_memory(result: Result) -> Result:
     """The Result without what refers to a solver or to a file."""
-    copies = [{name: Slab(whole(field), field.span[0], field.shape) for name, field in fields.items()} for fields in result.fields]
-    return replace(result, fields=copies)
+    def copy(field):
+        return Slab(whole(field), getattr(field, "start", 0), field.shape)
+
+    return replace(result, fields=[{name: copy(field) for name, field in fields.items()} for fields in result.fields])
 
 
 def scene_of(result: Result) -> Scene:
@@ -59,7 +61,7 @@ def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: An
         raise SceneError(f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5")
 
     def slab(field):
-        return LazyField(lambda i0, i1: field.read(rows[0] + i0, rows[0] + i1), (rows[1] - rows[0], said["n"][1]), field.dtype)
+        return field.data if isinstance(field, Slab) else field
 
     head = {name: value for name, value in result.head.items() if name not in ("status", "end_time", "io")}
     with RunFile(comm, path, said["n"], rows, head, said, force=force) as file:

@@ -1,5 +1,6 @@
 """From a scene to its result file: the composition, top to bottom."""
 
+import json
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -17,8 +18,7 @@ from .driver.sweep import first_precision
 from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
 from .fields import FIELDS
-from .output.checkpoint import read_checkpoint, write_checkpoint
-from .output.folder import partial_folder, tidy
+from .output.folder import HEAD, clear, is_held, partial_folder
 from .output.read import read_partial
 from .output.record import RunFile
 from .parallel import wisdom
@@ -95,14 +95,13 @@ def run_scene(scene: str | PathLike | Scene, overrides: Iterable[str] = (), out:
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
         try:
-            return _solve(comm, scene, file, say, interrupt, (n, threads, begun, resume))
+            return _solve(comm, scene, n, threads, file, say, interrupt, begun, resume)
         except Stopped:  # between two iterations: the last checkpoint is what a restart begins from
             return _stopped(comm, file, say, interrupt)
 
 
-def _solve(comm, scene, file, say, interrupt, how):
-    """Surface, sweep and all steps; how: (size of the surface, threads, time at which the run began, whether it is resumed)."""
-    n, threads, begun, resume = how
+def _solve(comm, scene, n, threads, file, say, interrupt, begun, resume):
+    """Surface, sweep and all steps; n: size of the surface, begun: time at which the run began, resume: whether it is continued."""
     if resume and comm.rank == 0:
         wisdom.take_from(file.partial)
     compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material, asked(scene.output), say.say)
@@ -140,8 +139,10 @@ def restart(path, overrides=(), quiet=False, comm=None):
     comm = comm or world()
     with guarded(comm, "reading the interrupted run"):
         if comm.rank == 0:
-            tidy(path)
-            if not partial_folder(path).is_dir():
+            folder = partial_folder(path)
+            if not ((folder / HEAD).exists() or is_held(folder)):
+                clear(folder)  # what a run that died after it had finished the file left
+            if not folder.is_dir():
                 there = "is complete already" if Path(path).is_file() else "has no interrupted run beside it"
                 if Path(path).suffix == ".partial":
                     there = f"is the folder of a run: hpc-gfmd restart {Path(path).with_suffix('')}"
@@ -214,29 +215,34 @@ class _Run:
 
     def _go_back(self, unfinished, loads):
         """To the last checkpoint, so that all goes on as if nothing had happened: loads finished since then are repeated, not
-        written again. unfinished: the first load to be solved. Returns the load to begin with and, in the middle of it, its Checkpoint.
+        written again. unfinished: the first load to be solved. Returns the load to begin with and, in the middle of it, the seconds
+        spent on it.
         """
-        other = False
+        def arrays(grid):
+            return {name: field.slab(grid.comm, grid.rows) for name, field in found.fields[0].items()}
+
+        other, first = False, 0  # died before its first checkpoint
         try:
-            found = read_checkpoint(self.comm, self.file.checkpoint, self.sweep.solver_class.name, self.scene.identity())
-            if found is not None and found.step > unfinished:
-                raise SceneError(f"{found.path}: later than load {unfinished + 1}, which has to be solved again")
-            other = found is not None and found.numbers.get("heights") != self.sweep.surface.checksum
-            if found is not None and not other:
-                self.sweep.restore(found.arrays, found.numbers, loads[found.step])
+            found = self.file.checkpoint(self.sweep.solver_class.name)
+            if found is not None:
+                (first,), numbers = found.indices, json.loads(found.steps[0]["numbers"])
+                if first > unfinished:
+                    raise SceneError(f"{found.path}: later than load {unfinished + 1}, which has to be solved again")
+                other = numbers.get("heights") != self.sweep.surface.checksum
+                if not other:
+                    self.sweep.restore(arrays, numbers, loads[first])
         except GfmdError as error:
             self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
             self.sweep.solver = None
             return unfinished, None
         if other:
             raise SceneError(OTHER_HEIGHTS.format(found.path))
-        first = found.step if found else 0  # died before its first checkpoint
         if first < unfinished:
             self.say.say(f"note: repeating from load {first + 1}, where the last checkpoint is; finished loads stay as they are")
-        return first, found if found and found.midway else None
+        return first, found and found.steps[0].get("seconds")
 
     def _one_step(self, index, loads, midway):
-        begun = time.monotonic() - (midway.seconds if midway else 0.0)
+        begun = time.monotonic() - (midway or 0.0)
         load = loads[index]
         self.say.step(index, len(loads), *load_shown(self.scene.load, index, self.sweep, load))
 
@@ -269,8 +275,7 @@ class _Run:
             begun, sweep = time.monotonic(), self.sweep
             if self.comm.rank == 0:
                 wisdom.keep_with(self.file.partial)
-            write_checkpoint(self.comm, self.file.checkpoint, sweep.surface.grid, index, sweep.solver_class.name, state(), seconds,
-                             self.scene.identity())
+            self.file.write_checkpoint(sweep.surface.grid, sweep.solver_class.name, index, state(), seconds)
             self.interrupt.saved(begun)
 
     def _write(self, index, step, seconds):

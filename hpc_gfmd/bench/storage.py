@@ -5,10 +5,9 @@ import tempfile
 from contextlib import nullcontext
 from pathlib import Path
 
-import h5py
 import numpy as np
 
-from ..parallel.h5 import CHECKSUM, Stored, io_way, write_file
+from ..parallel.h5 import io_way, write_file
 from ..parallel.layout import row_starts
 from ..parallel.world import world
 from .report import Report
@@ -56,7 +55,7 @@ def _measure(comm, clock, place, n, repeats):
         os.close(descriptor)
 
     def write():
-        write_file(comm, result, (n, n), (start, stop), {"field": data})
+        return write_file(comm, result, (n, n), (start, stop), {"field": data})
 
     runs = {"raw": lambda: write_raw(own, 0), ONE: lambda: write_raw(one, 4 * n * start), f"result file, {io_way(comm)}": write}
     seconds = {way: [] for way in runs}
@@ -66,9 +65,6 @@ def _measure(comm, clock, place, n, repeats):
                 path.unlink(missing_ok=True)
             taken = clock.measure(runs[way])
             seconds[way] += [taken] * (k > 0)
-    write()
-    with h5py.File(result, "r", locking=False) as file:
-        stored = Stored(result, "field", (n, n), data.dtype, int(file["field"].attrs[CHECKSUM]))
-    comm.barrier()
+    stored = write()["field"]
     samples = {way: Sample(tuple(taken)) for way, taken in seconds.items()}
     return samples | clock.alternate({READ: lambda: stored.slab(comm, (start, stop))}, repeats)

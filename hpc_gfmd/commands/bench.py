@@ -1,6 +1,8 @@
 """`hpc-gfmd bench`: speed of kernels and transforms, time against true error, and other codes on the same surfaces."""
 
+from argparse import ArgumentParser, Namespace
 from importlib import import_module
+from typing import Any
 
 from .number import number
 
@@ -8,7 +10,7 @@ PRECISIONS = ("single", "double")
 ALONE = ("accuracy", "kernels", "peers")  # these run on one rank
 
 
-def add_parser(subparsers):
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser("bench", help="kernels, FFT, time against error, other codes",
                                    description="Measure speed. Alternating runs, warmed up; compare numbers of one call only.")
     parts = parser.add_subparsers(metavar="WHAT", required=True)
@@ -49,6 +51,7 @@ def add_parser(subparsers):
     peers.add_argument("--codes", nargs="*", default=None, metavar="NAME", help="which of the other codes (default: all)")
     peers.add_argument("--error", type=number, default=1e-5, metavar="E", help="relative L2 error of the pressure (default 1e-5)")
     peers.add_argument("--budget", type=number, default=60.0, metavar="S", help="seconds per code and case (default 60)")
+    return parser
 
 
 def _part(parts, what, text, sizes, repeats):
@@ -63,7 +66,7 @@ def _part(parts, what, text, sizes, repeats):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Run one benchmark, bench_WHAT(args) of bench/WHAT.py. Raises SceneError for arguments that make no sense."""
     from ..errors import SceneError
     from ..parallel.world import world

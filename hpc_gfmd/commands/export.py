@@ -3,7 +3,10 @@
 import csv
 import os
 import zipfile
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +16,7 @@ from ..output.read import Result, read_result
 from ..parallel.guard import one_line
 
 
-def add_parser(subparsers):
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "export",
         help="a result for other programs",
@@ -27,7 +30,7 @@ def add_parser(subparsers):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Write it and print its name; raises SceneError if the result cannot be read or the file cannot go there."""
     result = read_result(args.file)
     print(export(result, args.to, args.output))
@@ -38,11 +41,12 @@ def main(args) -> int:
     return 0
 
 
-def export(result: Result, kind: str, path=None) -> Path:
-    """Write a result as one of FORMATS; path: where (default: beside it). Returns the path; all of the file is there, or nothing.
+def export(result: Result, kind: str, path: str | os.PathLike | None = None) -> Path:
+    """Write the result of a file as one of FORMATS; path: where (default: beside it). Returns the path; all of it is there, or nothing.
 
     Raises SceneError if it cannot go there, GfmdError if the numbers of the result are damaged or writing fails.
     """
+    assert result.path is not None
     path = Path(path or result.path.with_suffix(f".{EXTENSIONS[kind]}"))
     itself = path.exists() and result.path.exists() and path.samefile(result.path)
     if itself or not path.parent.is_dir() or (path.exists() and not path.is_file()):
@@ -60,7 +64,7 @@ def export(result: Result, kind: str, path=None) -> Path:
     return path
 
 
-def to_vtkhdf(result, path) -> None:
+def to_vtkhdf(result: Result, path: Path) -> None:
     """The VTKHDF group of the result file with numbers of its own."""
     import h5py
 
@@ -72,7 +76,7 @@ def to_vtkhdf(result, path) -> None:
               lambda group, name: _fill(group.create_dataset(name, _shape(result), fields[name]), result, name))
 
 
-def to_netcdf(result, path) -> None:
+def to_netcdf(result: Result, path: Path) -> None:
     """Dimensions loads, x, y; every number of the load steps and every field as a variable."""
     import h5py
 
@@ -89,7 +93,7 @@ def to_netcdf(result, path) -> None:
             _fill(file[name], result, name)
 
 
-def to_npz(result, path) -> None:
+def to_npz(result: Result, path: Path) -> None:
     """Arrays over the load steps by their names, x, y, and the fields (loads, x, y); read a piece at a time."""
     axes = {name: np.arange(n) * (size / n) for name, n, size in zip("xy", result.surface["n"], result.surface["physical_sizes"])}
     with zipfile.ZipFile(path, "w") as archive:
@@ -104,7 +108,7 @@ def to_npz(result, path) -> None:
                     file.write(np.ascontiguousarray(rows, dtype).tobytes())
 
 
-def to_csv(result, path) -> None:
+def to_csv(result: Result, path: Path) -> None:
     """One line per load step, no fields."""
     numbers = {"step": np.array(result.indices)} | _numbers(result)
     with open(path, "w", newline="", encoding="utf-8") as file:
@@ -117,7 +121,7 @@ FORMATS = {"vtkhdf": to_vtkhdf, "netcdf": to_netcdf, "npz": to_npz, "csv": to_cs
 EXTENSIONS = {"vtkhdf": "vtkhdf", "netcdf": "nc", "npz": "npz", "csv": "csv"}
 
 
-def _numbers(result) -> dict[str, np.ndarray]:
+def _numbers(result: Result) -> dict[str, np.ndarray]:
     """Everything that steps say in one number or text, over the steps; nan or "" where one does not say it."""
     found = {}
     for name in dict.fromkeys(name for step in result.steps for name, value in step.items() if not isinstance(value, list)):
@@ -127,23 +131,23 @@ def _numbers(result) -> dict[str, np.ndarray]:
     return found
 
 
-def _fields(result) -> dict[str, np.dtype]:
+def _fields(result: Result) -> dict[str, np.dtype]:
     """Fields that all steps have, and the widest type of each."""
     names = [name for name in result.fields[0] if all(name in fields for fields in result.fields)]
     return {name: np.result_type(*(fields[name].dtype for fields in result.fields)) for name in names}
 
 
-def _shape(result):
+def _shape(result: Result) -> tuple[int, ...]:
     return len(result.steps), *result.surface["n"]
 
 
-def _pieces(result, name):
+def _pieces(result: Result, name: str) -> Iterator[tuple[int, int, np.ndarray]]:
     """(step, first row, rows) of a field, a piece of memory at a time; raises GfmdError where it is damaged."""
     for k, fields in enumerate(result.fields):
         for start, rows in fields[name].pieces():
             yield k, start, rows
 
 
-def _fill(dataset, result, name) -> None:
+def _fill(dataset: Any, result: Result, name: str) -> None:
     for k, start, rows in _pieces(result, name):
         dataset[k, start : start + len(rows)] = rows

@@ -1,9 +1,12 @@
 """`hpc-gfmd help`: what the commands do, and every key of a scene."""
 
+from argparse import ArgumentParser, Namespace
+from typing import Any
+
 from ..errors import SceneError
 
 
-def add_parser(subparsers):
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "help", help="every key of a scene: default, unit, meaning",
         description="Explain the keys of a scene (help scene), one table or key of it (help scene solver, help scene solver.accuracy), "
@@ -15,7 +18,7 @@ def add_parser(subparsers):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Print; raises SceneError for a topic or a key that there is not."""
     if args.topic != "scene":
         return _of_command(args.topic)

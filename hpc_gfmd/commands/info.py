@@ -1,22 +1,24 @@
 """`hpc-gfmd info`: what this installation can do."""
 
 import os
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
 
-def add_parser(subparsers):
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser("info", help="versions, MPI, parallel HDF5, FFT, threads")
     parser.set_defaults(main=main)
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Print one line per fact."""
     for name, value in facts().items():
         print(f"{name + ':':16}{value}")
     return 0
 
 
-def facts():
+def facts() -> dict[str, str]:
     """{name: text} of everything that speed or results may depend on."""
     import h5py
     import numba
@@ -32,7 +34,7 @@ def facts():
     found["MPI"] = _mpi_library()
     found["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"
     found["solvers"] = "auto (bpx), " + ", ".join(solver_names())
-    found["cores"] = f"{len(os.sched_getaffinity(0))}, vector unit of {numba.config.CPU_NAME or 'the host'}"
+    found["cores"] = f"{len(os.sched_getaffinity(0))}, vector unit of {numba.config.CPU_NAME or 'the host'}"  # type: ignore[attr-defined]
     found["memory"] = f"{available_gib():.1f} GiB free"
     found["cache"] = str(cache_folder())
     return found

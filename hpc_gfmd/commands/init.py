@@ -2,14 +2,17 @@
 
 import os
 import tomllib
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ..errors import SceneError, one_line
 
 DEFAULT = "self-affine"
 
 
-def add_parser(subparsers):
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "init", help="write a commented scene that runs",
         description="Write a scene with a comment on every key: for a kind of surface (self-affine, wave, sphere) or for a height map, "
@@ -22,7 +25,7 @@ def add_parser(subparsers):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Write it and say what is still to be filled in; raises SceneError if it cannot be written or the map cannot be read."""
     path = Path(args.output)
     if path.exists() and not args.force:
@@ -39,14 +42,14 @@ def main(args) -> int:
     return 0
 
 
-def compose(what, path, overrides=()):
+def compose(what: str, path: Path, overrides: Sequence[str] = ()) -> tuple[str, list[str]]:
     """(TOML text of a scene that will lie at `path`, keys of [surface] that have to be filled in). Raises SceneError."""
     from ..scene import Scene
     from ..scene.load import apply_override
     from ..scene.surface import KINDS
     from ..scene.template import template
 
-    tables = {}
+    tables: dict[str, Any] = {}
     for override in overrides:
         apply_override(tables, override)
     given = {f"{table}.{key}": value for table, keys in tables.items() if isinstance(keys, dict) for key, value in keys.items()}
@@ -54,7 +57,7 @@ def compose(what, path, overrides=()):
     if what in KINDS and what != "file":
         kind = what
     elif Path(what).is_file():
-        kind, found, values = "file", *_of_map(what, path, given)
+        kind, (found, values) = "file", _of_map(what, path, given)
         given = {"title": Path(what).name} | given | {f"surface.{key}": value for key, value in values.items()}
         said, why = ({f"surface.{key}": value for key, value in part.items()} for part in (found.said, found.why))
         missing = found.missing

@@ -1,6 +1,8 @@
 """`hpc-gfmd persson`: contact area, mean gap and stiffness of Persson's theory."""
 
 import json
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +15,7 @@ from .number import number
 COLUMNS = ("p_star", "a_r", "kappa", "gap_over_h_rms", "gap_over_g_rms_lam_s", "stiffness", "stiffness_lam_s")
 
 
-def add_parser(subparsers):
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "persson", help="theory curves of Persson's contact mechanics",
         description="Relative contact area, mean gap and stiffness -dp/d(gap) for a self-affine surface. Units: stiffness in "
@@ -33,7 +35,7 @@ def add_parser(subparsers):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Print the curve. Raises SceneError for numbers out of range."""
     p_star = _pressures(args)
     curve = persson.curve(p_star, args.hurst, args.eps_f, args.gamma, args.printed)

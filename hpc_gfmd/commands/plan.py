@@ -2,9 +2,11 @@
 
 import json
 import os
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
 
-def add_parser(subparsers):
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "plan", help="grid, memory per rank, expected time of a scene",
         description="Say what a scene takes on a number of ranks of this machine. Exit code 2 if it does not fit.")
@@ -19,7 +21,7 @@ def add_parser(subparsers):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
     from ..driver.decomposition import busiest
     from ..driver.memory import GIB, available_gib, largest_precision, memory_of

@@ -1,5 +1,8 @@
 """`hpc-gfmd plot`: the pictures of a result file."""
 
+from argparse import ArgumentParser, Namespace
+from typing import Any
+
 from ..errors import GfmdError, SceneError
 from ..output.read import read_result
 from ..table import converged
@@ -7,7 +10,7 @@ from ..table import converged
 WHAT = "maps, distributions, spectra, curves; one field: contact, pressure, gap, heights, displacement"
 
 
-def add_parser(subparsers):
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "plot",
         help="pictures of a result",
@@ -28,7 +31,7 @@ def add_parser(subparsers):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Draw and print the names of the pictures; raises SceneError if the file, the folder or what is asked for is unusable."""
     result = read_result(args.file)
     if args.dpi is not None and not 20 <= args.dpi <= 2400:

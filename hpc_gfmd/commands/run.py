@@ -1,7 +1,10 @@
 """`hpc-gfmd run` and `hpc-gfmd restart`."""
 
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
-def add_parser(subparsers):
+
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "run", help="solve a scene",
         description="Solve a scene, alone or under mpirun/srun, and write its result file. Exit code 3: a step did not converge.")
@@ -21,14 +24,14 @@ def add_parser(subparsers):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Solve; the exit code tells whether every step converged."""
     from ..simulation import run_scene
 
     return run_scene(args.scene, args.set, args.output, force=args.force, quiet=args.quiet).exit_code
 
 
-def main_restart(args) -> int:
+def main_restart(args: Namespace) -> int:
     """Continue; the exit code is that of the whole run."""
     from ..simulation import restart
 

@@ -2,13 +2,15 @@
 
 import json
 import sys
+from argparse import ArgumentParser, Namespace
 from math import isfinite
+from typing import Any
 
 from ..output.read import Result, read_result
 from ..table import surface_line, table
 
 
-def add_parser(subparsers):
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "show",
         help="the result table of a file",
@@ -30,7 +32,7 @@ def add_parser(subparsers):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Print; raises SceneError if the file is missing, damaged, foreign or too new."""
     result = read_result(args.file)
     shown, text = as_dict(result), as_text(result)

@@ -1,7 +1,10 @@
 """`hpc-gfmd study`: the paper's figures and tables, and questions beyond it."""
 
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
-def add_parser(subparsers):
+
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "study", help="a figure or table of the paper",
         description="Reproduce figures and tables of the paper: solve the contacts that are missing, tabulate, draw. Works the same "
@@ -25,7 +28,7 @@ def add_parser(subparsers):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Solve, tabulate and draw. Raises SceneError for names, levels and shares that do not exist."""
     from ..errors import SceneError
     from ..parallel.world import world

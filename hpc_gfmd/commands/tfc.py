@@ -2,6 +2,8 @@
 
 import json
 import math
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
 from ..errors import SceneError
 from ..theory import tfc
@@ -10,7 +12,7 @@ from .number import number
 RATIOS = ("eps_t", "eps_f", "eps_c")
 
 
-def add_parser(subparsers):
+def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "tfc", help="extrapolate to the thermodynamic, fractal and continuum limits",
         description="Extrapolate a simulated value with tabulated coefficients (the paper's unless --table names others), or fit the "
@@ -29,7 +31,7 @@ def add_parser(subparsers):
     return parser
 
 
-def main(args) -> int:
+def main(args: Namespace) -> int:
     """Extrapolate or fit. Raises SceneError for what is missing or out of range."""
     report, text = _fit(args) if args.fit else _extrapolate(args)
     print(json.dumps(report) if args.json else text)

@@ -1,7 +1,6 @@
 """The folder beside a result file, OUT.h5.partial, where a run keeps what is finished until all of it is: one run at a time has it, by
 a lock that the kernel gives back when its holder dies, however it dies."""
 
-import errno
 import fcntl
 import os
 import re
@@ -11,19 +10,18 @@ from pathlib import Path
 
 from ..errors import SceneError
 
-HEAD, LOCK = "head.h5", "lock"
+HEAD, STATE, LOCK = "head.h5", "checkpoint.h5", "lock"
 _OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?|wisdom-\w+")
 
 
-def followed(path) -> Path:
+def followed(path: str | os.PathLike) -> Path:
     """The file that a path stands for: a link is not replaced by a result, what it names is."""
     return Path(os.path.realpath(path)) if os.path.islink(path) else Path(path)
 
 
-def partial_folder(path) -> Path:
+def partial_folder(path: str | os.PathLike) -> Path:
     """Where a run that writes `path` keeps its finished steps and checkpoints."""
-    path = followed(path)
-    return path.with_name(path.name + ".partial")
+    return Path(f"{followed(path)}.partial")
 
 
 def step_files(folder: Path) -> dict[int, Path]:
@@ -36,17 +34,16 @@ def acquire(folder: Path) -> int:
 
     Raises SceneError naming the holder if another process has it. A file system without locks is accepted.
     """
-    while True:
-        folder.mkdir(exist_ok=True)
-        descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
-        if _taken(descriptor, fcntl.LOCK_EX):
-            holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
-            os.close(descriptor)
-            raise SceneError(f"{folder.with_suffix('')}: another run is writing this file ({holder})")
-        # the holder before us may have removed the folder between our open and our lock
-        if (folder / LOCK).exists() and os.path.samestat(os.fstat(descriptor), os.stat(folder / LOCK)):
-            break
+    folder.mkdir(exist_ok=True)
+    descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
+    if _taken(descriptor, fcntl.LOCK_EX):
+        with os.fdopen(descriptor, errors="replace") as file:
+            holder = file.read(200).strip() or "another process"
+        raise SceneError(f"{folder.with_suffix('')}: another run is writing this file ({holder})")
+    # the holder before us may have removed the folder between our open and our lock
+    if not ((folder / LOCK).exists() and os.path.samestat(os.fstat(descriptor), os.stat(folder / LOCK))):
         os.close(descriptor)
+        return acquire(folder)
     with suppress(OSError):  # a full disk is noticed soon
         os.ftruncate(descriptor, 0)
         os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
@@ -60,27 +57,20 @@ def is_held(folder: Path) -> bool:
     return False
 
 
-def clear(folder: Path, keep_lock=False) -> None:
-    """Remove what is ours, the head first: a folder without a head is nobody's run."""
-    names = [p.name for p in folder.iterdir() if _OURS.fullmatch(p.name)] if folder.is_dir() else []
-    for name in sorted(names, key=lambda name: not name.startswith(HEAD)):
-        (folder / name).unlink(missing_ok=True)
+def clear(folder: Path, keep_lock: bool = False) -> None:
+    """Remove what is ours, the head first: a folder without a head that nobody holds is nobody's run."""
+    for file in sorted(folder.glob("*"), key=lambda file: not file.name.startswith(HEAD)):
+        if _OURS.fullmatch(file.name):
+            file.unlink(missing_ok=True)
     if not keep_lock:
         (folder / LOCK).unlink(missing_ok=True)
         with suppress(OSError):  # somebody else may keep something there
             folder.rmdir()
 
 
-def tidy(path) -> None:
-    """Remove what a run that died after it had finished `path` left beside it. One process only."""
-    folder = partial_folder(path)
-    if Path(path).exists() and folder.is_dir() and not (folder / HEAD).exists() and not is_held(folder):
-        clear(folder)
-
-
-def _taken(descriptor, kind) -> bool:
+def _taken(descriptor: int, kind: int) -> bool:
     try:
         fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
     except OSError as error:
-        return error.errno in (errno.EAGAIN, errno.EACCES)
+        return isinstance(error, BlockingIOError)
     return False

@@ -1,27 +1,28 @@
-"""Reading result files: whole ones, and what an interrupted run left. Executes nothing, needs no MPI."""
+"""Reading result files, what an interrupted run left, and checkpoints. Executes nothing, needs no MPI."""
 
+import json
 import os
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
-from .. import errors
-from ..errors import SceneError
-from ..parallel.guard import one_line
+from ..errors import SceneError, one_line
+from ..parallel import guard
 from ..parallel.h5 import CHECKSUM, Stored, inside
-from .attributes import attributes_of
 from .folder import HEAD, is_held, partial_folder, step_files
 
-FORMAT, FORMAT_VERSION = "hpc-gfmd", 3
+FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
+# An attribute of each group with all its texts, as JSON of fixed length. HDF5 keeps texts of any length, which other programs expect,
+# where it has no checksums and where a flipped bit may crash it: we read them from nowhere else.
+RECORD = "record"
 
 
 @dataclass(frozen=True)
 class Result:
     """What a result file says.
 
-    path: of the file, None in memory; surface: attributes of the surface; steps: one dict of attributes per load step, indices: their
-    numbers; status: of the whole run ("running" or "interrupted" if the file was never finished);
-    head: all root attributes; fields: per step {name: Stored}, to be read slab by slab;
+    path: of the file, None in memory; head, surface, steps: attributes of the root, the surface and each load step; indices: numbers of
+    the steps; status: of the whole run ("running" or "interrupted" if it was never finished); fields: per step {name: Stored};
     folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line each.
     """
 
@@ -41,27 +42,20 @@ class Result:
         return str(self.head.get("scene", ""))
 
 
-def read_result(path) -> Result:
-    """The result file, or, if there is none, what an interrupted run left beside it.
-
-    Raises SceneError (one line) if there is nothing, or the file is no HDF5, damaged, foreign or of another version.
-    """
-    path = Path(path)
-    return read_whole(path) if path.exists() or not partial_folder(path).is_dir() else read_partial(path)
-
-
-def read_whole(path) -> Result:
-    """A finished file. Raises SceneError as read_result."""
-    result = _read(Path(path))
-    newer = partial_folder(path) / HEAD
-    if newer.exists() and newer.stat().st_mtime_ns > result.path.stat().st_mtime_ns:
-        left = len(step_files(newer.parent))
-        note = f"a newer run was interrupted, or is running: {left} finished load steps in {newer.parent}"
+def read_result(path: str | os.PathLike) -> Result:
+    """The result file, or, if there is none, what an interrupted run left beside it. Raises SceneError (one line) if there is nothing,
+    or the file is no HDF5, damaged, foreign or of another version."""
+    path, folder = Path(path), partial_folder(path)
+    if not path.exists() and folder.is_dir():
+        return read_partial(path)
+    result, newer = _read(path), folder / HEAD
+    if newer.exists() and newer.stat().st_mtime_ns > path.stat().st_mtime_ns:
+        note = f"a newer run was interrupted, or is running: {len(step_files(folder))} finished load steps in {folder}"
         return replace(result, notes=(note,))
     return result
 
 
-def read_partial(path) -> Result:
+def read_partial(path: str | os.PathLike) -> Result:
     """The finished steps of a run that has not written `path` yet, status "interrupted" (or "running").
 
     Every file in the folder is a result file of its own, with one load step or none, so that one which is damaged says nothing about
@@ -70,32 +64,39 @@ def read_partial(path) -> Result:
     path, folder = Path(path), partial_folder(path)
     if not (folder / HEAD).exists():
         raise SceneError(f"{path}: no such file, and no interrupted run beside it")
-    parts, notes = {}, []
-    for index, file in {None: folder / HEAD, **step_files(folder)}.items():
+    parts: list[Result] = []
+    notes = []
+    for index, file in [(None, folder / HEAD), *step_files(folder).items()]:
         try:
             part = _read(file)
             if index is not None and part.indices != [index]:
                 raise SceneError(f"{file}: holds no load step {index}")
-            if any(part.head.get("identity") != other.head.get("identity") for other in parts.values()):
+            if parts and part.head.get("identity") != parts[0].head.get("identity"):
                 raise SceneError(f"{file}: belongs to another scene")
-            parts[index] = part
+            parts.append(part)
         except SceneError as error:
             notes.append(f"left out: {error}")
     if not parts:
         raise SceneError(notes[0].removeprefix("left out: "))
-    first = next(iter(parts.values()))
-    parts.pop(None, None)
-    return Result(path, first.surface, [part.steps[0] for part in parts.values()], list(parts),
-                  "running" if is_held(folder) else "interrupted", first.head, [part.fields[0] for part in parts.values()],
-                  folder, tuple(notes))
+    steps, indices, fields = ([one for part in parts for one in getattr(part, name)] for name in ("steps", "indices", "fields"))
+    return replace(parts[0], path=path, steps=steps, indices=indices, fields=fields, folder=folder, notes=tuple(notes),
+                   status="running" if is_held(folder) else "interrupted")
 
 
-@contextmanager
-def reading(path, kind=FORMAT):
-    """`with reading(path) as file`: an h5py file of ours; whatever goes wrong inside is one SceneError."""
+def read_checkpoint(path: Path, solver: str, identity: str) -> Result | None:
+    """A file of the same layout with the state of a solver in the place of a load step; None if there is none. Raises SceneError as
+    read_result, and for another solver or scene."""
+    found = _read(path, CHECKPOINT) if path.exists() else None
+    if found and (found.head.get("solver"), found.head.get("identity")) != (solver, identity):
+        of = "another scene" if found.head.get("solver") == solver else found.head.get("solver")
+        raise SceneError(f"{path}: a checkpoint of {of}, allowed: of {solver} and this scene")
+    return found
+
+
+def _read(path: Path, kind: str = FORMAT) -> Result:
+    """All that one file says, its load steps in the order of their numbers; whatever goes wrong is one SceneError."""
     import h5py
 
-    path = Path(path)
     unfit = ("no such file" if not path.exists() else
              f"is the folder of a run, allowed: {path.with_suffix('')}" if path.is_dir() and path.suffix == ".partial" else
              "is a folder, not a result file" if path.is_dir() else
@@ -108,17 +109,22 @@ def reading(path, kind=FORMAT):
         with h5py.File(path, "r", locking=False) as file:
             version = file.attrs.get("format_version")
             if version not in (None, FORMAT_VERSION):
-                raise SceneError(f"{path}: format_version is {errors.one_line(str(version))}, this program reads {FORMAT_VERSION}")
-            if version is None or attributes_of(file).get("format") != kind:
+                raise SceneError(f"{path}: format_version is {one_line(str(version))}, this program reads {FORMAT_VERSION}")
+            head = _attributes(file) if version is not None else {}
+            if head.get("format") != kind:
                 raise SceneError(f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd (format = {kind!r})")
-            yield file
+            surface, group = _attributes(inside(file, "surface")), inside(file, "steps") if "steps" in file else ()
+            steps = {int(name): inside(group, name) for name in sorted(filter(str.isdigit, group), key=int)}
+            fields = [_fields(path, step, surface.get("n", [])) for step in steps.values()]
+            return Result(path, surface, [_attributes(step) for step in steps.values()], list(steps),
+                          str(head.get("status", "unknown")), head, fields)
     except SceneError:
         raise
     except Exception as error:
-        raise SceneError(f"{path}: the file is damaged ({one_line(error)})") from error
+        raise SceneError(f"{path}: the file is damaged ({guard.one_line(error)})") from error
 
 
-def fields_of(path, group, n) -> dict[str, Stored]:
+def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
     """The fields in a group of an open file, to be read slab by slab later. Raises ValueError if one does not fit the surface."""
     found = {}
     for name in group:
@@ -130,12 +136,7 @@ def fields_of(path, group, n) -> dict[str, Stored]:
     return found
 
 
-def _read(path) -> Result:
-    """All that one file says, its load steps in the order of their numbers."""
-    with reading(path) as file:
-        head, surface = attributes_of(file), attributes_of(inside(file, "surface"))
-        found = inside(file, "steps") if "steps" in file else ()
-        steps = [inside(found, name) for name in sorted(filter(str.isdigit, found), key=int)]
-        indices, n = [int(step.name.rpartition("/")[2]) for step in steps], surface.get("n", ())
-        return Result(path, surface, [attributes_of(step) for step in steps], indices, str(head.get("status", "unknown")), head,
-                      [fields_of(path, step, n) for step in steps])
+def _attributes(group: Any) -> dict:
+    """As Python numbers, texts and lists, in the order in which they were written."""
+    texts = json.loads(group.attrs[RECORD])
+    return {name: group.attrs[name].tolist() if text is None else text for name, text in texts.items()}

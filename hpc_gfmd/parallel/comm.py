@@ -1,71 +1,77 @@
 """The communicator: a thin layer over MPI, or a stand-in for one process."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .shared import can_share
+
+T = TypeVar("T")
 
 
 class SerialComm:
     """One process: every reduction is the identity. parent: the communicator that this is a part of."""
 
-    rank, size, mpi = 0, 1, None
+    rank, size = 0, 1
+    mpi: Any = None
 
-    def __init__(self, parent=None):
+    def __init__(self, parent: "Comm | None" = None):
         self.parent = parent
 
-    def sum(self, values):
+    def sum(self, values: ArrayLike) -> np.ndarray:
         """Sum over ranks of each number; returns an array of float64."""
         return np.asarray(values, dtype=np.float64)
 
     max = min = sum
 
-    def bcast(self, obj, root=0):
+    def bcast(self, obj: Any, root: int = 0) -> Any:
         """The object of one rank."""
         return obj
 
-    def allgather(self, obj):
+    def allgather(self, obj: Any) -> list:
         """The list of every rank's object."""
         return [obj]
 
-    def gather(self, obj):
+    def gather(self, obj: Any) -> list | None:
         """The list of every rank's object on rank 0, None on the others."""
         return [obj]
 
-    def alltoall(self, arrays):
+    def alltoall(self, arrays: list[np.ndarray]) -> list[np.ndarray]:
         """The list of what every rank had for this one; arrays: one for each rank, of two axes and one dtype."""
         return arrays
 
-    def counts(self, number):
+    def counts(self, number: int) -> np.ndarray:
         """Every rank's whole number, an array."""
         return np.array([number])
 
-    def share(self, values):
+    def share(self, values: ArrayLike) -> np.ndarray:
         """Rank 0's numbers, an array of float64; the others give as many."""
         return np.asarray(values, dtype=np.float64)
 
-    def exchange(self, send, receive):
+    def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
         """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled from it; contiguous arrays."""
 
-    def pass_on(self, obj, ranks, source):
+    def pass_on(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
         """The object of rank `source`; ranks: those that want the object of this one."""
         return obj
 
-    def fold(self, obj, join):
+    def fold(self, obj: T, join: Callable[[T, T], T]) -> T | None:
         """The objects of all ranks in their order, joined two at a time by join(one, next one), on rank 0; None on the others."""
         return obj
 
-    def among(self, ranks):
+    def among(self, ranks: Sequence[int]) -> "Comm | None":
         """The communicator of these ranks alone, rank 0 first; None on others."""
         return self
 
-    def barrier(self):
+    def barrier(self) -> None:
         """Wait for all ranks."""
 
     @property
-    def machine(self):
+    def machine(self) -> "Comm":
         """The communicator of the ranks on the same machine."""
         return self
 
@@ -80,13 +86,13 @@ class Traffic:
     bytes: int = 0
     messages: int = 0
 
-    def add(self, nbytes, messages=1):
+    def add(self, nbytes: float, messages: int = 1) -> None:
         """Count messages of so many bytes together."""
         self.bytes += int(nbytes)
         self.messages += int(messages)
 
 
-def stages(size):
+def stages(size: int) -> int:
     """How many messages a rank sends in a reduction over so many ranks, by recursive doubling."""
     return (size - 1).bit_length()
 
@@ -95,51 +101,51 @@ class MpiComm:
     """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`; sent: its Traffic, that of parts
     of it counted."""
 
-    def __init__(self, mpi, parent=None):
+    def __init__(self, mpi: Any, parent: "MpiComm | None" = None):
         self.mpi, self.parent = mpi, parent
         self.rank = mpi.Get_rank()
         self.size = mpi.Get_size()
-        self.sent = parent.sent if parent else Traffic()
-        self._among = {}
+        self.sent: Traffic = parent.sent if parent else Traffic()
+        self._among: dict[tuple[int, ...], Comm | None] = {}
 
-    def _reduce(self, values, op):
+    def _reduce(self, values: ArrayLike, op: Any) -> np.ndarray:
         send = np.ascontiguousarray(values, dtype=np.float64)
         recv = np.empty_like(send)
         self.mpi.Allreduce(send, recv, op=op)
         self.sent.add(send.nbytes * stages(self.size), stages(self.size))
         return recv
 
-    def sum(self, values):
+    def sum(self, values: ArrayLike) -> np.ndarray:
         """Sum over ranks of each number; returns an array of float64."""
         from mpi4py import MPI
 
         return self._reduce(values, MPI.SUM)
 
-    def max(self, values):
+    def max(self, values: ArrayLike) -> np.ndarray:
         """Largest over ranks of each number."""
         from mpi4py import MPI
 
         return self._reduce(values, MPI.MAX)
 
-    def min(self, values):
+    def min(self, values: ArrayLike) -> np.ndarray:
         """Smallest over ranks of each number."""
         from mpi4py import MPI
 
         return self._reduce(values, MPI.MIN)
 
-    def bcast(self, obj, root=0):
+    def bcast(self, obj: Any, root: int = 0) -> Any:
         """The object of one rank."""
         return self.mpi.bcast(obj, root=root)
 
-    def allgather(self, obj):
+    def allgather(self, obj: Any) -> list:
         """The list of every rank's object."""
         return self.mpi.allgather(obj)
 
-    def gather(self, obj):
+    def gather(self, obj: Any) -> list | None:
         """The list of every rank's object on rank 0, None on the others."""
         return self.mpi.gather(obj, root=0)
 
-    def alltoall(self, arrays):
+    def alltoall(self, arrays: list[np.ndarray]) -> list[np.ndarray]:
         """The list of what every rank had for this one; arrays: one for each rank, of two axes and one dtype."""
         shapes, dtype = np.empty((self.size, 2), np.int64), arrays[0].dtype
         self.mpi.Alltoall(np.array([a.shape for a in arrays], np.int64), shapes)
@@ -149,19 +155,19 @@ class MpiComm:
         self.alltoall_bytes((np.concatenate([a.ravel() for a in arrays]), lengths[0], offsets[0]), (found, lengths[1], offsets[1]))
         return [part.reshape(shape) for part, shape in zip(np.split(found, offsets[1][1:] // dtype.itemsize), shapes)]
 
-    def counts(self, number):
+    def counts(self, number: int) -> np.ndarray:
         """Every rank's whole number, an array."""
         found = np.empty(self.size, np.int64)
         self.mpi.Allgather(np.array([number], np.int64), found)
         return found
 
-    def share(self, values):
+    def share(self, values: ArrayLike) -> np.ndarray:
         """Rank 0's numbers, an array of float64; the others give as many."""
         values = np.array(values, dtype=np.float64)
         self.mpi.Bcast(values, root=0)
         return values
 
-    def exchange(self, send, receive):
+    def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
         """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled from it; contiguous arrays."""
         from mpi4py import MPI
 
@@ -170,14 +176,14 @@ class MpiComm:
         self.sent.add(sum(a.nbytes for a in send.values()), len(send))
         MPI.Request.Waitall(requests)
 
-    def alltoall_bytes(self, send, receive):
+    def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
         """send, receive: (array, bytes for or from each rank, their offsets)."""
         from mpi4py import MPI
 
         self.mpi.Alltoallv([send[0].view(np.uint8), *send[1:], MPI.BYTE], [receive[0].view(np.uint8), *receive[1:], MPI.BYTE])
         self.sent.add(sum(send[1]) - send[1][self.rank], np.count_nonzero(send[1]) - (send[1][self.rank] > 0))
 
-    def pass_on(self, obj, ranks, source):
+    def pass_on(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
         """The object of rank `source`; ranks: those that want the object of this one."""
         requests = [self.mpi.isend(obj, dest=rank) for rank in ranks]
         found = self.mpi.recv(source=source)
@@ -185,7 +191,7 @@ class MpiComm:
             request.wait()
         return found
 
-    def fold(self, obj, join):
+    def fold(self, obj: T, join: Callable[[T, T], T]) -> T | None:
         """The objects of all ranks in their order, joined two at a time by join(one, next one), on rank 0; None on the others. Up a
         tree: a rank gets log2(ranks) messages at most."""
         step = 1
@@ -198,7 +204,7 @@ class MpiComm:
             step *= 2
         return obj
 
-    def among(self, ranks):
+    def among(self, ranks: Sequence[int]) -> "Comm | None":
         """The communicator of these ranks alone, rank 0 first; None on others. Made once: MPI has few of them. Collective."""
         from mpi4py import MPI
 
@@ -211,29 +217,32 @@ class MpiComm:
             self._among[ranks] = made
         return self._among[ranks]
 
-    def barrier(self):
+    def barrier(self) -> None:
         """Wait for all ranks."""
         self.mpi.Barrier()
 
     @cached_property
-    def machine(self):
+    def machine(self) -> "Comm":
         """The communicator of the ranks on the same machine. Collective where it is asked for first."""
         return MpiComm(same_machine(self.mpi), self)
 
     @cached_property
-    def node(self):
+    def node(self) -> "Comm":
         """That of the ranks that have memory in common with this one: all on the machine, or none. Collective as `machine`."""
         return self.machine if self.machine.size > 1 and can_share(self.machine) else SerialComm(self)
 
     @cached_property
-    def beside(self):
+    def beside(self) -> np.ndarray:
         """The numbers of these ranks, ascending. Collective as `node`."""
         if self.node.size == 1:
             return np.array([self.rank])
         return self.node.counts(self.rank)
 
 
-def same_machine(mpi):
+Comm = SerialComm | MpiComm
+
+
+def same_machine(mpi: Any) -> Any:
     """The part of an mpi4py communicator that is on one machine. Collective."""
     from mpi4py import MPI
 

@@ -1,23 +1,28 @@
 """Blocks of work that fail on all ranks or on none: a rank that raises while others wait hangs the job."""
 
 import re
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
 
 from .. import errors
-from ..errors import GfmdError, SceneError
+from ..errors import GfmdError
+from .comm import Comm
+
+T = TypeVar("T")
 
 
 @contextmanager
-def guarded(comm, doing: str):
+def guarded(comm: Comm, doing: str) -> Iterator[None]:
     """Collective block: when any rank fails inside it, every rank leaves it with an error.
 
     `doing` starts the message ("writing contact.h5"). The block itself must hold no collective call that a
-    failing rank would skip. A SceneError stays what it is, anything else becomes a GfmdError.
+    failing rank would skip, unless in a guarded block of its own. A GfmdError stays what it is, anything else becomes one.
     """
-    error = None
+    error: GfmdError | None = None
     try:
         yield
-    except SceneError as caught:
+    except GfmdError as caught:
         error = caught
     except Exception as caught:
         error = GfmdError(f"{doing}: {one_line(caught)}")
@@ -25,7 +30,7 @@ def guarded(comm, doing: str):
     agree(comm, error)
 
 
-def on_rank_0(comm, doing: str, work):
+def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
     """What work() gives on rank 0, for all ranks; where it fails, every rank leaves with its error, as of `guarded`. Collective."""
     found = None
     with guarded(comm, doing):
@@ -34,7 +39,7 @@ def on_rank_0(comm, doing: str, work):
     return comm.bcast(found)
 
 
-def agree(comm, error):
+def agree(comm: Comm, error: Exception | None) -> None:
     """Raise on every rank if any rank has an error (an exception or None): the first one's, as the same type."""
     if comm.size == 1:
         if error is not None:

@@ -8,18 +8,20 @@ seen to report success on one.
 
 import io
 import os
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..errors import GfmdError
-from .comm import SerialComm
-from .guard import guarded, on_rank_0, one_line
+from .comm import Comm, SerialComm
+from .guard import guarded, on_rank_0
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
-CHECKSUM = "checksum"  # attribute of a field
+CHECKSUM = "checksum"  # attribute of a field; HDF5's own, Fletcher-32, needs chunks and is five times as slow as writing
 PIECE_BYTES = 2**26  # per rank and call: little extra memory, and far below the 2 GB where MPI-IO fails
 PACKED = {"shuffle": True, "compression": "gzip", "compression_opts": 1}
 _SLACK, _PER_CHUNK = 2**16, 64  # bytes, generous; what is not needed is given back
@@ -34,115 +36,90 @@ class Stored:
     shape: tuple[int, int]
     dtype: np.dtype
     checksum: int
-    passed: tuple[int, int] = (0, 0)  # how many rows `read` gave one after the other from the first on, and their checksum
+    passed: tuple[int, int] = (0, 0)  # how many rows were read one after the other from the first on, and their checksum
 
-    @property
-    def span(self) -> tuple[int, int]:
-        """(start, stop) of the rows that can be read: all."""
-        return 0, self.shape[0]
-
-    def pieces(self, comm=None, rows=None):
+    def pieces(self, comm: Comm | None = None, rows: tuple[int, int] | None = None) -> Iterator[tuple[int, np.ndarray]]:
         """(start, rows from there on), ... as many on every rank; rows: (start, stop) of this one (default: all of one process).
-
-        Collective; raises GfmdError, after the last one where it is the numbers of the field, every row of which has one rank, that are
-        damaged.
-        """
-        comm, found, doing = comm or SerialComm(), 0, f"reading {self.path}"
+        Collective; raises GfmdError, for damaged numbers after the last row of a pass over all of them, in one call or several."""
+        comm, rows, found, doing = comm or SerialComm(), rows or (0, self.shape[0]), 0, f"reading {self.path}"
         with opened(comm, self.path, "r", doing) as file:
-            def read(start, stop):
-                nonlocal found
+            for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
                 with guarded(comm, doing):  # before the others begin to read together
                     part = np.empty((stop - start, self.shape[1]), self.dtype)
-                _transfer(file[self.dataset], start, part, "read")
-                found += _checksum(part, start)
-                return part
+                with guarded(comm, doing):
+                    _transfer(file[self.dataset], start, part, "read")
+                    found += _checksum(part, start)
+                yield start, part
+        begin, end = comm.max([-rows[0], rows[1]])  # of all ranks
+        before, known = self.passed if begin else (0, 0)
+        if before == -begin:  # otherwise it is no pass over all of them
+            self.passed = int(end), (known + _total(comm, found)) % 2**64
+            if end == self.shape[0] and self.passed[1] != self.checksum:
+                raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
 
-            yield from _pieces(comm, rows or self.span, self.shape[1] * self.dtype.itemsize, doing, read)
-        self._check(sum(comm.allgather(found)))
-
-    def slab(self, comm, rows) -> np.ndarray:
+    def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
         """This rank's rows (start, stop) in one array. Collective; raises GfmdError as `pieces`."""
-        found = None
         with guarded(comm, f"reading {self.path}"):
             found = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
         for start, part in self.pieces(comm, rows):
             found[start - rows[0] : start - rows[0] + len(part)] = part
         return found
 
-    def read(self, start, stop) -> np.ndarray:
-        """Rows start <= i < stop. Not collective: every rank may read what it needs.
-
-        Raises GfmdError if it cannot, and with the last rows of a pass over all of them where these are damaged.
-        """
-        import h5py
-
-        try:
-            with h5py.File(self.path, "r", locking=False) as file:
-                rows = file[self.dataset][start:stop]
-        except (OSError, KeyError, ValueError) as error:
-            raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged ({one_line(error)})") from error
-        done, found = self.passed if start else (0, 0)
-        if start == done:  # otherwise it is no pass over all of them
-            self.passed = stop, found + _checksum(rows, start)
-            if stop == self.shape[0]:
-                self._check(self.passed[1])
-        return rows
-
-    def _check(self, found):
-        if found % 2**64 != self.checksum:
-            raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
+    def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
+        """Rows start <= i < stop. Not collective: every rank may read what it needs. Raises GfmdError as `pieces`."""
+        return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
 
 
-def io_way(comm) -> str:
-    """How fields are written and read: "mpio", or "serial" (one rank, or HDF5 without MPI)."""
+def driver(comm: Comm) -> dict[str, Any]:
+    """Keywords of h5py.File: by MPI-IO, where opening and closing are collective, on several ranks if HDF5 has it."""
     import h5py
 
-    return "mpio" if comm.size > 1 and h5py.get_config().mpi else "serial"
+    return {"driver": "mpio", "comm": comm.mpi} if comm.size > 1 and h5py.get_config().mpi else {"locking": False}
 
 
-def driver(comm) -> dict:
-    """Keywords of h5py.File for that; opening and closing are collective by MPI-IO."""
-    return {"driver": "mpio", "comm": comm.mpi} if io_way(comm) == "mpio" else {"locking": False}
+def io_way(comm: Comm) -> str:
+    """How fields are written and read: "mpio" or "serial"."""
+    return driver(comm).get("driver", "serial")
 
 
-def write_file(comm, path, n, rows, fields, describe=lambda file: None, compressed=False, dtype=None) -> None:
-    """Write one HDF5 file, all of it or nothing. Collective.
+def write_file(comm: Comm, path: Path, n: tuple[int, int], rows: tuple[int, int], fields: Mapping[str, Any],
+               describe: Callable = lambda file: None, compressed: bool = False, dtype: str | None = None) -> dict[str, Stored]:
+    """Write one HDF5 file, all of it or nothing; returns its fields. Collective.
 
     n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; fields: {dataset: local slab, which is only sliced, or Stored}, with
     the same names on every rank; describe(file): called by rank 0 when the datasets are there, still empty; compressed: rows are
     chunks (so that none belongs to two ranks), shuffled and packed; dtype: as stored (default: as they come).
     Raises GfmdError on every rank when any of them fails (disk full, folder gone, field of a wrong shape, Stored one damaged).
     """
-    path = Path(path)
     tmp, doing, together = path.with_name(path.name + ".tmp"), f"writing {path}", io_way(comm) == "mpio"
-    types = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}
+    types, stored = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}, {}
     try:
         on_rank_0(comm, doing, lambda: _lay_out(tmp, n, types, describe, compressed))
-        if fields:
-            with opened(comm, tmp, "r+", doing) as file:
-                for name, field in fields.items():
-                    found = 0
-                    for start, part in _parts(comm, field, types[name], n, rows, doing):
-                        parts = [(start, part)] if together else comm.gather((start, part)) or ()
-                        with guarded(comm, doing):
-                            for one in parts:
-                                _transfer(file[name], *one, "write")
-                                sync(tmp, wait=False)
-                            found += _checksum(part, start)
-                    found = sum(comm.allgather(found)) % 2**64
-                    if file is not None:
-                        file[name].attrs.modify(CHECKSUM, np.uint64(found))
+        with opened(comm, tmp, "r+", doing) as file:
+            for name, field in fields.items():
+                found = 0
+                for start, part in _parts(comm, field, types[name], n, rows, doing):
+                    parts = [(start, part)] if together else comm.gather((start, part)) or ()
+                    with guarded(comm, doing):
+                        for at, numbers in parts:
+                            _transfer(file[name], at, numbers, "write")
+                            sync(tmp, wait=False)
+                        found += _checksum(part, start)
+                stored[name] = Stored(path, name, n, types[name], _total(comm, found))
+                if together or comm.rank == 0:
+                    file[name].attrs.modify(CHECKSUM, np.uint64(stored[name].checksum))
         with guarded(comm, doing):
             if comm.rank == 0 or together:
                 sync(tmp)
-        on_rank_0(comm, doing, lambda: (os.replace(tmp, path), sync(path.parent)))
+        on_rank_0(comm, doing, lambda: sync(tmp.replace(path).parent))
     except GfmdError:
         if comm.rank == 0:
             tmp.unlink(missing_ok=True)
         raise
+    return stored
 
 
-def sync(path, wait=True) -> None:
+def sync(path: Path, wait: bool = True) -> None:
     """Bring a file or folder to the disk, or have the system begin to: the disk is busy then while the next piece is made."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
@@ -152,29 +129,20 @@ def sync(path, wait=True) -> None:
 
 
 @contextmanager
-def opened(comm, path, mode, doing):
-    """An h5py file, by MPI-IO where that is possible; otherwise each rank has its own to read ("r"), and rank 0 alone one to write
-    ("r+"), the others None. Collective."""
+def opened(comm: Comm, path: Path, mode: str, doing: str) -> Iterator[Any]:
+    """An h5py file, by MPI-IO where it can be; otherwise each rank's own to read ("r"), rank 0's alone to write ("r+"). Collective."""
     import h5py
 
-    how, file = driver(comm), None
+    how = driver(comm)
     with guarded(comm, doing):
         os.stat(path)  # before ranks that see it wait for one that does not
     with guarded(comm, doing):
-        if "comm" in how or mode == "r" or comm.rank == 0:
-            file = h5py.File(path, mode, libver=VERSIONS, **how)
-    try:
+        file = h5py.File(path, mode, libver=VERSIONS, **how) if "comm" in how or mode == "r" or comm.rank == 0 else nullcontext()
+    with guarded(comm, doing), file:
         yield file
-    except GfmdError:  # all ranks are here
-        with suppress(Exception):
-            file.close()
-        raise
-    with guarded(comm, doing):
-        if file is not None:
-            file.close()
 
 
-def inside(group, name):
+def inside(group: Any, name: str) -> Any:
     """The group or dataset `name`. Raises ValueError if it, or its numbers, lie in another file: a link, a virtual or an external
     dataset could name any one of the machine."""
     import h5py
@@ -187,7 +155,7 @@ def inside(group, name):
     return found
 
 
-def _lay_out(path, n, types, describe, compressed) -> None:
+def _lay_out(path, n, types, describe, compressed):
     """The file without the numbers of the fields, and the disk space for all of it. One process only."""
     import h5py
 
@@ -210,46 +178,43 @@ def _lay_out(path, n, types, describe, compressed) -> None:
 
 def _parts(comm, field, dtype, n, rows, doing):
     """(start, rows from there on), ... of a Stored field or a local slab."""
-    def get(start, stop):
-        part = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
-        if part.shape != (stop - start, n[1]) or stop > n[0]:
-            raise ValueError(f"{part.shape} points in rows {start}:{stop} of {tuple(n)}")
-        return part
-
-    return field.pieces(comm, rows) if isinstance(field, Stored) else _pieces(comm, rows, n[1] * dtype.itemsize, doing, get)
-
-
-def _pieces(comm, rows, row_bytes, doing, get):
-    """(start, get(start, stop)), ... of this rank's rows, as many on every rank."""
-    ranks = comm.size if io_way(comm) == "serial" else 1  # of which rank 0 has a piece each
-    step = max(1, PIECE_BYTES // (row_bytes * ranks))
-    calls = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
-    for start in range(rows[0], rows[0] + calls * step, step):
-        start, stop = min(start, rows[1]), min(start + step, rows[1])
+    if isinstance(field, Stored):
+        yield from field.pieces(comm, rows)
+        return
+    for start, stop in _cuts(comm, rows, n[1] * dtype.itemsize):
         with guarded(comm, doing):
-            part = get(start, stop)
+            part = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
+            if part.shape != (stop - start, n[1]) or stop > n[0]:
+                raise ValueError(f"{part.shape} points in rows {start}:{stop} of {tuple(n)}")
         yield start, part
 
 
-def _transfer(dataset, start, rows, what) -> None:
+def _cuts(comm, rows, row_bytes):
+    """(start, stop) of pieces of this rank's rows, as many on every rank."""
+    ranks = comm.size if io_way(comm) == "serial" else 1  # of which rank 0 has a piece each
+    step = max(1, PIECE_BYTES // (row_bytes * ranks))
+    calls = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
+    return [(min(i, rows[1]), min(i + step, rows[1])) for i in range(rows[0], rows[0] + calls * step, step)]
+
+
+def _transfer(dataset, start, rows, what):
     """HDF5's "read" or "write", collective by MPI-IO; low-level because h5py's own leaves out ranks without rows."""
     from h5py import h5fd, h5p, h5s
 
     memory, space, how = h5s.create_simple(rows.shape), dataset.id.get_space(), h5p.create(h5p.DATASET_XFER)
     if dataset.file.driver == "mpio":
         how.set_dxpl_mpio(h5fd.MPIO_COLLECTIVE)
-    if len(rows):
-        space.select_hyperslab((start, 0), rows.shape)
-    else:
-        memory.select_none()
-        space.select_none()
+    space.select_hyperslab((start, 0), rows.shape)
     getattr(dataset.id, what)(memory, space, rows, dxpl=how)
 
 
-def _checksum(rows, start) -> int:
-    """Of rows start, start + 1, ...: the sum of their words, times an odd number of the row; adds up over pieces and ranks.
-
-    HDF5's own for fields, Fletcher-32, needs chunks and is five times as slow as writing.
-    """
+def _checksum(rows: np.ndarray, start: int) -> int:
+    """Of rows start, start + 1, ...: the sum of their words, times an odd number of the row; adds up over pieces and ranks."""
     words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
     return int(words.sum(axis=1, dtype=np.uint64) @ np.arange(2 * start + 1, 2 * (start + len(rows)), 2, dtype=np.uint64))
+
+
+def _total(comm: Comm, checksum: int) -> int:
+    """Sum over ranks modulo 2**64; as halves, which float64 adds exactly."""
+    high, low = comm.sum(divmod(checksum % 2**64, 2**32))
+    return (int(high) * 2**32 + int(low)) % 2**64

@@ -76,12 +76,18 @@ def ticks(axis: Any) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def legend_below(fig: Any) -> None:
-    """One legend of all panels, below them."""
+def legend(fig: Any, loc: str, columns: int = 1) -> None:
+    """One legend of all panels, each label once; columns: at most."""
     handles: dict[str, Any] = {}
     for ax in fig.axes:
-        handles |= dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
-    fig.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=min(4, max(1, len(handles))))
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(columns, max(1, len(handles))))
+
+
+def legend_below(fig: Any) -> None:
+    """The same, below the panels."""
+    legend(fig, "outside lower center", 4)
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..plotting.style import COLOURS, THEORY, figure
+from ..plotting.style import COLOURS, THEORY, figure, legend
 from ..theory import elastic, persson
 from .levels import HURST, PRESSURES
 from .rows import Rows, by_hurst, low_high
@@ -185,8 +185,4 @@ def _legend(fig: Any, rows: Rows | None = None, edge: bool = False, marks: Seque
         key("0.35", "o", "edge-corrected", "white")
     for member, mark in marks:
         key("0.35", mark, f"${SYMBOLS[series]} = 1/{member:g}$")
-    handles: dict[str, Any] = {}
-    for ax in fig.axes:
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
-    fig.legend(list(handles.values()), list(handles), loc="outside right upper")
+    legend(fig, "outside right upper")

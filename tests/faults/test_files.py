@@ -154,7 +154,7 @@ def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd):
         cut(path, data, 0.7)
     else:
         with h5py.File(path) as file:
-            place = file["g"].id.get_offset() + 64 if left == "numbers" else data.index(b"OHDR") + 30
+            place = file["steps/0000/g"].id.get_offset() + 64 if left == "numbers" else data.index(b"OHDR") + 30
         path.write_bytes(data[:place] + b"\x55" * 64 + data[place + 64 :])
     capfd.readouterr()
     run = restart(tmp_path / "out.h5", ["machine.wall_seconds=1e9"])

@@ -6,13 +6,10 @@ import os
 import resource
 import signal
 from pathlib import Path
-from types import SimpleNamespace
 
 from hpc_gfmd.commands.show import as_dict, as_text
 from hpc_gfmd.errors import GfmdError
-from hpc_gfmd.output.checkpoint import read_checkpoint
-from hpc_gfmd.output.read import read_result
-from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.output.read import read_checkpoint, read_result
 from hpc_gfmd.scene import File, Scene, load_scene
 from hpc_gfmd.surface.files import HeightMap
 from hpc_gfmd.theory import tfc
@@ -55,9 +52,10 @@ def read_results(path):
 
 def read_state(path):
     """A checkpoint and its arrays."""
-    found = read_checkpoint(SerialComm(), path, "bpx", "abc")
-    if found.n[0] * found.n[1] <= MOST_POINTS:
-        found.arrays(SimpleNamespace(comm=SerialComm(), n=found.n, rows=(0, found.n[0])))
+    found = read_checkpoint(path, "bpx", "abc")
+    for field in found.fields[0].values():
+        if field.shape[0] * field.shape[1] <= MOST_POINTS:
+            field.read()
 
 
 def read_runs(path):

@@ -9,7 +9,6 @@ import numpy as np
 from scipy.io import netcdf_file
 
 import hpc_gfmd
-from hpc_gfmd.output.checkpoint import write_checkpoint
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.theory import tfc
@@ -80,10 +79,10 @@ def _results(folder):
 
 
 def _checkpoints(folder):
-    path = folder / "checkpoint.h5"
     grid = type("Grid", (), {"n": N, "rows": (0, N[0])})
-    write_checkpoint(SerialComm(), path, grid, 0, "bpx", ({"g": FIELD, "p": FIELD}, {"s": 1.0}), 2.0, "abc")
-    return [path]
+    with RunFile(SerialComm(), folder / "out.h5", N, grid.rows, {"identity": "abc"}, SURFACE) as run:
+        run.write_checkpoint(grid, "bpx", 0, ({"g": FIELD, "p": FIELD}, {"s": 1.0}), 2.0)
+    return [run.partial / "checkpoint.h5"]
 
 
 def _runs(folder):

@@ -6,8 +6,8 @@ from fuzz.readers import outcome
 from fuzz.seeds import FIELD, SCENE, STEP, SURFACE
 from hypothesis import strategies as st
 
-from hpc_gfmd.output.attributes import set_attributes
 from hpc_gfmd.output.read import FORMAT, FORMAT_VERSION
+from hpc_gfmd.output.record import set_attributes
 
 NUMBERS = st.integers(-2**63, 2**63 - 1) | st.floats() | st.booleans()
 VALUES = st.one_of(NUMBERS, st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=10),
@@ -81,6 +81,6 @@ def check_result(content, folder):
 
 
 def _set(group, attributes, changes):
-    set_attributes(group, attributes)
+    set_attributes(group, {".": attributes})
     for name, value in changes.items():
         group.attrs[name] = value

@@ -10,7 +10,7 @@ from scene_tables import WAVE, tables
 
 import hpc_gfmd
 from hpc_gfmd.cli import main
-from hpc_gfmd.errors import NotConverged, SceneError
+from hpc_gfmd.errors import NotConverged
 from hpc_gfmd.scene import Scene
 
 
@@ -108,12 +108,6 @@ def test_the_python_interface_has_the_same_notes(z):
     assert "flat surface" in hpc_gfmd.solve(np.full((8, 8), 3.0), 5.0).note
 
 
-@pytest.mark.parametrize("change", [{"lam_s_over_a": 1.9}, {"L_over_lam_l": 0.9}])
-def test_spectra_that_the_grid_or_the_cell_cannot_hold_are_errors(change):
-    with pytest.raises(SceneError, match=next(iter(change))):
-        Scene.from_dict(tables(change))
-
-
 @pytest.mark.parametrize(("periods", "warned"), [([1, 0], 0), ([2, 0], 1), ([2, 2], 2)])
 def test_waves_of_a_few_points_are_warned_of(periods, warned):
     found = Scene.from_dict(tables(WAVE | {"n": [12, 12], "periods": periods})).warnings()
@@ -125,22 +119,6 @@ def test_plan_tells_before_the_run(tmp_path, capfd):
     (tmp_path / "scene.toml").write_text(scene([1e-5], 1e-3, "auto"))
     assert main(["plan", str(tmp_path / "scene.toml")]) == 0
     assert "fewer than 100 of the 64 x 64 points touch" in capfd.readouterr().out
-
-
-def test_heights_that_mean_nothing_are_refused(z):
-    holes = np.ma.masked_less(z, 0)
-    for wrong in (holes, z.astype(object), z.astype(complex), z > 0, np.where(z == z.max(), np.inf, z), z[0], z[:0], z[None]):
-        with pytest.raises(SceneError):
-            hpc_gfmd.solve(wrong, 0.1)
-    assert hpc_gfmd.solve(np.ma.array(z, mask=False), 0.1).status == "converged"
-    for wrong in ({"E_star": "soft"}, {"physical_sizes": 3.0}, {"physical_sizes": (1.0, np.nan)}, {"threads": "many"}, {"threads": 0}):
-        with pytest.raises(SceneError):
-            hpc_gfmd.solve(z, 0.1, **wrong)
-
-
-def test_a_flat_wall_has_no_p_star():
-    with pytest.raises(SceneError, match=r"load\.p_star: found a flat surface"):
-        Scene.from_dict(tables(WAVE | {"amplitude": 0}))
 
 
 def test_steep_heights_are_told(z):

@@ -87,22 +87,6 @@ def test_what_the_file_says(name, unit, tmp_path):
     assert found.periodic is (True if name in ("z.nc", "z.h5") else None)
 
 
-def test_the_same_numbers_from_every_format(tmp_path):
-    """With nothing in the scene but path, load and modulus."""
-    found = {}
-    for name, unit in zip(FORMATS, ["nm", "um", "m"] * len(FORMATS)):
-        FORMATS[name](tmp_path / name, unit)
-        scene = {"surface": {"kind": "file", "path": str(tmp_path / name)}, "load": {"pressure": 0.02}, "material": {"E_star": 1.0}}
-        (step,) = run_scene(Scene.from_dict(scene), out=tmp_path / f"of-{name}.h5", quiet=True).steps
-        with h5py.File(tmp_path / f"of-{name}.h5") as file:
-            attributes = file["surface"].attrs
-            assert attributes["unit"] == "m"
-            found[name] = [step["a_r"], step["gap_mean"], attributes["g_rms"], attributes["h_rms"], *attributes["physical_sizes"]]
-    assert 0 < found["z.nc"][0] < 1
-    for numbers in found.values():
-        assert numbers == pytest.approx(found["z.nc"], rel=1e-6, abs=0)
-
-
 @pytest.mark.parametrize("unit", UNITS)
 def test_the_same_numbers_in_every_unit(unit, tmp_path):
     """Path, load and modulus alone, in a notebook: every format in every unit."""

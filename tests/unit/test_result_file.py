@@ -1,8 +1,5 @@
 """The result file on one process: what it holds, and what is refused as one."""
 
-import subprocess
-import sys
-
 import h5py
 import numpy as np
 import pytest
@@ -42,16 +39,6 @@ def test_the_layout_is_the_documented_one(path):
         assert list(file["surface"].attrs["n"]) == list(N)
 
 
-@pytest.mark.parametrize(("dtype", "compressed"), [(None, True), ("single", False), ("single", True)])
-def test_down_conversion_and_compression(path, dtype, compressed):
-    complete(path, 1, dtype=dtype, compressed=compressed)
-    stored = read_result(path).fields[0]["gap"]
-    assert stored.dtype == np.dtype(dtype or "double")
-    with h5py.File(path) as file:
-        assert (file[stored.dataset].compression == "gzip") == compressed
-    assert np.array_equal(stored.read(0, N[0]), FIELD)
-
-
 def test_attributes_of_all_kinds_survive(path):
     step = {"p": 1, "flag": True, "text": "mu \u03bc", "list": [1.0, 2.0], "nothing": None, "nan": float("nan"),
             "numpy": np.float32(0.5), "words": ["a", "b"]}
@@ -62,11 +49,6 @@ def test_attributes_of_all_kinds_survive(path):
     assert np.isnan(found.pop("nan"))
     assert found == {"p": 1, "flag": True, "text": "mu \u03bc", "list": [1.0, 2.0], "numpy": 0.5, "words": ["a", "b"]}
     assert type(found["flag"]) is bool
-
-
-def test_fields_of_the_wrong_shape_are_refused(path):
-    with begin(path) as run, pytest.raises(GfmdError, match=r"step-0000\.h5: \(5, 6\) points in rows 0:6 of \(6, 5\)"):
-        run.write_step(0, STEP, {"gap": FIELD.T})
 
 
 def test_write_file_leaves_no_trace_of_a_failure(tmp_path):
@@ -136,13 +118,3 @@ def test_garbled_files_are_refused(path):
         assert said == [STEP] or "damaged" in said or "not a result" in said
         assert "\n" not in said
     assert refusals > 10
-
-
-def test_reading_starts_neither_mpi_nor_numba(path):
-    complete(path, 1)
-    code = (
-        "import sys; from hpc_gfmd.cli import main; "
-        f"assert main(['show', {str(path)!r}]) == main(['plot', {str(path)!r}]) == 0; "
-        "assert not {'mpi4py', 'numba'} & set(sys.modules)"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)

@@ -11,7 +11,6 @@ from result_files import FIELD, N, begin, complete, interrupted
 
 from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
-from hpc_gfmd.output.checkpoint import read_checkpoint, write_checkpoint
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.parallel.comm import SerialComm
@@ -59,7 +58,8 @@ def test_any_flipped_bit_of_a_step_is_noticed_or_means_nothing(path, bit):
 def test_what_lies_in_the_place_of_a_step_is_left_out(path, tmp_path):
     """Another step, a head, a checkpoint, a step of another scene: refused, named, solved again."""
     folder = interrupted(path)
-    write_checkpoint(SerialComm(), folder / "checkpoint.h5", GRID, 0, "bpx", ({"g": FIELD}, {}), None, "abc")
+    with begin(path, resume=True) as run:
+        run.write_checkpoint(GRID, "bpx", 0, ({"g": FIELD}, {}))
     other = interrupted(tmp_path / "other.h5", identity="xyz") / "step-0001.h5"
     for source, words in ((folder / "step-0000.h5", "holds no load step 1"), (folder / "head.h5", "holds no load step 1"),
                           (folder / "checkpoint.h5", "not a result"), (other, "belongs to another scene")):
@@ -76,15 +76,21 @@ def test_what_lies_in_the_place_of_a_step_is_left_out(path, tmp_path):
 
 
 def test_a_checkpoint_belongs_to_its_scene(path, tmp_path):
-    write_checkpoint(SerialComm(), tmp_path / "checkpoint.h5", GRID, 0, "bpx", ({"g": FIELD}, {"s": 1.5}), None, "abc")
-    found = read_checkpoint(SerialComm(), tmp_path / "checkpoint.h5", "bpx", "abc")
-    assert found.numbers == {"s": 1.5}
-    assert np.array_equal(found.arrays(GRID)["g"], FIELD)
-    with pytest.raises(SceneError, match="a checkpoint of another scene"):
-        read_checkpoint(SerialComm(), tmp_path / "checkpoint.h5", "bpx", "xyz")
-    shutil.copy(interrupted(path) / "step-0000.h5", tmp_path / "checkpoint.h5")
-    with pytest.raises(SceneError, match="not a checkpoint"):
-        read_checkpoint(SerialComm(), tmp_path / "checkpoint.h5", "bpx", "abc")
+    other = interrupted(tmp_path / "other.h5", identity="xyz")
+    with begin(path) as run:
+        assert run.checkpoint("bpx") is None
+        run.write_checkpoint(GRID, "bpx", 3, ({"g": FIELD}, {"s": 1.5}), 2.5)
+        found = run.checkpoint("bpx")
+        assert (found.indices, found.steps) == ([3], [{"seconds": 2.5, "numbers": '{"s": 1.5}'}])
+        assert np.array_equal(found.fields[0]["g"].slab(SerialComm(), (0, 6)), FIELD)
+        with pytest.raises(SceneError, match="a checkpoint of bpx, allowed: of ccg and this scene"):
+            run.checkpoint("ccg")
+        shutil.copy(run.partial / "checkpoint.h5", other)
+        with begin(tmp_path / "other.h5", "xyz", resume=True) as run_of_other, pytest.raises(SceneError, match="of another scene"):
+            run_of_other.checkpoint("bpx")
+        shutil.copy(other / "step-0000.h5", run.partial / "checkpoint.h5")
+        with pytest.raises(SceneError, match="not a checkpoint"):
+            run.checkpoint("bpx")
 
 
 def test_loads_are_in_the_order_of_their_numbers(path):
