@@ -204,7 +204,7 @@ class Contact:
         below = halo.next_row(grid.comm, np.stack([g[:1], p[:1]]), np.minimum(grid.starts, grid.nominal[0]))
         around_x, around_y = self.periodic
         if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
-            below = g[-1], p[-1]
+            below = np.stack([g[-1], p[-1]])
         along_x, along_y = grid.comm.sum(contact_edges(g, p, below[0], below[1], around_y))
         return int(along_x), int(along_y)
 

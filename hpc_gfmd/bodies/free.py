@@ -24,7 +24,7 @@ TAILS = 6.4  # standard deviations that leave 1e-10 of a normal distribution
 SHORT = 7.5  # wave number times width from which the factor is 1
 NODES = 64  # of the mean over R
 DECAY = 24.0  # wave number times distance over which the waves of a periodic axis die out
-PIECE_BYTES = 2**25
+PIECE_BYTES = 2**22  # of its spectrum at a time
 
 
 @dataclass(frozen=True)
@@ -143,12 +143,14 @@ class _Space:
         offsets of every rank."""
         count = len(self.q[1])
         width = max(1, min(PIECE_BYTES // (8 * len(self.q[0])), -(-count // comm.size)))
-        parts = []
+        rows, filled = np.empty((len(wanted[comm.rank]), count)), 0
         for first in range(0, count, width * comm.size):
             mine = self.q[1][first + comm.rank * width: first + (comm.rank + 1) * width]
             made = self.back(self.spectrum(self.q[0], mine), 0)
-            parts += comm.alltoall([made[k] for k in wanted])
-        return np.concatenate(parts, axis=1)
+            for part in comm.alltoall([made[k] for k in wanted]):
+                rows[:, filled:filled + part.shape[1]] = part
+                filled += part.shape[1]
+        return rows
 
 
 def offsets(i, n):

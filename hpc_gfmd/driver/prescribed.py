@@ -35,6 +35,7 @@ DOUBT = 1.5  # times the estimated error has to be as small, on coarser grids
 SLOPES = 0.05, 20.0  # of the straightened curve, that are believed
 STEP, COARSE_STEP = log(2.0), log(4.0)  # the longest, in log p0
 SECANTS, MOST = 6, 100  # corrections of a load on a grid: from then on by bisection, of what is known for sure, and at most
+BACK = 0.5  # of the last change: the longest step in the opposite direction
 RANGE = log(1e-99), log(1e99)  # of p0
 SHARP = 0.1  # times the tolerance: no curve but that of the area rises within such an interval of log p0
 POINT = 1.001  # by which the area may be missed
@@ -81,10 +82,9 @@ class Search:
     target: an area, or a length over the unit of slopes; tolerance: relative; x: log p0; slope: of the straightened curve; points: of
     the surface on this grid, top: its mean gap where the highest peak just touches, as target; offsets: of x from every grid to the
     next finer one, coarsest first, as they were found at another load; grids: how many so far, ends: x at the end of those before;
-    left: what x had still to change there; low, high: (x, quantity) that are too small and too large; known: (x, straightened
-    quantity, relative error) of the last correction; corrections: by what was known, guesses: by what was not; answered: iteration at
-    which the solution will have followed the last one; looked: iteration of the last look; missed: by how much the target was missed
-    then; side: the area on the chosen side of a jump.
+    left: what x had still to change there; low, high: (x, quantity) that are too small and too large; known: (x, straightened quantity,
+    relative error) of the last correction; change: of x, then; corrections: by what was known, guesses: by what was not; answered:
+    iteration at which the solution will have followed; looked: last one looked at; missed: the target, by how much; side: of a jump.
     """
 
     quantity: str
@@ -101,6 +101,7 @@ class Search:
     low: tuple | None = None
     high: tuple | None = None
     known: tuple | None = None
+    change: float = 0.0
     corrections: int = 0
     guesses: int = 0
     answered: int = 0
@@ -127,7 +128,7 @@ class Search:
             self.x += self._next_offset()
         self.grids, self.left, self.points, self.top = self.grids + 1, 0.0, points, top
         self.low = self.high = self.known = self.side = self.note = None
-        self.corrections, self.guesses, self.answered, self.looked = 0, 0, 0, -1
+        self.change, self.corrections, self.guesses, self.answered, self.looked = 0.0, 0, 0, 0, -1
         return self.p0
 
     def _next_offset(self):
@@ -239,8 +240,7 @@ class Search:
         x, f, wanted = self.x, self._straight(y), self._straight(self.target)
         self._enclose(x, y, f > wanted)
         self._learn(x, f, error)
-        step = (wanted - f) / self.slope if isfinite(f) else (longest if f < wanted else -longest)
-        x += min(max(step, -longest), longest)
+        x += self._step(f, longest)
         if self.low and self.high:
             low, high = self.low[0], self.high[0]
             if self.quantity == "a_r" and high - low < tolerance:
@@ -262,15 +262,22 @@ class Search:
             return False
         if solver.iterations < self.answered or self.note or self.corrections > SECANTS or self.guesses == GUESSES:
             return False
-        step = (self._straight(self.target) - f) / self.slope
-        x = self.x + min(max(step, -STEP), STEP)
+        x = self.x + self._step(f, STEP)
         if (self.low and x <= self.low[0]) or (self.high and x >= self.high[0]):
             return False
         self.guesses += 1
         return self._go_to(x, solver)
 
+    def _step(self, f, longest):
+        """By how much x is to change where the straightened quantity is f: the last change may have come too early, or this one."""
+        short = self._straight(self.target) - f
+        if short * self.change < 0:
+            longest = min(longest, BACK * abs(self.change))
+        return min(max(short / self.slope, -longest), longest)
+
     def _go_to(self, x, solver):
         """Change the load of the solver."""
+        self.change = x - self.x
         self.x, self.answered = min(max(x, RANGE[0]), RANGE[1]), solver.iterations + ANSWERED
         solver.correct_load(self.p0)
         return True

@@ -4,8 +4,8 @@ Periodic walls have no edges to connect: a cluster percolates along x where it h
 (wrapping, Newman and Ziff 2001), that is where it has no end along x if the cell is repeated. Reaching from one edge of the cell to
 the other (spanning) is neither needed nor enough. Points are connected where they share a side, as those of patches.py: a fluid does
 not pass between two points that touch and share a corner. By names that end in _8 it does, and contact passes, too: where no contact
-that shares sides goes around, a gap that shares corners does. At random both happen near a contact area of 0.42 (Dapp, Luecke, Persson,
-Mueser 2012), the truth being between the two.
+that shares sides goes around, a gap that shares corners does. At random both happen near a contact area of 0.40 (`hpc-gfmd study
+percolation`; 0.42: Dapp, Luecke, Persson, Mueser 2012), the truth being between the two.
 
 gap_spans_x: whether the gap reaches along x from edge to edge, the cell being periodic along y alone: a fluid that enters along one
 edge of a seal comes out at the other. In a finite cell it does so up to larger contact areas.

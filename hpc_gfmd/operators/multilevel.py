@@ -13,6 +13,7 @@ for rank 0 alone.
 """
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -69,6 +70,28 @@ def steps_of(grid, dtype, coarsest_points=None):
     return steps, hierarchy
 
 
+@dataclass(frozen=True)
+class Hierarchy:
+    """What the sweep of a grid, body and precision needs besides memory for fields, made once. surface: see nominal.py."""
+
+    steps: list[Step]
+    levels: list
+    weights: np.ndarray
+    softness: np.ndarray
+    surface: NominalArea
+
+    @classmethod
+    def of(cls, grid, body, dtype, coarsest_points=None):
+        """The one that there is, or a new one."""
+        made, key = _hierarchies.setdefault(grid, {}), (body, dtype, coarsest_points)
+        if key not in made:
+            steps, levels = steps_of(grid, dtype, coarsest_points)
+            weights, softness = (np.resize(a, len(levels)) for a in (body.weights(grid), body.softness(grid)))  # as often as levels
+            made[key] = cls(steps, levels, weights.astype(dtype), softness, NominalArea(grid, levels, softness, len(steps)))
+        return made[key]
+
+
+_hierarchies = WeakKeyDictionary()
 FIELDS = 3, 2  # of the first step, which has x besides p on F and the indicator of A, and of all others
 
 
@@ -84,12 +107,9 @@ class Multilevel:
     def __init__(self, grid, body, dtype, longest, coarsest_points=None):
         self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
         self.damping, self.coupling = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
-        self.steps, self.levels = steps_of(grid, self.dtype, coarsest_points)
-        weights, softness = body.weights(grid), body.softness(grid)
-        if len(weights) == 1:
-            weights, softness = [*weights] * 2, [*softness] * 2
-        self.weights, self.softness = np.asarray(weights, self.dtype), np.asarray(softness)
-        self.surface = NominalArea(grid, self.levels, self.softness, len(self.steps))
+        known = Hierarchy.of(grid, body, self.dtype, coarsest_points)
+        self.steps, self.levels, self.surface = known.steps, known.levels, known.surface
+        self.weights, self.softness = known.weights, known.softness
 
         self.distributed = len(self.steps) - 1  # coarse levels that more than one rank may have
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write to and read from.

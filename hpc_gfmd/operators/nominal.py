@@ -3,18 +3,20 @@
 On every level s is a product of two functions of one coordinate: no field is needed for it.
 """
 
+from collections.abc import Iterable, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from .coarsening import restrict_axis, restrict_axis_back
+from .coarsening import Level, restrict_axis, restrict_axis_back
 
 
 class NominalArea:
     """levels, softness: of the grid, see operators/multilevel.py; alone: the first level that one rank has complete. N_l: points of a
     level, N: of the grid."""
 
-    def __init__(self, grid, levels, softness, alone):
+    def __init__(self, grid: Any, levels: Sequence[Level], softness: Iterable[float], alone: int):
         self.levels, self.alone = levels, alone
         self.weights = [softness_l * grid.cell_points / (level.n[0] * level.n[1]) for softness_l, level in zip(softness, levels)]
         self.s = [[(np.arange(n) < m).astype(float) for n, m in zip(grid.n, grid.nominal)]]
@@ -22,24 +24,24 @@ class NominalArea:
             self.s.append([restrict_axis(s, n) for s, n in zip(self.s[-1], level.n)])
 
     @cached_property
-    def norm(self):
+    def norm(self) -> float:
         """sum over the coarse levels of softness <s, s> N/N_l."""
         return float(sum(weight * np.dot(x, x) * np.dot(y, y) for weight, (x, y) in zip(self.weights[1:], self.s[1:])))
 
-    def product(self, k, field, start):
+    def product(self, k: int, field: np.ndarray, start: int) -> float:
         """softness <field, s> N/N_l on level k; field: its rows from `start` on, restricted to that level."""
         x, y = self.s[k]
         return float(self.weights[k] * np.dot(x[start:start + len(field)], np.einsum("ij,j->i", field, y.astype(field.dtype))))
 
-    def products_of_coarsest(self, field):
+    def products_of_coarsest(self, field: np.ndarray) -> float:
         """The sum of that over the levels from `alone` on; field: complete, on the first of them."""
         along_x, along_y = self._tables
         return float(np.vdot(along_x, field @ along_y.astype(field.dtype)))
 
     @cached_property
-    def _tables(self):
+    def _tables(self) -> tuple[np.ndarray, np.ndarray]:
         """A, B, a column for each of these levels: the sum of A (f B) is `products_of_coarsest` of f."""
-        columns = [], []
+        columns: tuple[list, list] = [], []
         for k in range(self.alone, len(self.levels)):
             for axis, s in enumerate(self.s[k]):
                 for finer in reversed(self.levels[self.alone:k]):

@@ -4,36 +4,39 @@ import ctypes
 import os
 import signal
 import time
+from typing import Any, NoReturn, Self
+
+from .comm import Comm
 
 CHEAP = 0.05  # share of the time that may go into checkpoints between loads
 HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)  # SIGUSR1: the batch system's warning
 SIGACTION_BYTES = 1024  # more than a struct sigaction has anywhere
 
-_running = None  # the Interrupt that listens: signals are sent to the process
+_running: "Interrupt | None" = None  # the Interrupt that listens: signals are sent to the process
 
 
 class Stopped(Exception):
     """What long work between two iterations is left with when the run is to stop; number: of the signal."""
 
-    def __init__(self, number):
+    def __init__(self, number: int):
         super().__init__(f"stopped by signal {number}")
         self.number = number
 
 
-def check(comm):
+def check(comm: Comm) -> None:
     """Raise Stopped on all ranks of a communicator if one of them was sent a signal while an Interrupt listens. Collective.
 
     Time that is up is left to `poll`: however short it is, a run then comes to an iteration and a checkpoint of it. Only for the
     communicator of the run and parts of it: what a rank does on its own, such as compiling, it does to the end.
     """
-    whole = comm
+    whole: Any = comm
     while whole.parent is not None:
         whole = whole.parent
     if _running is not None and whole is _running.comm and (number := int(comm.max([_running.signal])[0])):
         stop(number)
 
 
-def stop(number):
+def stop(number: int) -> NoReturn:
     """Raise Stopped, agreed on by all ranks."""
     if _running is not None:
         _running.agreed = number
@@ -47,7 +50,7 @@ class Interrupt:
     Python, too.
     """
 
-    def __init__(self, comm, deadline=None, every=None):
+    def __init__(self, comm: Comm, deadline: float | None = None, every: float | None = None):
         self.comm = comm
         self.begun = time.monotonic()
         self.deadline, self.every = deadline, every
@@ -55,9 +58,10 @@ class Interrupt:
         self.signal = 0
         self.agreed = 0
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         global _running
-        self._before, _running = {}, self
+        _running = self
+        self._before: dict[int, tuple] = {}
         try:
             for s in HANDLED:
                 handler = _sigaction(s)
@@ -66,7 +70,7 @@ class Interrupt:
             pass
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         global _running
         _running = None
         for s, (of_python, handler) in self._before.items():
@@ -74,17 +78,17 @@ class Interrupt:
                 signal.signal(s, of_python)
             _sigaction(s, handler)
 
-    def _note(self, number, _frame):
+    def _note(self, number: int, _frame: object) -> None:
         if self.signal:
             os._exit(128 + self.signal)
         self.signal = number
 
     @property
-    def exit_code(self):
+    def exit_code(self) -> int:
         """130 for SIGINT, 143 for everything else that stopped the run."""
         return 130 if self.agreed == signal.SIGINT else 143
 
-    def poll(self):
+    def poll(self) -> tuple[bool, bool]:
         """(stop, save), the same on all ranks: whether to stop now, and whether a checkpoint is due. Collective."""
         now = time.monotonic()
         late = self.deadline is not None and now - self.begun > self.deadline
@@ -94,17 +98,17 @@ class Interrupt:
             self.agreed = stop
         return bool(stop), bool(due)
 
-    def cheap(self):
+    def cheap(self) -> bool:
         """Whether a checkpoint now would take little beside the time since the last one, the same on all ranks. Collective."""
         return bool(self.comm.max([self.comm.rank == 0 and self.cost < CHEAP * (time.monotonic() - self.last)])[0])
 
-    def saved(self, begun):
+    def saved(self, begun: float) -> None:
         """A checkpoint has been written; it was begun at that time.monotonic()."""
         self.last = time.monotonic()
         self.cost = self.last - begun
 
 
-def _sigaction(number, new=None):
+def _sigaction(number: int, new: Any = None) -> Any:
     """What handles a signal, as the system knows it; new: what is to do so from now on, as a previous call gave it."""
     old = ctypes.create_string_buffer(SIGACTION_BYTES)
     ctypes.CDLL(None).sigaction(int(number), new, old)

@@ -1,15 +1,17 @@
 """Who has which rows of a field and which columns of its spectrum, and what ranks have to send each other: for fft.py."""
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 COLUMN_BYTES = 256 * 1024  # of a block of columns, which is transposed in the second-level cache
 ROW_BYTES = 256 * 1024  # of the spectra of one pass of rows: these share the second-level cache with the rows of the caller's fields
 MIN_WIDTH, MAX_WIDTH = 8, 64
 
 
-def row_starts(n_x, size):
+def row_starts(n_x: int, size: int) -> np.ndarray:
     """First row of every rank, and n_x: the block distribution of mpi4py-fft."""
     return np.array([r * (n_x // size) + min(r, n_x % size) for r in range(size + 1)])
 
@@ -22,7 +24,7 @@ class Layout:
     columns of the widest block; R: rows that are transformed at a time; far: which ranks have to be sent what they want.
     """
 
-    def __init__(self, n, starts, rank, itemsize, beside=None):
+    def __init__(self, n: Sequence[int], starts: ArrayLike, rank: int, itemsize: int, beside: ArrayLike | None = None):
         self.n, self.starts, self.rank, self.itemsize = n, np.asarray(starts), rank, itemsize
         self.size = len(self.starts) - 1
         self.n_c = n[1] // 2 + 1
@@ -36,7 +38,7 @@ class Layout:
         self.far = np.ones(self.size, bool)
         self.far[self.beside] = False
 
-    def _edges(self):
+    def _edges(self) -> np.ndarray:
         """Blocks of complete columns that fit the cache. On several ranks all have the same number of them, and as many columns but for
         one: the last blocks are the wider ones, so that all others begin on cache lines, as those of one rank do, which needs no such
         balance."""
@@ -51,49 +53,49 @@ class Layout:
             W = -(-W // (64 // self.itemsize)) * (64 // self.itemsize)
         return np.append(np.arange(0, self.n_c, W), self.n_c)
 
-    def _rows_per_pass(self):
+    def _rows_per_pass(self) -> int:
         wanted = int(np.clip(ROW_BYTES // (self.n_c * self.itemsize), 8, 256))
         longest = int(np.diff(self.starts).max())  # on any rank: all plan alike
         passes = max(1, -(-longest // wanted))
         R = max(1, -(-longest // passes))
         return R + R % 2 if R > 1 else R  # even: a coarse row then belongs to one pass
 
-    def columns_of(self, m):
+    def columns_of(self, m: int) -> tuple[int, int]:
         """The columns [j0, j1) of the half spectrum that block m holds."""
         return int(self.edges[m]), int(self.edges[m + 1])
 
     @property
-    def columns_held(self):
+    def columns_held(self) -> np.ndarray:
         """Number of columns of every rank."""
         return np.diff(self.edges).reshape(self.K, self.size).sum(axis=0)
 
     @cached_property
-    def widths(self):
+    def widths(self) -> list[int]:
         """The numbers of columns that are transformed at a time."""
         return sorted({int(w) for w in np.diff(self.edges) if w and self.size > 1} | {self.W})
 
     @property
-    def scratch_bytes(self):
+    def scratch_bytes(self) -> int:
         """Bytes that each thread has for itself."""
         rows = self.R * (self.n[1] * self.itemsize // 2 + self.n_c * self.itemsize)
         return rows + self.W * self.n[0] * self.itemsize * (2 if self.far.any() else 1)
 
     @property
-    def bytes(self):
+    def bytes(self) -> int:
         """Bytes of the spectrum on this rank."""
         return self.n_loc * self.n_c * self.itemsize
 
-    def sent(self, k):
+    def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Bytes to every rank, and their offsets in the slab of the all-to-all number k."""
         edges = self.edges[k * self.size:(k + 1) * self.size + 1]
         return self.far * np.diff(edges) * (self.n_loc * self.itemsize), (edges[:-1] - edges[0]) * (self.n_loc * self.itemsize)
 
-    def received(self, k):
+    def received(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Bytes from every rank of complete columns, and their offsets."""
         j0, j1 = self.columns_of(k * self.size + self.rank)
         return self.far * np.diff(self.starts) * ((j1 - j0) * self.itemsize), self.starts[:-1] * ((j1 - j0) * self.itemsize)
 
-    def traffic(self):
+    def traffic(self) -> tuple[int, int]:
         """(bytes, messages) that this rank sends to ranks on other nodes in a transform there and back."""
         widths, rows = np.diff(self.edges).reshape(self.K, self.size), np.diff(self.starts) * self.far
         mine = widths[:, self.rank]

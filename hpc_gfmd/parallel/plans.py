@@ -4,6 +4,10 @@ Rows are called as plan(input, output) on arrays of the planned shape, columns a
 columns that were planned. Plans work without normalisation in both directions.
 """
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from .fftw import load_fftw
 
 
@@ -14,7 +18,7 @@ class Plans:
     are lost.
     """
 
-    def __init__(self, real, half, blocks):
+    def __init__(self, real: np.ndarray, half: np.ndarray, blocks: Sequence[np.ndarray]):
         fftw = load_fftw()
         if fftw is None:
             self._scipy(real.shape[1])
@@ -28,19 +32,19 @@ class Plans:
         self.columns_forward = lambda x: forward[len(x)](x, x)
         self.columns_backward = lambda x: backward[len(x)](x, x)
 
-    def _scipy(self, n_y):
+    def _scipy(self, n_y: int) -> None:
         from scipy import fft
 
-        def rows_forward(x, out):
+        def rows_forward(x: np.ndarray, out: np.ndarray) -> None:
             out[...] = fft.rfft(x, axis=1)
 
-        def rows_backward(x, out):
+        def rows_backward(x: np.ndarray, out: np.ndarray) -> None:
             out[...] = fft.irfft(x, n=n_y, axis=1, norm="forward")
 
-        def columns_forward(x):
+        def columns_forward(x: np.ndarray) -> None:
             x[...] = fft.fft(x, axis=1)
 
-        def columns_backward(x):
+        def columns_backward(x: np.ndarray) -> None:
             x[...] = fft.ifft(x, axis=1, norm="forward")
 
         self.rows_forward, self.rows_backward = rows_forward, rows_backward

@@ -6,13 +6,14 @@ however that ends. MPI's own shared windows have to be freed by all ranks togeth
 
 import mmap
 import os
+from typing import Any
 
 import numpy as np
 
 PAGE = mmap.PAGESIZE
 
 
-def common_memory(comm, nbytes):
+def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
     """(memory, offsets): the bytes of all ranks of a communicator, zero, and where those of each rank begin; nbytes: of this rank.
 
     Raises OSError on all ranks where they cannot have it together, such as on several machines. Collective.
@@ -35,16 +36,16 @@ def common_memory(comm, nbytes):
     failed = comm.max([memory is None])[0]  # all have opened it, or given up
     if made >= 0:
         os.close(made)
-    if failed:
+    if failed or memory is None:
         raise error or OSError("no memory in common with another rank")
     return memory, offsets[:-1]
 
 
-def _name(token):
+def _name(token: int) -> str:
     return f"hpc-gfmd-{token}"
 
 
-def _mapped(path, token, total):
+def _mapped(path: str, token: int, total: int) -> np.ndarray:
     if os.readlink(path) != f"/memfd:{_name(token)} (deleted)":
         raise FileNotFoundError(f"{path}: of another process, as in another container")
     file = os.open(path, os.O_RDWR)
@@ -60,7 +61,7 @@ def _mapped(path, token, total):
     return np.frombuffer(mapped, np.uint8)
 
 
-def can_share(comm):
+def can_share(comm: Any) -> bool:
     """Whether the ranks of a communicator can have memory in common: on one machine, and allowed to. Collective."""
     try:
         memory, offsets = common_memory(comm, 8)

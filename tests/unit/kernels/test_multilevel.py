@@ -1,14 +1,18 @@
 """Levels, what is restricted to them and interpolated from them, and the preconditioner as a matrix."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 from transfers import SIZES, interpolation, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
+from hpc_gfmd.bodies.layer import Layer
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.kernels import multilevel
 from hpc_gfmd.operators.coarsening import levels, owned_rows
-from hpc_gfmd.operators.multilevel import COUPLING, DAMPING, Multilevel
+from hpc_gfmd.operators.multilevel import COUPLING, DAMPING, Hierarchy, Multilevel
 
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
@@ -92,6 +96,22 @@ def test_sweep(random, n):
     found, energy = swept(grid, p, closed)
     assert np.allclose(found, wanted, atol=1e-12)
     assert energy == pytest.approx(np.vdot(p, P_x @ wanted @ P_y.T), abs=1e-11)
+
+
+def test_made_once():
+    """What only depends on grid, body and precision is made once for all solvers, and goes with the grid."""
+    grid, body = Grid((16, 16)), HalfSpace()
+    one, other = Multilevel(grid, body, np.float64, 16), Multilevel(grid, body, np.float64, 8)
+    assert one.steps is other.steps
+    assert one.surface is other.surface
+    assert one.weights is other.weights
+    assert one.z is not other.z
+    assert Multilevel(grid, body, np.float32, 16).weights.dtype == np.float32
+    assert Multilevel(grid, Layer(0.1, 0.3, "bonded"), np.float64, 16).weights[1] != one.weights[1]
+    kept = weakref.ref(Hierarchy.of(grid, body, np.dtype(np.float64)).surface)
+    del grid, one, other
+    gc.collect()
+    assert kept() is None
 
 
 @pytest.mark.parametrize("coarsest_points", [None, 0])
