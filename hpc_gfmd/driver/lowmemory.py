@@ -18,7 +18,12 @@ from .drive import certificate_of
 from .nested import Nested, mean_height
 from .sweep import Sweep
 
-NOISE = 0.8  # of Problem.rounding over sqrt(p*), to the accuracy, or over p*, to the residual: a quarter of what the certificate sees
+NOISE = 0.8  # of Problem.rounding, over the tolerance: the certificate sees a third of the former
+
+
+def tolerance(settings, p_star):
+    """Errors of the pressure at all open points, in the problem's unit, that count as much as what is asked for."""
+    return settings.residual * p_star if settings.residual else settings.accuracy * p_star**0.5
 
 
 class LowMemorySweep(Sweep):
@@ -72,7 +77,6 @@ class LowMemorySweep(Sweep):
 
     def _choose_certificate(self, problem):
         """Its precision: double where rounding errors would count, unless it would take tables, too."""
-        wanted = self.settings.residual * problem.p0 if self.settings.residual else self.settings.accuracy * problem.p0**0.5
         plain = self.dtype == np.float64 or self.surface.grid.padded or self.body.table_share
-        in_turn = not plain and problem.rounding > NOISE * wanted
+        in_turn = not plain and problem.rounding > NOISE * tolerance(self.settings, problem.p0)
         self.target = replace(self.target, certificate_dtype=np.float64 if in_turn else self.dtype.type, in_turn=in_turn)

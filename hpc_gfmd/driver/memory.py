@@ -10,14 +10,18 @@ import numpy as np
 
 from ..errors import SceneError
 from ..parallel.guard import agree
+from ..problem import ROUNDING
 from ..registry import body_of
 from ..surface import cell_of
 from .decomposition import share_of
+from .lowmemory import NOISE, tolerance
 from .sweep import few_points, first_precision
 
-FIELDS = 3  # g, p, d; and h, which in low memory is kept only where the surface ends
+FIELDS, STEP_BYTES = 2, 2  # g, p and d, which has 16 bits; and h, which in low memory is kept only where the surface ends
 SOLVER = 4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
 TANGENT = 4
+SAMPLES = 200  # wave numbers of a spectrum
+BELOW_TOP = 3.6  # root mean square of the depth below the highest peak, over h_rms, on surfaces with a few waves of the longest kind
 PIECE_GIB = 1 / 16  # of a field that is written at a time
 PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
 GIB = 2**30
@@ -58,7 +62,7 @@ def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
     share = share_of(cell, dtype, ranks, rank, nominal=n, nested=nested, per_node=per_node)
     rows = share.grid.shape[0]
-    field = share.points * itemsize / GIB
+    field, step = share.points * itemsize / GIB, share.points * STEP_BYTES / GIB
     kept = itemsize if any(free) or not low else 0  # of a height
     loads = len(scene.load.given[1])
 
@@ -79,22 +83,37 @@ def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
     transforms = spectra(dtype, grids[:1]) * with_table + spectra(dtype, grids[1:])
     transforms += sum(scratch(precision, grids) for precision in {dtype, first_precision(scene.solver)})
     certificate = 0.0 if low or itemsize == 8 else spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
+    if low and itemsize == 4 and with_table == 1 and _in_double(scene):  # in turn with the solver's transforms, half as large, and d
+        certificate = step
     if certificate and any(free):  # while its table is made
         certificate += min(rows, cell[0] // 2 + 1) * cell[1] * 8 / GIB
     heights, all_heights = (rows * n[1] * kept / GIB for rows in (share.grid.inside[0], n[0]))
-    return Memory(FIELDS * field + levels + max(passing), heights, transforms, certificate, PROCESS_GIB, all_heights)
+    return Memory(FIELDS * field + step + levels + max(passing), heights, transforms, certificate, PROCESS_GIB, all_heights)
 
 
 def largest_precision(scene, n):
     """The largest precision that a scene's loads are solved in, as far as it is known beforehand: without p* the first one."""
     first, settings = first_precision(scene.solver), scene.solver
+    few = settings.precision == "auto" and any(few_points(n[0] * n[1], p_star, settings.accuracy) for p_star in _p_stars(scene))
+    return np.dtype(np.float64) if few else first
+
+
+def _p_stars(scene):
+    """Those of the loads, as far as they are known beforehand."""
     g_rms = getattr(scene.surface, "g_rms", None)
     unit = scene.material.E_star * g_rms if g_rms else 1.0
     known = g_rms or scene.load.p_star
-    p_stars = [p / unit for p in scene.load.p0(unit, 1.0, math.prod(scene.surface.physical_sizes))] if known else []
-    p_stars += [a_r / 2 for a_r in scene.load.a_r or ()]
-    few = settings.precision == "auto" and any(few_points(n[0] * n[1], p_star, settings.accuracy) for p_star in p_stars)
-    return np.dtype(np.float64) if few else first
+    found = [p / unit for p in scene.load.p0(unit, 1.0, math.prod(scene.surface.physical_sizes))] if known else []
+    return found + [a_r / 2 for a_r in scene.load.a_r or ()]
+
+
+def _in_double(scene):
+    """Whether a self-affine surface in low memory is likely to be certified in double precision, see lowmemory.py."""
+    surface = scene.surface
+    q = np.geomspace(1, surface.lam_l_over_lam_s, SAMPLES) * 2 * np.pi / (surface.lam_l_over_lam_s * surface.lam_s_over_a)
+    h_rms = np.sqrt(np.trapezoid(q ** (-1 - 2 * surface.hurst), q) / np.trapezoid(q ** (1 - 2 * surface.hurst), q))
+    rounding = ROUNDING * float(np.finfo(np.float32).eps) * BELOW_TOP * h_rms
+    return rounding > NOISE * tolerance(scene.solver, min(_p_stars(scene), default=0.0))
 
 
 def available_gib():

@@ -1,6 +1,7 @@
 """Kernels of the projected, preconditioned conjugate gradients: one pass before and one after the Fourier transform.
 
-State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d. Contact A = {g <= 0 and p > 0}, the active set; free F = the
+State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in 16 bits (halfwidth.py): one that is as rough costs no iteration.
+Contact A = {g <= 0 and p > 0}, the active set; free F = the
 rest. `rows` = (i0, i1) are the local rows of one pass, x is scratch (>= i1 - i0, n_y) that begins with row i0; `transfer` is the
 tuple of tables that Transfer.tables has (operators/coarsening.py).
 
@@ -13,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .halfwidth import INFINITE, narrow, widen
 from .jit import inline, kernel, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row
 
@@ -45,7 +47,8 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
     """Write the next step to d and x: d = max(g - a z - b d, 0) - g on F, 0 on A. Returns <p, d>.
 
     step: (a, b, coupling, compliance). z = compliance (p + coupling P z_coarse) is formed on the fly; coupling = 0 gives a plain
-    projected gradient step. scratch: (>= 2, n_y).
+    projected gradient step. d has 16 bits, and x is what they stand for: K is applied to what the gap is changed by. A point that is
+    clipped, whose gap shall be 0, has a step of -infinity in d and none for the next time. scratch: (>= 2, n_y).
     """
     i0, i1 = rows
     k0, f_x, mode, j0, f, _ = transfer
@@ -56,26 +59,31 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
     row, fine = scratch[0, :m], scratch[1, :n]
     fine[:] = zero
     length = a * compliance
-    one = g.dtype.type(1)
     total = 0.0
     for i in range(i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
         s = zero
-        inner = points_inside(i, inside)
         if coupling > 0:
             combine_rows(z_coarse, k0[i], f_x[i], row)
             interpolate_row(row, fine, mode, j0, f)
+        inner = points_inside(i, inside)
         for j in range(inner):
-            v = gi[j] - length * (pi[j] + coupling * fine[j]) - b * di[j]
-            free = zero if (gi[j] <= zero and pi[j] > zero) else one
-            e = free * (max(v, zero) - gi[j])
+            bits = di[j]
+            last = zero if bits == INFINITE else widen(bits)
+            v = gi[j] - length * (pi[j] + coupling * fine[j]) - b * last
+            closed = gi[j] <= zero and pi[j] > zero
+            bits = narrow(max(v, zero) - gi[j])
+            bits = INFINITE if v <= zero else bits
+            bits = np.uint16(0) if closed else bits
+            e = max(widen(bits), -gi[j])
             s += pi[j] * e
-            di[j] = e
+            di[j] = bits
             xi[j] = e
         for j in range(inner, np.uint64(n)):
-            e = -length * (pi[j] + coupling * fine[j]) - b * di[j]
+            bits = narrow(-length * (pi[j] + coupling * fine[j]) - b * widen(di[j]))
+            e = widen(bits)
             s += pi[j] * e
-            di[j] = e
+            di[j] = bits
             xi[j] = e
         total += s
     return total
@@ -83,7 +91,8 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
 
 @kernel
 def update_state(state, x, s, excess, rows, coarse, edges, transfer, inside, scratch):
-    """g += s d, p += s x, and everything that the next step needs of the new state = (g, p, d); returns UpdateSums.
+    """g += s d, p += s x, and everything that the next step needs of the new state = (g, p, d); returns
+    UpdateSums. d begins with row i0, as x.
 
     Restricts p on F and excess p on A, the indicator of A, and x on F to the coarser grid: coarse (3, coarse rows + 2, m) with halo
     gets the rows that belong to this pass alone, edges (2, 3, m) the first and the last, which it shares. scratch: (7, n_y).
@@ -127,9 +136,10 @@ def _update_rows(state, x, s, i0, start, end, inside):
         inner = points_inside(i, inside)
         for j in range(inner):
             y = x[i - i0, j]
-            g_new = g[i, j] + s * d[i, j]
+            e = max(widen(d[i - i0, j]), -g[i, j])
+            g_new = g[i, j] + s * e
             p_new = p[i, j] + s * y
-            g_next, p_next = g_new + s * d[i, j], p_new + s * y
+            g_next, p_next = g_new + s * e, p_new + s * y
             g[i, j] = g_new
             p[i, j] = p_new
             closed = one if g_new <= zero else zero
@@ -142,19 +152,20 @@ def _update_rows(state, x, s, i0, start, end, inside):
             closing += (one - closed) if g_next <= zero else zero
             rr += p_free * p_free
             pp += p_new * p_new
-            pd += p_free * d[i, j]
-            dx += x_free * d[i, j]
+            pd += p_free * e
+            dx += x_free * e
             px += p_free * x_free
             gap += g_new
         for j in range(inner, np.uint64(g.shape[1])):
             y = x[i - i0, j]
+            e = widen(d[i - i0, j])
             p_new = p[i, j] + s * y
-            g[i, j] += s * d[i, j]
+            g[i, j] += s * e
             p[i, j] = p_new
             rr += p_new * p_new
             pp += p_new * p_new
-            pd += p_new * d[i, j]
-            dx += y * d[i, j]
+            pd += p_new * e
+            dx += y * e
             px += p_new * y
     return rr, pp, pd, dx, px, contact, gap, opening, closing
 

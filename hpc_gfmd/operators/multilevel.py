@@ -145,7 +145,8 @@ class Multilevel:
         return sum(a.nbytes for a in [*self.fields, *gathered_rows, self.edges]) + (self.coarsest.nbytes if self.coarsest else 0)
 
     def update_rows(self, k, g, p, d, x, s, scratch, excess=0.0):
-        """Pass k of the solver's update of its state, see kernels/bpx.py; returns its UpdateSums as a plain tuple."""
+        """Pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of the pass. Returns its UpdateSums as a plain
+        tuple."""
         edges = self.edges[0 if self.in_order else k]
         sums = update_state((g, p, d), x, s, self.dtype.type(excess), self.passes[k], self.fields[0], edges, self.transfers[0].tables,
                             self.grid.inside, scratch)
@@ -231,8 +232,9 @@ class Multilevel:
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
         scratch = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
-        d, none = g if d is None else d, self.dtype.type(0)
-        sums = [self.update_rows(k, g, p, d, still, none, scratch, excess) for k in range(len(self.passes))]
+        none, nowhere = self.dtype.type(0), np.zeros(still.shape, np.uint16)
+        sums = [self.update_rows(k, g, p, nowhere if d is None else d[i0:i1], still, none, scratch, excess)
+                for k, (i0, i1) in enumerate(self.passes)]
         return UpdateSums.total(sums)
 
     def _sweep_coarsest(self):

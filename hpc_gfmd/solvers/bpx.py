@@ -16,6 +16,7 @@ from ..aligned import LINE, zeros_aligned
 from ..bounds import error_pattern, field_errors, misclassified_points, relative_area
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
+from ..kernels.halfwidth import Widened, narrowed
 from ..operators.elastic import Elastic
 from ..operators.multilevel import COUPLING, EQUIVALENCE, Multilevel
 from ..options import read_options
@@ -48,7 +49,7 @@ class Bpx(Solver):
         self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
-        self.p, self.d = grid.empty(dtype), grid.empty(dtype)
+        self.p, self.d = grid.empty(dtype), grid.empty(np.uint16)
         self._make_scratch()
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
         self.typical_compliance = 1.0 / body.typical(grid)
@@ -69,7 +70,7 @@ class Bpx(Solver):
         """Go on without a last step."""
         self.elastic.plan()
         self._make_scratch()
-        self.d = self.grid.empty(self.problem.dtype)
+        self.d = self.grid.empty(np.uint16)
         self.d[...] = 0
         self.rd = self.zKd = self.dKd = 0.0
 
@@ -107,8 +108,12 @@ class Bpx(Solver):
         self.rayleigh = RHO_MAX
         self._measure(sums)
 
+    def state(self):
+        arrays, numbers = super().state()
+        return arrays | {"d": Widened(self.d)}, numbers
+
     def load_state(self, arrays, numbers):
-        super().load_state(arrays, numbers)
+        super().load_state(arrays | {"d": narrowed(arrays["d"])}, numbers)
         self.resume()
 
     # -- one iteration -------------------------------------------------------------------------------------------------------
@@ -183,7 +188,8 @@ class Bpx(Solver):
         return UpdateSums.total(self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes))
 
     def _update_rows(self, i0, i1, x, s):
-        return self.levels.update_rows(self._number[i0], self.g, self.p, self.d, x, self.problem.dtype.type(s), self._scratch[id(x)])
+        scratch = self._scratch[id(x)]
+        return self.levels.update_rows(self._number[i0], self.g, self.p, self.d[i0:i1], x, self.problem.dtype.type(s), scratch)
 
     def _measure(self, sums):
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""

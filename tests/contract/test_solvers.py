@@ -77,7 +77,7 @@ def test_state_goes_on_bit_by_bit(name):
     for _ in range(7):
         one.step()
     arrays, numbers = one.state()
-    arrays = {k: v.copy() for k, v in arrays.items()}
+    arrays = {k: np.array(v) for k, v in arrays.items()}
     import json
 
     numbers = json.loads(json.dumps(numbers))  # as a checkpoint keeps them

@@ -78,9 +78,10 @@ def test_free_edges(ranks, compiled, tmp_path):
     (scene(2048, [0.1, 1e-4], 4), "float64"), (scene(2048, low_memory=True), "float32"), (scene(2048, fields=["gap"]), "float32"),
     (scene(2048, observables=["stiffness"]), "float32"), (scene(4096, precision="double"), "float64"),
     (scene(4096, [0.1, 0.3], low_memory=True), "float32"),
+    (scene(4096, [0.002], low_memory=True, precision="single", accuracy=4e-4), "float32"),
     (scene(2048, boundary="free", low_memory=True, precision="single"), "float32"), (scene(2048, boundary="free"), "float32")],
     ids=["small", "few points", "small, few points, threads", "4 threads", "16 threads", "two loads",
          "two loads, double", "few points later", "low memory", "field", "stiffness", "large, double", "large, low memory",
-         "free edges, low memory", "free edges"])
+         "large, low memory, certified in double", "free edges, low memory", "free edges"])
 def test_all_ways(table, precision, ranks, compiled, tmp_path):
     check(table, ranks, tmp_path, precision)
