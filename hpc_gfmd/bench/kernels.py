@@ -51,7 +51,7 @@ def bench_kernels(args):
 def _add(report, samples, n, precision, cores, node, **of_all):
     """The rows of one grid on some cores; samples: {what: Sample}; node: its `cores` and `bandwidth`."""
     N, size = n * n, np.dtype(DTYPES[precision]).itemsize
-    fields = field_passes([level.n for level in levels(Grid((n, n)))], size)
+    fields = field_passes([level.n for level in levels(Grid((n, n)))])
     counted = {name: size * f for name, f in (fields | {"iteration": sum(fields.values()), "copy": COPY}).items()}
     copy = counted["copy"] / samples["copy"].median
     for what in [*fields, *(name for name in samples if name not in fields)]:

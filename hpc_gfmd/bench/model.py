@@ -59,7 +59,7 @@ class Machine:
     @property
     def bytes_per_point(self):
         """Bytes that an FFT pair moves between memory and caches for each point, as bench/kernels.py counts them."""
-        return self.itemsize * sum(field_passes([(2**k, 2**k) for k in range(14, -1, -1)], self.itemsize).values())
+        return self.itemsize * sum(field_passes([(2**k, 2**k) for k in range(14, -1, -1)]).values())
 
     def seconds_per_point(self, N):
         """Of one FFT pair on one core that has the memory to itself."""

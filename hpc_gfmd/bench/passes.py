@@ -8,13 +8,12 @@ not counted, neither here nor for the copy that they are compared with.
 COPY = 2.0  # fields that a copy moves: read one, write one
 
 
-def field_passes(shapes, itemsize):
-    """{pass: fields read or written}, in fields of the fine grid. shapes: (n_x, n_y) of all levels, finest first; itemsize: of a
-    number; the last step d has 2 bytes."""
+def field_passes(shapes):
+    """{pass: fields read or written}, in fields of the fine grid. shapes: (n_x, n_y) of all levels, finest first."""
     points = [n_x * n_y for n_x, n_y in shapes]
     share = [p / points[0] for p in points]
     first, coarser = (share[1] if len(share) > 1 else 1.0), sum(share[2:])
-    d = 2 / itemsize
+    d = 0.5  # the last step, in half the width
     spectrum = 1 + 2 / shapes[0][1]  # n_y/2 + 1 complex columns
     return {
         "search + rows": 2 + 2 * d + first + spectrum,  # read g, p, d and z of level 1; write d; write the row spectra

@@ -17,7 +17,7 @@ from .decomposition import share_of
 from .lowmemory import NOISE, tolerance
 from .sweep import few_points, first_precision
 
-FIELDS, STEP_BYTES = 2, 2  # g, p and d, which has 16 bits; and h, which in low memory is kept only where the surface ends
+FIELDS, STEP = 2, 0.5  # g, p; d, which has half the width; and h, which in low memory is kept only where the surface ends
 SOLVER = 4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
 TANGENT = 4
 SAMPLES = 200  # wave numbers of a spectrum
@@ -62,7 +62,7 @@ def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
     share = share_of(cell, dtype, ranks, rank, nominal=n, nested=nested, per_node=per_node)
     rows = share.grid.shape[0]
-    field, step = share.points * itemsize / GIB, share.points * STEP_BYTES / GIB
+    field, step = share.points * itemsize / GIB, STEP * share.points * itemsize / GIB
     kept = itemsize if any(free) or not low else 0  # of a height
     loads = len(scene.load.given[1])
 

@@ -1,9 +1,8 @@
 """Kernels of the projected, preconditioned conjugate gradients: one pass before and one after the Fourier transform.
 
-State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in 16 bits (halfwidth.py): one that is as rough costs no iteration.
-Contact A = {g <= 0 and p > 0}, the active set; free F = the
-rest. `rows` = (i0, i1) are the local rows of one pass, x is scratch (>= i1 - i0, n_y) that begins with row i0; `transfer` is the
-tuple of tables that Transfer.tables has (operators/coarsening.py).
+State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in half the width (halfwidth.py): one that is as rough costs no
+iteration. Contact A = {g <= 0 and p > 0}, the active set; free F = the rest. `rows` = (i0, i1) are the local rows of one pass, x is
+scratch (>= i1 - i0, n_y) that begins with row i0; `transfer` is the tuple of tables that Transfer.tables has (operators/coarsening.py).
 
 Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a slab). Beyond it
 there is no wall: g is the displacement u itself and does not count. So every row has two parts, of which the second is empty on a
@@ -14,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .halfwidth import INFINITE, narrow, widen
+from .halfwidth import narrow, widen
 from .jit import inline, kernel, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row
 
@@ -47,8 +46,8 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
     """Write the next step to d and x: d = max(g - a z - b d, 0) - g on F, 0 on A. Returns <p, d>.
 
     step: (a, b, coupling, compliance). z = compliance (p + coupling P z_coarse) is formed on the fly; coupling = 0 gives a plain
-    projected gradient step. d has 16 bits, and x is what they stand for: K is applied to what the gap is changed by. A point that is
-    clipped, whose gap shall be 0, has a step of -infinity in d and none for the next time. scratch: (>= 2, n_y).
+    projected gradient step. d has half the width, and x is what it stands for: K is applied to what the gap is changed by. A point that
+    is clipped, whose gap shall be 0, has a step of -infinity in d and none for the next time. scratch: (>= 2, n_y).
     """
     i0, i1 = rows
     k0, f_x, mode, j0, f, _ = transfer
@@ -56,6 +55,7 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
     n = g.shape[1]
     m = z_coarse.shape[1]
     zero = g.dtype.type(0)
+    none, clipped = narrow(zero), narrow(g.dtype.type(-np.inf))
     row, fine = scratch[0, :m], scratch[1, :n]
     fine[:] = zero
     length = a * compliance
@@ -68,22 +68,21 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
             interpolate_row(row, fine, mode, j0, f)
         inner = points_inside(i, inside)
         for j in range(inner):
-            bits = di[j]
-            last = zero if bits == INFINITE else widen(bits)
+            last = zero if di[j] == clipped else widen(di[j])
             v = gi[j] - length * (pi[j] + coupling * fine[j]) - b * last
             closed = gi[j] <= zero and pi[j] > zero
-            bits = narrow(max(v, zero) - gi[j])
-            bits = INFINITE if v <= zero else bits
-            bits = np.uint16(0) if closed else bits
-            e = max(widen(bits), -gi[j])
+            rough = narrow(max(v, zero) - gi[j])
+            rough = clipped if (v <= zero or widen(rough) <= -gi[j]) else rough
+            rough = none if closed else rough
+            e = -gi[j] if rough == clipped else widen(rough)
             s += pi[j] * e
-            di[j] = bits
+            di[j] = rough
             xi[j] = e
         for j in range(inner, np.uint64(n)):
-            bits = narrow(-length * (pi[j] + coupling * fine[j]) - b * widen(di[j]))
-            e = widen(bits)
+            rough = narrow(-length * (pi[j] + coupling * fine[j]) - b * widen(di[j]))
+            e = widen(rough)
             s += pi[j] * e
-            di[j] = bits
+            di[j] = rough
             xi[j] = e
         total += s
     return total
@@ -130,13 +129,13 @@ def update_state(state, x, s, excess, rows, coarse, edges, transfer, inside, scr
 def _update_rows(state, x, s, i0, start, end, inside):
     """Rows start..end of `update_state`: new g and p, and their sums."""
     g, p, d = state
-    zero, one = g.dtype.type(0), g.dtype.type(1)
+    zero, one, clipped = g.dtype.type(0), g.dtype.type(1), narrow(g.dtype.type(-np.inf))
     rr = pp = pd = dx = px = contact = gap = opening = closing = zero
     for i in range(start, end):
         inner = points_inside(i, inside)
         for j in range(inner):
             y = x[i - i0, j]
-            e = max(widen(d[i - i0, j]), -g[i, j])
+            e = -g[i, j] if d[i - i0, j] == clipped else widen(d[i - i0, j])
             g_new = g[i, j] + s * e
             p_new = p[i, j] + s * y
             g_next, p_next = g_new + s * e, p_new + s * y

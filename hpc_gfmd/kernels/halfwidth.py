@@ -1,16 +1,19 @@
-"""Numbers of 16 bits (bfloat16: the first half of a float32), for what may be wrong by 1/128 of itself.
+"""Half the width, for numbers that may be wrong by 1/128 of themselves: of float64 float32, of float32 its first 16 bits (bfloat16).
 
-Kernels are given arrays of uint16. Cut off, not rounded: nothing becomes larger than it was.
+Kernels are given arrays of float32 or of uint16. Sixteen bits are cut off, not rounded: nothing becomes larger than it was.
 """
 
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic
+from numba.extending import intrinsic, overload
 
 from .jit import inline
 
-INFINITE = np.uint16(0xFF80)  # minus infinity
+
+def half(dtype):
+    """The dtype of such numbers beside fields of `dtype`."""
+    return np.dtype(np.uint16 if np.dtype(dtype) == np.float32 else np.float32)
 
 
 def _same_bits(of, to, kind):
@@ -27,33 +30,57 @@ _bits = _same_bits(types.float32, types.uint32, ir.IntType(32))
 _number = _same_bits(types.uint32, types.float32, ir.FloatType())
 
 
+def _narrow(number):
+    """For `overload`, as _widen."""
+
+
+def _widen(number):
+    pass
+
+
+@overload(_narrow)
+def _narrow_in_kernels(number):
+    if number == types.float32:
+        return lambda number: np.uint16(_bits(number) >> np.uint32(16))
+    return lambda number: np.float32(number)
+
+
+@overload(_widen)
+def _widen_in_kernels(number):
+    if number == types.uint16:
+        return lambda number: _number(np.uint32(number) << np.uint32(16))
+    return lambda number: np.float64(number)
+
+
 @inline
 def narrow(number):
-    """The 16 bits of a number."""
-    return np.uint16(_bits(number) >> np.uint32(16))
+    """A number in half its width."""
+    return _narrow(number)
 
 
 @inline
-def widen(bits):
-    """The float32 that 16 bits stand for."""
-    return _number(np.uint32(bits) << np.uint32(16))
+def widen(number):
+    """The number that it stands for."""
+    return _widen(number)
 
 
 class Widened:
-    """An array of 16 bits a number as one of float32, made where it is sliced."""
+    """An array of half the width as one of float32, made where it is sliced."""
 
     dtype = np.dtype(np.float32)
 
-    def __init__(self, bits):
-        self.bits, self.shape = bits, bits.shape
+    def __init__(self, numbers):
+        self.numbers, self.shape = numbers, numbers.shape
 
     def __getitem__(self, place):
-        return (self.bits[place].astype(np.uint32) << 16).view(np.float32)
+        part = self.numbers[place]
+        return part if part.dtype == self.dtype else (part.astype(np.uint32) << 16).view(self.dtype)
 
     def __array__(self, dtype=None, copy=None):
-        return np.asarray(self[:], dtype)
+        return np.array(self[:], dtype)
 
 
-def narrowed(numbers):
-    """An array of numbers in 16 bits each."""
-    return (np.asarray(numbers, np.float32).view(np.uint32) >> 16).astype(np.uint16)
+def narrowed(numbers, dtype):
+    """An array of numbers in half the width of `dtype`."""
+    numbers = np.asarray(numbers, np.float32)
+    return numbers if half(dtype) == np.float32 else (numbers.view(np.uint32) >> 16).astype(np.uint16)

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..aligned import LINE, zeros_aligned
 from ..kernels.bpx import UpdateSums, update_state
+from ..kernels.halfwidth import half
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_coarsest
 from ..parallel.halo import Windows
 from .coarsening import Transfer, gathered, levels
@@ -232,7 +233,7 @@ class Multilevel:
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
         scratch = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
-        none, nowhere = self.dtype.type(0), np.zeros(still.shape, np.uint16)
+        none, nowhere = self.dtype.type(0), np.zeros(still.shape, half(self.dtype))
         sums = [self.update_rows(k, g, p, nowhere if d is None else d[i0:i1], still, none, scratch, excess)
                 for k, (i0, i1) in enumerate(self.passes)]
         return UpdateSums.total(sums)

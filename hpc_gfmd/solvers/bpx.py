@@ -16,7 +16,7 @@ from ..aligned import LINE, zeros_aligned
 from ..bounds import error_pattern, field_errors, misclassified_points, relative_area
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
-from ..kernels.halfwidth import Widened, narrowed
+from ..kernels.halfwidth import Widened, half, narrowed
 from ..operators.elastic import Elastic
 from ..operators.multilevel import COUPLING, EQUIVALENCE, Multilevel
 from ..options import read_options
@@ -49,7 +49,7 @@ class Bpx(Solver):
         self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
-        self.p, self.d = grid.empty(dtype), grid.empty(np.uint16)
+        self.p, self.d = grid.empty(dtype), grid.empty(half(dtype))
         self._make_scratch()
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
         self.typical_compliance = 1.0 / body.typical(grid)
@@ -70,7 +70,7 @@ class Bpx(Solver):
         """Go on without a last step."""
         self.elastic.plan()
         self._make_scratch()
-        self.d = self.grid.empty(np.uint16)
+        self.d = self.grid.empty(half(self.problem.dtype))
         self.d[...] = 0
         self.rd = self.zKd = self.dKd = 0.0
 
@@ -113,7 +113,7 @@ class Bpx(Solver):
         return arrays | {"d": Widened(self.d)}, numbers
 
     def load_state(self, arrays, numbers):
-        super().load_state(arrays | {"d": narrowed(arrays["d"])}, numbers)
+        super().load_state(arrays | {"d": narrowed(arrays["d"], self.problem.dtype)}, numbers)
         self.resume()
 
     # -- one iteration -------------------------------------------------------------------------------------------------------

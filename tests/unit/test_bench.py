@@ -61,7 +61,7 @@ def test_runs_alternate_after_the_warm_up():
 
 def test_traffic_of_an_iteration_is_about_fifteen_fields():
     shapes = [(1024 >> k, 1024 >> k) for k in range(11)]
-    assert 14 < sum(field_passes(shapes, 4).values()) < 15
+    assert 14 < sum(field_passes(shapes).values()) < 15
 
 
 def test_reference_is_kept_and_true_errors_fall():

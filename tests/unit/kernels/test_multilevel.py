@@ -79,7 +79,7 @@ def swept(grid, p, closed):
     q = np.where(closed, 1.0, p)
     zero, work = np.zeros(grid.n), np.zeros((7, grid.n[1] + 1))
     for k in range(len(sweep.passes)):
-        sweep.update_rows(k, g, q.copy(), zero.astype(np.uint16), zero, 0.0, work)
+        sweep.update_rows(k, g, q.copy(), zero.astype(np.float32), zero, 0.0, work)
     sums = sweep.sweep()
     return sweep.z[1:-1].copy(), sums[0]
 
