@@ -64,7 +64,7 @@ def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
     rows = share.grid.shape[0]
     field, step = share.points * itemsize / GIB, STEP * share.points * itemsize / GIB
     kept = itemsize if any(free) or not low else 0  # of a height
-    loads = len(scene.load.given[1])
+    loads = len(scene.load.given[1]) - (_few_from(scene, n) or 0)  # in the largest precision: before it nothing is kept
 
     levels, coarse = share.level_bytes / GIB, share.nested_points * itemsize / GIB
     first = np.prod(share.grids[0].shape) / share.points if share.grids else 0.0  # of the next grid, over this one
@@ -93,9 +93,14 @@ def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
 
 def largest_precision(scene, n):
     """The largest precision that a scene's loads are solved in, as far as it is known beforehand: without p* the first one."""
-    first, settings = first_precision(scene.solver), scene.solver
-    few = settings.precision == "auto" and any(few_points(n[0] * n[1], p_star, settings.accuracy) for p_star in _p_stars(scene))
-    return np.dtype(np.float64) if few else first
+    return first_precision(scene.solver) if _few_from(scene, n) is None else np.dtype(np.float64)
+
+
+def _few_from(scene, n):
+    """The first load at which single precision cannot tell so few points apart, from which on all is in double; None if there is none."""
+    settings, N = scene.solver, n[0] * n[1]
+    few = (k for k, p_star in enumerate(_p_stars(scene)) if few_points(N, p_star, settings.accuracy))
+    return next(few, None) if settings.precision == "auto" else None
 
 
 def _p_stars(scene):
