@@ -97,7 +97,7 @@ def largest_precision(scene, n):
 
 
 def _few_from(scene, n):
-    """The first load at which single precision cannot tell so few points apart, from which on all is in double; None if there is none."""
+    """The first load at which single precision cannot tell so few points apart: from there on all is in double. None: there is none."""
     settings, N = scene.solver, n[0] * n[1]
     few = (k for k, p_star in enumerate(_p_stars(scene)) if few_points(N, p_star, settings.accuracy))
     return next(few, None) if settings.precision == "auto" else None
@@ -113,8 +113,10 @@ def _p_stars(scene):
 
 
 def _in_double(scene):
-    """Whether a self-affine surface in low memory is likely to be certified in double precision, see lowmemory.py."""
+    """Whether a surface in low memory is likely to be certified in double precision, see lowmemory.py; it knows self-affine ones only."""
     surface = scene.surface
+    if surface.kind != "self-affine" or surface.lam_l_over_lam_s == 1:
+        return False
     q = np.geomspace(1, surface.lam_l_over_lam_s, SAMPLES) * 2 * np.pi / (surface.lam_l_over_lam_s * surface.lam_s_over_a)
     h_rms = np.sqrt(np.trapezoid(q ** (-1 - 2 * surface.hurst), q) / np.trapezoid(q ** (1 - 2 * surface.hurst), q))
     rounding = ROUNDING * float(np.finfo(np.float32).eps) * BELOW_TOP * h_rms

@@ -8,6 +8,7 @@ from hpc_gfmd.driver import memory
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Scene
+from hpc_gfmd.simulation import run_scene
 
 GIB = memory.GIB
 SCENE = Scene.from_dict({"surface": {"kind": "wave", "amplitude": 0.1, "n": [8192, 8192]}, "load": {"pressure": 0.1},
@@ -65,3 +66,12 @@ def test_heights_of_a_surface_that_ends_are_on_some_ranks_only(ranks):
     assert sum(share.heights for share in shares) == pytest.approx(2048**2 * 4 / GIB) == shares[0].all_heights
     assert shares[0].heights == pytest.approx(shares[0].all_heights * min(1, 2 / ranks), rel=1e-2)
     assert sum(share.total for share in shares) == pytest.approx(shares[0].on_all(ranks), rel=0.02)
+
+
+def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
+    """By the run, in one line; the plan knows nothing of it."""
+    table = {"surface": {"kind": "wave", "amplitude": 0.01, "n": [32, 32]}, "load": {"pressure": 0.1},
+             "solver": {"precision": "single", "low_memory": True}}
+    assert memory.memory_of(Scene.from_dict(table), (32, 32), 1).total > 0
+    with pytest.raises(SceneError, match=r"solver.low_memory: found true, allowed: with surface.kind = \"self-affine\""):
+        run_scene(Scene.from_dict(table), comm=SerialComm(), quiet=True)
