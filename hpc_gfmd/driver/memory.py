@@ -113,7 +113,7 @@ def _p_stars(scene):
 
 
 def _in_double(scene):
-    """Whether a surface in low memory is likely to be certified in double precision, see lowmemory.py; it knows self-affine ones only."""
+    """Whether a surface in low memory is likely to be certified in double precision, see lowmemory.py: only self-affine ones."""
     surface = scene.surface
     if surface.kind != "self-affine" or surface.lam_l_over_lam_s == 1:
         return False
