@@ -9,6 +9,8 @@ pressure out of contact, are far below the accuracy that is asked for. Otherwise
 the certificates are in double precision: their transforms take the memory of the solver's and of its last step meanwhile.
 """
 
+import ctypes
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -63,6 +65,7 @@ class LowMemorySweep(Sweep):
         if memory is not None:
             self.surface = replace(self.surface, h=None)
             problem = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)
+        _give_back()
         self.solver = self.solver_class(problem, self.settings.options, g=g)
         self._count()
         self._choose_certificate(problem)
@@ -80,3 +83,9 @@ class LowMemorySweep(Sweep):
         plain = self.dtype == np.float64 or self.surface.grid.padded or self.body.table_share
         in_turn = not plain and problem.rounding > NOISE * tolerance(self.settings, problem.p0)
         self.target = replace(self.target, certificate_dtype=np.float64 if in_turn else self.dtype.type, in_turn=in_turn)
+
+
+def _give_back() -> None:
+    """Let the system have what the C library keeps of the memory of coarser grids: that was 60 to 100 MB at n = 4096."""
+    with suppress(AttributeError, OSError):
+        ctypes.CDLL(None).malloc_trim(0)
