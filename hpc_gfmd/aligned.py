@@ -1,11 +1,14 @@
 """Memory for fields that begins on a cache line: vectors loaded from it never straddle two lines."""
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import DTypeLike
 
 LINE = 64  # bytes
 
 
-def empty_aligned(shape, dtype):
+def empty_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
     """An uninitialised C-contiguous array whose first element is aligned to LINE bytes."""
     nbytes = int(np.prod(shape)) * np.dtype(dtype).itemsize
     raw = np.empty(nbytes + LINE, np.uint8)
@@ -13,7 +16,7 @@ def empty_aligned(shape, dtype):
     return raw[start:start + nbytes].view(dtype).reshape(shape)
 
 
-def zeros_aligned(shape, dtype):
+def zeros_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
     """The same, zeroed."""
     a = empty_aligned(shape, dtype)
     a[...] = 0

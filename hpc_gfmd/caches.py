@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 
 
-def cache_folder():
+def cache_folder() -> Path:
     """The user's cache folder of this program; HPC_GFMD_CACHE or XDG_CACHE_HOME move it."""
     root = os.environ.get("HPC_GFMD_CACHE")
     if root:
@@ -14,7 +14,7 @@ def cache_folder():
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "hpc-gfmd"
 
 
-def keep(path, content: bytes):
+def keep(path: Path, content: bytes) -> None:
     """Write a file aside and rename it: whoever reads it meanwhile sees the old or the new one. A folder that cannot be written is no
     error."""
     name = None

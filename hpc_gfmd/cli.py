@@ -5,8 +5,10 @@ import importlib
 import importlib.util
 import sys
 import traceback
+from collections.abc import Sequence
 from errno import ENOMEM
 from functools import partial
+from typing import NoReturn
 
 from . import __version__
 from .errors import GfmdError, SceneError, one_line
@@ -23,11 +25,11 @@ DESCRIPTION = (
 class _Parser(argparse.ArgumentParser):
     """argparse whose complaints are SceneErrors, so that under MPI they are printed once."""
 
-    def error(self, message):
+    def error(self, message: str) -> NoReturn:
         raise SceneError(f"{self.prog}: {message} (see {self.prog} --help)")
 
 
-def build_parser(commands=COMMANDS):
+def build_parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
     """The parser with these commands, as far as they are there."""
     parser = _Parser(prog="hpc-gfmd", description=DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {__version__}")
@@ -39,7 +41,7 @@ def build_parser(commands=COMMANDS):
     return parser
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code. What cannot be printed stops no command, but is an error where it was the result."""
     with unfailing_output() as out:
         code, prints = _run(sys.argv[1:] if argv is None else argv)
@@ -51,7 +53,7 @@ def main(argv=None):
         return 1
 
 
-def _run(argv):
+def _run(argv: Sequence[str]) -> tuple[int, bool]:
     """(exit code, whether the result is what was printed)."""
     from .parallel.leaving import leave_together
 
@@ -79,11 +81,11 @@ def _run(argv):
         return 1, False
 
 
-def _complain(error, before=""):
+def _complain(error: object, before: str = "") -> None:
     print(f"{before}hpc-gfmd: {error}", file=sys.stderr, flush=True)
 
 
-def _where():
+def _where() -> str:
     """Which of several ranks this is."""
     from .parallel.launcher import launched, launcher_rank
 

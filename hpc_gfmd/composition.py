@@ -1,7 +1,14 @@
 """From a scene to its sweep, and from a solved load to what is said of it: shared by runs that write a file and solutions in memory."""
 
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from .contact import Contact
 from .driver.lowmemory import LowMemorySweep
-from .driver.sweep import Sweep
+from .driver.prescribed import Prescribed
+from .driver.sweep import Step, Sweep
 from .errors import SceneError
 from .fields import STORABLE
 from .observables.area import a_r_discretisation
@@ -14,24 +21,26 @@ from .registry import (
     observables_named,
     solver_names,
 )
-from .scene import File, check_names, has_unit
+from .scene import File, Load, Output, Scene, check_names, has_unit
+from .surface import Surface
 
 STATUS_ORDER = ("converged", "max_iterations", "stagnated", "nonfinite", "interrupted")  # the last one is the worst
 
 
-def check(scene):
+def check(scene: Scene) -> None:
     """Raise SceneError for names and combinations that the tables of a scene.Scene alone cannot know."""
     check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names(scene.surface.free))
     if scene.solver.low_memory and "displacement" in scene.output.fields:
         raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap, heights')
 
 
-def asked(output):
+def asked(output: Output) -> list[Callable[[Contact], Any]]:
     """The functions of a contact.Contact that `step_attributes` calls; output: scene.Output."""
-    return [*observables_named(output.observables).values(), a_r_discretisation, *map(all_distributions().get, output.distributions)]
+    distributions = (all_distributions()[name] for name in output.distributions)
+    return [*observables_named(output.observables).values(), a_r_discretisation, *distributions]
 
 
-def sweep_of(scene, make_surface):
+def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
     """The driver.sweep.Sweep of a scene; make_surface(dtype) -> surface.Surface. Collective. Raises SceneError."""
     kind = LowMemorySweep if scene.solver.low_memory else Sweep
     sweep = kind(make_surface, scene.solver, scene.material.E_star, getattr(scene.surface, "lam_s", None),
@@ -40,7 +49,7 @@ def sweep_of(scene, make_surface):
     return sweep
 
 
-def _require_like_units(scene, surface):
+def _require_like_units(scene: Scene, surface: Surface) -> None:
     """Raise SceneError where a length beside a height map, or a force on it, has a unit and the map none, or the other way round."""
     given = {"material.thickness": (scene.material.thickness, "2 um"), "load.gap_mean": (scene.load.gap_mean, "50 nm"),
              "load.approach": (scene.load.approach, "10 nm"), "load.force": (scene.load.force, "5 mN")}
@@ -51,7 +60,7 @@ def _require_like_units(scene, surface):
                 raise SceneError(f"{key}: found {number:g}, {found}, allowed with this height map: {allowed}")
 
 
-def surface_attributes(scene, surface):
+def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
     """What is said of a surface.Surface, by the names of the result file."""
     spec = scene.surface
     numbers = {name: getattr(spec, name, float("nan")) for name in ("eps_t", "eps_f", "eps_c")} | {"seed": getattr(spec, "seed", -1)}
@@ -63,20 +72,20 @@ def surface_attributes(scene, surface):
             **numbers, **shape}
 
 
-def load_shown(load, index, sweep, pressed):
+def load_shown(load: Load, index: int, sweep: Sweep, pressed: float | Prescribed) -> tuple[str, float]:
     """What to call a load of scene.Load, and its number: what was asked for, or p*. pressed: what sweep.pressures made of it."""
     if target := _target(load, index):
         return next((name.removeprefix("target_"), value) for name, value in target.items())
     return "p*", pressed / (sweep.E_star * sweep.surface.slope)
 
 
-def _target(load, index):
+def _target(load: Load, index: int) -> dict[str, float]:
     """What the load gives in place of a mean pressure."""
     name, values = load.given
     return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}
 
 
-def step_attributes(scene, index, step, seconds):
+def step_attributes(scene: Scene, index: int, step: Step, seconds: float) -> dict[str, Any]:
     """What is said of a solved load (driver.sweep.Step), the index-th of a scene.Scene, by the names of the result file; None for what
     has no value. seconds: spent on it. Collective."""
     contact, output = step.contact, scene.output
@@ -91,6 +100,6 @@ def step_attributes(scene, index, step, seconds):
     return attributes | _target(scene.load, index) | contact.certificate.attributes() | numbers
 
 
-def worst(steps):
+def worst(steps: Sequence[dict]) -> str:
     """The status of a run whose steps have these attributes."""
     return max((step["status"] for step in steps), key=STATUS_ORDER.index)

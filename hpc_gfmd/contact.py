@@ -233,15 +233,20 @@ class Contact:
             g, p = self.g[take, :points], self.p[take, :points]
             if name == "pressure":
                 return np.where((g <= 0) & (p > 0), p, 0) * real(self.pressure_unit)
-            return (g if name == "gap" else g - self.surface.h[take]) * real(self.surface.height_unit)
+            if name == "displacement":
+                assert self.surface.h is not None  # refused beforehand with solver.low_memory
+                g = g - self.surface.h[take]
+            return g * real(self.surface.height_unit)
 
         return _on_the_whole_grid(self.surface, values, dtype)
 
 
 def heights_of(surface: Surface) -> LazyField:
     """Heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest at 0: as Contact.field."""
-    dtype = field_dtype("heights", surface.h.dtype, 0.0, surface)
-    return _on_the_whole_grid(surface, lambda take: surface.h[take] * -dtype.type(surface.height_unit), dtype)
+    h = surface.h
+    assert h is not None  # asked for before a sweep in low memory gives them away
+    dtype = field_dtype("heights", h.dtype, 0.0, surface)
+    return _on_the_whole_grid(surface, lambda take: h[take] * -dtype.type(surface.height_unit), dtype)
 
 
 def _on_the_whole_grid(surface: Surface, values: Callable[[slice], np.ndarray], dtype: np.dtype) -> LazyField:

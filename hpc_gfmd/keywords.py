@@ -9,9 +9,11 @@ from .prepared import PreparedSurface, plain
 from .scene import ArrayScene, Load, Machine, Material, Output, Scene, Solver
 from .scene.explain import nearest
 from .scene.surface import Surface
+from .scene.table import Table
 
 CALLER = "hpc_gfmd.solve"
-TABLES = {"surface": Surface, "material": Material, "load": Load, "solver": Solver, "output": Output, "machine": Machine}
+TABLES: dict[str, type[Table]] = {"surface": Surface, "material": Material, "load": Load, "solver": Solver, "output": Output,
+                                  "machine": Machine}
 OF_RUNS = ("path", "dtype", "compression", "wall_seconds", "checkpoint_seconds", "memory_gib")  # without a result file they do nothing
 HOMES = {key: table for table, model in TABLES.items() for key in model.model_fields if key not in OF_RUNS}
 
@@ -23,7 +25,7 @@ def scene_of_keywords(given: dict[str, Any], more: dict[str, Any], surface: Prep
         raise SceneError(f"{CALLER}: found {wrong[0]}, allowed: in a scene, whose run writes a file")
     given = {key: plain(value) for key, value in given.items() if value is not None}
     given |= {key: plain(value) for key, value in more.items() if value is not None or key not in HOMES}
-    tables = {"load": {}}
+    tables: dict[str, dict[str, Any]] = {"load": {}}
     for key, value in given.items():
         table = HOMES.get(key) or HOMES[nearest(key, HOMES)]
         tables.setdefault(table, {})[key] = value

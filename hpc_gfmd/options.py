@@ -1,10 +1,12 @@
 """The solvers' own parameters, [solver.options] of a scene."""
 
+from collections.abc import Mapping
+
 from .errors import SceneError
 from .not_modelled import ONLY, is_not_modelled
 
 
-def read_options(solver, options, allowed):
+def read_options(solver: str, options: Mapping[str, float], allowed: Mapping[str, tuple[float, float]]) -> dict[str, float]:
     """The given options as floats. allowed: {name: (smallest, largest value)}.
 
     Raises SceneError for an unknown name or a value out of bounds.

@@ -61,14 +61,15 @@ class Problem:
     @property
     def dtype(self) -> np.dtype:
         """The working precision."""
-        return self.working if self.h is None else self.h.dtype
+        return np.dtype(self.working) if self.h is None else self.h.dtype
 
     @cached_property
     def root_mean_square(self) -> float:
         """sqrt(mean h^2). Collective where it is first asked for."""
-        if self.h_rms is not None:
-            return self.h_rms
-        return float(np.sqrt(self.grid.comm.sum([np.einsum("ij,ij->", self.h, self.h, dtype=np.float64)])[0] / self.grid.N))
+        if self.h_rms is not None or self.h is None:
+            return self.h_rms or 0.0
+        squares = np.einsum("ij,ij->", self.h, self.h, dtype=np.dtype(np.float64))
+        return float(np.sqrt(self.grid.comm.sum([squares])[0] / self.grid.N))
 
     @property
     def p_cell(self) -> float:
@@ -109,4 +110,4 @@ class Problem:
 
     def adder(self, fft: SlabFFT) -> Columns | None:
         """What completes the columns of u after a transform of its rows: None where the rows are those of u already."""
-        return None if self.h is not None else self.add_spectrum(fft)
+        return self.add_spectrum(fft) if self.h is None and self.add_spectrum is not None else None

@@ -1,12 +1,12 @@
 """A solved contact again from what a result says of it, so that more observables can be asked for than the run was."""
 
-from types import SimpleNamespace
-
 import numpy as np
 
 from .contact import Contact
 from .driver.certificate import Certificate
+from .driver.drive import Outcome
 from .errors import SceneError
+from .grid import Grid
 from .output.read import Result
 from .parallel.comm import SerialComm
 from .registry import body_of
@@ -27,28 +27,27 @@ def restored_contact(result: Result) -> Contact:
     if axis is not None:  # solved along the other one alone
         n[axis] = 1
         fields = {name: values[:1] if axis == 0 else values[:, :1] for name, values in fields.items()}
-    grid = grid_of(n, said["physical_sizes"], SerialComm(), free=free)
+    grid = grid_of(tuple(n), said["physical_sizes"], SerialComm(), free=free)
     heights = fields.get("heights")
     surface = Surface(grid, None, tuple(said["n"]), said["h_rms"], said["g_rms"], (0, said["n"][0]))
     if heights is not None:
         surface = Surface(grid, heights / -surface.height_unit, surface.n, surface.h_rms, surface.g_rms, surface.rows)
     touching = int(np.count_nonzero(fields["pressure"] > 0))
     certificate = Certificate(contact=touching, gap_mean=float(fields["gap"].mean(dtype=float)) / surface.height_unit, energy=np.nan)
-    outcome = SimpleNamespace(status=step["status"], certificate=certificate, errors=None)
     E_star, pressure_unit = scene.material.E_star, scene.material.E_star * surface.slope
-    return Contact(surface, E_star, step["p"], _in_cell(fields["gap"] / surface.height_unit, grid),
-                   _in_cell(fields["pressure"] / pressure_unit, grid), outcome, scene.solver.accuracy or scene.solver.residual,
+    g, p = (_in_cell(values, grid) for values in (fields["gap"] / surface.height_unit, fields["pressure"] / pressure_unit))
+    return Contact(surface, E_star, step["p"], g, p, Outcome(step["status"], certificate, 0.0), scene.solver.tolerance,
                    getattr(scene.surface, "lam_s", None), body_of(scene.material, free))
 
 
-def _constant_axis(*fields):
+def _constant_axis(*fields: np.ndarray) -> int | None:
     for axis in (0, 1):
         if all((values == values.take([0], axis)).all() for values in fields):
             return axis
     return None
 
 
-def _in_cell(values, grid):
+def _in_cell(values: np.ndarray, grid: Grid) -> np.ndarray:
     """The values on the whole grid, 0 beyond the surface."""
     if not grid.padded:
         return values

@@ -26,7 +26,7 @@ def whole(field: Any) -> np.ndarray:
 
 def in_memory(result: Result) -> Result:
     """The Result without what refers to a solver or to a file."""
-    def copy(field):
+    def copy(field: Any) -> Slab:
         return Slab(whole(field), getattr(field, "start", 0), field.shape)
 
     return replace(result, fields=[{name: copy(field) for name, field in fields.items()} for fields in result.fields])
@@ -60,7 +60,7 @@ def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: An
     if path.suffix.lower() not in (".h5", ".hdf5"):
         raise SceneError(f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5")
 
-    def slab(field):
+    def slab(field: Any) -> Any:
         return field.data if isinstance(field, Slab) else field
 
     head = {name: value for name, value in result.head.items() if name not in ("status", "end_time", "io")}

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -14,7 +14,7 @@ from .composition import asked, check, load_shown, step_attributes, surface_attr
 from .contact import heights_of
 from .driver.memory import require_memory
 from .driver.prescribed import Prescribed
-from .driver.sweep import first_precision
+from .driver.sweep import Step, Sweep, first_precision
 from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
 from .fields import FIELDS
@@ -22,12 +22,14 @@ from .output.folder import HEAD, clear, is_held, partial_folder
 from .output.read import read_partial
 from .output.record import RunFile
 from .parallel import wisdom
+from .parallel.comm import Comm
 from .parallel.guard import guarded, on_rank_0
 from .parallel.interrupt import Interrupt, Stopped
 from .parallel.world import threads_of, world
 from .progress import Reporter
-from .scene import Scene, load_scene, with_overrides
-from .surface import build_surface, grid_of, surface_size
+from .scene import Output, Scene, Solver, load_scene, with_overrides
+from .solvers.base import Progress
+from .surface import Surface, build_surface, grid_of, surface_size
 from .table import surface_line, table
 from .units import field_dtype
 from .versions import versions
@@ -100,7 +102,8 @@ def run_scene(scene: str | PathLike | Scene, overrides: Iterable[str] = (), out:
             return _stopped(comm, file, say, interrupt)
 
 
-def _solve(comm, scene, n, threads, file, say, interrupt, begun, resume):
+def _solve(comm: Comm, scene: Scene, n: tuple[int, int], threads: int, file: RunFile, say: Reporter, interrupt: Interrupt, begun: float,
+           resume: bool) -> RunResult:
     """Surface, sweep and all steps; n: size of the surface, begun: time at which the run began, resume: whether it is continued."""
     if resume and comm.rank == 0:
         wisdom.take_from(file.partial)
@@ -120,18 +123,18 @@ def _solve(comm, scene, n, threads, file, say, interrupt, begun, resume):
     return run.all_steps(loads)
 
 
-def _stopped(comm, file, say, interrupt):
+def _stopped(comm: Comm, file: RunFile, say: Reporter, interrupt: Interrupt) -> RunResult:
     """What a run ends with that was asked to stop."""
     say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
     return RunResult(file.path, _finished_steps(comm, file), "interrupted", interrupt.exit_code)
 
 
-def _finished_steps(comm, file):
+def _finished_steps(comm: Comm, file: RunFile) -> list[dict]:
     """Attributes of the steps that are in the file. Collective."""
     return on_rank_0(comm, f"reading {file.partial}", lambda: read_partial(file.path).steps)
 
 
-def restart(path, overrides=(), quiet=False, comm=None):
+def restart(path: str | PathLike, overrides: Iterable[str] = (), quiet: bool = False, comm: Comm | None = None) -> RunResult:
     """Continue the interrupted run that writes `path`, on any number of ranks. Raises SceneError if there is none.
 
     overrides: "machine.key=value" texts; nothing else of the scene can be changed.
@@ -151,7 +154,7 @@ def restart(path, overrides=(), quiet=False, comm=None):
     return run_scene(scene, out=path, resume=True, quiet=quiet, comm=comm)
 
 
-def _read_scene(scene, overrides, out):
+def _read_scene(scene: str | PathLike | Scene, overrides: Iterable[str], out: str | PathLike | None) -> Scene:
     if not isinstance(scene, Scene):
         scene = load_scene(scene, overrides)
     if out is not None:
@@ -161,14 +164,14 @@ def _read_scene(scene, overrides, out):
     return scene
 
 
-def _require_same_heights(file, surface):
+def _require_same_heights(file: RunFile, surface: Surface) -> None:
     """Raise SceneError where the run that is resumed was that of another height map; synthetic surfaces are known by their scene."""
     known = file.earlier.get("heights")
     if (known is not None or file.finished) and (known or None) != surface.checksum:
         raise SceneError(OTHER_HEIGHTS.format(file.partial))
 
 
-def _require_storable(output, surface, pressures):
+def _require_storable(output: Output, surface: Surface, pressures: Iterable[float]) -> None:
     """Raise SceneError where a field that is asked for in single precision does not fit into it."""
     for name in output.fields if output.dtype == "single" else ():
         for p_mean in pressures:
@@ -177,7 +180,7 @@ def _require_storable(output, surface, pressures):
                                  f'(one unit of height: {surface.height_unit:g}), allowed: "double"')
 
 
-def _headline(scene, surface, n, comm, seconds):
+def _headline(scene: Scene, surface: Surface, n: tuple[int, int], comm: Comm, seconds: float) -> str:
     wanted = f"accuracy {scene.solver.accuracy:g}" if scene.solver.accuracy else f"residual {scene.solver.residual:g}"
     one_d = "" if surface.reduced_axis is None else ", varies along one axis only"
     known = {"n": n, "physical_sizes": surface.sizes, "h_rms": surface.h_rms, "g_rms": surface.g_rms,
@@ -186,7 +189,7 @@ def _headline(scene, surface, n, comm, seconds):
             f"{_precision(scene.solver)}, {wanted}; ready after {seconds:.1f} s")
 
 
-def _precision(settings):
+def _precision(settings: Solver) -> str:
     first = first_precision(settings).name
     return f"{first} until a load needs float64" if settings.precision == "auto" and first == "float32" else first
 
@@ -194,12 +197,13 @@ def _precision(settings):
 class _Run:
     """The load steps of one run."""
 
-    def __init__(self, comm, scene, file, sweep, say, interrupt, surface):
+    def __init__(self, comm: Comm, scene: Scene, file: RunFile, sweep: Sweep, say: Reporter, interrupt: Interrupt,
+                 surface: dict[str, Any]):
         self.comm, self.scene, self.file, self.sweep, self.surface = comm, scene, file, sweep, surface
         self.say, self.interrupt = say, interrupt
         self.checkpointable = sweep.surface.reduced_axis is None and (sweep.surface.g_rms > 0 or sweep.surface.grid.padded)
 
-    def all_steps(self, loads):
+    def all_steps(self, loads: Sequence[float | Prescribed]) -> RunResult:
         """Solve what is not finished; returns a RunResult."""
         unfinished = [index for index in range(len(loads)) if index not in self.file.finished]
         first, midway = self._go_back(unfinished[0], loads) if unfinished else (0, None)
@@ -213,40 +217,39 @@ class _Run:
         self.say.say(table(steps, surface=self.surface))
         return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
 
-    def _go_back(self, unfinished, loads):
+    def _go_back(self, unfinished: int, loads: Sequence[float | Prescribed]) -> tuple[int, float | None]:
         """To the last checkpoint, so that all goes on as if nothing had happened: loads finished since then are repeated, not
         written again. unfinished: the first load to be solved. Returns the load to begin with and, in the middle of it, the seconds
         spent on it.
         """
-        def arrays(grid):
-            return {name: field.slab(grid.comm, grid.rows) for name, field in found.fields[0].items()}
-
-        other, first = False, 0  # died before its first checkpoint
+        other, first, seconds = False, 0, None  # died before its first checkpoint
         try:
             found = self.file.checkpoint(self.sweep.solver_class.name)
             if found is not None:
-                (first,), numbers = found.indices, json.loads(found.steps[0]["numbers"])
+                (first,), (step,), (stored,) = found.indices, found.steps, found.fields
+                numbers, seconds = json.loads(step["numbers"]), step.get("seconds")
                 if first > unfinished:
                     raise SceneError(f"{found.path}: later than load {unfinished + 1}, which has to be solved again")
                 other = numbers.get("heights") != self.sweep.surface.checksum
                 if not other:
-                    self.sweep.restore(arrays, numbers, loads[first])
+                    self.sweep.restore(lambda grid: {name: field.slab(grid.comm, grid.rows) for name, field in stored.items()},
+                                       numbers, loads[first])
         except GfmdError as error:
             self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
             self.sweep.solver = None
             return unfinished, None
-        if other:
+        if found is not None and other:
             raise SceneError(OTHER_HEIGHTS.format(found.path))
         if first < unfinished:
             self.say.say(f"note: repeating from load {first + 1}, where the last checkpoint is; finished loads stay as they are")
-        return first, found and found.steps[0].get("seconds")
+        return first, seconds
 
-    def _one_step(self, index, loads, midway):
+    def _one_step(self, index: int, loads: Sequence[float | Prescribed], midway: float | None) -> str:
         begun = time.monotonic() - (midway or 0.0)
         load = loads[index]
         self.say.step(index, len(loads), *load_shown(self.scene.load, index, self.sweep, load))
 
-        def watch(iterations, progress):
+        def watch(iterations: int, progress: Progress) -> bool:
             self.say.watch(iterations, progress)
             stop, due = self.interrupt.poll()
             if stop or due:
@@ -269,7 +272,7 @@ class _Run:
             self._save(index + 1, lambda: self.sweep.state(loads[index + 1]))
         return "interrupted" if stop else status
 
-    def _save(self, index, state, seconds=None):
+    def _save(self, index: int, state: Callable[[], tuple[dict, dict]], seconds: float | None = None) -> None:
         """A checkpoint in the middle of a load (seconds: spent on it so far) or at its beginning."""
         if self.checkpointable:
             begun, sweep = time.monotonic(), self.sweep
@@ -278,8 +281,8 @@ class _Run:
             self.file.write_checkpoint(sweep.surface.grid, sweep.solver_class.name, index, state(), seconds)
             self.interrupt.saved(begun)
 
-    def _write(self, index, step, seconds):
+    def _write(self, index: int, step: Step, seconds: float) -> None:
         """A finished load into the file."""
         attributes = step_attributes(self.scene, index, step, seconds)
-        fields = {name: step.contact.field(name) for name in self.scene.output.fields if name in FIELDS}
+        fields: dict[str, Any] = {name: step.contact.field(name) for name in self.scene.output.fields if name in FIELDS}
         self.file.write_step(index, attributes, fields)

@@ -1,8 +1,10 @@
 """The result table: one line per load step, plain ASCII for terminals and batch logs, or HTML for notebooks; and one line on a load
 step and on a surface."""
 
+from collections.abc import Sequence
 from html import escape
 from math import floor, isfinite, log10, nan
+from typing import Any, TypeGuard
 
 from .quantity import prefixed
 
@@ -52,7 +54,8 @@ def table(steps: list[dict], indices: list[int] | None = None, surface: dict | N
     return "\n".join([*(line.rstrip() for line in lines), *remarks(indices, steps)])
 
 
-def html_table(steps: list[dict], surface: dict, indices=None, notes=(), across: bool = True) -> str:
+def html_table(steps: list[dict], surface: dict, indices: list[int] | None = None, notes: Sequence[str] = (),
+               across: bool = True) -> str:
     """HTML of what `table` says; across: a row for each step, otherwise a column."""
     indices = list(range(len(steps))) if indices is None else indices
     rows = cells(steps, indices, surface)
@@ -89,7 +92,7 @@ def summary(step: dict, surface: dict) -> str:
     return ", ".join(parts) + (f"; note: {step['note']}" if step.get("note") else "")
 
 
-def _scale(kind, values, surface):
+def _scale(kind: str, values: list[float], surface: dict) -> tuple[float, str]:
     """(scale, heading) of a column: with the prefix that suits its largest value where the surface knows the unit, a_r in per cent."""
     length, pressure = _text(surface, "unit"), _text(surface, "pressure_unit")
     both = length and pressure
@@ -148,11 +151,12 @@ def surface_line(surface: dict) -> str:
 
 def _numbers(found: object) -> list[float]:
     """A list of finite numbers as it is, anything else as none: files may hold what they like."""
-    right = isinstance(found, list | tuple) and all(_is_number(x) and isfinite(x) for x in found)
-    return list(found) if right else []
+    if isinstance(found, list | tuple) and all(_is_number(x) and isfinite(x) for x in found):
+        return list(found)
+    return []
 
 
-def _is_number(found: object) -> bool:
+def _is_number(found: object) -> TypeGuard[float]:
     return isinstance(found, int | float)
 
 
@@ -160,7 +164,7 @@ def _text(surface: dict, key: str) -> str:
     return surface[key] if isinstance(surface.get(key), str) else ""
 
 
-def _cell(value, scale, how, step) -> str:
+def _cell(value: Any, scale: float, how: str | None, step: dict) -> str:
     if value is None or isinstance(value, str):
         return value or "-"
     value = value if scale == 1 else value / scale
@@ -170,7 +174,7 @@ def _cell(value, scale, how, step) -> str:
     return with_error(value, error) if isinstance(value, float) or error else str(value)
 
 
-def remarks(indices, steps) -> list[str]:
+def remarks(indices: list[int], steps: list[dict]) -> list[str]:
     """What to say below the table, a line each."""
     remarks = [LEGEND] if any("a_r_discretisation" in step for step in steps) else []
     for index, step in zip(indices, steps, strict=True):

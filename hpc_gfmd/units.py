@@ -4,22 +4,31 @@ A field is stored in single precision only where that loses nothing: its largest
 errors of its typical value is still a normal number. Units that not even double precision can hold are refused.
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
 import numpy as np
+from numpy.typing import DTypeLike
 
 from .errors import SceneError
+
+if TYPE_CHECKING:
+    from .surface import Surface
 
 LARGEST_HEIGHT = 1e100  # as all numbers of a scene; heights that differ by less than its inverse are refused, too
 SMALLEST, LARGEST = 1e-250, 1e250  # of what the program multiplies: units of pressure and height, their product, mean pressures
 P_STAR = 1e-100, 1e100
 
 
-def fits(dtype, smallest, largest):
+def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
     """Whether normal numbers of this precision reach from `smallest` to `largest`, magnitudes."""
     info = np.finfo(dtype)
     return float(info.tiny) < smallest and largest < float(info.max)
 
 
-def field_range(name, p_mean, surface):
+def field_range(name: str, p_mean: float, surface: Surface) -> tuple[float, float]:
     """(smallest, largest) magnitude that matters in a field at mean pressure p_mean, without looking at it; surface: surface.Surface.
 
     No point carries more than all N p_mean, and heights that have rms slope 1 per point rise by less than N; a displacement is
@@ -30,17 +39,17 @@ def field_range(name, p_mean, surface):
     return float(np.finfo(np.float32).eps) * typical, largest
 
 
-def field_dtype(name, dtype, p_mean, surface):
+def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) -> np.dtype:
     """The precision for a field, solved in `dtype`, in the scene's units."""
     return np.dtype(dtype) if fits(dtype, *field_range(name, p_mean, surface)) else np.dtype(np.float64)
 
 
-def single_solves(p_star, N):
+def single_solves(p_star: float, N: int) -> bool:
     """Whether single precision holds the pressures of a contact of N points at p*, in the program's units."""
     return fits(np.float32, float(np.finfo(np.float32).eps) * p_star, N * p_star)
 
 
-def require_range(E_star, surface, pressures):
+def require_range(E_star: float, surface: Surface, pressures: Iterable[float]) -> None:
     """Raises SceneError where a number of the contacts is beyond double precision; surface: surface.Surface."""
     unit = E_star * surface.g_rms if surface.g_rms > 0 else 1.0
     for what, value in [("E_star*g_rms", unit), ("g_rms*a (height per point)", surface.height_unit),

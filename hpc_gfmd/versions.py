@@ -7,13 +7,13 @@ from pathlib import Path
 PACKAGES = ("numpy", "numba", "scipy", "h5py", "mpi4py", "mpi4py-fft")
 
 
-def versions():
+def versions() -> dict[str, str | None]:
     """{name: version}, of what is installed, without importing it."""
     found = {"hpc_gfmd": _version("hpc-gfmd"), "python": platform.python_version()}
     return found | {name: v for name in PACKAGES if (v := _version(name))}
 
 
-def processor():
+def processor() -> str:
     """The model of this machine's processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
@@ -22,7 +22,7 @@ def processor():
         return platform.processor() or platform.machine()
 
 
-def _version(name):
+def _version(name: str) -> str | None:
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:

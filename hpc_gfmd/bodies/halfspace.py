@@ -1,11 +1,19 @@
 """The elastic half-space, K = |q|/2, computed on the fly."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..kernels.spectral import multiply_compliance, multiply_stiffness
-from .base import Body
+from .base import Body, Multipliers
+
+if TYPE_CHECKING:
+    from ..grid import Grid
+    from ..parallel.fft import SlabFFT
 
 
 @dataclass(frozen=True)
@@ -16,13 +24,13 @@ class HalfSpace(Body):
     table_share = 0.0
 
     @classmethod
-    def of(cls, thickness, nu, base, free):
+    def of(cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]) -> Body | None:
         return HALF_SPACE if thickness is None and not any(free) else None
 
-    def stiffness(self, q, a):
+    def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
         return q / 2
 
-    def multipliers(self, grid, fft):
+    def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
         return OnTheFly(grid, fft)
 
 
@@ -34,18 +42,18 @@ class OnTheFly:
 
     uniform = 0.0
 
-    def __init__(self, grid, fft):
+    def __init__(self, grid: Grid, fft: SlabFFT):
         self.dtype, self.scale = fft.dtype, fft.scale
         self.q_x = np.repeat(grid.q_x, 2).astype(fft.dtype)  # kernels see real and imaginary parts as numbers of their own
         self.q_y, self.weight = grid.column_tables(fft)
 
-    def stiffness(self, block, m):
+    def stiffness(self, block: np.ndarray, m: int) -> float:
         """block *= K/N."""
         return self._call(multiply_stiffness, block, m, 0.5)
 
-    def compliance(self, block, m):
+    def compliance(self, block: np.ndarray, m: int) -> float:
         """block *= S/N, 0 at q = 0."""
         return self._call(multiply_compliance, block, m, 2.0)
 
-    def _call(self, kernel, block, m, factor):
+    def _call(self, kernel: Any, block: np.ndarray, m: int, factor: float) -> float:
         return kernel(block.view(self.dtype), self.q_x, self.q_y[m], self.weight[m], self.dtype.type(factor * self.scale))

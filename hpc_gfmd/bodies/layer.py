@@ -1,5 +1,6 @@
 """An elastic layer of finite thickness on a rigid base, bonded to it or sliding on it without friction."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,14 +29,14 @@ class Layer(Body):
     name = "layer"
 
     @classmethod
-    def of(cls, thickness, nu, base, free):
-        return cls(thickness, nu, base) if thickness is not None and not any(free) else None
+    def of(cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]) -> Body | None:
+        return cls(thickness, nu, base) if thickness is not None and nu is not None and not any(free) else None
 
     @classmethod
-    def examples(cls):
+    def examples(cls) -> list[Body]:
         return [cls(0.3, 0.3, "bonded"), cls(0.05, 0.0, "bonded"), cls(0.02, 0.45, "bonded"), cls(0.05, 0.5, "frictionless")]
 
-    def stiffness(self, q, a):
+    def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
         t = self.thickness / a
         x = np.maximum(np.asarray(q, np.float64) * t, TINY)
         e = np.exp(-2 * x)  # both parts of the fraction times e: nothing overflows; the upper one over x

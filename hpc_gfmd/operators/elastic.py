@@ -1,6 +1,21 @@
 """Applying the stiffness K of an elastic body, or its compliance S = 1/K, to fields: p = p0 + K u in the units of problem.py."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+if TYPE_CHECKING:
+    from ..bodies.base import Body
+    from ..grid import Grid
+    from ..parallel.comm import Comm
+    from ..parallel.fft import Passes
+    from ..problem import Columns, Rows
+
+RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 
 
 class Elastic:
@@ -10,23 +25,23 @@ class Elastic:
     the mean of the last field that was multiplied.
     """
 
-    def __init__(self, grid, body, dtype):
-        self.grid, self.body, self.dtype = grid, body, dtype
+    def __init__(self, grid: Grid, body: Body, dtype: DTypeLike):
+        self.grid, self.body, self.dtype = grid, body, np.dtype(dtype)
         self.pairs, self.mean = 0.0, 0.0
         self.plan()
 
-    def plan(self):
+    def plan(self) -> None:
         """Have the memory of the transforms. Collective."""
         self.fft = self.grid.fft(self.dtype)
         self.multipliers = self.body.multipliers(self.grid, self.fft)
 
-    def make_room(self):
+    def make_room(self) -> None:
         """Give it back, until `plan`."""
-        self.fft = self.multipliers = None
+        del self.fft, self.multipliers
         self.grid.forget_fft(self.dtype)
 
-    def _columns(self, multiply, backward=True, add=None):
-        def apply(block, m):
+    def _columns(self, multiply: Callable[[np.ndarray, int], float], backward: bool = True, add: Columns | None = None) -> float:
+        def apply(block: np.ndarray, m: int) -> float:
             if add is not None:
                 add(block, m)
             if m == 0:  # whoever has q = 0
@@ -35,38 +50,38 @@ class Elastic:
 
         return float(sum(self.fft.columns(apply, backward=backward)))
 
-    def pressure_rows(self, fill, passes=None):
+    def pressure_rows(self, fill: RowFunction, passes: Passes | None = None) -> list:
         """First third of an application of K: rows of u are made by fill; returns what it returned."""
         return self.fft.forward_rows(fill, passes)
 
-    def pressure_columns(self, add=None):
+    def pressure_columns(self, add: Columns | None = None) -> float:
         """Second third; returns this rank's share of <u, K u>, summed over all points. add(block, m) completes the columns first."""
         return self._columns(self.multipliers.stiffness, add=add)
 
-    def use_rows(self, use, passes=None):
+    def use_rows(self, use: RowFunction, passes: Passes | None = None) -> list:
         """Last third: rows of K u are given to use; returns what it returned."""
         self.pairs += 1
         return self.fft.backward_rows(use, passes)
 
-    def displacement_columns(self):
+    def displacement_columns(self) -> float:
         """After `pressure_rows` of a pressure: S p with zero mean, for `use_rows`; returns this rank's share of <p, S p>."""
         return self._columns(self.multipliers.compliance)
 
-    def compliance_columns(self):
+    def compliance_columns(self) -> float:
         """After `pressure_rows` of a pressure: this rank's share of <p, S p>. Half a pair in all, nothing is transformed back."""
         self.pairs += 0.5
         return self._columns(self.multipliers.compliance, backward=False)
 
 
-def reader(field):
+def reader(field: np.ndarray) -> Rows:
     """fill function that copies rows of a local slab."""
 
-    def fill(i0, i1, x):
+    def fill(i0: int, i1: int, x: np.ndarray) -> None:
         x[: i1 - i0] = field[i0:i1]
 
     return fill
 
 
-def total(comm, sums):
+def total(comm: Comm, sums: ArrayLike) -> np.ndarray:
     """Sum the per-pass tuples of numbers over passes and ranks; returns an array of float64."""
     return comm.sum(np.sum(np.asarray(sums, dtype=np.float64), axis=0))

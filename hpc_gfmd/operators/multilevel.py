@@ -12,18 +12,27 @@ rows: those beside the fine rows, or fewer and fewer of them as levels get small
 for rank 0 alone.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..aligned import LINE, zeros_aligned
 from ..kernels.bpx import UpdateSums, update_state
 from ..kernels.halfwidth import half
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_coarsest
 from ..parallel.halo import Windows
-from .coarsening import Transfer, gathered, levels
+from .coarsening import Level, Transfer, gathered, levels
 from .nominal import NominalArea
+
+if TYPE_CHECKING:
+    from ..bodies.base import Body
+    from ..grid import Grid
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
 COUPLING = 1.05  # of what comes from the coarser levels
@@ -44,17 +53,17 @@ class Step:
     windows: Windows
 
     @property
-    def owned(self):
+    def owned(self) -> int:
         """Number of coarse rows that this rank owns."""
         return int(self.starts[self.windows.rank + 1] - self.starts[self.windows.rank])
 
-    def traffic(self, fields):
+    def traffic(self, fields: int) -> tuple[int, int]:
         """(bytes for an itemsize of 1, messages) that this rank sends in a sweep, of so many fields down and one up."""
         down, up = self.windows.sent_rows(True), self.windows.sent_rows(False)
         return (fields * sum(down.values()) + sum(up.values())) * self.transfer.m[1], len(down) + len(up)
 
 
-def steps_of(grid, dtype, coarsest_points=None):
+def steps_of(grid: Grid, dtype: DTypeLike, coarsest_points: int | None = None) -> tuple[list[Step], list[Level]]:
     """The Steps down to the first level that rank 0 has alone, and the levels, of the rank that grid.comm says. No memory."""
     hierarchy, rank = levels(grid), grid.comm.rank
     if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
@@ -76,13 +85,13 @@ class Hierarchy:
     """What the sweep of a grid, body and precision needs besides memory for fields, made once. surface: see nominal.py."""
 
     steps: list[Step]
-    levels: list
+    levels: list[Level]
     weights: np.ndarray
     softness: np.ndarray
     surface: NominalArea
 
     @classmethod
-    def of(cls, grid, body, dtype, coarsest_points=None):
+    def of(cls, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None) -> Hierarchy:
         """The one that there is, or a new one."""
         made, key = _hierarchies.setdefault(grid, {}), (body, dtype, coarsest_points)
         if key not in made:
@@ -92,11 +101,11 @@ class Hierarchy:
         return made[key]
 
 
-_hierarchies = WeakKeyDictionary()
+_hierarchies: WeakKeyDictionary[Grid, dict[tuple, Hierarchy]] = WeakKeyDictionary()
 FIELDS = 3, 2  # of the first step, which has x besides p on F and the indicator of A, and of all others
 
 
-def traffic_of(steps, itemsize):
+def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
     """(bytes, messages) that a rank sends in a sweep."""
     parts = np.array([step.traffic(FIELDS[min(k, 1)]) for k, step in enumerate(steps)])
     return int(parts[:, 0].sum()) * itemsize, int(parts[:, 1].sum())
@@ -105,9 +114,10 @@ def traffic_of(steps, itemsize):
 class Multilevel:
     """The sweep for one grid and body in one precision. longest: rows per pass of the solver; coarsest_points: see COARSEST_POINTS."""
 
-    def __init__(self, grid, body, dtype, longest, coarsest_points=None):
-        self.grid, self.comm, self.dtype = grid, grid.comm, np.dtype(dtype)
-        self.damping, self.coupling = self.dtype.type(DAMPING), self.dtype.type(COUPLING)
+    def __init__(self, grid: Grid, body: Body, dtype: DTypeLike, longest: int, coarsest_points: int | None = None):
+        self.grid, self.comm = grid, grid.comm
+        self.dtype: np.dtype = np.dtype(dtype)
+        self.damping, self.coupling = np.array([DAMPING, COUPLING], self.dtype)
         known = Hierarchy.of(grid, body, self.dtype, coarsest_points)
         self.steps, self.levels, self.surface = known.steps, known.levels, known.surface
         self.weights, self.softness = known.weights, known.softness
@@ -128,24 +138,25 @@ class Multilevel:
         self.in_order = grid.threads == 1
         self.edges = np.zeros((1 if self.in_order else len(self.passes), 2, 3, first.m[1]), self.dtype)
 
-    def _owned(self, step, field):
+    def _owned(self, step: Step, field: np.ndarray) -> np.ndarray:
         """Memory for the rows of a level that this rank owns, with a row before and after: the window where that is the same."""
         if step.windows.in_place:
             return field
         return np.zeros((field.shape[0], step.owned + 2 if step.owned else 0, field.shape[2]), self.dtype)
 
     @property
-    def transfers(self):
+    def transfers(self) -> list[Transfer]:
         """The Transfer of every step."""
         return [step.transfer for step in self.steps]
 
     @property
-    def nbytes(self):
+    def nbytes(self) -> int:
         """Bytes held on this rank."""
         gathered_rows = [a for a, field in zip(self.owned, self.fields) if a is not field]
         return sum(a.nbytes for a in [*self.fields, *gathered_rows, self.edges]) + (self.coarsest.nbytes if self.coarsest else 0)
 
-    def update_rows(self, k, g, p, d, x, s, scratch, excess=0.0):
+    def update_rows(self, k: int, g: np.ndarray, p: np.ndarray, d: np.ndarray, x: np.ndarray, s: float, scratch: np.ndarray,
+                    excess: float = 0.0) -> tuple[float, ...]:
         """Pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of the pass. Returns its UpdateSums as a plain
         tuple."""
         edges = self.edges[0 if self.in_order else k]
@@ -155,7 +166,7 @@ class Multilevel:
             self._join(k)
         return sums
 
-    def _join(self, k):
+    def _join(self, k: int) -> None:
         """Add what pass k left over for rows that it shares with its neighbours."""
         if k == 0:
             self.fields[0][:, 0] = 0
@@ -164,11 +175,11 @@ class Multilevel:
         join_edges(self.fields[0], self.edges[0 if self.in_order else k], self.lo[k], self.hi[k], shared)
 
     @property
-    def z(self):
+    def z(self) -> np.ndarray:
         """The result on level 1, own rows and halo, (rows + 2, m)."""
         return self.fields[0][0]
 
-    def sweep(self):
+    def sweep(self) -> tuple[float, ...]:
         """From what the update passes restricted to level 1, make z on level 1 (own rows and halo).
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
@@ -183,7 +194,7 @@ class Multilevel:
                 self._join(k)
         return self.sweep_levels()
 
-    def sweep_levels(self):
+    def sweep_levels(self) -> tuple[float, ...]:
         """`sweep` of what fields[0] holds, which is still to be added up."""
         t_s = r_s = 0.0
         for k in range(self.distributed):
@@ -203,22 +214,22 @@ class Multilevel:
         ratio = self.grid.cell_points / (first.m[0] * first.m[1])
         return rz * ratio, xz * ratio, *squares, mean, t_s + t, r_s + r
 
-    def _add_up(self, k, rows):
+    def _add_up(self, k: int, rows: np.ndarray) -> None:
         """The rows of level k + 1 that this rank owns, (fields, rows, m): the sum over all windows."""
         if not np.may_share_memory(rows, self.fields[k]):
             rows[...] = 0
         self.steps[k].windows.add(self.comm, self.fields[k][:len(rows)], rows)
 
-    def _hand_out(self, k, z):
+    def _hand_out(self, k: int, z: np.ndarray) -> None:
         """z on this rank's rows of level k + 1, (1, rows, m), into all windows."""
         self.steps[k].windows.fill(self.comm, z, self.fields[k][:1])
 
-    def without_mean(self, squares, mean2):
+    def without_mean(self, squares: float, mean2: float) -> float:
         """sum over levels of softness <r, t> for r and t less their means; squares: that of r and t themselves, of all levels and
         ranks; mean2: product of the means."""
         return float(squares - self.grid.cell_points * mean2 * np.sum(self.softness))
 
-    def response(self, contact, tt, ts, rt, rs, mean):
+    def response(self, contact: float, tt: float, ts: float, rt: float, rs: float, mean: float) -> tuple[float, float]:
         """share^2 |v|_S^2 and share <v, S r> over the compliance of the shortest wave, by sums over levels: v = t/share - s is the test
         pressure of bounds.py, share that of the surface in contact; on the finest level s is left out. contact: points; the others:
         sums over all ranks of what `sweep` returned."""
@@ -227,7 +238,7 @@ class Multilevel:
             return max(contact + tt - share**2 * norm, 0.0), self.without_mean(rt, mean * share)
         return max(contact + tt - 2 * share * ts + share**2 * norm, 0.0), rt - share * rs
 
-    def restrict(self, g, p, excess, d=None):
+    def restrict(self, g: np.ndarray, p: np.ndarray, excess: float, d: np.ndarray | None = None) -> UpdateSums:
         """From a state that no step has led to, what the update passes restrict; returns UpdateSums, with <p, d> on F where there is a
         d. excess: see kernels/bpx.py."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
@@ -238,7 +249,7 @@ class Multilevel:
                 for k, (i0, i1) in enumerate(self.passes)]
         return UpdateSums.total(sums)
 
-    def _sweep_coarsest(self):
+    def _sweep_coarsest(self) -> tuple[float, ...]:
         """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these levels."""
         last, step = len(self.steps) - 1, self.steps[-1]
         n, m = step.transfer.m
@@ -254,12 +265,12 @@ class Multilevel:
         products = (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))  # where level 1 itself is one of them
         return *products, *(a * ratio for a in squares), mean, t_s, r_s
 
-    def _smooth(self, k):
+    def _smooth(self, k: int) -> tuple[float, ...]:
         a, z = self.owned[k], self.fields[k + 1][0]
         return smooth_level(a, z, a[0], self.weights[k + 1], self.damping, self.coupling, self.transfers[k + 1].tables)
 
 
-def _dot(a, b):
+def _dot(a: np.ndarray, b: np.ndarray) -> float:
     """Not by BLAS, whose threads would get into the way of the other ranks."""
     return float(np.einsum("ij,ij->", a, b))
 
@@ -267,7 +278,7 @@ def _dot(a, b):
 class CoarsestLevels:
     """The coarse levels that one rank sweeps alone, in one call."""
 
-    def __init__(self, levels, weights, softness):
+    def __init__(self, levels: Sequence[Level], weights: np.ndarray, softness: np.ndarray):
         dtype = weights.dtype
         self.shapes = np.array([level.n for level in levels], np.int64).reshape(-1, 2)
         sizes = self.shapes[:, 0] * self.shapes[:, 1]
@@ -277,10 +288,10 @@ class CoarsestLevels:
         self.damping, self.coupling = dtype.type(DAMPING), dtype.type(COUPLING)
 
     @property
-    def nbytes(self):
+    def nbytes(self) -> int:
         return self.r.nbytes + self.t.nbytes
 
-    def sweep(self, r, t):
+    def sweep(self, r: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, list[float], float]:
         n = r.size
         self.r[:n] = r.ravel()
         self.t[:n] = t.ravel()

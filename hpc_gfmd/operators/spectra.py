@@ -9,7 +9,15 @@ Rings are RINGS to a factor of two, beginning at the longest wave and at the nea
 Along one axis alone (the other has one point) C is L <|f_q|^2>.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from ..contact import Contact
 
 RINGS = 8
 
@@ -20,20 +28,20 @@ class Spectra:
     Transforms are those that the solve has planned, in the better precision of them.
     """
 
-    def __init__(self, contact):
+    def __init__(self, contact: Contact):
         self.contact, self.grid, self.pairs = contact, contact.surface.grid, 0.0
         planned = self.grid.planned() or [self.grid.fft(contact.g.dtype)]
         self.fft = max(planned, key=lambda fft: fft.dtype.itemsize)
         self._lengths = [size for size, n in zip(self.grid.sizes, self.grid.n) if n > 1] or [1.0]
 
-    def power(self, name):
+    def power(self, name: str) -> dict[str, np.ndarray] | None:
         """Radial power spectrum of "heights", "pressure" or "gap": {"q": in 1/length, "power": C}; None on a grid of one point."""
         q_x, q_y = self.grid.q_x / self.grid.a, self.grid.q_y / self.grid.a
         longest = 2 * np.pi / max(self._lengths)
         weight = self.grid.multiplicity(np.arange(len(q_y)))
         scale = np.prod(self._lengths) * (self.fft.scale * self._unit(name)) ** 2
 
-        def sums(block, m):
+        def sums(block: np.ndarray, m: int) -> np.ndarray:
             mine = slice(*self.fft.columns_of(m))
             q = np.hypot(q_x, q_y[mine, None])
             use = (q > 0) & (weight[mine, None] > 0)
@@ -44,9 +52,9 @@ class Spectra:
         self.pairs += 0.5
         return {"q": q, "power": power} if len(q) else None
 
-    def autocorrelation(self, name):
+    def autocorrelation(self, name: str) -> dict[str, np.ndarray]:
         """Radial autocorrelation of "heights", "pressure" or "gap": {"r": distances, up to half of the cell, "correlation": A}."""
-        def square(block, m):
+        def square(block: np.ndarray, m: int) -> None:
             block *= self.fft.dtype.type(self.fft.scale)
             block[...] = block.real**2 + block.imag**2
             if self.fft.columns_of(m)[0] == 0:
@@ -58,7 +66,7 @@ class Spectra:
         x = x[slice(*self.grid.rows)]
         nearest = min(a for a, n in zip(self.grid.spacings, self.grid.n) if n > 1) if self.grid.N > 1 else 1.0
 
-        def sums(i0, i1, values):
+        def sums(i0: int, i1: int, values: np.ndarray) -> np.ndarray:
             r = np.hypot(x[i0:i1, None], y)
             use = r <= min(self._lengths) / 2
             return _ring_sums(r[use], nearest, np.ones(np.count_nonzero(use)), values[: i1 - i0][use])
@@ -66,29 +74,29 @@ class Spectra:
         r, correlation = self._means(self.fft.backward_rows(sums))
         return {"r": r, "correlation": self._unit(name) ** 2 * correlation}
 
-    def _unit(self, name):
+    def _unit(self, name: str) -> float:
         return self.contact.pressure_unit if name == "pressure" else self.contact.surface.height_unit
 
-    def _columns(self, name, apply, backward):
+    def _columns(self, name: str, apply: Callable[[np.ndarray, int], Any], backward: bool) -> list:
         """Transform a field, in the program's units, and call apply(block, m) on its columns; returns what that returned."""
-        contact, known = self.contact, name != "heights" or self.contact.surface.h is not None
-        add = None if known else contact.surface.add_spectrum(self.fft)
+        contact, surface = self.contact, self.contact.surface
+        field = {"pressure": contact.p, "gap": contact.g, "heights": surface.h}[name]
+        if field is not None:
+            def fill(i0: int, i1: int, out: np.ndarray) -> None:
+                out[: i1 - i0] = field[i0:i1] if name != "pressure" else np.where(contact.touching(i0, i1), field[i0:i1], 0)
 
-        def fill(i0, i1, out):
-            if name == "pressure":
-                out[: i1 - i0] = np.where(contact.touching(i0, i1), contact.p[i0:i1], 0)
-            else:
-                out[: i1 - i0] = contact.g[i0:i1] if name == "gap" else contact.surface.h[i0:i1]
+            self.fft.forward_rows(fill)
+            return self.fft.columns(apply, backward=backward)
+        assert surface.add_spectrum is not None
+        add = surface.add_spectrum(self.fft)
 
-        def added(block, m):
+        def added(block: np.ndarray, m: int) -> Any:
             add(block, m)
             return apply(block, m)
 
-        if known:
-            self.fft.forward_rows(fill)
-        return self.fft.columns(apply if known else added, forward=known, backward=backward)
+        return self.fft.columns(added, forward=False, backward=backward)
 
-    def _means(self, parts):
+    def _means(self, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Means over the rings (distance, value) of what all blocks of all ranks summed up, without empty rings."""
         comm = self.grid.comm
         rings = int(comm.max([max((part.shape[1] for part in parts), default=0)])[0])
@@ -100,7 +108,7 @@ class Spectra:
         return distances[filled] / counts[filled], values[filled] / counts[filled]
 
 
-def _ring_sums(distance, first, weight, values):
+def _ring_sums(distance: np.ndarray, first: float, weight: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Sums over the points in each ring of (weight, weight distance, weight value), (3, rings); ring 0 is distance 0."""
     with np.errstate(divide="ignore"):
         ring = np.maximum(1 + np.floor(RINGS * np.log2(distance / first) + 0.5), 0).astype(np.int64)

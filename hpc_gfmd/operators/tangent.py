@@ -12,13 +12,21 @@ Where the surface ends within the grid, F has the points beyond it, too, but the
 is added up instead, whose error is of first order in that of v.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..kernels.multilevel import restrict_level, smooth_level
 from .elastic import Elastic
 from .multilevel import Multilevel
+
+if TYPE_CHECKING:
+    from ..bodies.base import Body
+    from ..grid import Grid
 
 DELAY = 2  # steps whose sum is taken for what was missing before them
 MARGIN = 0.5  # share of the accuracy asked for that this sum may have
@@ -36,7 +44,7 @@ class Tangent:
     pairs: float
 
 
-def tangent(grid, body, contact, dtype, accuracy):
+def tangent(grid: Grid, body: Body, contact: np.ndarray, dtype: DTypeLike, accuracy: float) -> Tangent:
     """The Tangent of the contact of a body: a local slab that is true where points touch. Collective.
 
     Needs four fields and the levels of the preconditioner besides the transforms.
@@ -64,7 +72,7 @@ def tangent(grid, body, contact, dtype, accuracy):
 class _Response:
     """The state of the iteration. `step` returns by how much b K_FF^-1 b has risen."""
 
-    def __init__(self, grid, body, contact, dtype):
+    def __init__(self, grid: Grid, body: Body, contact: np.ndarray, dtype: np.dtype):
         self.grid, self.comm = grid, grid.comm
         self.elastic = Elastic(grid, body, dtype)
         self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
@@ -78,7 +86,7 @@ class _Response:
         self.rz, self.steps = np.inf, 0
         self.inner = 0.0  # sum of v over the surface, where that is not all
 
-    def _precondition(self):
+    def _precondition(self) -> float:
         """z = M r; returns <r, z>."""
         levels, transfer = self.levels, self.levels.transfers[0].tables
         restrict_level(self.residual_and_contact, levels.fields[0][:2], transfer)
@@ -86,14 +94,14 @@ class _Response:
         rz, *_ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.damping, levels.coupling, transfer)
         return float(self.comm.sum([rz])[0])
 
-    def step(self):
+    def step(self) -> float:
         """One step of conjugate gradients."""
         self.steps += 1
         before, self.rz = self.rz, self._precondition()
         beta = self.rz / before if self.rz > 0 else 0.0
         z = self.z[1:-1]
 
-        def fill(i0, i1, x):
+        def fill(i0: int, i1: int, x: np.ndarray) -> float:
             d = self.d[i0:i1]
             d *= beta
             d += z[i0:i1] * (1 - self.contact[i0:i1])
@@ -104,7 +112,7 @@ class _Response:
         dKd, inner = self.comm.sum([self.elastic.pressure_columns(), inner]).tolist()
         alpha = self.rz / dKd if dKd > 0 or np.isnan(dKd) else 0.0  # 0: solved to the last bit
 
-        def use(i0, i1, x):
+        def use(i0: int, i1: int, x: np.ndarray) -> None:
             self.residual[i0:i1] -= alpha * x[: i1 - i0] * (1 - self.contact[i0:i1])
 
         self.elastic.use_rows(use)

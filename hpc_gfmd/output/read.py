@@ -22,8 +22,8 @@ class Result:
     """What a result file says.
 
     path: of the file, None in memory; head, surface, steps: attributes of the root, the surface and each load step; indices: numbers of
-    the steps; status: of the whole run ("running" or "interrupted" if it was never finished); fields: per step {name: Stored};
-    folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line each.
+    the steps; status: of the whole run ("running" or "interrupted" if it was never finished); fields: per step {name: Stored}, or
+    Slab in memory; folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line each.
     """
 
     path: Path | None
@@ -32,7 +32,7 @@ class Result:
     indices: list[int]
     status: str
     head: dict
-    fields: list[dict[str, Stored]] = field(repr=False)
+    fields: list[dict[str, Any]] = field(repr=False)
     folder: Path | None = None
     notes: tuple[str, ...] = ()
 

@@ -55,6 +55,9 @@ class SerialComm:
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
         """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled from it; contiguous arrays."""
 
+    def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
+        """send, receive: (array, bytes for or from each rank, their offsets)."""
+
     def pass_on(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
         """The object of rank `source`; ranks: those that want the object of this one."""
         return obj

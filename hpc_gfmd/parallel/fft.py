@@ -17,9 +17,14 @@ Convention: h_q = (1/N) sum_r h(r) exp(-i q r), h(r) = sum_q h_q exp(i q r). The
 `scale` = 1/N is folded into the kernels that work on columns.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..aligned import zeros_aligned
 from ..kernels.spectral import from_blocks, to_blocks, transpose, transpose_back
@@ -28,6 +33,13 @@ from .plans import Plans
 from .shared import common_memory
 from .wisdom import planned
 
+if TYPE_CHECKING:
+    from .comm import Comm
+
+T = TypeVar("T")
+Passes = Sequence[tuple[int, int]]  # row ranges (i0, i1)
+Scratch = tuple[np.ndarray, ...]  # of a thread: real rows, their spectra, columns, what other nodes have sent
+
 
 class SlabFFT(Layout):
     """Transforms of one grid in one precision.
@@ -35,8 +47,9 @@ class SlabFFT(Layout):
     n: (n_x, n_y) global; starts: first row of each rank plus n_x; dtype: of the real field; threads: of this rank.
     """
 
-    def __init__(self, comm, n, starts, dtype, threads=1):
-        self.comm, self.dtype = comm, np.dtype(dtype)
+    def __init__(self, comm: Comm, n: tuple[int, int], starts: ArrayLike, dtype: DTypeLike, threads: int = 1):
+        self.comm = comm
+        self.dtype: np.dtype = np.dtype(dtype)
         complex_dtype = np.result_type(self.dtype, np.complex64)
         super().__init__(n, starts, comm.rank, complex_dtype.itemsize, comm.beside)
         n_x, n_y = n
@@ -60,7 +73,7 @@ class SlabFFT(Layout):
         for a in (real, half, columns):
             a[...] = 0  # planning has left noise
 
-    def _common(self, dtype):
+    def _common(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(memory, first, blocks): memory that the ranks of the node have in common, where the part of each begins in it, and that of
         this rank, which holds its rows of the blocks."""
         node, length = self.comm.node, self.n_loc * self.n_c
@@ -74,23 +87,23 @@ class SlabFFT(Layout):
         return memory, first, blocks
 
     @property
-    def nbytes(self):
+    def nbytes(self) -> int:
         """Bytes that this object holds on this rank."""
         return self.blocks.nbytes + sum(a.nbytes for s in self._scratch for a in s)
 
     @property
-    def row_scratch(self):
+    def row_scratch(self) -> list[np.ndarray]:
         """The arrays x that row functions are called with: one for each thread."""
         return [scratch[0] for scratch in self._scratch]
 
-    def passes(self):
+    def passes(self) -> Passes:
         """The row ranges [(i0, i1), ...], local, that one pass handles at a time."""
         return [(i, min(i + self.R, self.n_loc)) for i in range(0, self.n_loc, self.R)]
 
-    def forward_rows(self, fill, passes=None):
+    def forward_rows(self, fill: Callable[[int, int, np.ndarray], T], passes: Passes | None = None) -> list[T]:
         """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill recolumns, in the order of the passes."""
 
-        def one(i0, i1, scratch):
+        def one(i0: int, i1: int, scratch: Scratch) -> T:
             real, half = scratch[:2]
             result = fill(i0, i1, real)
             self.plans.rows_forward(real, half)
@@ -99,10 +112,10 @@ class SlabFFT(Layout):
 
         return self._map(one, passes or self.passes())
 
-    def backward_rows(self, use, passes=None):
+    def backward_rows(self, use: Callable[[int, int, np.ndarray], T], passes: Passes | None = None) -> list[T]:
         """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use recolumns, in order."""
 
-        def one(i0, i1, scratch):
+        def one(i0: int, i1: int, scratch: Scratch) -> T:
             real, half = scratch[:2]
             from_blocks(self.blocks, half, self.edges, self.n_loc, i0, i1 - i0)
             self.plans.rows_backward(half, real)
@@ -110,7 +123,7 @@ class SlabFFT(Layout):
 
         return self._map(one, passes or self.passes())
 
-    def columns(self, apply, forward=True, backward=True):
+    def columns(self, apply: Callable[[np.ndarray, int], T], forward: bool = True, backward: bool = True) -> list[T]:
         """Call apply(block, m) on every block of complete columns of this rank, block: (width, n_x); returns the results in order.
 
         forward/backward=False leaves out the transform along axis 0 (and what goes before and after it) on that side; a block that was
@@ -125,7 +138,7 @@ class SlabFFT(Layout):
             if forward and sends:
                 self._send(group)
 
-            def one(k, first, scratch):
+            def one(k: int, first: int, scratch: Scratch) -> T:
                 received = self._scratch[k - first][3] if sends else None
                 return self._one_block(k, scratch[2], received, apply, forward, backward)
 
@@ -135,22 +148,23 @@ class SlabFFT(Layout):
         self.comm.node.barrier()  # all columns are back
         return results
 
-    def _send(self, group):
+    def _send(self, group: range) -> None:
         """The all-to-alls of some numbers, each into the scratch of a thread."""
         for k, scratch in zip(group, self._scratch):
             sent, received = self._rounds[k]
             self.comm.alltoall_bytes((self._round(k), *sent), (scratch[3], *received))
 
-    def _send_back(self, group):
+    def _send_back(self, group: range) -> None:
         for k, scratch in zip(group, self._scratch):
             sent, received = self._rounds[k]
             self.comm.alltoall_bytes((scratch[3], *received), (self._round(k), *sent))
 
-    def _slab(self, first, last):
+    def _slab(self, first: int, last: int) -> np.ndarray:
         """The memory of some blocks of this rank's rows."""
         return self.blocks[self.n_loc * self.edges[first]:self.n_loc * self.edges[last]]
 
-    def _one_block(self, k, columns, received, apply, forward, backward):
+    def _one_block(self, k: int, columns: np.ndarray, received: np.ndarray | None, apply: Callable[[np.ndarray, int], T], forward: bool,
+                   backward: bool) -> T:
         """This rank's block number k; received: rows of it that come from other nodes, and go back there."""
         m = k * self.size + self.rank
         j0, j1 = self.columns_of(m)
@@ -174,27 +188,27 @@ class SlabFFT(Layout):
                 transpose_back(_moved(columns), memory, first, rows)
         return result
 
-    def _round(self, k):
+    def _round(self, k: int) -> np.ndarray:
         """The memory of the blocks that go out in the all-to-all number k."""
         return self._slab(k * self.size, (k + 1) * self.size)
 
-    def _map(self, one, ranges):
+    def _map(self, one: Callable[[int, int, Scratch], T], ranges: Passes) -> list[T]:
         """one(a, b, scratch) for all ranges, on all threads; results in the order of the ranges whatever the thread count."""
         if self._pool is None or len(ranges) == 1:
             return [one(a, b, self._scratch[0]) for a, b in ranges]
         share = -(-len(ranges) // self.threads)
 
-        def work(t):
+        def work(t: int) -> list[T]:
             return [one(a, b, self._scratch[t]) for a, b in ranges[t * share:(t + 1) * share]]
 
         return [r for part in self._pool.map(work, range(self.threads)) for r in part]
 
 
-def _moved(a):
+def _moved(a: np.ndarray) -> np.ndarray:
     """The same memory in a type that the compiler moves at once."""
     return a.view(np.float64) if a.dtype == np.complex64 else a
 
 
-def _runs(mask):
+def _runs(mask: np.ndarray) -> np.ndarray:
     """(runs, 2): where a mask is true, from ... to."""
     return np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)

@@ -9,7 +9,7 @@ LAUNCHER_RANK = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK", "PALS_RANKID")
 LAUNCHER = "HPC_GFMD_LAUNCHER"  # "mpi" or "none", where these variables mislead: of another launcher, or left over from one around
 
 
-def launched():
+def launched() -> tuple[bool, int | None]:
     """Whether an MPI launcher started this process, and the number of processes if the launcher tells it (else None).
 
     The variable HPC_GFMD_LAUNCHER says "mpi" or "none" where that cannot be seen.
@@ -24,20 +24,20 @@ def launched():
     return by_launcher, size
 
 
-def srun_size():
+def srun_size() -> int | None:
     """Number of processes that srun started with this one, or None."""
     text = os.environ.get("SLURM_STEP_NUM_TASKS", "")
     return int(text) if text.isdigit() else None
 
 
-def tasks_per_node():
+def tasks_per_node() -> int | None:
     """Number of processes on each node (the fullest one) of the Slurm job around this process, or None."""
     said = os.environ.get("SLURM_NTASKS_PER_NODE") or os.environ.get("SLURM_TASKS_PER_NODE", "")  # the latter as in "16(x3),8"
     found = [int(number) for number in re.findall(r"(?:^|,)(\d+)", said)]
     return max(found, default=0) or None
 
 
-def launcher_rank():
+def launcher_rank() -> int:
     """This process's number as the launcher tells it; 0 without a launcher."""
     if os.environ.get(LAUNCHER) == "none":
         return 0

@@ -5,13 +5,19 @@ the others take over its wisdom. There is one file for each kind of machine and 
 of what two runs measure at the same moment one may be lost, and is measured again some day.
 """
 
+from __future__ import annotations
+
 import hashlib
 import os
 import tempfile
+from collections.abc import Callable, Hashable
 from functools import cache
+from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..aligned import empty_aligned
 from ..caches import cache_folder, keep
@@ -19,14 +25,19 @@ from ..versions import processor
 from .fftw import load_fftw
 from .launcher import launcher_rank
 
+if TYPE_CHECKING:
+    from .comm import Comm
+
+T = TypeVar("T")
+
 LIMIT = 2**20  # bytes beyond which what a file or this process knows is left, and begun anew
 
 
-def planned(comm, dtype, make, shapes):
+def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashable) -> T:
     """make() makes plans by measurement; returns what it returned, planned alike on all ranks. shapes: of these plans. Collective."""
     if load_fftw() is None:
         return make()
-    wisdom, plans = _wisdom(np.dtype(dtype).name), None
+    wisdom = _wisdom(np.dtype(dtype).name)
     if comm.size == 1 and shapes in wisdom.made:  # writing out all that FFTW knows takes longer than making a plan that is known
         return make()
     wisdom.made.add(shapes)
@@ -41,11 +52,10 @@ def planned(comm, dtype, make, shapes):
             keep(wisdom.path, wisdom.text())
     if comm.size > 1:
         _take_over(comm, wisdom)
-        plans = plans if comm.rank == 0 else make()
-    return plans
+    return plans if comm.rank == 0 else make()
 
 
-def _take_over(comm, wisdom):
+def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
     """Give all ranks what rank 0 knows. It is up to a megabyte, which takes longer to read than to send, and for most grids the same as
     for the one before: it is sent where a rank has another version. Collective."""
     text = wisdom.text() if comm.rank == 0 else None
@@ -57,13 +67,13 @@ def _take_over(comm, wisdom):
         wisdom.version = version
 
 
-def keep_with(folder):
+def keep_with(folder: str | PathLike) -> None:
     """Write all plans of this process into a folder, for a run that goes on from there."""
     for name in _used:
         keep(Path(folder) / f"wisdom-{name}", _wisdom(name).text())
 
 
-def take_from(folder):
+def take_from(folder: str | PathLike) -> None:
     """Plan as the run did that wrote this folder; what is not there or of another kind of machine is measured."""
     for path in Path(folder).glob("wisdom-*"):
         name = path.name.removeprefix("wisdom-")
@@ -75,11 +85,14 @@ class _Wisdom:
     """The wisdom of this process in one precision. What it knows already wins over what is read. made: shapes of plans it has made;
     version: of what rank 0 has sent, None where something else is known."""
 
-    def __init__(self, name):
+    def __init__(self, name: str):
         from mpi4py_fft.fftw import fftw_xfftn, fftwf_xfftn
 
         self.name, self.library = name, fftw_xfftn if name == "float64" else fftwf_xfftn
-        self._lines, self._stamp, self.version, self.made = set(), None, None, set()
+        self._lines: set[bytes] = set()
+        self._stamp: tuple[int, ...] | None = None
+        self.made: set[Hashable] = set()
+        self.version: bytes | None = None
         tiny = empty_aligned((8,), np.result_type(name, np.complex64))
         # The first plan initialises the threads of FFTW, which forgets wisdom read before it.
         load_fftw().fftn(tiny, None, (0,), 1, (load_fftw().FFTW_ESTIMATE,), tiny)
@@ -87,11 +100,11 @@ class _Wisdom:
         self.kind = hashlib.sha256(self.text().split(b"\n", 1)[0] + processor().encode()).hexdigest()[:16]
 
     @property
-    def path(self):
+    def path(self) -> Path:
         """The file of this kind of machine in the cache."""
         return cache_folder() / "wisdom" / f"{self.kind}-{self.name}"
 
-    def read(self):
+    def read(self) -> set[bytes]:
         """Know what is in the cache, too; returns its lines. The file is taken over only where it has changed: that takes longer than
         making plans that are known."""
         stamp = _stamp(self.path)
@@ -99,7 +112,7 @@ class _Wisdom:
             self._lines, self._stamp = self.add(_content(self.path, LIMIT)), stamp
         return self._lines
 
-    def text(self):
+    def text(self) -> bytes:
         """All of it, as FFTW writes it; empty where there is no room for a temporary file."""
         try:
             with tempfile.NamedTemporaryFile() as file:
@@ -108,7 +121,7 @@ class _Wisdom:
         except OSError:
             return b""
 
-    def add(self, text):
+    def add(self, text: bytes) -> set[bytes]:
         """Know this, too; returns its lines, none if it could not be understood."""
         try:
             with tempfile.NamedTemporaryFile() as file:
@@ -118,7 +131,7 @@ class _Wisdom:
         except OSError:
             return set()
 
-    def replace(self, text):
+    def replace(self, text: bytes) -> None:
         """Know this and nothing else."""
         self._stamp = self.version = None
         self.made.clear()
@@ -126,16 +139,16 @@ class _Wisdom:
         self.add(text)
 
 
-_used = []  # precisions
+_used: list[str] = []  # precisions
 
 
 @cache
-def _wisdom(name):
+def _wisdom(name: str) -> _Wisdom:
     _used.append(name)
     return _Wisdom(name)
 
 
-def _content(path, most=np.inf):
+def _content(path: Path, most: float = np.inf) -> bytes:
     """What a file of at most so many bytes holds; nothing where it is longer or cannot be read."""
     try:
         content = path.read_bytes()
@@ -144,7 +157,7 @@ def _content(path, most=np.inf):
     return content if len(content) <= most else b""
 
 
-def _stamp(path):
+def _stamp(path: Path) -> tuple[int, ...] | None:
     """Changes with the file; None where there is none."""
     try:
         found = path.stat()
@@ -153,6 +166,6 @@ def _stamp(path):
     return found.st_ino, found.st_mtime_ns, found.st_size
 
 
-def _lines(text):
+def _lines(text: bytes) -> set[bytes]:
     """One for each (part of a) plan."""
     return set(text.split(b"\n"))

@@ -2,18 +2,22 @@
 
 import os
 import sys
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
 
 from ..errors import GfmdError, SceneError
 from ..streams import unfailing
-from .comm import MpiComm, SerialComm
+from .comm import Comm, MpiComm, SerialComm
 from .launcher import LAUNCHER, launched, srun_size, tasks_per_node
 
 THREADS_PER_CORE = 8  # more are a mistake
+Hook = Callable[[type[BaseException], BaseException, TracebackType | None], Any]
 
-_world = None
+_world: Comm | None = None
 
 
-def world():
+def world() -> Comm:
     """The communicator of all processes of this run.
 
     Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all do the same work; SceneError for
@@ -47,7 +51,7 @@ def world():
     return _world
 
 
-def comm_of(given):
+def comm_of(given: Any) -> Comm:
     """The communicator that a caller means: None for this process alone, one of mpi4py, or one of this file. Raises SceneError."""
     if given is None or isinstance(given, SerialComm | MpiComm):
         return given or SerialComm()
@@ -56,7 +60,7 @@ def comm_of(given):
     return MpiComm(given) if given.Get_size() > 1 else SerialComm()
 
 
-def threads_of(comm, wanted):
+def threads_of(comm: Comm, wanted: int | str) -> int:
     """Threads for each rank: a number as it is; "auto": what Slurm was asked for (--cpus-per-task), else the cores that this rank may
     use, shared with the ranks beside it.
 
@@ -76,16 +80,16 @@ def threads_of(comm, wanted):
     return max(1, len(cores) // beside)
 
 
-def ranks_per_node(ranks, threads):
+def ranks_per_node(ranks: int, threads: int) -> int:
     """How many of so many ranks share a node, as long as nobody says: as many as Slurm starts on one, else as the cores that this
     process may use are enough for."""
     return min(ranks, tasks_per_node() or max(1, len(os.sched_getaffinity(0)) // threads))
 
 
-def _abort_on_error(mpi, hook):
+def _abort_on_error(mpi: Any, hook: Hook) -> Hook:
     """An exception that nobody caught on one rank ends all ranks: the others would wait for it forever."""
 
-    def excepthook(kind, value, traceback):
+    def excepthook(kind: type[BaseException], value: BaseException, traceback: TracebackType | None) -> None:
         hook(kind, value, traceback)
         unfailing(sys.stderr).flush()
         mpi.Abort(1)

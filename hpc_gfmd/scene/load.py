@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Iterable
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from .model import Scene, parse_toml
 MAX_BYTES = 1 << 20     # no scene is longer; a data file given by mistake often is
 
 
-def load_scene(path: str | Path, overrides: Iterable[str] = ()) -> Scene:
+def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
     """Read a scene file and apply overrides "table.key=value", each value in TOML or else a plain string.
 
     An override may replace a whole table: "load={pressure = [0.1]}". A relative surface path, in the file or
@@ -53,7 +54,7 @@ def check_names(scene: Scene, solvers: Iterable[str], observables: Iterable[str]
                 raise SceneError(f"{key}: found {shown(name)}, {guess}allowed: {allowed}")
 
 
-def _read(path: str | Path, origin: str) -> str:
+def _read(path: str | PathLike, origin: str) -> str:
     try:
         # a pipe or a device could block for ever or never end
         if Path(path).exists() and not Path(path).is_file():

@@ -170,6 +170,11 @@ class Solver(Table):
             raise ValueError("found neither accuracy nor residual, allowed: one of accuracy, residual")
         return self
 
+    @property
+    def tolerance(self) -> float:
+        """The accuracy that is wanted, or else the residual."""
+        return self.accuracy or self.residual or 0.0
+
 
 class Output(Table):
     """The result file and what goes into it: numbers, maps, distributions."""

@@ -9,13 +9,18 @@ forgotten), rescaling of p to the mean p0 (the load balance), and the new gap (a
 The gap that is returned is closed, g = 0, wherever p > 0, and max(e, 0) elsewhere.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..aligned import zeros_aligned
 from ..kernels import ccg as kernels
 from ..operators.elastic import Elastic, reader
 from ..options import read_options
+from ..problem import Problem
 from .base import Progress, Solver
+
+Parts = Sequence[tuple[float, ...]]  # what passes returned
 
 TAKEN = 0.05  # stiffness of a point that is taken into contact, preconditioned, relative to the largest eigenvalue of K
 RESIDUAL = 0.25  # of the same, at which gaps left in contact count as pressure: up to 2 times more than what the certificate finds
@@ -31,7 +36,7 @@ class Ccg(Solver):
     scalar_names = ("offset", "shift", "ee", "below", "contact", "gap", "previous", "fresh", "iterations")
     allowed = {"preconditioned": (0, 1)}
 
-    def __init__(self, problem, options=None):
+    def __init__(self, problem: Problem, options: dict[str, float] | None = None):
         super().__init__(problem, options)
         self.options = read_options(self.name, self.options, self.allowed)
         self.preconditioned = self.options.get("preconditioned", 0) > 0
@@ -45,7 +50,7 @@ class Ccg(Solver):
 
     # -- starting ------------------------------------------------------------------------------------------------------------
 
-    def start(self, g):
+    def start(self, g: np.ndarray) -> None:
         p0, inside = self.real(self.p_cell), self.grid.inside
         self.g[...] = g
         self.elastic.pressure_rows(self.problem.displacement_rows(self.g))
@@ -60,13 +65,13 @@ class Ccg(Solver):
         self._new_gap(load)
         self.refresh()
 
-    def continue_at(self, p0):
+    def continue_at(self, p0: float) -> None:
         scale = self.real(p0 / self.p0)
         self.p0 = float(p0)
         x = np.empty((self.elastic.fft.R, self.grid.n[1]), self.problem.dtype)
         fill = self.problem.displacement_rows(self.gap0)
 
-        def scaled(i0, i1):
+        def scaled(i0: int, i1: int) -> tuple[float, float]:
             fill(i0, i1, x)
             x[: i1 - i0] += self.real(self.offset)  # S p
             return kernels.new_gap(self.iterate, self.gap0, self.problem.h, x, i0, i1, scale, self.real(self.offset))
@@ -74,13 +79,13 @@ class Ccg(Solver):
         self._set_gap([scaled(i0, i1) for i0, i1 in self.elastic.fft.passes()])
         self.refresh()
 
-    def refresh(self, uKu=None):
+    def refresh(self, uKu: float | None = None) -> None:
         """Only the direction is carried on from one iteration to the next: it is forgotten."""
         self.fresh, self.previous = True, 1.0
 
     # -- one iteration -------------------------------------------------------------------------------------------------------
 
-    def step(self):
+    def step(self) -> None:
         tau = self._search()
         kick = tau * (TAKEN * self.stiffest if self.preconditioned else 1.0)
         args = self.real(self.shift), self.real(tau), self.real(kick)
@@ -90,7 +95,7 @@ class Ccg(Solver):
         self.fresh = bool(taken > 0)
         self.iterations += 1
 
-    def _search(self):
+    def _search(self) -> float:
         """The direction t, and the step tau along it that minimises the energy at constant mean pressure."""
         shift = self.real(self.shift)
         size, a, c = self.ee, 1.0, 0.0
@@ -114,7 +119,7 @@ class Ccg(Solver):
         largest = 1.0 if self.preconditioned else self.stiffest
         return float(np.clip(et / curvature, 0.0, largest)) if curvature > 0 else largest
 
-    def _new_gap(self, load):
+    def _new_gap(self, load: float) -> None:
         """Scale the iterate, the rows of which are transformed, to the mean p0, and compute its gap."""
         scale = self.real(self.N * self.p0 / load)
         self.offset += self.shift
@@ -123,28 +128,28 @@ class Ccg(Solver):
         self._set_gap(self.elastic.use_rows(
             lambda i0, i1, x: kernels.new_gap(self.iterate, self.gap0, self.problem.h, x, i0, i1, scale, offset)))
 
-    def _deflect(self):
+    def _deflect(self) -> float:
         """S between the row transforms; returns this rank's share of <x, S x>."""
         return self.elastic.displacement_columns()
 
-    def _set_gap(self, parts):
+    def _set_gap(self, parts: Parts) -> None:
         """The mean of gap0 in contact, and the state that is returned; parts: what `new_gap` returned."""
         total, n = self._sum(parts, 2)
         self.shift = float(total / n)
         sums = kernels.feasible_state(self.iterate, self.gap0, self.g, self.p, self.real(self.shift), self.grid.inside)
         self.ee, self.below, self.contact, self.gap = (float(s) for s in self.grid.comm.sum(sums))
 
-    def _sum(self, parts, count):
+    def _sum(self, parts: Parts, count: int) -> np.ndarray:
         return self.grid.comm.sum(_total(parts, count))
 
     # -- how far -------------------------------------------------------------------------------------------------------------
 
-    def progress(self):
+    def progress(self) -> Progress:
         """residual: an estimate of K applied to what is left of the gap: e in contact, and e < 0 elsewhere."""
         residual = RESIDUAL * self.stiffest * float(np.sqrt((self.ee + self.below) / self.N)) / self.p0
         return Progress(residual, self.contact, self.gap / self.N, None, bool(np.isfinite(residual + self.gap)))
 
 
-def _total(parts, count):
+def _total(parts: Parts, count: int) -> np.ndarray:
     """Sum of what the passes returned."""
     return np.sum(np.reshape(parts, (-1, count)), axis=0)

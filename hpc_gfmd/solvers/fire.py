@@ -10,6 +10,7 @@ halved. In terms of d = v dt this is again d <- b d - a p, so time steps are tho
 
 import numpy as np
 
+from ..problem import Problem
 from .gfmd import Gfmd
 
 DT_MAX = 0.7  # default largest time step, relative to the stability limit 2/sqrt(lambda)
@@ -24,15 +25,15 @@ class Fire(Gfmd):
     scalar_names = (*Gfmd.scalar_names, "dt", "dt_last", "alpha", "downhill")
     allowed = {"dt": (0.01, 1.0)}
 
-    def __init__(self, problem, options=None):
+    def __init__(self, problem: Problem, options: dict[str, float] | None = None):
         super().__init__(problem, options)
         self.dt_max = self.options.get("dt", DT_MAX) * 2 / np.sqrt(self.stiffest)
 
-    def _begin(self):
+    def _begin(self) -> None:
         self.dt = self.dt_last = DT_START * self.dt_max
         self.alpha, self.downhill = ALPHA, 0
 
-    def _coefficients(self):
+    def _coefficients(self) -> tuple[float, float]:
         mix, keep = 0.0, 0.0
         if self.pd < 0 < self.rr:
             mix = self.alpha * np.sqrt(self.dd / self.rr) / self.dt_last

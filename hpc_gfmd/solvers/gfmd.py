@@ -13,12 +13,15 @@ load and roughness: it is measured in every step. The velocity d soon lives in t
 modes slightly underdamped; whenever the pressure does negative work on the motion, <p, d> > 0, the velocity is dropped.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..aligned import zeros_aligned
 from ..kernels.dynamics import DynamicsSums, update_pressure, verlet_step
 from ..operators.elastic import Elastic
 from ..options import read_options
+from ..problem import Problem
 from .base import Progress, Solver
 
 DT = 0.95  # default time step, relative to the stability limit
@@ -32,10 +35,10 @@ class Gfmd(Solver):
 
     name = "gfmd"
     state_names = ("g", "p", "d")
-    scalar_names = ("rr", "pp", "pd", "dd", "dx", "contact", "gap", "iterations")
+    scalar_names: tuple[str, ...] = ("rr", "pp", "pd", "dd", "dx", "contact", "gap", "iterations")
     allowed = {"dt": (0.01, 1.0), "damping": (0.0, 1e6)}
 
-    def __init__(self, problem, options=None):
+    def __init__(self, problem: Problem, options: dict[str, float] | None = None):
         super().__init__(problem, options)
         self.options = read_options(self.name, self.options, self.allowed)
         grid, dtype = self.grid, problem.dtype
@@ -46,7 +49,7 @@ class Gfmd(Solver):
 
     # -- starting ------------------------------------------------------------------------------------------------------------
 
-    def start(self, g):
+    def start(self, g: np.ndarray) -> None:
         self.g[...] = g
         self.p[...] = self.p_cell
         self.d[...] = 0
@@ -55,26 +58,26 @@ class Gfmd(Solver):
         self._measure(self.elastic.use_rows(self._update))
         self._begin()
 
-    def refresh(self, uKu=None):
+    def refresh(self, uKu: float | None = None) -> None:
         self.d[...] = 0
         fft = self.elastic.fft
         zero = np.zeros((fft.R, self.grid.n[1]), self.problem.dtype)
         self._measure([self._update(i0, i1, zero) for i0, i1 in fft.passes()])
         self._begin()
 
-    def _begin(self):
+    def _begin(self) -> None:
         """The solids are at rest."""
 
     # -- one time step -------------------------------------------------------------------------------------------------------
 
-    def step(self):
+    def step(self) -> None:
         a, b = (self.problem.dtype.type(c) for c in self._coefficients())
         self.elastic.pressure_rows(lambda i0, i1, x: verlet_step(self.g, self.p, self.d, x, i0, i1, a, b, self.grid.inside))
         self.elastic.pressure_columns()
         self._measure(self.elastic.use_rows(self._update))
         self.iterations += 1
 
-    def _coefficients(self):
+    def _coefficients(self) -> tuple[float, float]:
         """a and b of d <- b d - a p."""
         damping = self.options.get("damping")
         if damping is not None:
@@ -86,17 +89,16 @@ class Gfmd(Solver):
         uphill = self.pd > 0 and damping is None
         return a, 0.0 if uphill else ((1 - ratio) / (1 + ratio)) ** 2
 
-    def _update(self, i0, i1, x):
+    def _update(self, i0: int, i1: int, x: np.ndarray) -> tuple[float, ...]:
         return update_pressure(self.g, self.p, self.d, x, i0, i1, self.grid.inside)
 
-    def _measure(self, parts):
+    def _measure(self, parts: Sequence[tuple[float, ...]]) -> None:
         """Sum DynamicsSums over passes and ranks."""
         sums = self.grid.comm.sum(np.sum(np.reshape(parts, (-1, len(DynamicsSums._fields))), axis=0))
-        for name, value in zip(DynamicsSums._fields, sums, strict=True):
-            setattr(self, name, float(value))
+        self.rr, self.pp, self.pd, self.dd, self.dx, self.contact, self.gap = map(float, DynamicsSums(*sums))
 
     # -- how far -------------------------------------------------------------------------------------------------------------
 
-    def progress(self):
+    def progress(self) -> Progress:
         residual = float(np.sqrt(self.rr / self.N)) / self.p0
         return Progress(residual, self.contact, self.gap / self.N, None, bool(np.isfinite(self.pp + self.gap)))

@@ -1,5 +1,6 @@
 """From the scene's [surface] to the gap under zero load, in the program's units (see problem.py)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -9,8 +10,10 @@ from numpy.typing import DTypeLike
 from ..errors import GfmdError, SceneError
 from ..grid import Grid
 from ..parallel.comm import SerialComm
+from ..parallel.fft import SlabFFT
 from ..parallel.guard import guarded
 from ..parallel.interrupt import check
+from ..problem import Columns
 from ..units import LARGEST_HEIGHT
 from .analytic import sphere_rows, wave_rows
 from .doubts import by_slope
@@ -37,12 +40,12 @@ class Surface:
     """
 
     grid: Grid
-    h: np.ndarray
+    h: np.ndarray | None
     n: tuple[int, ...]
     h_rms: float
     g_rms: float
     rows: tuple[int, int]
-    add_spectrum: object = None
+    add_spectrum: Callable[[SlabFFT], Columns] | None = None
     checksum: str | None = None
     unit: str = ""
     prepared: tuple[str, ...] = ()
