@@ -39,7 +39,7 @@ def compare(comm, surface, loads, fields, **solver):
 
 def test_large_grid(comm):
     """One load, from coarser grids."""
-    sweep = compare(comm, LARGE, [0.1], 2e-3, accuracy=1e-2, precision="single")
+    sweep = compare(comm, LARGE, [0.1], 1e-9, accuracy=1e-2, precision="double")
     assert spread_levels(sweep) == (3, 3 if comm.size > 1 else 0)
 
 
