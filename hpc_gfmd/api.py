@@ -26,12 +26,11 @@ from .parallel.world import comm_of, threads_of
 from .prepared import PreparedSurface
 from .progress import Reporter
 from .registry import observables_named
-from .results import missing_loads
 from .solution import Solution
 from .solutions import Solutions, solutions_of
 from .surface.build import surface_from_rows
-from .surface.doubts import Looks
 from .surface.heights import Checksum, checked
+from .surface.quality import MapQuality
 from .surface.topography import Topography
 from .versions import versions
 
@@ -122,15 +121,15 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
     def rows_of(start, stop):
         return np.asarray(z[start:stop], dtype=np.float64)
 
-    doubts = known.notes if known else _doubts(comm, z.shape, sizes, rows_of) if boundary is None else ()
+    notes = known.notes if known else _quality_notes(comm, z.shape, sizes, rows_of) if boundary is None else ()
 
     def make_surface(dtype):
         unit = known.unit if known else ""
         made = surface_from_rows(z.shape, sizes, rows_of, comm, dtype, of_each_rank, scene.surface.free, Checksum(), unit)
         head["heights"] = made.checksum
         head.setdefault("setup_seconds", time.monotonic() - begun)
-        measured = hasattr(scene.surface, "path")
-        return replace(made, prepared=known.prepared if known else (), doubts=doubts, checksum=made.checksum if measured else None)
+        checksum = made.checksum if hasattr(scene.surface, "path") else None  # of a measured map
+        return replace(made, prepared=known.prepared if known else (), quality_notes=notes, checksum=checksum)
 
     done, stopped = _Done(), False
     try:
@@ -151,7 +150,7 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
     stored = [_fields(scene.output.fields, contact) for contact in contacts]
     result = Result(None, surface_attributes(scene, surface), steps, list(range(len(steps))), worst(steps), head, stored)
     if stopped:
-        result = replace(result, status="interrupted", notes=(f"interrupted: {missing_loads(result)}",))
+        result = replace(result, status="interrupted", notes=(f"interrupted: {result.missing_loads}",))
     found = solutions_of(result, contacts, surface.rows, comm)
     _warn(comm, steps)
     if stopped:
@@ -205,10 +204,10 @@ def _fields(names, contact):
     return {name: Slab(lazy, start, n) for name, lazy in found.items()}
 
 
-def _doubts(comm, n, sizes, rows):
+def _quality_notes(comm, n, sizes, rows):
     """Notes on an array of which nobody said that it is periodic. Collective."""
     found = Topography(tuple(n), sizes, lambda start, stop: checked(rows(start, stop), start, "surface"))
-    return Looks(found, comm).notes((True, True))
+    return MapQuality(found, comm).notes((True, True))
 
 
 def _warn(comm, steps):

@@ -64,8 +64,8 @@ class PreparedSurface:
         sizes = " x ".join(f"{size / scale:.4g}" for size in self.sizes)
         edges = {(False, False): "periodic", (True, True): "free edges"}.get(self.free, f"free edges along {'xy'[self.free[1]]}")
         said = [f"{n_x} x {n_y} points", f"L = {sizes} {unit}".strip(), f"h_rms = {self.h_rms / fine:.4g} {small}".strip(), edges]
-        doubts = f"; note: {'; '.join(self.notes)}" if self.notes else ""
-        return f"<surface: {', '.join([*said, *self.prepared])}{doubts}>"
+        notes = f"; note: {'; '.join(self.notes)}" if self.notes else ""
+        return f"<surface: {', '.join([*said, *self.prepared])}{notes}>"
 
 
 def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -> PreparedSurface:

@@ -10,7 +10,6 @@ from .grid import Grid
 from .output.read import Result
 from .parallel.comm import SerialComm
 from .registry import body_of
-from .results import scene_of, whole
 from .surface import Surface, grid_of
 
 
@@ -20,8 +19,8 @@ def restored_contact(result: Result) -> Contact:
     missing = [name for name in ("pressure", "gap") if name not in stored]
     if missing:
         raise SceneError(f"{result.path}: has no {' and no '.join(missing)}, allowed: a result with fields = [\"pressure\", \"gap\"]")
-    fields = {name: whole(stored[name]) for name in ("pressure", "gap", "heights") if name in stored}
-    scene = scene_of(result)
+    fields = {name: stored[name].read() for name in ("pressure", "gap", "heights") if name in stored}
+    scene = result.scene
     n, free = [*said["n"]], scene.surface.free
     axis = None if any(free) or 1 in n else _constant_axis(fields["pressure"], fields["gap"])
     if axis is not None:  # solved along the other one alone

@@ -9,9 +9,9 @@ import numpy as np
 from .errors import SceneError
 from .fields import FIELDS
 from .output.read import Result
+from .output.save import in_memory, save
 from .parallel.comm import SerialComm
 from .registry import all_distributions, all_observables, distribution_names, names_together, observable_names
-from .results import draw, in_memory, save, whole
 from .scene.explain import nearest
 from .table import html_table, summary
 
@@ -20,6 +20,16 @@ if TYPE_CHECKING:
     from .plotting.style import Figure
 
 LOST = ("energy", "approach", "duality_gap")  # observables that the fields do not tell
+
+
+def draw(result: Result, comm: Any, what: str | None, how: dict[str, Any]) -> "Figure":
+    """A figure by plotting.plot. Raises SceneError where fields are spread over ranks."""
+    from .plotting import plot
+
+    if comm.size > 1:
+        raise SceneError(f"plot: found fields that are spread over {comm.size} ranks, allowed: save, and plot the file")
+    return plot(result, what, **how)
+
 
 class Solution:
     """A solved load.
@@ -239,7 +249,7 @@ class Solution:
         if name not in self._arrays:
             stored = self.result.fields[0]
             if name in stored:
-                self._arrays[name] = whole(stored[name])
+                self._arrays[name] = stored[name].read()
             elif self._contact is not None and name in FIELDS:
                 self._arrays[name] = np.asarray(self._contact.field(name))
             elif name == "displacement" and {"gap", "heights"} <= set(stored):

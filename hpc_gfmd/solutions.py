@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from .output.read import Result, read_result
-from .results import draw, in_memory, missing_loads, save
-from .solution import Solution
+from .output.save import in_memory, save
+from .solution import Solution, draw
 from .table import html_table, summary, surface_line
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def load(path: str | PathLike) -> Solutions:
     """
     result = read_result(path)
     if result.folder is not None:
-        note = f"the run is {result.status}: {missing_loads(result)}"
+        note = f"the run is {result.status}: {result.missing_loads}"
         result = replace(result, notes=(*result.notes, note))
         warnings.warn(f"{result.path}: {note}", stacklevel=2)
     return solutions_of(result)

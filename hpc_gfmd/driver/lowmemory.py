@@ -31,7 +31,7 @@ def tolerance(settings, p_star):
 class LowMemorySweep(Sweep):
     """As Sweep. Raises SceneError for surfaces that are not known by their spectrum and for other solvers than bpx."""
 
-    def _to(self, dtype):
+    def _set_precision(self, dtype):
         self.dtype = np.dtype(dtype)
         self.target = replace(self.target, certificate_dtype=self.dtype.type)
         self.solver = None
@@ -48,7 +48,7 @@ class LowMemorySweep(Sweep):
     def _begin(self, problem, arrays=None, numbers=None):
         near = self.solver is not None and self._near(problem.p0)
         if arrays is None and near:
-            self._count()
+            self._reset_counts()
             self._choose_certificate(replace(self.solver.problem_now, p0=problem.p0))
             self.solver.continue_at(problem.p0)
             return
@@ -67,10 +67,10 @@ class LowMemorySweep(Sweep):
             problem = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)
         _give_back()
         self.solver = self.solver_class(problem, self.settings.options, g=g)
-        self._count()
+        self._reset_counts()
         self._choose_certificate(problem)
         if arrays is not None:
-            self._go_on(arrays, numbers)
+            self._load_state(arrays, numbers)
         elif self.target.in_turn:
             fresh = certificate_of(self.solver, self.target)
             self._spent += fresh.pairs

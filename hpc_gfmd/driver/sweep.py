@@ -67,7 +67,7 @@ class Sweep:
         self.solver_class = solver_class(settings.name)
         self.target = Target(settings.accuracy, settings.residual, settings.max_iterations, duality=duality)
         self.surface, self._search, self._curve = None, None, Curve()
-        self._to(first_precision(settings))
+        self._set_precision(first_precision(settings))
 
     def pressures(self, load):
         """What `solve` takes for the loads of scene.Load on this surface: mean pressures, or Prescribed where they have to be found.
@@ -104,11 +104,11 @@ class Sweep:
                 self._search = self._curve.search(load, self.surface, self._top, self.target.accuracy or self.target.residual)
         promote = self.settings.precision == "auto" and self.dtype == np.float32
         if promote and not midway and self._too_little(self._p_star(load)):
-            self._to(np.float64)
+            self._set_precision(np.float64)
             promote = False
         step = self._solve(load, watch, midway, promote)
         if promote and (step is None or step.contact.outcome.status in ("stagnated", "nonfinite")):
-            self._to(np.float64)
+            self._set_precision(np.float64)
             self._spent = self._spent if step is None else step.fft_pairs
             step = self._solve(load, watch, False)
         if step.contact.outcome.status == "nonfinite":
@@ -138,7 +138,7 @@ class Sweep:
         Collective. arrays: function of the grid, gives local slabs. Raises SceneError for the state of another load.
         """
         if numbers["dtype"] != self.dtype:
-            self._to(numbers["dtype"])
+            self._set_precision(numbers["dtype"])
         self._curve = Curve(**numbers["curve"])
         if "p0" in numbers:
             self._spent = numbers.get("spent", 0.0)
@@ -197,13 +197,13 @@ class Sweep:
                 problem = replace(problem, p0=self._search.on_next_grid(problem.grid.N, self._top))
         if self.solver is None:
             self.solver = self._make(problem, g)
-        self._count()
+        self._reset_counts()
         if warm:
             self.solver.continue_at(problem.p0)
             return
         self.solver.p0 = problem.p0
         if arrays is not None:
-            self._go_on(arrays, numbers)
+            self._load_state(arrays, numbers)
         elif self.dtype == np.float32 and self.solver.takes_gap:
             # Rounding errors of the first pressure would stay to the end: only its changes are added to it.
             if g is not self.solver.g:
@@ -214,11 +214,11 @@ class Sweep:
         else:
             self.solver.start(g)
 
-    def _count(self):
+    def _reset_counts(self):
         """A load begins."""
         self._first_pairs, self.solver.iterations, self.loop = self.solver.pairs, 0, LoopState()
 
-    def _go_on(self, arrays, numbers):
+    def _load_state(self, arrays, numbers):
         self.solver.load_state(arrays(self.surface.grid), numbers["own"])
         self.loop = LoopState.restored(numbers.get("course", {}))
         self._first_pairs -= numbers.get("pairs", 0.0)
@@ -269,7 +269,7 @@ class Sweep:
         exact = replace(certificate, errors=(0.0, 0.0, rounding_error(problem, certificate.contact, problem.p0)))
         return (g, p, Outcome("converged", exact, 0.0)), pairs
 
-    def _to(self, dtype):
+    def _set_precision(self, dtype):
         """Make the surface in this precision and plan all transforms that its contacts need."""
         self.dtype = dtype = np.dtype(dtype)
         self.solver = None

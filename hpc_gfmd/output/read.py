@@ -2,6 +2,7 @@
 
 import json
 import os
+import tomllib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,8 @@ from typing import Any
 from ..errors import SceneError, one_line
 from ..parallel import guard
 from ..parallel.h5 import CHECKSUM, Stored, inside
+from ..scene import ArrayScene, Scene
+from ..scene.model import parse_toml
 from .folder import HEAD, is_held, partial_folder, step_files
 
 FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
@@ -40,6 +43,19 @@ class Result:
     def scene_toml(self) -> str:
         """The scene that was solved."""
         return str(self.head.get("scene", ""))
+
+    @property
+    def scene(self) -> Scene:
+        """The same; where heights were an array, with the sizes and the boundary alone as its surface."""
+        table = parse_toml(self.scene_toml, str(self.path))
+        return (Scene if "kind" in table.get("surface", {}) else ArrayScene).from_dict(table, str(self.path))
+
+    @property
+    def missing_loads(self) -> str:
+        """Which of the loads that its scene asks for are not there, as a text."""
+        key, loads = next((key, value) for key, value in tomllib.loads(self.scene_toml)["load"].items() if isinstance(value, list))
+        left = [f"{k + 1} ({key} = {value})" for k, value in enumerate(loads) if k not in self.indices]
+        return f"loads {', '.join(left)} of {len(loads)} are not there" if left else "all loads are there"
 
 
 def read_result(path: str | os.PathLike) -> Result:

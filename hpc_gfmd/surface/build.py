@@ -16,9 +16,9 @@ from ..parallel.interrupt import check
 from ..problem import Columns
 from ..units import LARGEST_HEIGHT
 from .analytic import sphere_rows, wave_rows
-from .doubts import by_slope
 from .heights import Checksum, checked
 from .prepare import prepare, prepared_size
+from .quality import slope_notes
 from .selfaffine import self_affine_gap
 from .statistics import rms, rms_between_neighbours
 from .topography import Rows, open_topography
@@ -35,8 +35,7 @@ class Surface:
     rank then holds all of `grid`. A flat surface has g_rms = 0, and its units are those of 1. rows: (start, stop) of the size asked for
     that this rank owns. add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum. checksum: of the
     heights as they were read, None where the scene says all about them. unit: "m" where sizes and heights are in it, "" where nobody
-    named their unit. prepared: what was done to a height map, a line each. doubts: see
-    doubts.py.
+    named their unit. prepared: what was done to a height map, a line each. quality_notes: see quality.py.
     """
 
     grid: Grid
@@ -49,7 +48,7 @@ class Surface:
     checksum: str | None = None
     unit: str = ""
     prepared: tuple[str, ...] = ()
-    doubts: tuple[str, ...] = ()
+    quality_notes: tuple[str, ...] = ()
 
     @property
     def sizes(self) -> tuple[float, ...]:
@@ -59,7 +58,7 @@ class Surface:
     @property
     def notes(self) -> tuple[str, ...]:
         """What to know of it before the numbers, a line each."""
-        return (*by_slope(self.g_rms, measured=self.checksum is not None), *self.doubts)
+        return (*slope_notes(self.g_rms, measured=self.checksum is not None), *self.quality_notes)
 
     @property
     def slope(self) -> float:
@@ -128,7 +127,7 @@ def build_surface(spec: Any, comm: Any, dtype: DTypeLike, threads: int = 1, low_
         file.close()
         raise
     file.close()
-    return replace(made, prepared=done, doubts=notes)
+    return replace(made, prepared=done, quality_notes=notes)
 
 
 def surface_from_rows(n: tuple[int, ...], sizes: tuple[float, ...], rows: Rows, comm: Any, dtype: DTypeLike, threads: int = 1,

@@ -13,8 +13,8 @@ import numpy as np
 
 from ..errors import SceneError
 from . import boundary
-from .doubts import FILLED
 from .fill import filled
+from .quality import FILLED
 from .resample import resampled
 from .slabs import own_slabs, summed
 from .topography import Topography

@@ -7,9 +7,9 @@ from ..parallel.comm import SerialComm
 from ..quantity import factor, prefixed
 from ..scene import File
 from .boundary import JUMP
-from .doubts import TILT, Looks
 from .files import HeightMap
 from .prepare import prepare
+from .quality import TILT, MapQuality
 from .topography import Topography, open_topography
 
 NEEDED = "TO BE GIVEN, the file does not say it"
@@ -67,10 +67,10 @@ def _by_heights(found: Suggestion, make: Callable[[dict], File], given: dict, pe
     missing = prepared(boundary="periodic", fill="harmonic").filled
     if missing and "fill" not in given:
         values["fill"], why["fill"] = "harmonic", f"{missing} points have no height"
-    tilt = Looks(prepared(boundary="periodic"), SerialComm()).tilt
+    tilt = MapQuality(prepared(boundary="periodic"), SerialComm()).tilt
     if tilt > TILT and "detrend" not in given:
         values["detrend"], why["detrend"] = "tilt", f"{100 * tilt:.0f} % of the variance of the heights is that of a plane"
-    jump = max(Looks(prepared(boundary="periodic"), SerialComm()).jumps)
+    jump = max(MapQuality(prepared(boundary="periodic"), SerialComm()).jumps)
     if jump > JUMP and not periodic and not {"boundary", "mirror", "window"} & set(given):
         edges = f"opposite edges differ by {jump:.2g} times what neighbours differ by"
         if {"refine", "downsample"} & set(given):

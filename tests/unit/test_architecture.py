@@ -17,7 +17,7 @@ ALLOWED_IN = {  # module: folders or files that may import it
     "mpi4py_fft": ("parallel/", "bench/"),
     "matplotlib": ("plotting/", "bench/"),
 }
-TOP = ("composition", "simulation", "prepared", "restored", "results", "solution", "solutions", "keywords", "api", "commands",
+TOP = ("composition", "simulation", "prepared", "restored", "solution", "solutions", "keywords", "api", "commands",
        "cli")  # what composes all the rest
 FORBIDDEN = {  # folder: parts of the package that it must not know
     "theory/": ("scene", "grid", "parallel", "kernels", "solvers", "driver", "output", "surface", "observables", "plotting", *TOP),

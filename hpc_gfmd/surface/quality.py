@@ -16,7 +16,7 @@ FILLED = 0.1    # share of the points
 JUMP = 3.0      # rms jump between opposite edges over that between neighbouring points, up to which it is one of them
 
 
-class Looks:
+class MapQuality:
     """Sums over a Topography, read once. Collective.
 
     jumps: for each axis the rms jump from the last point to the first one over that between neighbours; tilt: share of the variance of
@@ -48,7 +48,7 @@ class Looks:
         return found
 
 
-def by_slope(g_rms: float, measured: bool) -> list[str]:
+def slope_notes(g_rms: float, measured: bool) -> list[str]:
     """Of any surface; measured: it is no formula, of which any slope may be asked."""
     if g_rms > ABSURD[1] or (measured and 0 < g_rms < ABSURD[0]):
         return [f"g_rms = {g_rms:.2g}: heights and sizes are probably in different units"]

@@ -1,0 +1,41 @@
+"""A result written as a file, or taken into memory, wherever its fields are."""
+
+import warnings
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ..errors import SceneError
+from ..fields import Slab
+from .read import Result
+from .record import RunFile
+
+
+def in_memory(result: Result) -> Result:
+    """The Result without what refers to a solver or to a file."""
+    def copy(field: Any) -> Slab:
+        return Slab(field.read(), getattr(field, "start", 0), field.shape)
+
+    return replace(result, fields=[{name: copy(field) for name, field in fields.items()} for fields in result.fields])
+
+
+def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: Any) -> Path:
+    """Write a result file as a run does; rows: of the fields, on this rank. Collective. See Solutions.save."""
+    path, said = Path(path), result.surface
+    if path.suffix.lower() not in (".h5", ".hdf5"):
+        raise SceneError(f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5")
+
+    def slab(field: Any) -> Any:
+        return field.data if isinstance(field, Slab) else field
+
+    head = {name: value for name, value in result.head.items() if name not in ("status", "end_time", "io")}
+    with RunFile(comm, path, said["n"], rows, head, said, force=force) as file:
+        for note in file.notes if comm.rank == 0 else ():
+            warnings.warn(note, stacklevel=3)  # where the caller of Solution.save is
+        heights = next((fields["heights"] for fields in result.fields if "heights" in fields), None)
+        if heights is not None:
+            file.update(height_field=slab(heights))
+        for index, (step, fields) in enumerate(zip(result.steps, result.fields, strict=True)):
+            file.write_step(index, step, {name: slab(field) for name, field in fields.items() if name != "heights"})
+        file.finish(result.status)
+    return path
