@@ -76,6 +76,7 @@ def load_shown(load: Load, index: int, sweep: Sweep, pressed: float | Prescribed
     """What to call a load of scene.Load, and its number: what was asked for, or p*. pressed: what sweep.pressures made of it."""
     if target := _target(load, index):
         return next((name.removeprefix("target_"), value) for name, value in target.items())
+    assert not isinstance(pressed, Prescribed)
     return "p*", pressed / (sweep.E_star * sweep.surface.slope)
 
 

@@ -13,14 +13,21 @@ In low memory all of it is in single precision: what is smaller than the roundin
 cannot be seen then.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..bounds import error_pattern, field_errors, misclassified_points, relative_area
 from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
-from ..operators.multilevel import EQUIVALENCE
+from ..operators.multilevel import EQUIVALENCE, Multilevel
+
+if TYPE_CHECKING:
+    from ..problem import Problem
 
 STORED = 0.5  # rounding error of a number that is stored, in units of the precision
 
@@ -30,7 +37,7 @@ class Certificate:
     """Relative violations. penetration: largest -g (problem's unit); tension: largest -p on closed points over p0; complementarity:
     mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact - p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for;
     residual: rms of p out of contact over p0.
-    errors: relative, estimated, of (area, mean gap, pressure field), None if not asked for.
+    errors: relative, estimated, of (area, mean gap, pressure field), nan if not asked for.
     energy: elastic energy per area, and approach: how far the bodies have come together since they touched, without any deformation,
     both in the problem's unit; a half-space that is periodic gives way to a uniform pressure without end: it has no approach (nan),
     nor, periodic along one axis only, an energy (its own part is left out where it is periodic along both); uKu: <u, K u>;
@@ -42,7 +49,7 @@ class Certificate:
     load_balance: float = 0.0
     duality_gap: float | None = None
     residual: float = 0.0
-    errors: tuple[float, float, float] | None = None
+    errors: tuple[float, float, float] = (np.nan, np.nan, np.nan)
     energy: float = 0.0
     approach: float = np.nan
     uKu: float = 0.0
@@ -51,18 +58,19 @@ class Certificate:
     pairs: float = 0.0
     precision: str = "float64"
 
-    def attributes(self):
+    def attributes(self) -> dict[str, Any]:
         """The violations, by name, and the precision in which they were found."""
         names = ("penetration", "tension", "complementarity", "load_balance")
         return {name: getattr(self, name) for name in names} | {"certificate_precision": self.precision}
 
     @property
-    def finite(self):
+    def finite(self) -> bool:
         """Whether all numbers are finite."""
         return bool(np.isfinite([self.residual, self.gap_mean, self.uKu]).all())
 
 
-def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
+def certify(problem: Problem, g: np.ndarray, p: np.ndarray, levels: Multilevel | None = None, dtype: DTypeLike = np.float64,
+            dual: bool = False) -> Certificate:
     """Certify the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local slab). One pair, half more if dual.
 
     levels: the Multilevel of the grid, whose fields are overwritten: without it there are no errors. Collective.
@@ -75,9 +83,9 @@ def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
     elastic.pressure_rows(problem.displacement_rows(g), passes)
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
     parts = elastic.use_rows(lambda i0, i1, x: kkt_residuals(g, p, x, problem.p_cell, grid.inside, i0, i1), passes)
-    sums, extremes = zip(*parts) if parts else ([KktSums(*[0.0] * 7)], [KktExtremes(0.0, 0.0)])
-    *sums, uKu, mean = grid.comm.sum([*np.sum(sums, axis=0), uKu, elastic.mean])
-    sums, extremes = KktSums(*sums), KktExtremes(*grid.comm.max(np.max(extremes, axis=0)))
+    found, largest = zip(*parts) if parts else ([KktSums(*[0.0] * 7)], [KktExtremes(0.0, 0.0)])
+    *totals, uKu, mean = grid.comm.sum([*np.sum(found, axis=0), uKu, elastic.mean])
+    sums, extremes = KktSums(*totals), KktExtremes(*grid.comm.max(np.max(largest, axis=0)))
     closed_p, contact, gap = sums.closed_p, sums.contact, sums.gap
     work = p0 * gap
 
@@ -92,11 +100,8 @@ def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
             duality_gap = float(G / work) if gap > 0 else (np.inf if G > 0 else 0.0)
     uniform = elastic.multipliers.uniform
     rest = 0.5 * p0 * problem.p_cell / uniform if uniform else 0.0
-    errors = None
-    if levels is not None:
-        with np.errstate(invalid="ignore", over="ignore"):
-            errors = _errors(problem, levels, g, p, sums, uKu)
     with np.errstate(invalid="ignore", over="ignore"):
+        errors = Certificate.errors if levels is None else _errors(problem, levels, g, p, sums, uKu)
         return Certificate(
             penetration=float(extremes.penetration), tension=float(extremes.tension / p0),
             complementarity=float(sums.pg / work) if gap > 0 else 0.0,
@@ -107,7 +112,8 @@ def certify(problem, g, p, levels=None, dtype=np.float64, dual=False):
             precision=np.dtype(dtype).name)
 
 
-def _errors(problem, levels, g, p, sums, uKu):
+def _errors(problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, sums: KktSums,
+            uKu: float) -> tuple[float, float, float]:
     """Relative errors of area, mean gap and pressure field; sums: KktSums of all ranks."""
     grid, N, p0 = problem.grid, problem.grid.N, float(problem.p0)
     contact, gap, closed_pp = sums.contact, sums.gap, sums.closed_pp
@@ -134,7 +140,7 @@ def _errors(problem, levels, g, p, sums, uKu):
     return relative_area(wrong, contact), float(mean_gap), float(pressure)
 
 
-def rounding_error(problem, contact, p_rms):
+def rounding_error(problem: Problem, contact: float, p_rms: float) -> float:
     """Relative error of the pressure field from storing heights and pressures in the working precision; p_rms: of those in contact."""
     if problem.dtype == np.float64:
         return problem.rounding / p_rms

@@ -1,10 +1,21 @@
 """The only loop: iterate a solver until its target, its limits or a request to stop, and certify what it returns."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from .certificate import Certificate, certify
+
+if TYPE_CHECKING:
+    from ..solvers.base import Progress, Solver
+    from .prescribed import Search
+
+    Watch = Callable[[int, Progress], Any]
 
 CHECK_FROM, CHECK_GROWTH = 10, 1.25  # iterations at which a solver without error estimates is certified: each 1.25 times later
 REFUSALS = 5  # times that the certificate may refuse without having come nearer, before the solver counts as stagnated
@@ -24,9 +35,14 @@ class Target:
     accuracy: float | None = None
     residual: float | None = None
     max_iterations: int = 100_000
-    certificate_dtype: type = np.float64
+    certificate_dtype: DTypeLike = np.float64
     duality: bool = False
     in_turn: bool = False
+
+    @property
+    def tolerance(self) -> float:
+        """The accuracy, or else the residual."""
+        return self.accuracy or self.residual or 0.0
 
 
 @dataclass
@@ -41,16 +57,16 @@ class LoopState:
     best: float = np.inf  # error measure, and the iteration that reached it
     best_at: int = 0
 
-    def begin_again(self, iterations):
+    def begin_again(self, iterations: int) -> None:
         """The load has changed: what was reached before does not count."""
         self.refusals, self.refused, self.threshold, self.best, self.best_at = 0, np.inf, 1.0, np.inf, iterations
 
-    def stored(self):
+    def stored(self) -> dict[str, float]:
         """As numbers of a checkpoint."""
         return {STORED_AS.get(name, name): value for name, value in asdict(self).items()}
 
     @classmethod
-    def restored(cls, numbers):
+    def restored(cls, numbers: dict[str, Any]) -> LoopState:
         """The inverse of `stored`; where there is nothing, the beginning."""
         names = {stored: name for name, stored in STORED_AS.items()}
         return cls(**{names.get(name, name): value for name, value in numbers.items()})
@@ -65,12 +81,13 @@ class Outcome:
     check_pairs: float
 
     @property
-    def errors(self):
+    def errors(self) -> tuple[float, float, float]:
         """Estimated relative errors of (area, mean gap, pressure)."""
         return self.certificate.errors
 
 
-def drive(solver, target, watch=None, loop=None, search=None):
+def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: LoopState | None = None,
+          search: Search | None = None) -> Outcome:
     """Iterate. watch(iterations, progress), if given, is called after every step and returns a true value to stop.
 
     search: the prescribed.Search for the load, where that is not given.
@@ -112,7 +129,7 @@ def drive(solver, target, watch=None, loop=None, search=None):
                 solver.refresh(certificate.uKu)
             else:
                 solver.resume()
-            if not met and search.correct(solver, certificate, sure=left < 1):
+            if search is not None and not met and search.correct(solver, certificate, sure=left < 1):
                 loop.begin_again(done)
             elif left < 1:
                 return Outcome("stagnated", certificate, loop.checks)
@@ -133,7 +150,7 @@ def drive(solver, target, watch=None, loop=None, search=None):
         progress = solver.progress()
 
 
-def certificate_of(solver, target):
+def certificate_of(solver: Solver, target: Target) -> Certificate:
     """The certificate of the solver's state. Collective."""
     if target.in_turn:
         solver.make_room()
@@ -144,24 +161,24 @@ def certificate_of(solver, target):
     return found
 
 
-def _measure(progress, target):
+def _measure(progress: Progress, target: Target) -> float:
     """How far from the target, by the solver's own numbers: below 1 it believes that it is there; UNKNOWN without estimates."""
     if target.residual is not None:
         return progress.residual / target.residual
     if progress.estimates is None:
         return UNKNOWN
-    return max(progress.estimates) / target.accuracy
+    return max(progress.estimates) / target.tolerance
 
 
-def _area_may_be_known(solver, progress, target):
+def _area_may_be_known(solver: Solver, progress: Progress, target: Target) -> bool:
     """Whether the certificate may find the area as accurate as asked: a look at all points, but no transform."""
     return target.accuracy is None or progress.estimates is None or solver.expected_area(progress.estimates[1]) < target.accuracy
 
 
-def _left(target, certificate):
+def _left(target: Target, certificate: Certificate) -> float:
     """How far from the target, by the certificate: below 1 it is reached."""
     if not certificate.finite:
         return np.inf
     if target.residual is not None:
         return certificate.residual / target.residual
-    return max(certificate.errors) / target.accuracy
+    return max(certificate.errors) / target.tolerance

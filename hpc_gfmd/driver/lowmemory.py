@@ -9,21 +9,30 @@ pressure out of contact, are far below the accuracy that is asked for. Otherwise
 the certificates are in double precision: their transforms take the memory of the solver's and of its last step meanwhile.
 """
 
+from __future__ import annotations
+
 import ctypes
 from contextlib import suppress
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..errors import SceneError
 from .drive import certificate_of
 from .nested import Nested, mean_height
 from .sweep import Sweep
 
+if TYPE_CHECKING:
+    from ..problem import Problem
+    from ..scene import Solver as Settings
+    from .sweep import Slabs
+
 NOISE = 0.8  # of Problem.rounding, over the tolerance: the certificate sees a third of the former
 
 
-def tolerance(settings, p_star):
+def tolerance(settings: Settings, p_star: float) -> float:
     """Errors of the pressure at all open points, in the problem's unit, that count as much as what is asked for."""
     return settings.residual * p_star if settings.residual else settings.accuracy * p_star**0.5
 
@@ -31,7 +40,7 @@ def tolerance(settings, p_star):
 class LowMemorySweep(Sweep):
     """As Sweep. Raises SceneError for surfaces that are not known by their spectrum and for other solvers than bpx."""
 
-    def _set_precision(self, dtype):
+    def _set_precision(self, dtype: DTypeLike) -> None:
         self.dtype = np.dtype(dtype)
         self.target = replace(self.target, certificate_dtype=self.dtype.type)
         self.solver = None
@@ -42,10 +51,10 @@ class LowMemorySweep(Sweep):
 
     closes = False
 
-    def _full_contact(self, problem):
+    def _full_contact(self, problem: Problem) -> tuple[None, float]:
         return None, 0.0  # the nested start finds out
 
-    def _begin(self, problem, arrays=None, numbers=None):
+    def _begin(self, problem: Problem, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None) -> None:
         near = self.solver is not None and self._near(problem.p0)
         if arrays is None and near:
             self._reset_counts()
@@ -66,11 +75,11 @@ class LowMemorySweep(Sweep):
             self.surface = replace(self.surface, h=None)
             problem = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)
         _give_back()
-        self.solver = self.solver_class(problem, self.settings.options, g=g)
+        self.solver = self._make(problem, g)
         self._reset_counts()
         self._choose_certificate(problem)
         if arrays is not None:
-            self._load_state(arrays, numbers)
+            self._load_state(arrays, numbers or {})
         elif self.target.in_turn:
             fresh = certificate_of(self.solver, self.target)
             self._spent += fresh.pairs
@@ -78,7 +87,7 @@ class LowMemorySweep(Sweep):
         else:
             self.solver.start(g)
 
-    def _choose_certificate(self, problem):
+    def _choose_certificate(self, problem: Problem) -> None:
         """Its precision: double where rounding errors would count, unless it would take tables, too."""
         plain = self.dtype == np.float64 or self.surface.grid.padded or self.body.table_share
         in_turn = not plain and problem.rounding > NOISE * tolerance(self.settings, problem.p0)

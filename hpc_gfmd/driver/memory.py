@@ -3,15 +3,20 @@
 import math
 import os
 import resource
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..errors import SceneError
+from ..grid import Grid
+from ..parallel.comm import Comm
 from ..parallel.guard import agree
 from ..problem import ROUNDING
 from ..registry import body_of
+from ..scene import Scene
 from ..surface import cell_of
 from .decomposition import share_of
 from .lowmemory import NOISE, tolerance
@@ -42,16 +47,16 @@ class Memory:
     all_heights: float
 
     @property
-    def total(self):
+    def total(self) -> float:
         """GiB on this rank."""
         return self.fields + self.heights + self.transforms + self.certificate + self.process
 
-    def on_all(self, ranks):
+    def on_all(self, ranks: int) -> float:
         """GiB on so many ranks together, if the others need as much but for the heights."""
         return ranks * (self.total - self.heights) + self.all_heights
 
 
-def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
+def memory_of(scene: Scene, n: tuple[int, int], ranks: int, threads: int = 1, rank: int = 0, per_node: int = 1) -> Memory:
     """The Memory of a scene on one of a number of ranks with so many threads each, so many on each node; rank 0 has a part in
     everything."""
     dtype = largest_precision(scene, n)
@@ -72,10 +77,10 @@ def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
                coarse + first * (SOLVER * field + levels) if not low and loads > 1 else 0.0,
                field * TANGENT + levels if "stiffness" in (scene.output.observables or ()) else 0.0]
 
-    def spectra(precision, grids):
+    def spectra(precision: DTypeLike, grids: Iterable[Grid]) -> float:
         return sum(share.layout_of(grid, precision).bytes for grid in grids) / GIB
 
-    def scratch(precision, grids):
+    def scratch(precision: DTypeLike, grids: Iterable[Grid]) -> float:
         return threads * sum(share.layout_of(grid, precision).scratch_bytes for grid in grids) / GIB
 
     grids = [share.grid, *([] if low else share.grids)]
@@ -91,28 +96,28 @@ def memory_of(scene, n, ranks, threads=1, rank=0, per_node=1):
     return Memory(FIELDS * field + step + levels + max(passing), heights, transforms, certificate, PROCESS_GIB, all_heights)
 
 
-def largest_precision(scene, n):
+def largest_precision(scene: Scene, n: tuple[int, int]) -> np.dtype:
     """The largest precision that a scene's loads are solved in, as far as it is known beforehand: without p* the first one."""
     return first_precision(scene.solver) if _few_from(scene, n) is None else np.dtype(np.float64)
 
 
-def _few_from(scene, n):
+def _few_from(scene: Scene, n: tuple[int, int]) -> int | None:
     """The first load at which single precision cannot tell so few points apart: from there on all is in double. None: there is none."""
     settings, N = scene.solver, n[0] * n[1]
     few = (k for k, p_star in enumerate(_p_stars(scene)) if few_points(N, p_star, settings.accuracy))
     return next(few, None) if settings.precision == "auto" else None
 
 
-def _p_stars(scene):
+def _p_stars(scene: Scene) -> list[float]:
     """Those of the loads, as far as they are known beforehand."""
     g_rms = getattr(scene.surface, "g_rms", None)
     unit = scene.material.E_star * g_rms if g_rms else 1.0
     known = g_rms or scene.load.p_star
-    found = [p / unit for p in scene.load.p0(unit, 1.0, math.prod(scene.surface.physical_sizes))] if known else []
+    found = [p / unit for p in scene.load.p0(unit, 1.0, math.prod(scene.surface.physical_sizes or ()))] if known else []
     return found + [a_r / 2 for a_r in scene.load.a_r or ()]
 
 
-def _in_double(scene):
+def _in_double(scene: Scene) -> bool:
     """Whether a surface in low memory is likely to be certified in double precision, see lowmemory.py: only self-affine ones."""
     surface = scene.surface
     if surface.kind != "self-affine" or surface.lam_l_over_lam_s == 1:
@@ -120,10 +125,10 @@ def _in_double(scene):
     q = np.geomspace(1, surface.lam_l_over_lam_s, SAMPLES) * 2 * np.pi / (surface.lam_l_over_lam_s * surface.lam_s_over_a)
     h_rms = np.sqrt(np.trapezoid(q ** (-1 - 2 * surface.hurst), q) / np.trapezoid(q ** (1 - 2 * surface.hurst), q))
     rounding = ROUNDING * float(np.finfo(np.float32).eps) * BELOW_TOP * h_rms
-    return rounding > NOISE * tolerance(scene.solver, min(_p_stars(scene), default=0.0))
+    return bool(rounding > NOISE * tolerance(scene.solver, min(_p_stars(scene), default=0.0)))
 
 
-def available_gib():
+def available_gib() -> float:
     """Memory of this machine that new processes can get together, of their control group if that is less."""
     gib = float("inf")
     try:
@@ -142,7 +147,7 @@ def available_gib():
     return gib
 
 
-def control_groups(root=Path("/sys/fs/cgroup"), own=Path("/proc/self/cgroup")):
+def control_groups(root: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")) -> list[Path]:
     """Folders of the control groups that may limit the memory of this process: its own and all around it."""
     try:
         lines = [line.split(":", 2) for line in own.read_text().splitlines()]
@@ -157,7 +162,7 @@ def control_groups(root=Path("/sys/fs/cgroup"), own=Path("/proc/self/cgroup")):
     return list(dict.fromkeys(found))
 
 
-def limit_gib():
+def limit_gib() -> float:
     """Memory that this process alone may still take (ulimit -v)."""
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
     if limit == resource.RLIM_INFINITY:
@@ -166,7 +171,7 @@ def limit_gib():
         return (limit - int(file.read().split()[0]) * resource.getpagesize()) / GIB
 
 
-def require_memory(comm, scene, n, threads):
+def require_memory(comm: Comm, scene: Scene, n: tuple[int, int], threads: int) -> None:
     """Raise SceneError on all ranks if the ranks of some machine need more memory than it has. Collective."""
     need = memory_of(scene, n, comm.size, threads, comm.rank, comm.node.size).total
     most, own = float(comm.max([need])[0]), float(comm.min([limit_gib()])[0])

@@ -1,8 +1,13 @@
 """One load after another on one surface: which precision, which start, and what comes out."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..bodies.halfspace import HALF_SPACE
 from ..contact import Contact
@@ -15,6 +20,17 @@ from .curve import Curve
 from .drive import LoopState, Outcome, Target, drive
 from .nested import Nested, cold_gap, mean_height
 from .prescribed import Prescribed, Search, prescribed
+
+if TYPE_CHECKING:
+    from ..bodies.base import Body
+    from ..grid import Grid
+    from ..scene import Load
+    from ..scene import Solver as Settings
+    from ..surface import Surface
+    from .drive import Watch
+
+    MakeSurface = Callable[[np.dtype], Surface]
+    Slabs = Callable[[Grid], dict[str, Any]]  # local slabs of a stored state by name
 
 SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
 WARM_UP, WARM_DOWN = 1.45, 1.26  # a load up to so much larger or smaller starts from the one before, others from coarser grids
@@ -34,12 +50,12 @@ class Step:
     pairs: float
 
     @property
-    def fft_pairs(self):
+    def fft_pairs(self) -> float:
         """Everything counted, in fine-grid pairs: the solve, and the observables that were asked for so far."""
         return self.pairs + self.contact.pairs
 
 
-def first_precision(settings):
+def first_precision(settings: Settings) -> np.dtype:
     """The precision that a sweep begins with; settings: scene.Solver."""
     if settings.precision != "auto":
         return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
@@ -47,7 +63,7 @@ def first_precision(settings):
     return np.dtype(np.float32 if loose else np.float64)
 
 
-def few_points(N, p_star, accuracy):
+def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     """Whether so few of N points will touch that single precision, which may err in a few of them, cannot give the area to an accuracy
     (None where a residual is asked for)."""
     expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
@@ -61,15 +77,21 @@ class Sweep:
     Raises SceneError for what cannot be asked.
     """
 
-    def __init__(self, make_surface, settings, E_star=1.0, lam_s=None, duality=False, body=HALF_SPACE):
+    surface: Surface
+    solver: Any  # a solvers.base.Solver; None before the first load, and while its memory is needed
+    nested: Nested | None
+
+    def __init__(self, make_surface: MakeSurface, settings: Settings, E_star: float = 1.0, lam_s: float | None = None,
+                 duality: bool = False, body: Body = HALF_SPACE):
         self.make_surface, self.settings = make_surface, settings
         self.E_star, self.lam_s, self.body = float(E_star), lam_s, body
         self.solver_class = solver_class(settings.name)
         self.target = Target(settings.accuracy, settings.residual, settings.max_iterations, duality=duality)
-        self.surface, self._search, self._curve = None, None, Curve()
+        self._search: Search | None = None
+        self._curve = Curve()
         self._set_precision(first_precision(settings))
 
-    def pressures(self, load):
+    def pressures(self, load: Load) -> Sequence[float | Prescribed]:
         """What `solve` takes for the loads of scene.Load on this surface: mean pressures, or Prescribed where they have to be found.
 
         Raises SceneError for what a flat surface does not have, what the precision cannot hold, and what no pressure gives.
@@ -87,12 +109,13 @@ class Sweep:
                                      'allowed: "auto", "double"')
         return pressures or prescribed(name, values, self.surface, self._top, closes=self.closes)
 
-    def solve(self, load, watch=None, midway=False):
+    def solve(self, load: float | Prescribed, watch: Watch | None = None, midway: bool = False) -> Step:
         """The contact at a load: a mean pressure (unit of E_star), or Prescribed.
 
         watch(iterations, progress) is called after every iteration, a true value stops. midway: go on where `restore` went back to.
         """
         if self._is_flat:
+            assert not isinstance(load, Prescribed)  # refused by `pressures`
             return self._flat(load)
         if midway and isinstance(load, Prescribed) and self._search is None:
             load = self.solver.p0 * self.E_star * self.surface.slope
@@ -101,7 +124,7 @@ class Sweep:
             if isinstance(load, Prescribed) and load.closes and self.closes:
                 load = self._closing_pressure()
             elif isinstance(load, Prescribed):
-                self._search = self._curve.search(load, self.surface, self._top, self.target.accuracy or self.target.residual)
+                self._search = self._curve.search(load, self.surface, self._top, self.settings.tolerance)
         promote = self.settings.precision == "auto" and self.dtype == np.float32
         if promote and not midway and self._too_little(self._p_star(load)):
             self._set_precision(np.float64)
@@ -111,19 +134,21 @@ class Sweep:
             self._set_precision(np.float64)
             self._spent = self._spent if step is None else step.fft_pairs
             step = self._solve(load, watch, False)
+        assert step is not None  # without `promote` there is one
         if step.contact.outcome.status == "nonfinite":
             self.solver = None  # nothing starts from that
         return step
 
-    def _too_little(self, p_star):
+    def _too_little(self, p_star: float) -> bool:
         """Whether single precision is too little for a load."""
         N = self.surface.grid.N
         return few_points(N, p_star, self.settings.accuracy) or not single_solves(p_star, N)
 
-    def state(self, upcoming=None):
+    def state(self, upcoming: float | Prescribed | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
         """What `restore` needs to go on in the present load or, given the load that is upcoming, at its beginning: local slabs by
         name, and numbers."""
-        arrays, numbers = {}, {"dtype": self.dtype.name, "heights": self.surface.checksum, "curve": vars(self._curve)}
+        arrays: dict[str, Any] = {}
+        numbers: dict[str, Any] = {"dtype": self.dtype.name, "heights": self.surface.checksum, "curve": vars(self._curve)}
         if upcoming is None or self._may_start_here(upcoming):
             arrays, own = self.solver.state()
             numbers |= {"p0": self.solver.p0, "own": own}
@@ -132,7 +157,7 @@ class Sweep:
                         "search": self._search and asdict(self._search)}
         return arrays, numbers
 
-    def restore(self, arrays, numbers, load):
+    def restore(self, arrays: Slabs, numbers: dict[str, Any], load: float | Prescribed) -> None:
         """Go back to a `state`, perhaps of another number of ranks; load: what is asked for at that load, as `solve` has it.
 
         Collective. arrays: function of the grid, gives local slabs. Raises SceneError for the state of another load.
@@ -150,44 +175,47 @@ class Sweep:
                     raise SceneError(f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is asked for")
             self._begin(self._problem(p0), arrays, numbers)
 
-    def _problem(self, p_star):
+    def _problem(self, p_star: float) -> Problem:
         return Problem(self.surface.grid, self.surface.h, p_star, body=self.body)
 
-    def _may_start_here(self, load):
+    def _may_start_here(self, load: float | Prescribed) -> bool:
         """Whether a load, or one that follows it if it closes the gap at once, may start from the present state."""
         if self.solver is None or isinstance(load, Prescribed):
             return self.solver is not None
         p_star = self._p_star(load)
         return self._near(p_star) or p_star >= self.body.full_p_star
 
-    def _p_star(self, load):
-        return self._search.p0 if isinstance(load, Prescribed) else load / (self.E_star * self.surface.slope)
+    def _p_star(self, load: float | Prescribed) -> float:
+        if not isinstance(load, Prescribed):
+            return load / (self.E_star * self.surface.slope)
+        assert self._search is not None
+        return self._search.p0
 
-    def _solve(self, load, watch, midway, promote=False):
+    def _solve(self, load: float | Prescribed, watch: Watch | None, midway: bool, promote: bool = False) -> Step | None:
         """promote: give None back where the search on coarser grids finds that single precision is too little."""
         if not midway:
             problem = self._problem(self._p_star(load))
-            full, pairs = self._full_contact(problem) if self._search is None else (None, 0.0)
-            self._spent += pairs
-            if full is not None:
-                return self._step(load, *full, iterations=0, pairs=self._spent)
+            if not isinstance(load, Prescribed):
+                full, pairs = self._full_contact(problem)
+                self._spent += pairs
+                if full is not None:
+                    return self._step(load, *full, iterations=0, pairs=self._spent)
             self._begin(problem)
             if promote and self._search is not None and self._too_little(self._search.p0):
                 return None
         solver = self.solver
         outcome = drive(solver, self.target, watch, self.loop, self._search)
         pairs = self._spent + (solver.pairs - self._first_pairs) + outcome.check_pairs
-        p_mean = load if self._search is None else solver.p0 * self.E_star * self.surface.slope
+        p_mean = solver.p0 * self.E_star * self.surface.slope if isinstance(load, Prescribed) else load
         return self._step(p_mean, solver.g, solver.p, outcome, solver.iterations, pairs)
 
-    def _step(self, p_mean, g, p, outcome, iterations, pairs):
-        accuracy = self.settings.accuracy or self.settings.residual
+    def _step(self, p_mean: float, g: np.ndarray, p: np.ndarray, outcome: Outcome, iterations: int, pairs: float) -> Step:
         remark = self._search.note if self._search is not None else None
-        contact = Contact(self.surface, self.E_star, p_mean, g, p, outcome, accuracy, self.lam_s, self.body, remark)
+        contact = Contact(self.surface, self.E_star, p_mean, g, p, outcome, self.settings.tolerance, self.lam_s, self.body, remark)
         self._curve.add(np.log(p_mean / (self.E_star * self.surface.slope)), contact, self._search)
         return Step(contact, iterations, float(pairs))
 
-    def _begin(self, problem, arrays=None, numbers=None):
+    def _begin(self, problem: Problem, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None) -> None:
         """Make or reuse the solver and give it a start: a state, the load before, coarser grids, or a flat plane."""
         warm = arrays is None and self.solver is not None and self._near(problem.p0)
         g = None
@@ -203,7 +231,7 @@ class Sweep:
             return
         self.solver.p0 = problem.p0
         if arrays is not None:
-            self._load_state(arrays, numbers)
+            self._load_state(arrays, numbers or {})
         elif self.dtype == np.float32 and self.solver.takes_gap:
             # Rounding errors of the first pressure would stay to the end: only its changes are added to it.
             if g is not self.solver.g:
@@ -214,16 +242,16 @@ class Sweep:
         else:
             self.solver.start(g)
 
-    def _reset_counts(self):
+    def _reset_counts(self) -> None:
         """A load begins."""
         self._first_pairs, self.solver.iterations, self.loop = self.solver.pairs, 0, LoopState()
 
-    def _load_state(self, arrays, numbers):
+    def _load_state(self, arrays: Slabs, numbers: dict[str, Any]) -> None:
         self.solver.load_state(arrays(self.surface.grid), numbers["own"])
         self.loop = LoopState.restored(numbers.get("course", {}))
         self._first_pairs -= numbers.get("pairs", 0.0)
 
-    def _starting_gap(self, problem, into):
+    def _starting_gap(self, problem: Problem, into: np.ndarray | None) -> np.ndarray:
         if self.nested is None:
             if self._search is not None:
                 self._search.on_coarsest_grid()
@@ -232,21 +260,21 @@ class Sweep:
         self._spent += pairs
         return g
 
-    def _make(self, problem, g=None):
+    def _make(self, problem: Problem, g: np.ndarray | None = None) -> Any:
         """A solver; g: memory for its gap, which it may take over."""
         taken = {"g": g} if g is not None and self.solver_class.takes_gap else {}
         return self.solver_class(problem, self.settings.options, **taken)
 
-    def _near(self, p_star):
+    def _near(self, p_star: float) -> bool:
         ratio = p_star / self.solver.p0
         return 1 / WARM_DOWN < ratio < WARM_UP
 
     @property
-    def closes(self):
+    def closes(self) -> bool:
         """Whether the least pressure that closes the gap is known at once."""
         return not self.surface.grid.padded
 
-    def _closing_pressure(self):
+    def _closing_pressure(self) -> float:
         """The least mean pressure (unit of E_star) at which u = -h is the solution: none is in tension. One FFT pair."""
         problem = self._problem(1.0)
         g, p = np.zeros_like(problem.h), np.empty_like(problem.h)
@@ -254,7 +282,7 @@ class Sweep:
         tension, largest = problem.grid.comm.max([-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))])
         return (1 + tension + CLOSED * float(np.finfo(p.dtype).eps) * largest) * self.E_star * self.surface.slope
 
-    def _full_contact(self, problem):
+    def _full_contact(self, problem: Problem) -> tuple[tuple[np.ndarray, np.ndarray, Outcome] | None, float]:
         """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and the pairs spent on finding out."""
         if problem.p0 < self.body.full_p_star:
             return None, 0.0
@@ -269,13 +297,13 @@ class Sweep:
         exact = replace(certificate, errors=(0.0, 0.0, rounding_error(problem, certificate.contact, problem.p0)))
         return (g, p, Outcome("converged", exact, 0.0)), pairs
 
-    def _set_precision(self, dtype):
+    def _set_precision(self, dtype: DTypeLike) -> None:
         """Make the surface in this precision and plan all transforms that its contacts need."""
         self.dtype = dtype = np.dtype(dtype)
         self.solver = None
-        known = self.surface.checksum if self.surface is not None else None
+        known = getattr(self, "surface", None)
         self.surface = self.make_surface(dtype)
-        if known not in (None, self.surface.checksum):
+        if known is not None and known.checksum not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
         self._top = mean_height(self.surface.grid, self.surface.h)
         if not self._is_flat:
@@ -287,11 +315,11 @@ class Sweep:
             self.nested = Nested(grid, dtype) if nests else None
 
     @property
-    def _is_flat(self):
+    def _is_flat(self) -> bool:
         """Whether all points touch at any load: at its end a flat surface is a punch."""
         return self.surface.g_rms == 0 and not self.surface.grid.padded
 
-    def _flat(self, p_mean):
+    def _flat(self, p_mean: float) -> Step:
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
         certificate = Certificate(contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0)

@@ -5,6 +5,7 @@ import os
 import time
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..caches import cache_folder, keep
 from ..scene import Scene
@@ -17,10 +18,10 @@ SEARCHING = 1.5  # times as many where the mean pressures have to be found
 BASELINE_PAIRS = {"gfmd": 150.0, "fire": 400.0, "ccg": 150.0}
 
 
-def expected_seconds(scene, n, ranks, cores):
+def expected_seconds(scene: Scene, n: tuple[int, int], ranks: int, cores: int) -> float:
     """Seconds of solving all loads of a scene on `ranks` ranks that share `cores` cores of this machine."""
     settings = scene.solver
-    decades = -np.log10(settings.accuracy or settings.residual) - 3
+    decades = -np.log10(settings.tolerance) - 3
     pairs = BASELINE_PAIRS.get(settings.name, PAIRS) * max(0.6, 1 + decades * PAIRS_PER_DECADE / PAIRS)
     points = n[0] * n[1]
     work = points * np.log2(max(points, 2))
@@ -28,7 +29,7 @@ def expected_seconds(scene, n, ranks, cores):
     return float(loads * pairs * work * seconds_per_work(first_precision(settings)) / min(ranks, cores))
 
 
-def seconds_per_work(dtype):
+def seconds_per_work(dtype: DTypeLike) -> float:
     """Seconds per FFT pair (with everything that goes along with it) and N log2 N; measured once, then read."""
     path = cache_folder() / f"speed-{np.dtype(dtype).name}.json"
     try:
@@ -42,7 +43,7 @@ def seconds_per_work(dtype):
     return value
 
 
-def _measure(dtype):
+def _measure(dtype: DTypeLike) -> float:
     from ..parallel.comm import SerialComm
     from ..surface import build_surface
 

@@ -1,22 +1,28 @@
 """Compile every kernel on one rank, once per installation; the other ranks then find them in the cache."""
 
+from collections.abc import Callable, Iterable
+from typing import Any
+
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
+from ..contact import Contact
 from ..kernels.cache import announced, sound
 from ..operators.multilevel import Multilevel
-from ..parallel.comm import SerialComm
+from ..parallel.comm import Comm, SerialComm
 from ..parallel.guard import guarded
 from ..registry import body_of, observables_named
-from ..scene import Scene
+from ..scene import Material, Scene, Solver
 from ..surface import build_surface
 from .sweep import Sweep, first_precision
 
+Observable = Callable[[Contact], Any]
 TINY = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 1, "lam_l_over_lam_s": 8, "lam_s_over_a": 10, "seed": 1}
 PRECISIONS = {np.dtype(np.float32): "single", np.dtype(np.float64): "double"}
 
 
-def compile_once(comm, settings, boundary="periodic", material=None, observe=None, say=None):
+def compile_once(comm: Comm, settings: Solver, boundary: str | tuple[str, str] = "periodic", material: Material | None = None,
+                 observe: Iterable[Observable] | None = None, say: Callable[[str], object] | None = None) -> None:
     """Solve and evaluate a tiny contact with the same solver, precision, boundary and material, first on rank 0, then on the others.
 
     observe: the functions of a Contact that will be called; default: the observables that a result has where the scene names none.
@@ -31,20 +37,21 @@ def compile_once(comm, settings, boundary="periodic", material=None, observe=Non
         sound(lambda: _tiny_contact(settings, boundary, material, observe))
 
 
-def _tiny_contact(settings, *how):
+def _tiny_contact(settings: Solver, *how: Any) -> None:
     """In every precision that the run may use."""
     first = PRECISIONS[first_precision(settings)]
     for precision in {first, "double"} if settings.precision == "auto" else {first}:
         _tiny_contact_in(precision, settings, *how)
 
 
-def _plain(material):
+def _plain(material: Material) -> dict[str, Any]:
     """A material as a table of numbers without units."""
     given = {key: getattr(material, key) for key in material.model_dump(exclude_none=True)}
     return {key: float(value) if isinstance(value, float) else value for key, value in given.items()}
 
 
-def _tiny_contact_in(precision, settings, boundary, material, observe):
+def _tiny_contact_in(precision: str, settings: Solver, boundary: str | tuple[str, str], material: Material | None,
+                     observe: Iterable[Observable]) -> None:
     solver = settings.model_dump(exclude_none=True) | {"max_iterations": 3, "precision": precision}
     scene = Scene.from_dict({"surface": TINY | {"boundary": boundary}, "load": {"p_star": 0.05}, "solver": solver,
                              "material": _plain(material) if material else {}})

@@ -123,6 +123,14 @@ class Solver:
     def resume(self) -> None:
         """self.p has just been computed anew from self.g, and self.levels used by somebody else: go on as if nothing had happened."""
 
+    def make_room(self) -> None:
+        """Until `take_room` somebody else needs the memory of the transforms and of the last step, which is lost."""
+        raise NotImplementedError
+
+    def take_room(self) -> None:
+        """Go on without a last step."""
+        raise NotImplementedError
+
     def step(self) -> None:
         """One iteration: new g and p."""
         raise NotImplementedError

@@ -10,6 +10,8 @@ One iteration is three passes over memory: `projected_step` + row transforms, co
 The displacement itself never appears: with the gap g = u + h and p = p0 + K u, steps change both by the same d and K d.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
@@ -20,6 +22,7 @@ from ..kernels.halfwidth import Widened, half, narrowed
 from ..operators.elastic import Elastic
 from ..operators.multilevel import COUPLING, EQUIVALENCE, Multilevel
 from ..options import read_options
+from ..problem import Problem
 from .base import Progress, Solver
 
 RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
@@ -41,7 +44,7 @@ class Bpx(Solver):
                     "mean", "aligned", "changing", "iterations")
     stored_as = {"zKd": "zq", "dKd": "dq"}
 
-    def __init__(self, problem, options=None, g=None):
+    def __init__(self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None):
         super().__init__(problem, options)
         self.options = read_options(self.name, self.options, {})
         grid, body, dtype = self.grid, problem.body, problem.dtype
@@ -56,18 +59,16 @@ class Bpx(Solver):
         self.gradient = 1.0 / (GRADIENT * self.compliance * body.bounds(grid)[1])
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
 
-    def _make_scratch(self):
+    def _make_scratch(self) -> None:
         """Rows for each thread."""
         dtype, rows = self.problem.dtype, self.elastic.fft.row_scratch
         self._scratch = {id(x): zeros_aligned((7, self.grid.n[1] + LINE // dtype.itemsize), dtype) for x in rows}
 
-    def make_room(self):
-        """Until `take_room` somebody else needs the memory of the transforms and of the last step, which is lost."""
-        self.d = None
+    def make_room(self) -> None:
+        del self.d
         self.elastic.make_room()
 
-    def take_room(self):
-        """Go on without a last step."""
+    def take_room(self) -> None:
         self.elastic.plan()
         self._make_scratch()
         self.d = self.grid.empty(half(self.problem.dtype))
@@ -76,7 +77,7 @@ class Bpx(Solver):
 
     # -- starting ------------------------------------------------------------------------------------------------------------
 
-    def start(self, g):
+    def start(self, g: np.ndarray) -> None:
         if g is not self.g:
             self.g[...] = g
         self.p[...] = self.p_cell
@@ -85,12 +86,12 @@ class Bpx(Solver):
         self.uKu = float(self.grid.comm.sum([self.elastic.pressure_columns(self.problem.adder(self.elastic.fft))])[0])
         self._begin(self._update(1.0))
 
-    def refresh(self, uKu=None):
+    def refresh(self, uKu: float | None = None) -> None:
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, 0.0))
 
-    def correct_load(self, p0):
+    def correct_load(self, p0: float) -> None:
         """The last step stays what the next one begins with: on F M is about 1/K, so that <z, K d> changes by as much as <p, d>."""
         before, self.p0 = self.p_cell, float(p0)
         self.p += self.problem.dtype.type(self.p_cell - before)
@@ -98,27 +99,27 @@ class Bpx(Solver):
         self._measure(self.levels.restrict(self.g, self.p, 0.0, self.d))
         self.zKd, self.dKd = zKd + self.rd - rd, dKd
 
-    def resume(self):
+    def resume(self) -> None:
         self.levels.restrict(self.g, self.p, 0.0)
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
-    def _begin(self, sums):
+    def _begin(self, sums: UpdateSums) -> None:
         """A new descent begins: no momentum, no memory of the Rayleigh quotient."""
         self.s = 1.0
         self.rayleigh = RHO_MAX
         self._measure(sums)
 
-    def state(self):
+    def state(self) -> tuple[dict[str, Any], ...]:
         arrays, numbers = super().state()
         return arrays | {"d": Widened(self.d)}, numbers
 
-    def load_state(self, arrays, numbers):
+    def load_state(self, arrays: dict[str, Any], numbers: dict[str, Any]) -> None:
         super().load_state(arrays | {"d": narrowed(arrays["d"], self.problem.dtype)}, numbers)
         self.resume()
 
     # -- one iteration -------------------------------------------------------------------------------------------------------
 
-    def _descend_to_contact(self):
+    def _descend_to_contact(self) -> None:
         """Nothing is in contact: come down until something is. A rigid shift costs no elastic energy, but would take many steps.
 
         The descent goes on as it is: the pressure does not change.
@@ -129,7 +130,7 @@ class Bpx(Solver):
             self.g -= self.problem.dtype.type(lowest)
             self.gap_mean -= lowest
 
-    def step(self):
+    def step(self) -> None:
         if self.contact == 0:
             self._descend_to_contact()
         a, b = self._coefficients()
@@ -155,7 +156,7 @@ class Bpx(Solver):
         self.uKu += 2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd  # K u = p - p_cell
         self.iterations += 1
 
-    def _coefficients(self):
+    def _coefficients(self) -> tuple[float, float]:
         """a and b of the step -(a z + b d): the minimum of the energy in the plane of z and d.
 
         It had better be too long than too short: where nothing is clipped the line search, which can only shorten it, then makes it
@@ -173,28 +174,28 @@ class Bpx(Solver):
         b = (zKz * rd - zKd * rz) / det
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
-    def _search(self, a, b, coupling):
+    def _search(self, a: float, b: float, coupling: float) -> float:
         """First pass: the next step into d and its row spectra; returns <p, d>."""
         z, transfer, inside = self.levels.z, self.levels.transfers[0].tables, self.grid.inside
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
 
-        def fill(i0, i1, x):
+        def fill(i0: int, i1: int, x: np.ndarray) -> float:
             return projected_step(self.g, self.p, self.d, x, (i0, i1), z, transfer, step, inside, self._scratch[id(x)])
 
         return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
 
-    def _update(self, s):
+    def _update(self, s: float) -> UpdateSums:
         """Last pass: x = K d by rows, new g and p; returns this rank's UpdateSums."""
         return UpdateSums.total(self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes))
 
-    def _update_rows(self, i0, i1, x, s):
+    def _update_rows(self, i0: int, i1: int, x: np.ndarray, s: float) -> tuple[float, ...]:
         scratch = self._scratch[id(x)]
         return self.levels.update_rows(self._number[i0], self.g, self.p, self.d[i0:i1], x, self.problem.dtype.type(s), scratch)
 
-    def _measure(self, sums):
+    def _measure(self, sums: UpdateSums) -> None:
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""
-        *sums, rz1, xz1, r1, t1, rt1, self.mean, ts1, rs1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
-        sums = UpdateSums(*sums)
+        *totals, rz1, xz1, r1, t1, rt1, self.mean, ts1, rs1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
+        sums = UpdateSums(*totals)
         s, compliance = self.s, self.compliance
         self.rz = compliance * (sums.rr + COUPLING * rz1)  # <p, z> on F
         self.rd = s * sums.pd  # <p, d>
@@ -208,13 +209,13 @@ class Bpx(Solver):
 
     # -- how far -------------------------------------------------------------------------------------------------------------
 
-    def progress(self):
+    def progress(self) -> Progress:
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         residual = np.sqrt(self.rr / self.N) / self.p0
         estimates = self._estimates() if finite else (np.inf, np.inf)
         return Progress(float(residual), self.contact, self.gap_mean, estimates, finite)
 
-    def _estimates(self):
+    def _estimates(self) -> tuple[float, float]:
         """What the certificate is expected to say: its bound from p on F alone, whose mean and scale are not yet put right.
 
         With r = p on F and the contact's load too small by the factor scale: p^ - p = -r + (scale - 1) (p - r), and |p|_S = |u|_K.
@@ -232,7 +233,7 @@ class Bpx(Solver):
                                      self.typical_compliance, response, aligned, self.problem.self_energy)
         return 0.0 if self.contact == self.N else gap, pressure  # where all is closed the certificate says whether a point could open
 
-    def expected_area(self, pressure):
+    def expected_area(self, pressure: float) -> float:
         rows, m = self.grid.inside
         squares, fourth = self.grid.comm.sum(open_moments(self.g[:rows, :m], self.p[:rows, :m]))
         pattern = error_pattern(self.mean / self.p_cell * self.p0 * self.N, squares, fourth, self.contact, self.N)
