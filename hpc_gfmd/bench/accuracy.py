@@ -6,14 +6,17 @@ instead, which costs them less than being judged again and again. Who has not fi
 reported is the error reached by then, and tighter accuracies are not tried.
 """
 
+from argparse import Namespace
+from typing import Any, Literal
+
 import numpy as np
 
 from ..errors import GfmdError
 from ..registry import solver_names
 from .cases import Case
-from .ours import Ours
+from .ours import Ours, Solved
 from .picture import draw
-from .reference import reference
+from .reference import Reference, reference
 from .report import Report, one_of
 
 WITH_ESTIMATES = ("bpx",)
@@ -25,7 +28,7 @@ COLUMNS = {"n": ("n", "5d"), "hurst": ("H", "4.2g"), "p_star": ("p*", "8.4g"), "
            "seconds_median": ("s (median)", "10.3g"), "cpu_seconds_min": ("cpu s (min)", "11.3g"), "status": ("status", "14")}
 
 
-def bench_accuracy(args):
+def bench_accuracy(args: Namespace) -> None:
     """All cases. args: n, hurst, p_star, precision, solvers, start, accuracy (lists), max_iterations, repeats, budget, out.
     Raises SceneError for a solver that does not exist."""
     one_of("--solvers", args.solvers, solver_names())
@@ -42,15 +45,16 @@ def bench_accuracy(args):
                 for precision in args.precision:
                     _one_case(case, precision, known, args, report)
     report.finish()
-    if args.out:
+    if report.folder:
         draw(report.rows, report.folder / "accuracy.png", "cpu_seconds_min" if args.cpu else "seconds_min")
         draw(report.rows, report.folder / "accuracy-pairs.png", "fft_pairs")
 
 
-def _one_case(case, precision, known, args, report):
+def _one_case(case: Case, precision: Literal["single", "double"], known: Reference, args: Namespace, report: Report) -> None:
     ours = Ours(case, precision)
     ours.solve(0.1)
-    runs, rows, over = {}, {}, set()  # by (solver, start, accuracy)
+    runs: dict[tuple[str, str, float], list[Solved]] = {}
+    rows, over = {}, set()  # by the same
     for solver in args.solvers:
         for start in args.start:
             for accuracy in sorted(args.accuracy, reverse=True):
@@ -76,12 +80,12 @@ def _one_case(case, precision, known, args, report):
                    **rows[solver, start, accuracy])
 
 
-def _solve(ours, solver, start, wanted, args):
-    asked = {"accuracy": wanted} if solver in WITH_ESTIMATES else {"accuracy": None, "residual": wanted}
+def _solve(ours: Ours, solver: str, start: str, wanted: float, args: Namespace) -> Solved:
+    asked: dict[str, Any] = {"accuracy": wanted} if solver in WITH_ESTIMATES else {"accuracy": None, "residual": wanted}
     return ours.solve(solver=solver, nested=start == "nested", max_iterations=args.max_iterations, budget=args.budget, **asked)
 
 
-def _row(solved, known):
+def _row(solved: Solved, known: Reference) -> dict[str, Any]:
     area, gap, pressure = known.errors(solved.a_r, solved.gap_mean, solved.pressure)
     return {"error": max(area, gap, pressure), "area_error": area, "gap_error": gap, "pressure_error": pressure,
             "estimates": list(solved.estimates), "iterations": solved.iterations, "fft_pairs": solved.fft_pairs,

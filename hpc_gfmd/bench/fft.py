@@ -1,9 +1,14 @@
 """One FFT pair, forward and back: our slab passes against whole fields transformed as other programs do, on any number of ranks."""
 
+from argparse import Namespace
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..errors import GfmdError
 from ..grid import Grid
+from ..parallel.comm import Comm
 from ..parallel.world import world
 from .cases import DTYPES
 from .report import Report
@@ -14,7 +19,7 @@ COLUMNS = {"n": ("n", "5d"), "precision": ("precision", "9"), "pair": ("pair", "
 OURS = "slab passes"
 
 
-def bench_fft(args):
+def bench_fft(args: Namespace) -> None:
     """Time of a pair of each kind. args: n, precision (lists), repeats, cpu, out."""
     comm = world()
     clock = Clock(comm, args.cpu)
@@ -31,18 +36,18 @@ def bench_fft(args):
     report.finish()
 
 
-def slab_pair(n, dtype, comm):
+def slab_pair(n: tuple[int, int], dtype: DTypeLike, comm: Comm) -> Callable[[], None]:
     """A function: our passes on a field, read by rows, forward, back, written by rows; nothing is done to the spectrum."""
     grid = Grid(n, comm=comm)
     fft, u = grid.fft(dtype), np.zeros(grid.shape, dtype)
 
-    def read(i0, i1, x):
+    def read(i0: int, i1: int, x: np.ndarray) -> None:
         x[: i1 - i0] = u[i0:i1]
 
-    def write(i0, i1, x):
+    def write(i0: int, i1: int, x: np.ndarray) -> None:
         u[i0:i1] = x[: i1 - i0]
 
-    def pair():
+    def pair() -> None:
         fft.forward_rows(read)
         fft.columns(lambda block, m: None)
         fft.backward_rows(write)
@@ -50,7 +55,7 @@ def slab_pair(n, dtype, comm):
     return pair
 
 
-def bare_pairs(n, dtype, comm):
+def bare_pairs(n: tuple[int, int], dtype: DTypeLike, comm: Comm) -> dict[str, Callable[[], None]]:
     """{name: function} of all that work on this number of ranks: each planned, with (zero) fields of its own, without normalisation.
 
     Raises GfmdError where mpi4py-fft is missing.
@@ -67,7 +72,7 @@ def bare_pairs(n, dtype, comm):
     for transform in (pfft.forward, pfft.backward):
         transform.input_array[...] = 0
 
-    def default():
+    def default() -> None:
         pfft.forward(normalize=False)
         pfft.backward(normalize=False)
 
@@ -79,7 +84,7 @@ def bare_pairs(n, dtype, comm):
     backward = fftw.irfftn(q, tuple(n), (0, 1), 1, flags, output_array=x)
     x[...], q[...] = 0, 0
 
-    def two_dimensional():
+    def two_dimensional() -> None:
         forward(x, q)
         backward(q, x)
 

@@ -7,6 +7,10 @@ The roofline of a node: a pass takes there no less than its time on one core ove
 bandwidth of the node's memory, both as model.py assumes them.
 """
 
+from argparse import Namespace
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from ..grid import Grid
@@ -25,7 +29,7 @@ COLUMNS = {"n": ("n", "5d"), "precision": ("precision", "9"), "what": ("pass", "
            "node_of_bandwidth": ("of its memory", "13.2f")}
 
 
-def bench_kernels(args):
+def bench_kernels(args: Namespace) -> None:
     """One table row per pass and number of cores, and for the iteration, the copy and the bare FFT pairs. args: n, precision, ranks
     (lists), p_star, repeats, cpu, out."""
     report = Report("kernels", COLUMNS, args.out)
@@ -48,7 +52,7 @@ def bench_kernels(args):
     report.finish()
 
 
-def _add(report, samples, n, precision, cores, node, **of_all):
+def _add(report: Report, samples: Mapping[str, Sample], n: int, precision: str, cores: int, node: type[Machine], **of_all: Any) -> None:
     """The rows of one grid on some cores; samples: {what: Sample}; node: its `cores` and `bandwidth`."""
     N, size = n * n, np.dtype(DTYPES[precision]).itemsize
     fields = field_passes([level.n for level in levels(Grid((n, n)))])

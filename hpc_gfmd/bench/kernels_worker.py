@@ -1,9 +1,13 @@
 """The passes of a solve timed on some ranks, a copy and the bare FFT pairs in turn with them. Started by kernels.py."""
 
 import sys
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import DTypeLike
 
+from ..parallel.comm import Comm
 from ..parallel.world import world
 from ..problem import Problem
 from ..registry import solver_class
@@ -19,12 +23,14 @@ ITERATIONS = 16  # after which the contact is begun anew: what is iterated is no
 class TimedSolver:
     """The default solver, begun from a flat plane, whose passes tell how long they took."""
 
-    def __init__(self, case, dtype, comm, clock):
+    def __init__(self, case: Case, dtype: DTypeLike, comm: Comm, clock: Clock):
         surface = case.surface(dtype, comm)
-        self.solver = solver_class("auto")(Problem(surface.grid, surface.h, case.p_star), {})
+        h = surface.h
+        assert h is not None
+        self.solver = solver_class("auto")(Problem(surface.grid, h, case.p_star), {})
         self.clock = clock
-        self.start = np.maximum(surface.h - surface.h.dtype.type(surface.h.mean()), 0)
-        self.spent = {}
+        self.start = np.maximum(h - h.dtype.type(h.mean()), 0)
+        self.spent: dict[str, float] = {}
         solver = self.solver
         self._time(solver, "_search", "search + rows")
         self._time(solver.elastic, "pressure_columns", "columns")
@@ -32,10 +38,10 @@ class TimedSolver:
         self._time(solver.levels, "sweep", "sweep")
         self.left = 0
 
-    def _time(self, owner, method, name):
+    def _time(self, owner: object, method: str, name: str) -> None:
         run = getattr(owner, method)
 
-        def timed(*args):
+        def timed(*args: Any) -> Any:
             begun = self.clock.now()
             result = run(*args)
             self.spent[name] = self.spent.get(name, 0.0) + self.clock.now() - begun
@@ -43,7 +49,7 @@ class TimedSolver:
 
         setattr(owner, method, timed)
 
-    def __call__(self):
+    def __call__(self) -> None:
         if self.left == 0:
             self.solver.start(self.start)
             self.solver.step()  # the first one is a plain projected gradient
@@ -55,7 +61,7 @@ class TimedSolver:
         self.spent["iteration"] = self.clock.now() - begun
 
 
-def main(argv):
+def main(argv: Sequence[str]) -> None:
     n, dtype, p_star, cpu = int(argv[0]), DTYPES[argv[1]], float(argv[2]), argv[3] == "cpu"
     comm = world()
     clock = Clock(comm, cpu)
@@ -64,7 +70,7 @@ def main(argv):
     source, target = np.ones(shape, dtype), np.ones(shape, dtype)  # not zeros: those have no memory of their own yet
     others = {"copy": lambda: np.copyto(target, source)} | bare_pairs((n, n), dtype, comm)
 
-    def measure():
+    def measure() -> dict[str, float]:
         """Seconds of everything on the slowest rank."""
         comm.barrier()
         if timed.left == 0:
@@ -78,4 +84,4 @@ def main(argv):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main(sys.argv[1:])

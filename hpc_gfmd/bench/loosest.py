@@ -1,6 +1,7 @@
 """The loosest tolerance of a code whose true error is still small enough."""
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 
@@ -9,13 +10,14 @@ PATIENCE = 3  # times the budget that is spent where nothing is good enough yet
 CLOSE = 1.5  # ratio of a tolerance that fails to one that passes at which the search ends
 
 
-def loosest(error_at, target, start, budget=np.inf):
+def loosest(error_at: Callable[[float], float], target: float, start: float, budget: float = np.inf) -> tuple[float | None, float]:
     """The loosest tolerance t with error_at(t) <= target, and that error; (None, smallest error found) where there is none.
 
     Steps proportionally to the error until the answer is bracketed, then bisects; ends after `budget` seconds at the best known.
     """
     begun = time.perf_counter()
-    passes = fails = None
+    passes: float | None = None
+    fails: float | None = None
     best = np.inf  # error of what passes
     lowest = np.inf
     tolerance = start

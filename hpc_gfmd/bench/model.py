@@ -14,8 +14,11 @@ and a solve such pairs on the finest grid and a few on every grid of the nested 
 Not in the model: surface generation, reading and writing, contention in the network.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +48,7 @@ class Machine:
     barrier: float = 0.5e-6
 
     @classmethod
-    def from_row(cls, row):
+    def from_row(cls, row: dict) -> Machine:
         """From a measured row on one rank."""
         grids = _grids((row["n"], row["n"]), 1)
         points = np.array([part.points for part in grids], float)
@@ -57,15 +60,15 @@ class Machine:
                    4 if row["precision"] == "single" else 8)
 
     @property
-    def bytes_per_point(self):
+    def bytes_per_point(self) -> float:
         """Bytes that an FFT pair moves between memory and caches for each point, as bench/kernels.py counts them."""
         return self.itemsize * sum(field_passes([(2**k, 2**k) for k in range(14, -1, -1)]).values())
 
-    def seconds_per_point(self, N):
+    def seconds_per_point(self, N: float) -> float:
         """Of one FFT pair on one core that has the memory to itself."""
         return self.fft * np.log2(N) + self.kernel
 
-    def describe(self):
+    def describe(self) -> str:
         """The assumptions in one line."""
         return (f"nodes of {self.cores} cores with {self.bandwidth / 1e9:g} GB/s of memory; one core: FFT {1e9 * self.fft:.3g} ns per "
                 f"point and log2 N, the rest {1e9 * self.kernel:.3g} ns per point, {self.levels:.0%} in the levels, "
@@ -84,7 +87,7 @@ class Network:
     overhead: float = 0.4e-6
     bandwidth: float = 12.5e9
 
-    def describe(self):
+    def describe(self) -> str:
         """The assumptions in one line."""
         return (f"network of {1e6 * self.latency:g} us, {1e6 * self.overhead:g} us of work per message and "
                 f"{self.bandwidth / 1e9:g} GB/s per node")
@@ -106,7 +109,7 @@ class _Part:
 
 
 @cache
-def _grids(n, ranks, itemsize=4, per_node=1):
+def _grids(n: tuple[int, int], ranks: int, itemsize: int = 4, per_node: int = 1) -> list[_Part]:
     """A grid and all coarser ones of the nested start."""
     finest = share_of(n, np.float32 if itemsize == 4 else np.float64, ranks, per_node=per_node)
     shares = [finest, *(Share(grid, finest.dtype) for grid in finest.grids)]
@@ -114,7 +117,7 @@ def _grids(n, ranks, itemsize=4, per_node=1):
                   share.layout.K, share.transpose_traffic, share.level_traffic, share.reduction_traffic[1]) for share in shares]
 
 
-def _pair(part, machine, network, threads):
+def _pair(part: _Part, machine: Machine, network: Network, threads: int) -> np.ndarray:
     """Seconds of the parts of an FFT pair on a grid: compute, transpose, levels and reductions."""
     alone = machine.seconds_per_point(part.N)
     per_point = alone * (machine.levels + (1 - machine.levels) / threads)
@@ -128,14 +131,14 @@ def _pair(part, machine, network, threads):
     return np.array([compute, transpose, levels, part.stages * network.latency])
 
 
-def _solve(n, ranks, ranks_per_node, threads, machine, network):
+def _solve(n: int, ranks: int, ranks_per_node: int, threads: int, machine: Machine, network: Network) -> np.ndarray:
     """Seconds of the parts of a solve."""
     finest, *coarser = (_pair(part, machine, network, threads)
                         for part in _grids((n, n), ranks, machine.itemsize, ranks_per_node))
     return machine.pairs * finest + machine.coarse_pairs * sum(coarser, np.zeros(4))
 
 
-def predict(n, nodes, machine, network, ranks_per_node=None):
+def predict(n: int, nodes: int, machine: Machine, network: Network, ranks_per_node: int | None = None) -> dict[str, Any] | None:
     """One row of the model: seconds of a solve with the best number of ranks and threads on each node (or the one given), efficiency
     against one core and against one full node, shares, and the part of the bandwidth of the nodes' memory that is used; None beyond
     the slab limit of one row for each rank."""

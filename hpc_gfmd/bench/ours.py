@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from ..driver.drive import Target
 from ..driver.sweep import Sweep
 from ..registry import solver_class
 from ..scene import Solver
+from .cases import Case
 
 
 @dataclass(frozen=True)
@@ -30,12 +32,13 @@ class Solved:
 class Ours:
     """Plans everything for a case and a precision; `solve` can then be called again and again, and begins anew each time."""
 
-    def __init__(self, case, precision="double"):
+    def __init__(self, case: Case, precision: Literal["single", "double"] = "double"):
         self.sweep = Sweep(case.surface, Solver(precision=precision, nested=True), body=case.body)
         self.p_mean = case.p_star * self.sweep.surface.g_rms
         self.nested = self.sweep.nested
 
-    def solve(self, accuracy, solver="bpx", nested=True, max_iterations=100_000, residual=None, budget=np.inf):
+    def solve(self, accuracy: float | None, solver: str = "bpx", nested: bool = True, max_iterations: int = 100_000,
+              residual: float | None = None, budget: float = np.inf) -> Solved:
         """Solved to a relative accuracy of area, mean gap and pressure, from coarser grids (nested) or from a flat plane.
 
         With residual given it is that, the rms of the pressure on open points over p0, that ends the solve; accuracy is then None.

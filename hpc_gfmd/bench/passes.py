@@ -5,10 +5,12 @@ transforms work on pieces of 256 KiB) and what the memory system adds on its own
 not counted, neither here nor for the copy that they are compared with.
 """
 
+from collections.abc import Sequence
+
 COPY = 2.0  # fields that a copy moves: read one, write one
 
 
-def field_passes(shapes):
+def field_passes(shapes: Sequence[Sequence[int]]) -> dict[str, float]:
     """{pass: fields read or written}, in fields of the fine grid. shapes: (n_x, n_y) of all levels, finest first."""
     points = [n_x * n_y for n_x, n_y in shapes]
     share = [p / points[0] for p in points]

@@ -3,12 +3,17 @@
 Solves that were interrupted at their budget are drawn too: with the error that they had reached.
 """
 
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+Rows = Sequence[Mapping[str, Any]]
 NAMES = {"bpx": "BPX-GFMD (default)", "gfmd": "GFMD", "fire": "GFMD + FIRE", "ccg": "Polonsky-Keer CG"}
 LABELS = {"seconds_min": "time (s)", "cpu_seconds_min": "CPU time (s)", "fft_pairs": "FFT pairs, everything counted"}
 MARKERS = {"double": "o", "single": "^"}
 
 
-def draw(rows, path, cost):
+def draw(rows: Rows, path: Path, cost: str) -> None:
     """Draw the rows of the largest n of bench_accuracy to path. cost: which of LABELS to draw the error against."""
     from ..plotting.style import COLOURS, figure, ticks
 
@@ -33,7 +38,7 @@ def draw(rows, path, cost):
         _legend(fig, rows, solvers, n, COLOURS)
 
 
-def _panel(ax, rows, solvers, cost, colours):
+def _panel(ax: Any, rows: Rows, solvers: Sequence[str], cost: str, colours: Sequence[str]) -> None:
     curves = dict.fromkeys((row["solver"], row["start"], row["precision"]) for row in rows)
     for solver, start, precision in curves:
         points = [row for row in rows if (row["solver"], row["start"], row["precision"]) == (solver, start, precision)]
@@ -42,12 +47,12 @@ def _panel(ax, rows, solvers, cost, colours):
                   markerfacecolor=None if precision == "double" else "white")
 
 
-def _legend(fig, rows, solvers, n, colours):
+def _legend(fig: Any, rows: Rows, solvers: Sequence[str], n: int, colours: Sequence[str]) -> None:
     from matplotlib.lines import Line2D
 
     handles = [Line2D([], [], color=colours[k % len(colours)], label=NAMES.get(name, name)) for k, name in enumerate(solvers)]
-    handles += [Line2D([], [], color="0.3", linestyle=style, label=label)
-                for label, style in (("nested start", "-"), ("cold start", ":"))]
+    handles += [Line2D([], [], color="0.3", linestyle="-", label="nested start"),
+                Line2D([], [], color="0.3", linestyle=":", label="cold start")]
     handles += [Line2D([], [], color="0.3", linestyle="", marker=MARKERS[p], label=f"{p} precision",
                        markerfacecolor=None if p == "double" else "white") for p in dict.fromkeys(row["precision"] for row in rows)]
     fig.legend(handles=handles, loc="outside upper center", ncols=4,

@@ -5,11 +5,13 @@ import platform
 import subprocess
 import time
 from pathlib import Path
+from typing import Any
 
+from ..parallel.comm import Comm
 from ..versions import processor, versions
 
 
-def provenance(comm=None, threads=1):
+def provenance(comm: Comm | None = None, threads: int = 1) -> dict[str, Any]:
     """Host, processor, load, versions, commit, time, threads and ranks."""
     return {"host": platform.node(), "cpu": processor(), "cores": len(os.sched_getaffinity(0)),
             "load_average": round(os.getloadavg()[0], 2),
@@ -17,7 +19,7 @@ def provenance(comm=None, threads=1):
             "commit": _commit(), "versions": versions()}
 
 
-def _commit():
+def _commit() -> str | None:
     """The commit of the source tree that runs, with a + if it was changed since; None outside of one."""
     here = Path(__file__).resolve().parents[2]
     if not (here / ".git").exists():

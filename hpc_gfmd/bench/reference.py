@@ -9,6 +9,7 @@ import numpy as np
 
 from ..caches import cache_folder
 from ..errors import GfmdError
+from .cases import Case
 from .ours import Ours
 
 ACCURACY = 1e-9  # asked of a reference
@@ -24,17 +25,17 @@ class Reference:
     pressure: np.ndarray
     error: float
 
-    def errors(self, a_r, gap_mean, pressure):
+    def errors(self, a_r: float, gap_mean: float, pressure: np.ndarray) -> tuple[float, float, float]:
         """True relative errors (area, mean gap, L2 of the pressure field)."""
         difference = np.subtract(pressure, self.pressure, dtype=np.float64)
         return (abs(a_r / self.a_r - 1), abs(gap_mean / self.gap_mean - 1) if self.gap_mean else 0.0, self.pressure_error(difference))
 
-    def pressure_error(self, difference):
+    def pressure_error(self, difference: np.ndarray) -> float:
         """L2 norm of a difference from the reference pressure over that of the reference."""
         return float(np.linalg.norm(difference) / np.linalg.norm(self.pressure))
 
 
-def reference(case):
+def reference(case: Case) -> Reference:
     """The reference of a case, from the disk if it is there; solved in double precision otherwise. Raises GfmdError if that fails."""
     gap = case.gap()
     key = hashlib.sha256(gap.tobytes() + repr((case.p_star, case.body, ACCURACY)).encode()).hexdigest()[:20]

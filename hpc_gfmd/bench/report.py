@@ -2,10 +2,16 @@
 
 import json
 import sys
+from collections.abc import Collection, Iterable
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from ..errors import SceneError
+from ..parallel.comm import Comm
 from .provenance import provenance
+
+Columns = dict[str, tuple[str, str]]
 
 
 class Report:
@@ -14,10 +20,11 @@ class Report:
     columns: {key of a row: (heading, format)} of the text table.
     """
 
-    def __init__(self, name, columns, out=None, comm=None, threads=1):
+    def __init__(self, name: str, columns: Columns, out: str | PathLike | None = None, comm: Comm | None = None, threads: int = 1):
         self.name, self.columns, self.comm = name, columns, comm
         self.speaker = comm is None or comm.rank == 0
-        self.rows, self.lines = [], []
+        self.rows: list[dict[str, Any]] = []
+        self.lines: list[str] = []
         self.provenance = provenance(comm, threads)
         self.folder = Path(out) if out else None
         if self.folder and self.speaker:
@@ -28,13 +35,13 @@ class Report:
                  f"{where['time']}, commit {where['commit']}")
         self.say("  ".join(f"{heading:>{_width(heading, form)}}" for heading, form in columns.values()))
 
-    def say(self, line):
+    def say(self, line: str) -> None:
         """One line of text."""
         if self.speaker:
             self.lines.append(line)
             print(line, flush=True)
 
-    def add(self, **row):
+    def add(self, **row: Any) -> None:
         """One row of results: to the screen and, at once, to the file."""
         self.rows.append(row)
         self.say("  ".join(_cell(row.get(key), heading, form) for key, (heading, form) in self.columns.items()))
@@ -42,26 +49,26 @@ class Report:
             with open(self.folder / f"{self.name}.jsonl", "a") as file:
                 file.write(json.dumps({"bench": self.name} | row | {"provenance": self.provenance}) + "\n")
 
-    def finish(self):
+    def finish(self) -> None:
         """Write the text; says where."""
         if self.folder and self.speaker:
             (self.folder / f"{self.name}.txt").write_text("\n".join(self.lines) + "\n")
             print(f"written: {self.folder / self.name}.jsonl, .txt", file=sys.stderr)
 
 
-def one_of(key, found, allowed):
+def one_of(key: str, found: Iterable[str], allowed: Collection[str]) -> None:
     """Raise SceneError for a name that is not among the allowed ones."""
     for name in found:
         if name not in allowed:
             raise SceneError(f"{key}: found {name!r}, allowed: {', '.join(allowed)}")
 
 
-def _width(heading, form):
+def _width(heading: str, form: str) -> int:
     digits = "".join(c for c in form.split(".")[0] if c.isdigit())
     return max(len(heading), int(digits or 0))
 
 
-def _cell(value, heading, form):
+def _cell(value: Any, heading: str, form: str) -> str:
     width = _width(heading, form)
     text = "-" if value is None else (str(value) if isinstance(value, str | bool) else f"{value:{form}}")
     return f"{text:>{width}}"

@@ -1,6 +1,9 @@
 """Strong and weak scaling of a whole solve under mpirun, where its time goes, and what the model makes of it on a cluster."""
 
+from argparse import Namespace
+from collections.abc import Sequence
 from dataclasses import replace
+from os import PathLike
 
 import numpy as np
 
@@ -28,7 +31,7 @@ MESSAGES = {"latency": ("latency (us)", 1e6), "barrier": ("barrier (us)", 1e6), 
 ACCURACY = 1e-2
 
 
-def bench_scaling(args):
+def bench_scaling(args: Namespace) -> None:
     """Measure every n on all ranks (strong), on the threads of one rank, and the smallest n grown with sqrt(ranks) (weak), all of a
     size in turn; then predict larger machines from it. args: n, ranks, threads, precision (lists), p_star, repeats, out."""
     report = Report("scaling", COLUMNS, args.out)
@@ -51,7 +54,7 @@ def bench_scaling(args):
     report.finish()
 
 
-def _grown(n, ranks):
+def _grown(n: int, ranks: int) -> int:
     """The multiple of 4 nearest above n sqrt(ranks) that has small prime factors: others are slow to transform."""
     from scipy.fft import next_fast_len
 
@@ -61,7 +64,7 @@ def _grown(n, ranks):
     return m
 
 
-def measure(cases, args):
+def measure(cases: Sequence[tuple[int, int, str, int]], args: Namespace) -> list[dict]:
     """The fastest row of scaling_worker.py for each (n, ranks, precision, threads), with the median time; all are measured in turn.
 
     Raises GfmdError if one fails."""
@@ -77,12 +80,12 @@ def measure(cases, args):
             for rows in found.values()]
 
 
-def _add(report, kind, row, efficiency):
+def _add(report: Report, kind: str, row: dict, efficiency: float) -> None:
     shares = {f"share_{name}": seconds / row["seconds"] for name, seconds in row.pop("parts").items()}
     report.add(kind=kind, efficiency=efficiency, **row, **shares)
 
 
-def _messages(args):
+def _messages(args: Namespace) -> dict[str, float]:
     """What two ranks of this machine find of messages and memory (messages.py), the best of each; recorded as it is."""
     worker = Worker("messages", 2)
     try:
@@ -96,7 +99,7 @@ def _messages(args):
     return found
 
 
-def _predict(report, found, out):
+def _predict(report: Report, found: dict[str, float] | None, out: str | PathLike | None) -> Report:
     """The model's rows; found: of `_messages`, None on one rank."""
     model = Report("scaling-model", MODEL_COLUMNS, out)
     serial = max((row for row in report.rows if row["ranks"] * row["threads"] == 1), key=lambda row: row["n"], default=None)
@@ -106,16 +109,16 @@ def _predict(report, found, out):
     model.say(f"# {machine.describe()}")
     for network in NETWORKS:
         model.say(f"# {network.describe()}")
-    for row in report.rows if found else ():  # what the model makes of this machine, beside what was measured
-        if row["kind"] == "strong" and row["ranks"] > 1 and row["precision"] == serial["precision"]:
+    for row in report.rows:  # what the model makes of this machine, beside what was measured
+        if found and row["kind"] == "strong" and row["ranks"] > 1 and row["precision"] == serial["precision"]:
             here = replace(machine, cores=row["ranks"], bandwidth=found["copy_bandwidth_of_two"], barrier=found["barrier"])
             network = Network(found["latency"], found["latency"], found["bandwidth"])
-            said = predict(row["n"], 1, here, network, row["ranks"])["seconds"]
-            model.say(f"# this machine, n = {row['n']}, {row['ranks']} ranks: measured {row['seconds']:.3g} s, model {said:.3g} s")
+            if said := predict(row["n"], 1, here, network, row["ranks"]):
+                model.say(f"# this machine, n = {row['n']}, {row['ranks']} ranks: measured {row['seconds']:.3g} s, "
+                          f"model {said['seconds']:.3g} s")
     for network in NETWORKS:
         for n in (2**15, 2**17):
             for nodes in NODES:
-                row = predict(n, nodes, machine, network)
-                if row:
-                    model.add(**row)
+                if said := predict(n, nodes, machine, network):
+                    model.add(**said)
     return model

@@ -1,11 +1,16 @@
 """The picture of `bench scaling`: measured efficiency and shares, and the model's solve time on a cluster."""
 
+from collections.abc import Sequence
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .picture import Rows
 
-def scaling_picture(rows, model_rows, folder):
+
+def scaling_picture(rows: Rows, model_rows: Rows, folder: str | PathLike) -> None:
     """Draw scaling.png into a folder."""
     from ..plotting.style import COLOURS, figure
 
@@ -21,7 +26,7 @@ def scaling_picture(rows, model_rows, folder):
         model.legend()
 
 
-def _efficiency(ax, rows, colours):
+def _efficiency(ax: Any, rows: Rows, colours: Sequence[str]) -> None:
     for k, (kind, precision) in enumerate(dict.fromkeys((row["kind"], row["precision"]) for row in rows)):
         here = [row for row in rows if (row["kind"], row["precision"]) == (kind, precision)]
         for n in dict.fromkeys(row["n"] for row in here) if kind == "strong" else (None,):
@@ -32,7 +37,7 @@ def _efficiency(ax, rows, colours):
     ax.legend(fontsize="x-small")
 
 
-def _shares(ax, rows, colours):
+def _shares(ax: Any, rows: Rows, colours: Sequence[str]) -> None:
     parts = [key for key in rows[0] if key.startswith("share_")] if rows else []
     bottom = np.zeros(len(rows))
     for k, part in enumerate(parts):

@@ -2,6 +2,8 @@
 
 import sys
 import time
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from ..driver.sweep import Sweep
 from ..driver.warmup import compile_once
@@ -17,12 +19,12 @@ WARM_UP = 3  # solves of a process before the first that counts: until then the 
 class Stopwatch:
     """Adds up seconds by name; time of inner parts is not counted in outer ones."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.seconds = dict.fromkeys(PARTS, 0.0)
         self.inner = 0.0
 
-    def timed(self, name, function):
-        def call(*args, **kwargs):
+    def timed(self, name: str, function: Callable) -> Callable:
+        def call(*args: Any, **kwargs: Any) -> Any:
             before, begun = self.inner, time.perf_counter()
             self.inner = 0.0
             try:
@@ -38,10 +40,10 @@ class Stopwatch:
 class TimedMpi:
     """An mpi4py communicator whose calls are timed: all-to-alls, and all of a node that transposes together, apart from the rest."""
 
-    def __init__(self, mpi, watch, rest):
+    def __init__(self, mpi: Any, watch: Stopwatch, rest: str):
         self._mpi, self._watch, self._rest = mpi, watch, rest
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         value = getattr(self._mpi, name)
         if name.startswith("Alltoall"):
             return self._watch.timed("transpose", value)
@@ -50,8 +52,9 @@ class TimedMpi:
         return value
 
 
-def main(argv):
-    n, precision, p_star, accuracy, threads = int(argv[0]), argv[1], float(argv[2]), float(argv[3]), int(argv[4])
+def main(argv: Sequence[str]) -> int:
+    n, p_star, accuracy, threads = int(argv[0]), float(argv[2]), float(argv[3]), int(argv[4])
+    precision: Any = argv[1]
     comm = world()
     settings = Solver(precision=precision, accuracy=accuracy)
     compile_once(comm, settings)
@@ -61,7 +64,7 @@ def main(argv):
         if part.mpi is not None:
             part.mpi = TimedMpi(part.mpi, watch, "transpose" if part is comm.node else "reductions")
 
-    def measure():
+    def measure() -> dict[str, Any]:
         sweep.solver = None
         if threads == 1:  # a stopwatch for several threads at once would count their time twice
             _instrument(sweep, watch)
@@ -83,7 +86,7 @@ def main(argv):
     return 0
 
 
-def _instrument(sweep, watch):
+def _instrument(sweep: Any, watch: Stopwatch) -> None:
     """Time the transforms of all grids, and the sweep over the levels of every solver that is made."""
     grids = [sweep.surface.grid] + (sweep.nested.grids if sweep.nested else [])
     for grid in grids:
@@ -94,7 +97,7 @@ def _instrument(sweep, watch):
                 fft.plans.is_timed = True
     make = type(sweep)._make
 
-    def timed_make(*args):
+    def timed_make(*args: Any) -> Any:
         solver = make(sweep, *args)
         if hasattr(solver, "levels"):
             solver.levels.sweep = watch.timed("levels", solver.levels.sweep)

@@ -2,12 +2,14 @@
 
 import os
 import tempfile
+from argparse import Namespace
 from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 
-from ..parallel.h5 import io_way, write_file
+from ..parallel.comm import Comm
+from ..parallel.h5 import Stored, io_way, write_file
 from ..parallel.layout import row_starts
 from ..parallel.world import world
 from .report import Report
@@ -18,7 +20,7 @@ COLUMNS = {"n": ("n", "7d"), "way": ("way", "20s"), "gb": ("GB", "7.3g"), "secon
 ONE, READ = "raw, one file", "read back"
 
 
-def bench_storage(args):
+def bench_storage(args: Namespace) -> None:
     """Single precision fields of n x n points in a temporary folder inside args.folder; on all ranks. Everything is synced to the disk,
     into files that are not there yet: to replace one takes the time to free it. args: n (list), folder, repeats, out.
 
@@ -41,24 +43,24 @@ def bench_storage(args):
     report.finish()
 
 
-def _measure(comm, clock, place, n, repeats):
+def _measure(comm: Comm, clock: Clock, place: Path, n: int, repeats: int) -> dict[str, Sample]:
     """{way: Sample} of one size; all ways in turn, every other round backwards."""
     start, stop = (int(k) for k in row_starts(n, comm.size)[comm.rank : comm.rank + 2])
     data = np.random.default_rng(comm.rank).standard_normal((stop - start, n), dtype=np.float32)
     own, one, result = place / f"raw-{comm.rank}", place / "raw", place / "result.h5"
 
-    def write_raw(path, offset):
+    def write_raw(path: Path, offset: int) -> None:
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT)
         for i in range(0, data.nbytes, 2**26):
-            os.pwrite(descriptor, data.reshape(-1).view("u1")[i : i + 2**26], offset + i)
+            os.pwrite(descriptor, data.reshape(-1).view("u1")[i : i + 2**26].data, offset + i)
         os.fsync(descriptor)
         os.close(descriptor)
 
-    def write():
+    def write() -> dict[str, Stored]:
         return write_file(comm, result, (n, n), (start, stop), {"field": data})
 
     runs = {"raw": lambda: write_raw(own, 0), ONE: lambda: write_raw(one, 4 * n * start), f"result file, {io_way(comm)}": write}
-    seconds = {way: [] for way in runs}
+    seconds: dict[str, list[float]] = {way: [] for way in runs}
     for k in range(repeats + 1):
         for way in list(runs)[:: 1 if k % 2 else -1]:
             for path in (own, one, result):

@@ -1,9 +1,12 @@
 """Times that can be compared: warmed up, alternating within one run, minimum and median of the repeats."""
 
 import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+
+from ..parallel.comm import Comm
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class Sample:
 class Clock:
     """Measures functions. cpu: by the processor's clock of this process, for a machine that others use too."""
 
-    def __init__(self, comm=None, cpu=False):
+    def __init__(self, comm: Comm | None = None, cpu: bool = False):
         self.comm, self.now = comm, time.process_time if cpu else time.perf_counter
         self.name = "cpu" if cpu else "wall"
 
@@ -34,7 +37,7 @@ class Clock:
         """The largest of the ranks' numbers."""
         return float(self.comm.max([seconds])[0]) if self.comm is not None else float(seconds)
 
-    def measure(self, run) -> float:
+    def measure(self, run: Callable[[], object]) -> float:
         """Seconds of run() on the slowest rank."""
         if self.comm is not None:
             self.comm.barrier()
@@ -42,10 +45,10 @@ class Clock:
         run()
         return self.slowest(self.now() - begun)
 
-    def alternate(self, runs, repeats, warmup=1):
+    def alternate(self, runs: Mapping[str, Callable[[], object]], repeats: int, warmup: int = 1) -> dict[str, Sample]:
         """{name: Sample} of {name: function}: all in turn, every other round backwards (A B B A), so that a drift of the machine's
         speed hits all alike. The warm-up rounds are not timed."""
-        seconds = {name: [] for name in runs}
+        seconds: dict[str, list[float]] = {name: [] for name in runs}
         for _ in range(warmup):
             for run in runs.values():
                 run()

@@ -6,8 +6,13 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
 
 from ..errors import GfmdError
+from ..parallel.comm import Comm
+
+K = TypeVar("K")
 
 PAUSE = 1e-3  # seconds between two looks of a rank that waits: it must not take a core from those that measure
 
@@ -15,20 +20,20 @@ PAUSE = 1e-3  # seconds between two looks of a rank that waits: it must not take
 class Worker:
     """A module of this package on a number of ranks, which calls `serve`. Raises GfmdError if it fails."""
 
-    def __init__(self, module, ranks, *args):
+    def __init__(self, module: str, ranks: int, *args: object):
         command = [sys.executable, "-m", f"hpc_gfmd.bench.{module}", *map(str, args)]
         if ranks > 1:
             command = ["mpirun", "-n", str(ranks), *command]
         self.what = f"{module} on {ranks} rank{'s' * (ranks > 1)}"
         self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115
         try:
-            self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors, text=True,
-                                             env=os.environ | {"OMP_NUM_THREADS": "1"})
+            self._process: Any = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
+                                                  text=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
         except OSError as error:
             raise GfmdError(f"{self.what}: {error}") from None
         self._answer()  # ready
 
-    def measure(self):
+    def measure(self) -> dict[str, Any]:
         """What the worker found, once more."""
         try:
             self._process.stdin.write("again\n")
@@ -37,11 +42,11 @@ class Worker:
             pass
         return self._answer()
 
-    def close(self):
+    def close(self) -> None:
         """Let it end."""
         self._process.communicate()
 
-    def _answer(self):
+    def _answer(self) -> dict[str, Any]:
         for line in self._process.stdout:
             if line.startswith("{"):
                 return json.loads(line)
@@ -50,16 +55,16 @@ class Worker:
         raise GfmdError(f"{self.what} failed: {what_failed(self._errors.read())}")
 
 
-def in_turn(workers, repeats):
+def in_turn(workers: Mapping[K, Any], repeats: int) -> dict[K, list]:
     """Everything that every worker finds in so many rounds, every other one backwards (A B B A)."""
-    found = {name: [] for name in workers}
+    found: dict[K, list] = {name: [] for name in workers}
     for k in range(repeats):
         for name in list(workers)[::1 if k % 2 == 0 else -1]:
             found[name].append(workers[name].measure())
     return found
 
 
-def what_failed(text):
+def what_failed(text: str) -> str:
     """The line of standard error that says most: the last one of ours, or else the first one of mpirun's, which dashes frame."""
     lines = [line.strip() for line in text.splitlines()]
     frame = next((k for k, line in enumerate(lines) if line.startswith("-----")), len(lines))
@@ -67,19 +72,19 @@ def what_failed(text):
     return ours[-1] if ours else launchers[0] if launchers else "?"
 
 
-def serve(comm, measure):
+def serve(comm: Comm, measure: Callable[[], dict]) -> None:
     """Print what measure() returns, a dict, on rank 0, as often as asked on its standard input. Collective."""
     _say(comm, {})
     while _asked(comm):
         _say(comm, measure())
 
 
-def _say(comm, row):
+def _say(comm: Comm, row: dict) -> None:
     if comm.rank == 0:
         print(json.dumps(row), flush=True)
 
 
-def _asked(comm):
+def _asked(comm: Comm) -> bool:
     more = comm.rank == 0 and bool(sys.stdin.readline())
     if comm.mpi is not None:
         met = comm.mpi.Ibarrier()
