@@ -71,9 +71,10 @@ def to_vtkhdf(result: Result, path: Path) -> None:
     if not _fields(result) or min(result.surface["n"]) < 2:
         raise SceneError(f"{result.path}: ParaView shows fields on two axes, allowed: a result with output.fields")
     fields = _fields(result)
+    shape = _shape(result) if len(result.steps) > 1 else _shape(result)[1:]
     with h5py.File(path, "w") as file:
         image(file, result.surface, _numbers(result)["p"], fields,
-              lambda group, name: _fill(group.create_dataset(name, _shape(result), fields[name]), result, name))
+              lambda group, name: _fill(group.create_dataset(name, shape, fields[name]), result, name))
 
 
 def to_netcdf(result: Result, path: Path) -> None:
@@ -150,4 +151,5 @@ def _pieces(result: Result, name: str) -> Iterator[tuple[int, int, np.ndarray]]:
 
 def _fill(dataset: Any, result: Result, name: str) -> None:
     for k, start, rows in _pieces(result, name):
-        dataset[k, start : start + len(rows)] = rows
+        at = slice(start, start + len(rows))
+        dataset[at if dataset.ndim == 2 else (k, at)] = rows

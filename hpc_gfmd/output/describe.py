@@ -59,7 +59,7 @@ def name_it(dataset, surface, scales=()) -> None:
 
 
 def image(file, surface, loads, names, create):
-    """VTKHDF's ImageData with arrays (loads, x, y) of these names, made by create(group, name).
+    """VTKHDF's ImageData with arrays of these names, made by create(group, name): (loads, x, y), or (x, y) of one load.
 
     VTK's first axis is the last one of an array, our y; Direction turns it back, so that x is x.
     """
@@ -67,12 +67,14 @@ def image(file, surface, loads, names, create):
     vtk = file.create_group("VTKHDF")
     vtk.attrs.update(Type=np.bytes_("ImageData"), Version=[2, 0], WholeExtent=[0, n_y - 1, 0, n_x - 1, 0, 0], Origin=[0.0, 0.0, 0.0],
                      Spacing=[size_y / n_y, size_x / n_x, 1.0], Direction=[0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0])
-    rising = np.all(np.diff(loads) > 0)  # as times in ParaView have to
-    vtk["Steps/Values"] = np.array(loads) if rising else np.arange(float(len(loads)))
-    vtk["Steps"].attrs["NSteps"] = len(loads)
     for name in names:
         create(vtk.require_group("PointData"), name)
-        vtk[f"Steps/PointDataOffsets/{name}"] = np.arange(len(loads))
+    if len(loads) > 1:
+        rising = np.all(np.diff(loads) > 0)  # as times in ParaView have to
+        vtk["Steps/Values"] = np.array(loads) if rising else np.arange(float(len(loads)))
+        vtk["Steps"].attrs["NSteps"] = len(loads)
+        for name in names:
+            vtk[f"Steps/PointDataOffsets/{name}"] = np.arange(len(loads))
     return vtk
 
 
@@ -81,15 +83,19 @@ def _views(file, steps, scales, surface) -> None:
 
     def view(group, name):
         sources = [step[name] for step in steps]
+        if len(steps) == 1:
+            group[name] = sources[0]  # a hard link
+            return
         layout = h5py.VirtualLayout((len(steps), *surface["n"]), np.result_type(*(one.dtype for one in sources)))
         for k, one in enumerate(sources):
             layout[k] = h5py.VirtualSource(".", one.name, one.shape, one.dtype)
         name_it(group.create_virtual_dataset(name, layout), surface, scales)
 
     if names := sorted(set.intersection(*(set(_fields(step)) for step in steps))):
-        steps_of = image(file, surface, file["loads"][:], names, view)["Steps"]
-        for dataset in (steps_of["Values"], *steps_of["PointDataOffsets"].values()):
-            dataset.dims[0].attach_scale(scales[0])
+        vtk = image(file, surface, file["loads"][:], names, view)
+        if times := vtk.get("Steps"):
+            for dataset in (times["Values"], *times["PointDataOffsets"].values()):
+                dataset.dims[0].attach_scale(scales[0])
 
 
 def _fields(group) -> list:

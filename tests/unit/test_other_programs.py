@@ -105,6 +105,19 @@ def test_paraview_sees_every_number_at_its_place(path, exported, capsys):
             assert np.array_equal(found, field(step, name))
 
 
+@pytest.mark.parametrize("exported", [False, True])
+def test_paraview_sees_a_single_load(tmp_path, exported, capsys):
+    path = write(tmp_path / "out.h5", LOADS[:1])
+    if exported:
+        assert main(["export", str(path), "--to", "vtkhdf"]) == 0
+        path = path.with_suffix(".vtkhdf")
+    image, arrays, times = read_by_vtk(path, 0)
+    assert times is None
+    assert image.GetBounds() == (0, 2.5, 0, 0.75, 0, 0)
+    assert np.array_equal(arrays["pressure"], field(0, "pressure"))
+    assert np.array_equal(arrays["gap"], field(0, "gap"))
+
+
 def test_loads_that_do_not_rise_are_numbered_in_paraview(tmp_path):
     assert read_by_vtk(write(tmp_path / "out.h5", (0.2, 0.1, 0.3)), 1)[2] == (0, 1, 2)
 
