@@ -62,9 +62,6 @@ def bare_pairs(n: tuple[int, int], dtype: DTypeLike, comm: Comm) -> dict[str, Ca
     """
     try:
         from mpi4py import MPI
-
-        if not MPI.Is_initialized():  # which mpi4py-fft needs even on one process
-            MPI.Init()
         from mpi4py_fft import PFFT, fftw
     except ImportError as error:
         raise GfmdError(f"mpi4py-fft cannot be imported ({error}): install the extra 'mpi'") from None

@@ -1,24 +1,44 @@
 """FFTW, which comes with mpi4py-fft, where it is installed."""
 
 import sys
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
-from .launcher import launched
+MODULES = {"float64": "fftw_xfftn", "float32": "fftwf_xfftn"}
 
 
-def load_fftw() -> Any:
-    """mpi4py_fft.fftw, or None. A process that no launcher started must not initialise MPI only to get at FFTW."""
-    if "mpi4py.MPI" not in sys.modules and not launched()[0]:
-        try:
-            import mpi4py
-        except ImportError:
-            return None
-        mpi4py.rc.initialize = False
+@cache
+def load_fftw() -> dict[str, Any] | None:
+    """mpi4py-fft's modules of FFTW by the names of their real numbers; None where they are missing.
+
+    Its packages import mpi4py, which starts MPI, or, where told not to, is left as it is for whoever needs MPI later in this process:
+    the compiled modules are taken without them.
+    """
+    if "mpi4py_fft" in sys.modules:
+        return _compiled()
+    found = find_spec("mpi4py_fft")
+    if found is None or not found.submodule_search_locations:
+        return None
+    folder = Path(found.submodule_search_locations[0])
     try:
-        from mpi4py_fft import fftw
+        for name, place in ("mpi4py_fft", folder), ("mpi4py_fft.fftw", folder / "fftw"):
+            sys.modules[name] = ModuleType(name)
+            sys.modules[name].__path__ = [str(place)]
+        return _compiled()
+    finally:
+        for name in [name for name in sys.modules if name.partition(".")[0] == "mpi4py_fft"]:
+            del sys.modules[name]  # whoever imports them finds the packages as they are
+
+
+def _compiled() -> dict[str, Any] | None:
+    try:
+        return {real: import_module(f"mpi4py_fft.fftw.{module}") for real, module in MODULES.items()}
     except ImportError:
         return None
-    return fftw
 
 
 def fft_library() -> str:

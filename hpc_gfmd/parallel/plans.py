@@ -4,7 +4,7 @@ Rows are called as plan(input, output) on arrays of the planned shape, columns a
 columns that were planned. Plans work without normalisation in both directions.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -19,16 +19,18 @@ class Plans:
     """
 
     def __init__(self, real: np.ndarray, half: np.ndarray, blocks: Sequence[np.ndarray]):
-        fftw = load_fftw()
-        if fftw is None:
+        libraries = load_fftw()
+        if libraries is None:
             self._scipy(real.shape[1])
             return
-        flags = (fftw.FFTW_MEASURE,)
-        n_y = (real.shape[1],)
-        self.rows_forward = fftw.rfftn(real, None, (1,), 1, flags, half)
-        self.rows_backward = fftw.irfftn(half, n_y, (1,), 1, flags, output_array=real)
-        forward = {len(block): fftw.fftn(block, None, (1,), 1, flags, block) for block in blocks}
-        backward = {len(block): fftw.ifftn(block, None, (1,), 1, flags, output_array=block) for block in blocks}
+        fftw = libraries[real.dtype.name]
+
+        def plan(x: np.ndarray, out: np.ndarray, kind: int) -> Callable:
+            return fftw.FFT(x, out, (1,), kind, 1, fftw.FFTW_MEASURE)
+
+        self.rows_forward, self.rows_backward = plan(real, half, fftw.R2C), plan(half, real, fftw.C2R)
+        forward = {len(block): plan(block, block, fftw.C2C_FORWARD) for block in blocks}
+        backward = {len(block): plan(block, block, fftw.C2C_BACKWARD) for block in blocks}
         self.columns_forward = lambda x: forward[len(x)](x, x)
         self.columns_backward = lambda x: backward[len(x)](x, x)
 

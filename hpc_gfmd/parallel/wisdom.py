@@ -86,16 +86,16 @@ class _Wisdom:
     version: of what rank 0 has sent, None where something else is known."""
 
     def __init__(self, name: str):
-        from mpi4py_fft.fftw import fftw_xfftn, fftwf_xfftn
-
-        self.name, self.library = name, fftw_xfftn if name == "float64" else fftwf_xfftn
+        libraries = load_fftw()
+        assert libraries is not None
+        self.name, self.library = name, libraries[name]
         self._lines: set[bytes] = set()
         self._stamp: tuple[int, ...] | None = None
         self.made: set[Hashable] = set()
         self.version: bytes | None = None
         tiny = empty_aligned((8,), np.result_type(name, np.complex64))
         # The first plan initialises the threads of FFTW, which forgets wisdom read before it.
-        load_fftw().fftn(tiny, None, (0,), 1, (load_fftw().FFTW_ESTIMATE,), tiny)
+        self.library.FFT(tiny, tiny, (0,), self.library.C2C_FORWARD, 1, self.library.FFTW_ESTIMATE)
         # Wisdom begins with a line that tells version and instruction sets.
         self.kind = hashlib.sha256(self.text().split(b"\n", 1)[0] + processor().encode()).hexdigest()[:16]
 

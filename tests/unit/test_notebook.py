@@ -302,6 +302,16 @@ def test_import_is_lazy_and_reference_is_there():
         _ = hpc_gfmd.nothing
 
 
+def test_mpi_is_left_to_others():
+    """FFTW comes with mpi4py-fft; MPI is not started for it, nor kept from who starts it afterwards."""
+    pytest.importorskip("mpi4py_fft")
+    code = ("import sys, numpy as np, hpc_gfmd; hpc_gfmd.solve(np.random.default_rng(1).normal(size=(8, 8)), 0.1); "
+            "print('mpi4py' in sys.modules); from mpi4py import MPI; print(MPI.COMM_WORLD.Get_size()); "
+            "from mpi4py_fft import PFFT, fftw; print(PFFT(MPI.COMM_SELF, (8, 8)).shape(), fftw.fftw_xfftn.FFT.__name__)")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n")[:3] == ["False", "1", "(8, 5) FFT"]
+
+
 def test_reading_a_file_compiles_nothing(saved):
     code = "import sys, hpc_gfmd; one = hpc_gfmd.load(sys.argv[1])[0]; print(one.a_r, one.pressure.max(), 'numba' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code, str(saved.result.path)], capture_output=True, text=True, check=True)
