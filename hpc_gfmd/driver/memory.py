@@ -113,7 +113,8 @@ def _p_stars(scene: Scene) -> list[float]:
     g_rms = getattr(scene.surface, "g_rms", None)
     unit = scene.material.E_star * g_rms if g_rms else 1.0
     known = g_rms or scene.load.p_star
-    found = [p / unit for p in scene.load.p0(unit, 1.0, math.prod(scene.surface.physical_sizes or ()))] if known else []
+    area = math.prod(scene.surface.physical_sizes or ())  # which a map may tell later: then only p_star is known
+    found = [p / unit for p in scene.load.p0(unit, 1.0, area)] if known else []
     return found + [a_r / 2 for a_r in scene.load.a_r or ()]
 
 

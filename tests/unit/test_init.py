@@ -56,6 +56,14 @@ def test_a_map_is_read_and_what_it_needs_is_written(tmp_path):
     assert load_scene(tmp_path / "scene.toml").surface.detrend == "tilt"
 
 
+def test_a_map_that_knows_its_sizes_runs_as_init_wrote_it(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    tilted(tmp_path / "map.npz", [240.0, 160.0], "nm")
+    assert main(["init", "map.npz"]) == 0
+    assert main(["run", "scene.toml", "-q"]) == 0
+    assert main(["plan", "scene.toml"]) == 0
+
+
 def test_a_map_with_an_edge_is_taken_to_end_there(tmp_path):
     np.savez(tmp_path / "map.npz", z=np.cumsum(np.ones((20, 20)), axis=0) ** 2, physical_sizes=[1.0, 1.0], unit="um")
     assert re.search('\nboundary = "free"  .*# opposite edges', compose(str(tmp_path / "map.npz"), tmp_path / "a.toml")[0])
