@@ -129,6 +129,9 @@ class RunFile(AbstractContextManager):
             if whose == "of another scene":
                 raise SceneError(f"{self.partial}: belongs to another scene; remove it or change output.path")
             return left, [*notes, f"resuming: {len(left.steps)} finished load steps found in {self.partial}"]
+        if files and whose == "of another scene" and not force:
+            raise SceneError(f"output.path: {self.partial} holds {len(files)} finished load steps {whose}, allowed: another path, or "
+                             f"--force to remove them")
         if left is not None or files:
             notes += [f"removed an interrupted run {whose} ({len(files)} files of load steps)"]
         clear(self.partial, keep_lock=True)

@@ -45,6 +45,18 @@ def test_a_fresh_run_removes_what_was_left_and_says_so(path):
         assert "removed an interrupted run of the same scene (1 files of load steps" in run.notes[0]
 
 
+def test_finished_steps_of_another_scene_are_not_removed_unasked(path):
+    with begin(path) as run:
+        run.write_step(0, STEP)
+    with pytest.raises(SceneError, match=r"holds 1 finished load steps of another scene, allowed: .* --force"):
+        begin(path, identity="other")
+    assert read_result(path).steps == [STEP]
+    with begin(path, identity="other", force=True) as run:
+        assert "removed an interrupted run of another scene (1 files" in run.notes[0]
+    with begin(path) as run:
+        assert "of another scene (0 files" in run.notes[0]
+
+
 def test_steps_that_were_damaged_count_as_not_done(path):
     with begin(path) as run:
         for index in range(2):
