@@ -1,29 +1,61 @@
 """The half-space with free edges as most codes discretise it: a pressure that is constant on the cell around each grid point.
 
 Love's solution for the displacement in the middle of one cell by the pressure on another, in place of the band-limited Green's
-function of bodies/free.py. For comparisons on equal terms only.
+function of bodies/free.py. For comparisons on equal terms only, on one rank, with both axes free.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..bodies.free import Free, offsets
+from ..bodies.base import Tabled
+from ..bodies.free import Coupled, Free, added
+from ..operators.images import images, kernel
 
 
 @dataclass(frozen=True)
 class Cells(Free):
     """See bodies/free.py: nothing but S between two points is different."""
 
+    def _coupled(self, plain, grid, fft):
+        plain = Tabled(grid, fft, self.table(grid, fft))
+        found, length = images(*self._shape(grid)), np.sqrt(np.prod(grid.sizes)) / grid.a
+        modes = plain.table.reshape(-1, plain.table.shape[-1])[:found.modes[1] + 1, :found.modes[0] + 1].T * length
+        S = np.divide(1, modes, out=np.zeros(modes.shape), where=modes > 0)
+        return Coupled(plain, grid, fft, found, added(found, S, fft.dtype))
+
+    def table(self, grid, fft):
+        """K of the periodic cell: S less what `Coupled` adds to it."""
+        out = np.zeros((fft.K, fft.W, grid.n[0] // 2 + 1), fft.dtype)
+        cell = [k * s / grid.a for k, s in zip(grid.n, grid.spacings)]
+
+        def rows(i0, i1, x):
+            self.compliance_rows(grid)(i0, i1, x)
+            x[: i1 - i0] -= kernel(*offsets(grid, i0, i1), *cell)
+
+        def keep(block, m):
+            out[m, :len(block)] = 1 / block.real[:, : grid.n[0] // 2 + 1]
+
+        fft.forward_rows(rows)
+        fft.columns(keep, backward=False)
+        return out
+
     def compliance_rows(self, grid):
+        """fill(i0, i1, x): rows of S between point 0 and all others."""
         half = [s / grid.a / 2 for s in grid.spacings]
-        x, y = (offsets(np.arange(n), n) * 2 * s for n, s in zip(grid.n, half))
 
         def fill(i0, i1, out):
-            row = x[grid.rows[0] + i0:grid.rows[0] + i1, None]
-            out[: i1 - i0] = sum(sx * sy * _corner(row + sx * half[0], y + sy * half[1]) for sx in (1, -1) for sy in (1, -1)) / np.pi
+            x, y = offsets(grid, i0, i1)
+            out[: i1 - i0] = sum(sx * sy * _corner(x[:, None] + sx * half[0], y + sy * half[1]) for sx in (1, -1) for sy in (1, -1))
+            out[: i1 - i0] /= np.pi
 
         return fill
+
+
+def offsets(grid, i0, i1):
+    """Distances along both axes of the points of some rows from point 0 or its nearest image, in units of a."""
+    points = np.arange(i0, i1), np.arange(grid.n[1])
+    return tuple(np.minimum(i, n - i) * (s / grid.a) for i, n, s in zip(points, grid.n, grid.spacings))
 
 
 def _corner(x, y):

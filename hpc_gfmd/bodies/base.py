@@ -6,9 +6,9 @@ K(0) = 0 and S = 1/K has zero mean; what a uniform pressure does (`stiffness` at
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -27,7 +27,9 @@ LEFT = 0.3  # wave number over the largest: the typical one of what solvers leav
 NOTHING = 1e30  # a stiffness against which a level does nothing
 SQRT2 = np.sqrt(2.0)
 
-_multipliers: WeakKeyDictionary[SlabFFT, dict[Body, Tabled]] = WeakKeyDictionary()
+T = TypeVar("T")
+
+_multipliers: WeakKeyDictionary[SlabFFT, dict[Body, Any]] = WeakKeyDictionary()
 
 
 class Multipliers(Protocol):
@@ -40,6 +42,9 @@ class Multipliers(Protocol):
     """
 
     uniform: float
+
+    def couple(self, fft: SlabFFT, inverse: bool) -> None:
+        """Called once before the columns of a field are multiplied, where modes of different columns belong together. Collective."""
 
     def stiffness(self, block: np.ndarray, m: int) -> float:
         """block *= K/N; block: (W, n_x) complex, the columns of block m. Returns their share of <u, K u>."""
@@ -121,9 +126,13 @@ class Body:
 
     def tabled(self, grid: Grid, fft: SlabFFT) -> Tabled:
         """The multipliers from the table, which is made once for each plan of transforms. Collective."""
+        return self.kept(fft, lambda: Tabled(grid, fft, self.table(grid, fft), self.absolute))
+
+    def kept(self, fft: SlabFFT, make: Callable[[], T]) -> T:
+        """What `make` returns, made once for each plan of transforms, which it must not hold."""
         made = _multipliers.setdefault(fft, {})
         if self not in made:
-            made[self] = Tabled(grid, fft, self.table(grid, fft), self.absolute)
+            made[self] = make()
         return made[self]
 
     def table(self, grid: Grid, fft: SlabFFT) -> np.ndarray:
@@ -196,6 +205,9 @@ class Tabled:
         if grid.comm.rank == 0:
             table[0, 0, 0] = 0  # the rigid translation
         self.table = table
+
+    def couple(self, fft: SlabFFT, inverse: bool) -> None:
+        """Every mode is alone."""
 
     def stiffness(self, block: np.ndarray, m: int) -> float:
         """block *= K/N."""

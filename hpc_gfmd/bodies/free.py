@@ -1,30 +1,43 @@
 """The elastic half-space under a surface that ends: free boundaries along one axis or both.
 
-The grid is then a cell at least twice as long as the surface along each free axis, and points beyond the surface never touch. For two
-points of the surface S must be that of free space, for others it may be anything: S of the offsets up to half the cell, repeated
-periodically, is positive, and its inverse K is as well conditioned as |q|/2.
-
-S in real space comes from a longer cell, in which a smooth window cuts off the images: its spectrum is (2/|q|) times
-
-    both axes free:  mean of J(|q| R),           J(x) = integral of Bessel's J_0 from 0 to x
-    one axis free:   mean of (2/pi) Si(q R)      where q along the other axis is 0; 1 elsewhere: those waves die out by themselves
-
-over a normal distribution of the radius R. With R beyond the largest distance on the surface, whatever of it, the window is 1 there;
-and for waves much shorter than the width of the distribution the factor is 1.
+The grid is a cell longer than the surface along each free axis, and points beyond the surface never touch. For two points of the
+surface S must be that of free space, for others it may be anything: it is that of the periodic half-space and, in the lowest modes of
+the cell, what takes the images out of it (operators/images.py). K is its inverse: |q|/2 again, but that these modes are coupled.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..kernels.lowmodes import join, multiply, project_rows, split
+from ..operators.images import ALONE, NEEDED, PARITIES, Images, images
+from .base import Body, Multipliers
 from .halfspace import HalfSpace
 
-WIDTH, FEWEST = 1 / 20, 2.4  # of the window: share of the largest distance on the surface, and grid spacings at least
-TAILS = 6.4  # standard deviations that leave 1e-10 of a normal distribution
-SHORT = 7.5  # wave number times width from which the factor is 1
-NODES = 64  # of the mean over R
-DECAY = 24.0  # wave number times distance over which the waves of a periodic axis die out
-PIECE_BYTES = 2**22  # of its spectrum at a time
+if TYPE_CHECKING:
+    from ..grid import Grid
+    from ..parallel.fft import SlabFFT
+
+SHARES = 24  # shares of a cell that are told apart: nearly the same grids have the same modes
+COVERED = 16  # of them that a surface has at most, see surface.cell_of
+DECAY = 18.0  # wave number times distance over which the waves of a periodic axis die out
+
+
+Matrices = dict[bool, dict[tuple[int, int], np.ndarray]]
+
+
+class Shape(NamedTuple):
+    """What `images` takes for a grid, in the unit of the root of the cell's area."""
+
+    cell: tuple[float, float]
+    inside: tuple[float, float]
+    free: tuple[bool, bool]
+    modes: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -34,125 +47,106 @@ class Free(HalfSpace):
     free: tuple[bool, bool]
 
     name = "free"
-    table_share = 0.25
     full_p_star = np.inf  # outside the surface nothing ever touches
 
     @property
-    def absolute(self):
+    def absolute(self) -> bool:  # type: ignore[override]
         """Along a periodic axis the load never ends: it sinks in without end."""
         return all(self.free)
 
     @classmethod
-    def of(cls, thickness, nu, base, free):
-        return cls(tuple(free)) if thickness is None and any(free) else None
+    def of(cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]) -> Body | None:
+        return cls((free[0], free[1])) if thickness is None and any(free) else None
 
     @classmethod
-    def examples(cls):
+    def examples(cls) -> list[Body]:
         return [cls((True, True)), cls((True, False)), cls((False, True))]
 
-    def bounds(self, grid):
+    def bounds(self, grid: Grid) -> tuple[float, float]:
         smallest, largest = super().bounds(grid)
-        return 0.8 * smallest, 1.1 * largest  # |q|/2K is between 0.93 and 1.19
+        return 0.4 * smallest, largest  # S of a mode is at most 2.5 times that of the cell
 
-    def multipliers(self, grid, fft):
-        return self.tabled(grid, fft)
+    def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
+        return self.kept(fft, lambda: self._coupled(super(Free, self).multipliers(grid, fft), grid, fft))
 
-    def table(self, grid, fft):
-        n = grid.n
-        out = np.zeros((fft.K, fft.W, n[0] // 2 + 1), fft.dtype)
+    def exchanged(self, grid: Grid) -> int:
+        """Numbers that a multiplication sums over all ranks."""
+        shape = self._shape(grid)
+        return 4 * (shape.modes[0] + 1) * (shape.modes[1] + 1) if shape else 0
 
-        def keep(block, m):
-            with np.errstate(divide="ignore"):
-                S = block.real[:, : n[0] // 2 + 1]
-                out[m // grid.comm.size, :len(S)] = 1 / S
+    def _coupled(self, plain: Multipliers, grid: Grid, fft: SlabFFT) -> Multipliers:
+        shape = self._shape(grid)
+        return Coupled(plain, grid, fft, *_half_space(shape, fft.dtype)) if shape else plain
 
-        fft.forward_rows(self.compliance_rows(grid))
-        fft.columns(keep, backward=False)
-        return out
-
-    def compliance_rows(self, grid):
-        """fill(i0, i1, x): rows of S between point 0 and all others. Collective."""
-        n, space = grid.n, _Space(grid, self.free)
-        wanted = [np.unique(offsets(np.arange(*rows), n[0])) for rows in zip(grid.starts, grid.starts[1:])]  # of every rank
-        places = np.searchsorted(wanted[grid.comm.rank], offsets(np.arange(*grid.rows), n[0]))
-        rows = space.rows(grid.comm, wanted)
-        fold = offsets(np.arange(n[1]), n[1])
-
-        def fill(i0, i1, x):
-            x[: i1 - i0] = space.back(rows[places[i0:i1]], 1)[:, fold]
-
-        return fill
+    def _shape(self, grid: Grid) -> Shape | None:
+        """None where nothing ends."""
+        free = self.free[0] and grid.n[0] > 2, self.free[1] and grid.n[1] > 2
+        if not any(free):
+            return None
+        points = [m if m < n else n // 4 for m, n in zip(grid.nominal, grid.n)]  # without a surface: of a small one
+        shares = [min(max(-(-SHARES * (m - 1) // n), 1), COVERED) / SHARES if ends else 1.0 for m, n, ends in zip(points, grid.n, free)]
+        X, Y = (round(size / np.sqrt(np.prod(grid.sizes)), 12) for size in grid.sizes)
+        open_part = min((1 - share) * size for share, size, ends in zip(shares, (X, Y), free) if ends)
+        needed = [(NEEDED if all(free) else ALONE) if ends else DECAY / (2 * np.pi) for ends in free]
+        k_x, k_y = (min(int(np.ceil(k * size / open_part)), (n - 1) // 2) for k, size, n in zip(needed, (X, Y), grid.n))
+        return Shape((X, Y), (shares[0] * X, shares[1] * Y), free, (k_x, k_y))
 
 
-class _Space:
-    """S in free space, on the long cell. Lengths in grid spacings a."""
-
-    def __init__(self, grid, free):
-        from scipy.fft import next_fast_len
-        from scipy.special import roots_hermite
-
-        self.free, self.n = free, grid.n
-        spacings = [s / grid.a for s in grid.spacings]
-        half = [k / 2 * s if f else 0.0 for k, s, f in zip(grid.n, spacings, free)]
-        largest = np.hypot(*half)
-        self.width = max(WIDTH * largest, FEWEST * max(spacings))
-        radius = largest + TAILS * self.width
-        x, weights = roots_hermite(NODES)
-        self.radii, self.shares = radius + np.sqrt(2) * self.width * x, weights / np.sqrt(np.pi)
-        reach = radius + TAILS * self.width
-        if not all(free):  # and the waves along the other axis
-            reach = max(reach, DECAY / (2 * np.pi / (grid.sizes[free.index(False)] / grid.a)))
-        self.long = [2 * next_fast_len(int(np.ceil((h + reach) / s / 2)) + 1, real=True) if f else k
-                     for h, s, k, f in zip(half, spacings, grid.n, free)]
-        self.q = [2 * np.pi * np.arange(k // 2 + 1) / k / s for k, s in zip(self.long, spacings)]
-
-    def spectrum(self, q_x, q_y):
-        """S at all pairs of wave numbers along x and y."""
-        q = np.hypot(q_x[:, None], q_y)
-        S = np.divide(2, q, out=np.zeros_like(q), where=q > 0)
-        cut = q * self.width < SHORT
-        if not all(self.free):
-            cut &= ((q_y if self.free[0] else q_x[:, None]) == 0)
-        if cut.any():
-            S[cut] = self._cut_off(q[cut])
-        return S
-
-    def _cut_off(self, q):
-        from scipy.special import itj0y0, sici
-
-        both = all(self.free)
-        factor = np.zeros_like(q)
-        for radius, share in zip(self.radii, self.shares):
-            factor += share * (itj0y0(q * radius)[0] if both else sici(q * radius)[0] * 2 / np.pi)
-        limit = 2 * (1.0 if both else 2 / np.pi) * np.dot(self.radii, self.shares)
-        return np.divide(2 * factor, q, out=np.full_like(q, limit), where=q > 0)
-
-    def back(self, spectrum, axis):
-        """From q >= 0 to offsets up to half the grid's own cell, along one axis."""
-        from scipy import fft
-
-        k, keep = self.long[axis], self.n[axis] // 2 + 1
-        if k % 2 == 0 and k > 2:
-            x = fft.dct(spectrum, type=1, axis=axis) / k
-        else:
-            x = fft.irfft(spectrum.astype(complex), n=k, axis=axis)
-        return x[:keep] if axis == 0 else x[:, :keep]
-
-    def rows(self, comm, wanted):
-        """Transformed along x alone: this rank's offsets along x, all q_y. Every rank transforms its share of the q_y; wanted: the
-        offsets of every rank."""
-        count = len(self.q[1])
-        width = max(1, min(PIECE_BYTES // (8 * len(self.q[0])), -(-count // comm.size)))
-        rows, filled = np.empty((len(wanted[comm.rank]), count)), 0
-        for first in range(0, count, width * comm.size):
-            mine = self.q[1][first + comm.rank * width: first + (comm.rank + 1) * width]
-            made = self.back(self.spectrum(self.q[0], mine), 0)
-            for part in comm.alltoall([made[k] for k in wanted]):
-                rows[:, filled:filled + part.shape[1]] = part
-                filled += part.shape[1]
-        return rows
+@lru_cache(maxsize=16)
+def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
+    found = images(*shape)
+    return found, added(found, found.S, dtype)
 
 
-def offsets(i, n):
-    """Distance of point i from point 0 on a ring of n."""
-    return np.minimum(i, n - i)
+def added(found: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
+    """What couples the modes, in a precision: of K and, by True, of S. S: the one without, as `Images.inverse` has it."""
+    return {False: {parity: K.astype(dtype) for parity, K in found.inverse(S).items()},
+            True: {parity: T.astype(dtype) for parity, T in found.T.items()}}
+
+
+class Coupled:
+    """Multipliers that couple the lowest modes of the cell. plain: those without; found: Images; matrices: as of `added`."""
+
+    def __init__(self, plain: Multipliers, grid: Grid, fft: SlabFFT, found: Images, matrices: Matrices):
+        self.plain, self.comm, self.found, self.matrices = plain, grid.comm, found, matrices
+        self.modes, self.edges, self.scale = found.modes, fft.edges, fft.scale
+        length = np.sqrt(np.prod(grid.sizes)) / grid.a
+        self.unit = {False: fft.scale / length, True: fft.scale * length}
+        self.uniform = 1 / (found.constant * length)
+        middle = [(m - 1) / 2 * 2 * np.pi / n for m, n in zip(grid.nominal, grid.n)]
+        k_x, k_y = (np.arange(k + 1) for k in found.modes)
+        phase = np.outer(k_x, 2 * np.pi / grid.n[0] * np.arange(*grid.rows) - middle[0])
+        self.cos, self.sin = np.cos(phase), np.sin(phase)
+        self.shift_x, self.shift_y = np.exp(1j * middle[0] * k_x), np.exp(1j * middle[1] * k_y)
+        self.norm = np.outer(*(np.where(k > 0, 2.0, np.sqrt(2)) for k in (k_x, k_y))) / 2
+        self.parts, self.scratch = np.zeros((4, *self.norm.shape)), np.zeros(self.norm.size, fft.dtype)
+        self.up, self.down, self.energy = np.zeros(self.norm.shape, complex), np.zeros(self.norm.shape, complex)[1:], 0.0
+
+    def couple(self, fft: SlabFFT, inverse: bool) -> None:
+        """Prepare `stiffness` (or with inverse=True `compliance`) of what the row spectra hold. Collective."""
+        rows = np.ascontiguousarray(fft.first_columns(self.norm.shape[1]))
+        sums = np.zeros((2, len(self.cos), 2 * self.norm.shape[1]))
+        project_rows(rows.view(fft.dtype), self.cos, self.sin, sums)
+        sums = np.reshape(self.comm.sum(sums.ravel()), sums.shape).view(complex)
+        split(sums, self.shift_y, self.norm, self.parts)
+        energy, by_columns = 0.0, not self.found.free[1]
+        for part, (a, b) in zip(self.parts, PARITIES):
+            energy += multiply(part[int(a < 0):, int(b < 0):], self.matrices[inverse][a, b], by_columns, self.scratch)
+        self.energy = energy * self.unit[inverse]
+        join(self.parts, self.shift_x, self.shift_y, self.norm, self.unit[inverse], self.up, self.down)
+
+    def stiffness(self, block: np.ndarray, m: int) -> float:
+        """block *= K/N."""
+        return self._and_modes(self.plain.stiffness(block, m), block, m)
+
+    def compliance(self, block: np.ndarray, m: int) -> float:
+        """block *= S/N, 0 where K is."""
+        return self._and_modes(self.plain.compliance(block, m), block, m)
+
+    def _and_modes(self, energy: float, block: np.ndarray, m: int) -> float:
+        columns = slice(int(self.edges[m]), int(min(self.edges[m + 1], self.modes[1] + 1)))
+        width = columns.stop - columns.start
+        if width > 0:
+            block[:width, :self.modes[0] + 1] += self.up[:, columns].T
+            block[:width, block.shape[1] - self.modes[0]:] += self.down[:, columns].T
+        return energy + (self.energy if m == 0 else 0.0)

@@ -47,6 +47,9 @@ class OnTheFly:
         self.q_x = np.repeat(grid.q_x, 2).astype(fft.dtype)  # kernels see real and imaginary parts as numbers of their own
         self.q_y, self.weight = grid.column_tables(fft)
 
+    def couple(self, fft: SlabFFT, inverse: bool) -> None:
+        """Every mode is alone."""
+
     def stiffness(self, block: np.ndarray, m: int) -> float:
         """block *= K/N."""
         return self._call(multiply_stiffness, block, m, 0.5)

@@ -39,7 +39,7 @@ def main(args: Namespace) -> int:
     scene = load_scene(args.scene, args.set)
     check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names(scene.surface.free))
     n = surface_size(scene.surface)
-    cell = cell_of(n, scene.surface.free)
+    cell = cell_of(n, scene.surface.free, scene.surface.physical_sizes or n)
     cores = len(os.sched_getaffinity(0))
     threads = args.threads or (max(1, cores // args.ranks) if scene.machine.threads == "auto" else scene.machine.threads)
     per_node = min(args.ranks, args.ranks_per_node or ranks_per_node(args.ranks, threads))

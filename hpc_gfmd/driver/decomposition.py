@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
+from ..bodies.free import Free
 from ..grid import Grid
 from ..kernels.bpx import UpdateSums
 from ..operators.coarsening import Level
@@ -106,8 +107,11 @@ class Share:
     @property
     def reduction_traffic(self) -> tuple[int, int]:
         """(bytes, messages) that it sends in the reductions of an iteration."""
-        depth = stages(self.grid.comm.size)
-        return 8 * sum(REDUCTIONS) * depth, len(REDUCTIONS) * depth
+        depth, numbers = stages(self.grid.comm.size), list(REDUCTIONS)
+        if self.grid.padded:
+            (m_x, m_y), (n_x, n_y) = self.grid.nominal, self.grid.n
+            numbers.append(Free((m_x != n_x, m_y != n_y)).exchanged(self.grid))
+        return 8 * sum(numbers) * depth, len(numbers) * depth
 
     @property
     def traffic(self) -> tuple[int, int]:

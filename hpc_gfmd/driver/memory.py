@@ -28,6 +28,7 @@ TANGENT = 4
 SAMPLES = 200  # wave numbers of a spectrum
 BELOW_TOP = 3.6  # root mean square of the depth below the highest peak, over h_rms, on surfaces with a few waves of the longest kind
 PIECE_GIB = 1 / 16  # of a field that is written at a time
+MODES_GIB = 0.025  # while the modes are made that free edges couple
 PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
 GIB = 2**30
 
@@ -61,12 +62,11 @@ def memory_of(scene: Scene, n: tuple[int, int], ranks: int, threads: int = 1, ra
     everything."""
     dtype = largest_precision(scene, n)
     itemsize, free = dtype.itemsize, scene.surface.free
-    cell = cell_of(n, free)
+    cell = cell_of(n, free, scene.surface.physical_sizes or n)
     if max(cell) > LONGEST_AXIS:
         return Memory(FIELDS * np.prod(cell, dtype=float) * itemsize / ranks / GIB, 0.0, 0.0, 0.0, PROCESS_GIB, 0.0)
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
     share = share_of(cell, dtype, ranks, rank, nominal=n, nested=nested, per_node=per_node)
-    rows = share.grid.shape[0]
     field, step = share.points * itemsize / GIB, STEP * share.points * itemsize / GIB
     kept = itemsize if any(free) or not low else 0  # of a height
     loads = len(scene.load.given[1]) - (_few_from(scene, n) or 0)  # in the largest precision: before it nothing is kept
@@ -88,11 +88,11 @@ def memory_of(scene: Scene, n: tuple[int, int], ranks: int, threads: int = 1, ra
     transforms = spectra(dtype, grids[:1]) * with_table + spectra(dtype, grids[1:])
     transforms += sum(scratch(precision, grids) for precision in {dtype, first_precision(scene.solver)})
     certificate = 0.0 if low or itemsize == 8 else spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
-    if low and itemsize == 4 and with_table == 1 and _in_double(scene):  # in turn with the solver's transforms, half as large, and d
+    if low and itemsize == 4 and with_table == 1 and not any(free) and _in_double(scene):
+        # in turn with the solver's transforms, half as large, and d
         certificate = step
-    if certificate and any(free):  # while its table is made
-        certificate += min(rows, cell[0] // 2 + 1) * cell[1] * 8 / GIB
     heights, all_heights = (rows * n[1] * kept / GIB for rows in (share.grid.inside[0], n[0]))
+    levels += MODES_GIB if all(free) else 0.0
     return Memory(FIELDS * field + step + levels + max(passing), heights, transforms, certificate, PROCESS_GIB, all_heights)
 
 

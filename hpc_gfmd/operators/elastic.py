@@ -41,6 +41,8 @@ class Elastic:
         self.grid.forget_fft(self.dtype)
 
     def _columns(self, multiply: Callable[[np.ndarray, int], float], backward: bool = True, add: Columns | None = None) -> float:
+        self.multipliers.couple(self.fft, multiply == self.multipliers.compliance)
+
         def apply(block: np.ndarray, m: int) -> float:
             if add is not None:
                 add(block, m)

@@ -123,6 +123,12 @@ class SlabFFT(Layout):
 
         return self._map(one, passes or self.passes())
 
+    def first_columns(self, count: int) -> np.ndarray:
+        """The first columns of the row spectra, (n_loc, count) complex."""
+        blocks = [self._slab(m, m + 1).reshape(self.n_loc, self.edges[m + 1] - self.edges[m])
+                  for m in range(np.searchsorted(self.edges, count))]
+        return np.concatenate(blocks, axis=1)[:, :count]
+
     def columns(self, apply: Callable[[np.ndarray, int], T], forward: bool = True, backward: bool = True) -> list[T]:
         """Call apply(block, m) on every block of complete columns of this rank, block: (width, n_x); returns the results in order.
 

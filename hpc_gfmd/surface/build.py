@@ -1,5 +1,6 @@
 """From the scene's [surface] to the gap under zero load, in the program's units (see problem.py)."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -24,12 +25,15 @@ from .statistics import rms, rms_between_neighbours
 from .topography import Rows, open_topography
 
 SLAB_ROWS = 64  # rows read or made at a time
+# Of a cell along a free axis over the surface: share of it; of it and twice the longest side, in the geometric mean, which keeps the
+# modes few that are coupled (bodies/free.py); points
+LONGER, BESIDE, MARGIN = 1 / 2, 0.42, 64
 
 
 @dataclass(frozen=True)
 class Surface:
     """h: initial gap, local part of the nominal area of `grid`, >= 0 with minimum 0, in units of g_rms a; h_rms, g_rms: realised, in
-    the scene's units. Where the surface ends the grid goes on beyond it, to twice the length.
+    the scene's units. Where the surface ends the grid goes on beyond it, see cell_of.
 
     A surface that varies along one axis only lives on a grid with one point along the other; `n` is the size asked for, and every
     rank then holds all of `grid`. A flat surface has g_rms = 0, and its units are those of 1. rows: (start, stop) of the size asked for
@@ -76,14 +80,25 @@ class Surface:
         return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
 
 
-def cell_of(n: tuple, free: tuple[bool, bool]) -> tuple:
-    """The points along each axis that a surface of n points is solved on: twice as many along the axes where it ends."""
-    return tuple(2 * k if ends else k for k, ends in zip(n, free))
+def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tuple:
+    """The points along each axis that a surface of n points and these sizes is solved on: more along the axes where it ends."""
+    longest = max((size for size, ends in zip(sizes, free) if ends), default=0.0)
+    return tuple(_longer(k, longest * k / size) if ends else k for k, size, ends in zip(n, sizes, free))
+
+
+def _longer(n: int, longest: float) -> int:
+    """Points along an axis of which the surface has n, and `longest` would be as many as its longest side."""
+    from scipy.fft import next_fast_len
+
+    wanted = n + max(math.ceil(n * LONGER), math.ceil(BESIDE * (n * longest**2) ** (1 / 3)), MARGIN)
+    step = 16 if wanted > 128 else 4  # the levels halve it
+    return step * int(next_fast_len(-(-wanted // step), real=True))
 
 
 def grid_of(n: tuple, sizes: tuple[float, ...], comm: Any, threads: int = 1, free: tuple[bool, bool] = (False, False)) -> Grid:
     """The grid on which a surface of n points is solved."""
-    return Grid(cell_of(n, free), cell_of(sizes, free), comm, threads, nominal=n)
+    cell = cell_of(n, free, sizes)
+    return Grid(cell, tuple(size * m / k for size, m, k in zip(sizes, cell, n)), comm, threads, nominal=n)
 
 
 def _nominal(grid: Grid) -> Grid:

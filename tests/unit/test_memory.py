@@ -64,7 +64,7 @@ def test_heights_of_a_surface_that_ends_are_on_some_ranks_only(ranks):
                              "load": {"pressure": 0.1}, "solver": {"precision": "single", "low_memory": True}})
     shares = [memory.memory_of(scene, (2048, 2048), ranks, rank=rank) for rank in range(ranks)]
     assert sum(share.heights for share in shares) == pytest.approx(2048**2 * 4 / GIB) == shares[0].all_heights
-    assert shares[0].heights == pytest.approx(shares[0].all_heights * min(1, 2 / ranks), rel=1e-2)
+    assert shares[0].heights == pytest.approx(shares[0].all_heights * min(1, 1.5 / ranks), rel=1e-2)
     assert sum(share.total for share in shares) == pytest.approx(shares[0].on_all(ranks), rel=0.02)
 
 

@@ -1,0 +1,67 @@
+"""The lowest modes of a field: from the spectra of its rows to products of cos and sin along both axes, and back.
+
+Parts (4, m_x, m_y) are of cos cos, cos sin, sin cos and sin sin, m_x and m_y counting from wave number 0; norm makes these products
+orthonormal.
+"""
+
+from .jit import kernel
+
+
+@kernel
+def project_rows(rows, cos, sin, sums):
+    """Add cos[k] row to sums[0, k], sin[k] row to sums[1, k], for all rows; rows (n, m), cos and sin (modes, n), sums (2, modes, m) in
+    double precision. Complex numbers are two real ones."""
+    for i in range(rows.shape[0]):
+        for k in range(cos.shape[0]):
+            c, s = cos[k, i], sin[k, i]
+            for j in range(rows.shape[1]):
+                sums[0, k, j] += c * rows[i, j]
+                sums[1, k, j] += s * rows[i, j]
+
+
+@kernel
+def split(sums, shift, norm, parts):
+    """The parts of what `project_rows` added up, (2, m_x, m_y) complex, shifted along y to the middle of the surface."""
+    for k in range(norm.shape[0]):
+        for j in range(norm.shape[1]):
+            even, odd = sums[0, k, j] * shift[j] * norm[k, j], sums[1, k, j] * shift[j] * norm[k, j]
+            parts[0, k, j] = even.real
+            parts[1, k, j] = -even.imag
+            parts[2, k, j] = odd.real
+            parts[3, k, j] = -odd.imag
+
+
+@kernel
+def multiply(part, matrices, by_columns, x):
+    """part = matrices part, in place; returns <part, matrices part>. matrices (stack, m, m), symmetric: of all of it (stack = 1), of
+    each column (by_columns) or of each row; x: scratch (>= m,)."""
+    stack, m = matrices.shape[:2]
+    total = 0.0
+    columns = part.shape[1]
+    for b in range(stack):
+        for i in range(m):
+            x[i] = part[i, b] if by_columns else part[b + i // columns, i % columns]
+        for i in range(m):
+            y = x.dtype.type(0)
+            for j in range(m):
+                y += matrices[b, i, j] * x[j]
+            total += x[i] * y
+            if by_columns:
+                part[i, b] = y
+            else:
+                part[b + i // columns, i % columns] = y
+    return total
+
+
+@kernel
+def join(parts, shift_x, shift_y, norm, unit, up, down):
+    """The inverse of `split`, times unit: what stands at wave numbers k_x >= 0 and at -k_x < 0 from the last one on."""
+    m_x = norm.shape[0]
+    for k in range(m_x):
+        for j in range(norm.shape[1]):
+            back = unit / norm[k, j] / shift_y[j]
+            even = (parts[0, k, j] - 1j * parts[1, k, j]) * back
+            odd = (parts[2, k, j] - 1j * parts[3, k, j]) * back
+            up[k, j] = (even - 1j * odd) / shift_x[k]
+            if k > 0:
+                down[m_x - 1 - k, j] = (even + 1j * odd) * shift_x[k]
