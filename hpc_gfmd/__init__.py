@@ -31,7 +31,7 @@ _PLACES = {"load": "solutions", "solve": "api", "run": "simulation.run_scene", "
            "GfmdError": "errors", "Interrupted": "errors", "NotConverged": "errors", "SceneError": "errors"}
 
 
-def __getattr__(name):
+def __getattr__(name: str) -> object:
     """What is public, imported when it is first asked for."""
     from importlib import import_module
 
@@ -44,5 +44,5 @@ def __getattr__(name):
     return found
 
 
-def __dir__():
+def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})

@@ -5,7 +5,7 @@ import json
 import sys
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import partial
@@ -14,24 +14,26 @@ from typing import Any
 import numpy as np
 
 from .composition import check, load_shown, step_attributes, surface_attributes, sweep_of, worst
-from .contact import heights_of
+from .contact import Contact, heights_of
 from .driver.warmup import compile_once
 from .errors import Interrupted, NotConverged, SceneError, one_line
 from .fields import FIELDS, Slab
 from .kernels.cache import announced, sound
 from .keywords import loads_of, scene_of_keywords
 from .output.read import Result
+from .parallel.comm import Comm
 from .parallel.guard import guarded
 from .parallel.world import comm_of, threads_of
 from .prepared import PreparedSurface
 from .progress import Reporter
 from .registry import observables_named
+from .scene import Scene
 from .solution import Solution
 from .solutions import Solutions, solutions_of
-from .surface.build import surface_from_rows
+from .surface.build import Surface, surface_from_rows
 from .surface.heights import Checksum, checked
 from .surface.quality import MapQuality
-from .surface.topography import Topography
+from .surface.topography import Rows, Topography
 from .versions import versions
 
 Number = float | str  # plain, or with a unit: "20 MPa"
@@ -118,12 +120,12 @@ def solve(heights: np.ndarray | PreparedSurface, pressure: Loads | None = None, 
     head: dict[str, Any] = {}
     sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
 
-    def rows_of(start, stop):
+    def rows_of(start: int, stop: int) -> np.ndarray:
         return np.asarray(z[start:stop], dtype=np.float64)
 
     notes = known.notes if known else _quality_notes(comm, z.shape, sizes, rows_of) if boundary is None else ()
 
-    def make_surface(dtype):
+    def make_surface(dtype: np.dtype) -> Surface:
         unit = known.unit if known else ""
         made = surface_from_rows(z.shape, sizes, rows_of, comm, dtype, of_each_rank, scene.surface.free, Checksum(), unit)
         head["heights"] = made.checksum
@@ -167,7 +169,7 @@ class _Done:
     surface: Any = None
 
 
-def _press(comm, scene, make_surface, progress, done):
+def _press(comm: Comm, scene: Scene, make_surface: Callable[[np.dtype], Surface], progress: bool, done: _Done) -> None:
     """Solve all loads; `done` is kept up to date. Collective."""
     done.steps, done.contacts = [], []
     sweep = sweep_of(scene, make_surface)
@@ -195,22 +197,22 @@ def _press(comm, scene, make_surface, progress, done):
                 grid.forget_fft(fft.dtype)
 
 
-def _fields(names, contact):
+def _fields(names: Iterable[str], contact: Contact | None) -> dict[str, Slab]:
     """{name: Slab} of a contact, computed as they are read; none of None."""
     if contact is None:
         return {}
-    start, n = contact.surface.rows[0], tuple(contact.surface.n)
+    start, n = contact.surface.rows[0], (contact.surface.n[0], contact.surface.n[1])
     found: dict[str, Any] = {name: contact.field(name) if name in FIELDS else heights_of(contact.surface) for name in names}
     return {name: Slab(lazy, start, n) for name, lazy in found.items()}
 
 
-def _quality_notes(comm, n, sizes, rows):
+def _quality_notes(comm: Comm, n: Sequence[int], sizes: tuple[float, ...], rows: Rows) -> tuple[str, ...]:
     """Notes on an array of which nobody said that it is periodic. Collective."""
     found = Topography(tuple(n), sizes, lambda start, stop: checked(rows(start, stop), start, "surface"))
-    return MapQuality(found, comm).notes((True, True))
+    return tuple(MapQuality(found, comm).notes((True, True)))
 
 
-def _warn(comm, steps):
+def _warn(comm: Comm, steps: Sequence[dict]) -> None:
     for index, step in enumerate(steps):
         if step["status"] != "converged" and comm.rank == 0:
             which = f"load {index + 1}: " if len(steps) > 1 else ""
@@ -219,14 +221,14 @@ def _warn(comm, steps):
                           NotConverged, stacklevel=3)  # where the caller of solve is
 
 
-def _require_the_same(comm, scene, shape):
+def _require_the_same(comm: Comm, scene: Scene, shape: Sequence[int]) -> None:
     """Raise SceneError on all ranks where they were not called with the same arguments."""
     digest = int.from_bytes(hashlib.blake2b(repr((scene.to_toml(), tuple(shape))).encode(), digest_size=6).digest())  # fits a float64
     if comm.min([digest])[0] != comm.max([digest])[0]:
         raise SceneError("hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map on each")
 
 
-def _checked(heights):
+def _checked(heights: Any) -> np.ndarray:
     """The array as it is. Raises SceneError for what is no complete height map."""
     if np.ma.is_masked(heights):
         raise SceneError("heights: found masked points, allowed: a complete height map")

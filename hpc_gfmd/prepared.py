@@ -125,12 +125,12 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
     return _known(PreparedSurface(heights, made.sizes, scene.length_unit, free=scene.surface.free), table)
 
 
-def _scene(table, caller):
+def _scene(table: dict[str, Any], caller: str) -> tuple[Scene, dict[str, Any]]:
     table = {key: plain(value) for key, value in table.items()}
     return Scene.from_dict({"surface": table, "load": {"pressure": 1.0}}, caller), table
 
 
-def _known(surface, table):
+def _known(surface: PreparedSurface, table: dict[str, Any]) -> PreparedSurface:
     surface.heights.flags.writeable = False  # the table says what they are
     object.__setattr__(surface, "table", table)
     return surface

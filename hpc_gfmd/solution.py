@@ -238,14 +238,14 @@ class Solution:
     def _repr_html_(self) -> str:
         return html_table(self.result.steps, self.result.surface, across=False)
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple:
         return Solution, (in_memory(self.result), None, self.rows)
 
     @property
     def _step(self) -> dict:
         return self.result.steps[0]
 
-    def _field(self, name):
+    def _field(self, name: str) -> np.ndarray:
         if name not in self._arrays:
             stored = self.result.fields[0]
             if name in stored:
@@ -259,13 +259,13 @@ class Solution:
                 raise SceneError(f'{name}: not {where}, allowed: fields = ["{name}", ...] where it is solved')
         return self._arrays[name]
 
-    def _whole_contact(self):
+    def _whole_contact(self) -> "Contact":
         if self._contact is None:
             from .restored import restored_contact  # imports numba
 
             self._contact = restored_contact(self.result)
         return self._contact
 
-    def _stored_distribution(self, name):
+    def _stored_distribution(self, name: str) -> dict[str, np.ndarray]:
         named = {key.removeprefix(f"{name}_"): value for key, value in self._step.items() if key.startswith(f"{name}_")}
         return {what: np.array(value) for what, value in named.items() if isinstance(value, list) and "_" not in what}

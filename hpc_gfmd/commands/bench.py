@@ -1,6 +1,7 @@
 """`hpc-gfmd bench`: speed of kernels and transforms, time against true error, and other codes on the same surfaces."""
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
@@ -54,7 +55,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     return parser
 
 
-def _part(parts, what, text, sizes, repeats):
+def _part(parts: Any, what: str, text: str, sizes: Iterable[int], repeats: int) -> ArgumentParser:
     parser = parts.add_parser(what, help=text)
     parser.add_argument("--n", type=int, nargs="+", default=list(sizes), metavar="N", help="points along an axis")
     parser.add_argument("--precision", nargs="+", choices=PRECISIONS, default=list(PRECISIONS))

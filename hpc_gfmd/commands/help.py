@@ -31,7 +31,7 @@ def main(args: Namespace) -> int:
     return 0
 
 
-def _of_command(name):
+def _of_command(name: str | None) -> int:
     from ..cli import COMMANDS, build_parser
 
     known = (*COMMANDS, "restart")  # which lives with run

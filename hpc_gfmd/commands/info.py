@@ -40,14 +40,14 @@ def facts() -> dict[str, str]:
     return found
 
 
-def _io():
+def _io() -> str:
     """How several ranks write a file; as the attribute `io` of results says."""
     import h5py
 
     return "parallel: several ranks write by MPI-IO (mpio)" if h5py.get_config().mpi else "serial: rank 0 writes for all (serial)"
 
 
-def _mpi_library():
+def _mpi_library() -> str:
     try:
         import mpi4py
 

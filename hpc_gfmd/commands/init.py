@@ -74,14 +74,14 @@ def compose(what: str, path: Path, overrides: Sequence[str] = ()) -> tuple[str, 
     return text, missing
 
 
-def _of_map(what, path, given):
+def _of_map(what: str, path: Path, given: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
     """(Suggestion, values of [surface]) for a height map; its path counts from the folder of the scene."""
     from ..scene import Scene
     from ..surface.suggest import suggestion
 
     chosen = {key.removeprefix("surface."): value for key, value in given.items() if key.startswith("surface.")}
 
-    def make(values):
+    def make(values: dict[str, Any]) -> Any:
         surface = {"kind": "file", "path": os.path.abspath(what)} | values
         return Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}}, "init").surface
 

@@ -1,6 +1,7 @@
 """The steps of a result taken to the thermodynamic, fractal and continuum (TFC) limits, where the coefficients cover them."""
 
 from math import isfinite
+from typing import Any
 
 from ..errors import SceneError
 from ..output.read import Result
@@ -49,7 +50,7 @@ def limits_text(limits: dict) -> str:
     return "\n".join([*lines, *(f"note: {note}" for note in dict.fromkeys(notes))])
 
 
-def _limit(step, observable, error, where, table):
+def _limit(step: dict, observable: str, error: str, where: dict[str, Any], table: Any) -> dict[str, Any]:
     value, relative = step[observable], step.get(error)
     sigma = abs(value * relative) if relative is not None and isfinite(relative) else None
     found = {"value": value, "sigma": sigma}
@@ -63,5 +64,5 @@ def _limit(step, observable, error, where, table):
     }
 
 
-def _shown(value, sigma):
+def _shown(value: float, sigma: float | None) -> str:
     return f"{value:.4f}" + (f" +- {sigma:.1g}" if sigma is not None else "")

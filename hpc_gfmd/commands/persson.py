@@ -53,7 +53,7 @@ def main(args: Namespace) -> int:
     return 0
 
 
-def _pressures(args):
+def _pressures(args: Namespace) -> Any:
     if args.p_star is not None:
         return within("p_star", args.p_star, 0, np.inf, open_low=True)
     low, high, points = args.p_star_range
@@ -63,6 +63,6 @@ def _pressures(args):
     return np.geomspace(low, high, int(points))
 
 
-def _finite(x):
+def _finite(x: float) -> float | None:
     """A float, or None (null) where full contact makes the stiffness infinite: JSON has no infinity."""
     return float(x) if np.isfinite(x) else None

@@ -91,7 +91,7 @@ def main(args: Namespace) -> int:
     return 0
 
 
-def _file_gib(scene, n):
+def _file_gib(scene: Any, n: tuple[int, int]) -> float:
     """Of the fields, before compression."""
     from ..driver.sweep import first_precision
 

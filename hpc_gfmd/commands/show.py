@@ -63,7 +63,7 @@ def as_text(result: Result) -> str:
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])
 
 
-def _finite(value):
+def _finite(value: Any) -> Any:
     """JSON knows no infinity, no NaN and no complex numbers."""
     if isinstance(value, dict):
         return {key: _finite(item) for key, item in value.items()}

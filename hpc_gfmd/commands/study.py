@@ -1,6 +1,7 @@
 """`hpc-gfmd study`: the paper's figures and tables, and questions beyond it."""
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from typing import Any
 
 
@@ -54,7 +55,7 @@ def main(args: Namespace) -> int:
     return exit_code
 
 
-def _solve(args, studies, folder, part, threads, comm):
+def _solve(args: Namespace, studies: Sequence, folder: str, part: tuple[int, int] | None, threads: int | str, comm: Any) -> Any:
     from ..study.runner import run_missing, share
     from ..study.store import Store
 
@@ -68,7 +69,7 @@ def _solve(args, studies, folder, part, threads, comm):
     return outcome.exit_code
 
 
-def _publish(args, studies, folder, comm):
+def _publish(args: Namespace, studies: Sequence, folder: str, comm: Any) -> None:
     from ..parallel.guard import guarded
     from ..study.publish import as_text, publish
     from ..study.store import Store
@@ -96,7 +97,7 @@ def _publish(args, studies, folder, comm):
             print(f"{args.reference}: {write_reference(args.reference, store, args.level)} curves", flush=True)
 
 
-def _names(given):
+def _names(given: Sequence[str]) -> list[str]:
     from ..errors import SceneError
     from ..study import catalogue
 
@@ -105,7 +106,7 @@ def _names(given):
     return list(dict.fromkeys(one for name in given for one in (catalogue.of_paper() if name == "all" else [name])))
 
 
-def _part(args):
+def _part(args: Namespace) -> tuple[int, int] | None:
     from ..errors import SceneError
 
     if args.part is None:
@@ -118,7 +119,7 @@ def _part(args):
     return int(part), int(parts)
 
 
-def _threads(text):
+def _threads(text: str) -> str:
     from ..errors import SceneError
 
     if text != "auto" and not (text.isdecimal() and 1 <= int(text) <= 65536):
@@ -126,6 +127,6 @@ def _threads(text):
     return text
 
 
-def _say(comm, text):
+def _say(comm: Any, text: str) -> None:
     if comm.rank == 0:
         print(text, flush=True)

@@ -38,7 +38,7 @@ def main(args: Namespace) -> int:
     return 0
 
 
-def _extrapolate(args):
+def _extrapolate(args: Namespace) -> Any:
     given = {name: getattr(args, name) for name in ("hurst", "p_star", *RATIOS, "value")}
     missing = [f"--{name.replace('_', '-')}" for name, found in given.items() if found is None]
     if missing:
@@ -55,7 +55,7 @@ def _extrapolate(args):
     return report, "\n".join(lines + [f"note: {note}" for note in terms.notes])
 
 
-def _fit(args):
+def _fit(args: Namespace) -> Any:
     if set(args.terms) - set("tfc"):
         raise SceneError(f"terms: found {args.terms!r}, allowed: letters of tfc")
     if set(args.free) - set(args.terms):

@@ -1,6 +1,12 @@
 """What makes a result file open in other programs: coordinates and units (xarray, netCDF), and the group that ParaView reads."""
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
+
+Attributes = Mapping[str, Any]
 
 SIGNS = "lengths count away from the wall: gap = displacement + initial gap >= 0, initial gap = -heights; pressures push"
 LENGTH, PRESSURE = ("unit", "unit of physical_sizes"), ("pressure_unit", "unit of E_star")  # attribute of the surface; or else
@@ -16,7 +22,7 @@ FIELDS = {  # what it is measured in, long_name
 }
 
 
-def describe(file) -> None:
+def describe(file: Any) -> None:
     """Add to a file that has all its groups and fields: x, y, loads; steps/NNNN/x, y, p beside fields; VTKHDF, views of the fields."""
     surface, steps = file["surface"], [file["steps"][name] for name in sorted(file.get("steps", ()), key=int)]
     about = surface.attrs
@@ -39,7 +45,7 @@ def describe(file) -> None:
         _views(file, steps, scales, about)
 
 
-def coordinates(group, surface, loads) -> list:
+def coordinates(group: Any, surface: Attributes, loads: ArrayLike) -> list:
     """The dimension scales loads, x and y of a group."""
     values = {"loads": np.array(loads)}
     values |= {name: np.arange(n) * (size / n) for name, n, size in zip("xy", surface["n"], surface["physical_sizes"], strict=True)}
@@ -49,7 +55,7 @@ def coordinates(group, surface, loads) -> list:
     return [group[name] for name in values]
 
 
-def name_it(dataset, surface, scales=()) -> None:
+def name_it(dataset: Any, surface: Attributes, scales: Sequence = ()) -> None:
     """Units, long_name and axes of a dataset; surface: attributes."""
     name = dataset.name.rpartition("/")[2]
     unit, long_name = FIELDS.get(name, (("", "1"), name))
@@ -58,7 +64,7 @@ def name_it(dataset, surface, scales=()) -> None:
         axis.attach_scale(scale)
 
 
-def image(file, surface, loads, names, create):
+def image(file: Any, surface: Attributes, loads: np.ndarray, names: Iterable[str], create: Callable[[Any, str], Any]) -> Any:
     """VTKHDF's ImageData with arrays of these names, made by create(group, name): (loads, x, y), or (x, y) of one load.
 
     VTK's first axis is the last one of an array, our y; Direction turns it back, so that x is x.
@@ -78,10 +84,10 @@ def image(file, surface, loads, names, create):
     return vtk
 
 
-def _views(file, steps, scales, surface) -> None:
+def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes) -> None:
     import h5py
 
-    def view(group, name):
+    def view(group: Any, name: str) -> None:
         sources = [step[name] for step in steps]
         if len(steps) == 1:
             group[name] = sources[0]  # a hard link
@@ -98,5 +104,5 @@ def _views(file, steps, scales, surface) -> None:
                 dataset.dims[0].attach_scale(scales[0])
 
 
-def _fields(group) -> list:
+def _fields(group: Any) -> list[str]:
     return [name for name, item in group.items() if getattr(item, "ndim", 0) == 2]

@@ -155,7 +155,7 @@ def inside(group: Any, name: str) -> Any:
     return found
 
 
-def _lay_out(path, n, types, describe, compressed):
+def _lay_out(path: Path, n: tuple[int, int], types: Mapping[str, np.dtype], describe: Callable[[Any], object], compressed: bool) -> Any:
     """The file without the numbers of the fields, and the disk space for all of it. One process only."""
     import h5py
 
@@ -176,7 +176,8 @@ def _lay_out(path, n, types, describe, compressed):
             raise OSError(error.errno, f"{error.strerror} ({space / 1e6:.4g} MB needed)") from None
 
 
-def _parts(comm, field, dtype, n, rows, doing):
+def _parts(comm: Comm, field: Any, dtype: np.dtype, n: tuple[int, int], rows: tuple[int, int],
+           doing: str) -> Iterator[tuple[int, np.ndarray]]:
     """(start, rows from there on), ... of a Stored field or a local slab."""
     if isinstance(field, Stored):
         yield from field.pieces(comm, rows)
@@ -189,7 +190,7 @@ def _parts(comm, field, dtype, n, rows, doing):
         yield start, part
 
 
-def _cuts(comm, rows, row_bytes):
+def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, int]]:
     """(start, stop) of pieces of this rank's rows, as many on every rank."""
     ranks = comm.size if io_way(comm) == "serial" else 1  # of which rank 0 has a piece each
     step = max(1, PIECE_BYTES // (row_bytes * ranks))
@@ -197,7 +198,7 @@ def _cuts(comm, rows, row_bytes):
     return [(min(i, rows[1]), min(i + step, rows[1])) for i in range(rows[0], rows[0] + calls * step, step)]
 
 
-def _transfer(dataset, start, rows, what):
+def _transfer(dataset: Any, start: int, rows: np.ndarray, what: str) -> None:
     """HDF5's "read" or "write", collective by MPI-IO; low-level because h5py's own leaves out ranks without rows."""
     from h5py import h5fd, h5p, h5s
 

@@ -125,7 +125,7 @@ def test_steep_heights_are_told(z):
     assert hpc_gfmd.solve(3 * z, 0.1, boundary="periodic").note == "g_rms = 3: the theory is that of small slopes"
 
 
-def test_doubts_of_a_height_map_are_told_everywhere(z, tmp_path, monkeypatch, capfd):
+def test_notes_on_a_height_map_are_told_everywhere(z, tmp_path, monkeypatch, capfd):
     """Heights in nm beside sizes in m; every load has the note, the table says it once."""
     monkeypatch.chdir(tmp_path)
     np.save("z.npy", 1e9 * z)
