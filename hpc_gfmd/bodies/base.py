@@ -67,14 +67,16 @@ class Body:
     full_p_star : float
         Below this p* full contact is out of the question, because the pressure that flattens a surface varies by std(p) >= E* g_rms/2
         about its mean (unless the surface is very skewed).
-    absolute : bool
-        Whether a uniform pressure has a finite effect, so that the approach is known.
     """
 
     name = ""
     table_share = 0.25  # numbers that are kept for every point of a grid and each precision
     full_p_star = 0.499
-    absolute = True
+
+    @property
+    def absolute(self) -> bool:
+        """Whether a uniform pressure has a finite effect, so that the approach is known."""
+        return True
 
     @classmethod
     def of(cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]) -> Body | None:

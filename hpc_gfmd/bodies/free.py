@@ -50,7 +50,7 @@ class Free(HalfSpace):
     full_p_star = np.inf  # outside the surface nothing ever touches
 
     @property
-    def absolute(self) -> bool:  # type: ignore[override]
+    def absolute(self) -> bool:
         """Along a periodic axis the load never ends: it sinks in without end."""
         return all(self.free)
 
