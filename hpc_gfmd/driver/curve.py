@@ -6,6 +6,7 @@ from .prescribed import SLOPES, Search
 
 SLOPE = {"gap_mean": 0.6, "a_r": 1.0, "approach": 0.8}  # of straightened curves, before anything is known
 FAR = log(5.0)  # log p0 of two loads, that have to do with each other no more
+BENT = {"gap_mean": 1.0, "a_r": 0.5, "approach": 1.0}  # share of the bend of the last three loads that goes on
 BEND = 0.3  # by which a slope may differ from that of the last secant, relative
 
 
@@ -44,7 +45,7 @@ class Curve:
         if secants and SLOPES[0] < secants[-1][1] < SLOPES[1]:
             middle, search.slope = secants[-1]
             bend = (search.slope - secants[0][1]) / (middle - secants[0][0]) if len(secants) > 1 and middle != secants[0][0] else 0.0
-            change = bend * (x + 0.5 * (wanted - f) / search.slope - middle)
+            change = BENT[kind] * bend * (x + 0.5 * (wanted - f) / search.slope - middle)
             search.slope *= 1 + min(max(change / search.slope, -BEND), BEND)
         search.x = x + (wanted - f) / search.slope
         return search

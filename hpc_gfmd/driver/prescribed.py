@@ -11,7 +11,7 @@ walls whose asperities touch all at once, the nearer side of the jump is taken, 
 """
 
 from dataclasses import dataclass, field
-from math import exp, inf, isfinite, log
+from math import copysign, exp, hypot, inf, isfinite, log
 from statistics import NormalDist
 
 from ..errors import SceneError
@@ -26,7 +26,8 @@ WORTH = 1.0  # times the tolerance, beside that: what is missed by less waits un
 GUESSES = 8  # such corrections of a load on a grid, at most
 ANSWERED = 2  # iterations after which a solution has followed a correction
 FIELD = 0.1  # of the error of the pressure field, beside that of the mean gap: the error of the approach
-KNOWN = 8.0  # times better than they differ must two points be known for the slope between them
+NOISE = {"gap_mean": 1.0, "a_r": 0.3, "approach": 1.0}  # standard deviation of the quantity, over its estimated error
+BENDS = 0.3  # the same of a slope, relative, before two points tell it
 COARSE = {"gap_mean": 0.005, "a_r": 0.03, "approach": 0.005}  # tolerance on coarser grids
 TREND = {"gap_mean": 0.3, "a_r": 0.7, "approach": 0.3}  # of the last change of log p0 from grid to grid: the next one, at most,
 LEAST = 0.3  # and at least, where the ratio of the last two tells
@@ -152,11 +153,14 @@ class Search:
 
     def near(self, solver, progress):
         """Whether a solution on a coarser grid is as near as it need be; if not, its load may be changed."""
-        if not isfinite(self._straight(self.target)) or self.corrections == MOST or self.note is not None:
+        if not isfinite(self._straight(self.target)) or self.corrections > 2 * SECANTS or self.note is not None:
             return True
         y, error = self._state(solver, progress)
         tolerance, f = COARSE[self.quantity], self._straight(y)
         self.left = (self._straight(self.target) - f) / self.slope if error < READ * tolerance and isfinite(f) else 0.0
+        if self.known and f == self.known[1] and self._miss(y) > max(TRUST[self.quantity] * error, tolerance):
+            self.x, self.left = self.known[0], 0.0  # it does not answer: few peaks are left of an ordered wall
+            return True
         return not self._correct(solver, y, error, tolerance, COARSE_STEP) and max(self._miss(y), DOUBT * error) <= tolerance
 
     def adjust(self, solver, progress):
@@ -252,6 +256,8 @@ class Search:
                 x = 0.5 * (low + high)
             elif not low < x < high:  # the older bound may have been taken from a solution that had not followed yet
                 self.low, self.high = (None, self.high) if f > wanted else (self.low, None)
+        elif self.corrections > SECANTS:  # nothing answered: longer and longer steps
+            x = self.x + copysign(min(2 * max(abs(self.change), tolerance), longest), wanted - f)
         return self._go_to(x, solver)
 
     def _anticipate(self, solver, y, error, progress):
@@ -290,11 +296,12 @@ class Search:
             self.low, self.high = (x, y), self.high if self.high and self.high[0] > x else None
 
     def _learn(self, x, f, error):
-        """The slope between this point of the curve and the one before, if both are known well enough."""
+        """The slope between this point of the curve and the one before, as far as it is known better than by itself."""
         if self.known and isfinite(f) and x != self.known[0]:
-            grain = 2 / (self.target * self.points) if self.quantity == "a_r" else 0.0
+            grain = 1 / (self.target * self.points) if self.quantity == "a_r" else 0.0
             difference = f - self.known[1]
             slope = difference / (x - self.known[0])
-            if abs(difference) > KNOWN * (error + self.known[2] + grain) and SLOPES[0] < slope < SLOPES[1]:
-                self.slope = slope
+            noise = NOISE[self.quantity] * hypot(error, self.known[2]) + grain
+            if SLOPES[0] < slope < SLOPES[1]:
+                self.slope *= (slope / self.slope)**(1 / (1 + (noise / (BENDS * difference))**2))
         self.known = (x, f, error) if isfinite(f) else None

@@ -169,6 +169,22 @@ def test_an_area_that_jumps():
         assert "a_r jumps from 0.01562 to 0.03125 at this pressure" in step.contact.note
 
 
+@pytest.mark.parametrize(("free", "wanted"), [((False, False), 0.05), ((True, True), 0.01)], ids=str)
+def test_an_area_of_an_ordered_wall(free, wanted):
+    """Coarse grids have a few points on each of its equal peaks, and do not tell the load; what is found is as near as can be."""
+    wave = np.cos(2 * np.pi * np.arange(128) / 32)
+    plain = sweep_over(0.01 * np.outer(wave, wave), free, accuracy=1e-2)
+    sweep = sweep_over(0.01 * np.outer(wave, wave), free, accuracy=1e-2)
+    found = sweep.solve(Prescribed("a_r", wanted))
+    assert found.contact.outcome.status == "converged"
+    assert found.pairs < 60
+    missed = abs(quantity_of(found, "a_r") - wanted)
+    if missed > 1e-2 * wanted:
+        assert "a_r jumps" in found.contact.note
+        beyond = plain.solve(found.contact.p_mean * (0.98 if quantity_of(found, "a_r") > wanted else 1.02))
+        assert abs(quantity_of(beyond, "a_r") - wanted) > missed
+
+
 @pytest.mark.parametrize("free", [(False, False), (True, True)], ids=str)
 def test_hardly_touching(free):
     """A mean gap that is but a little less than where the highest peak touches."""
