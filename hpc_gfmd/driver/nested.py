@@ -1,4 +1,4 @@
-"""Nested start: solve on decimated grids first, each to a few per cent, and interpolate the displacement to the next finer grid.
+"""Nested start: solve on decimated grids first, roughly, and interpolate the displacement to the next finer grid.
 
 The finer grid's own heights are then given way to locally, without an FFT (kernels/prolong.py): that saves one or two iterations.
 
@@ -19,7 +19,9 @@ from ..parallel.halo import Windows, neighbours, rows_of
 from .certificate import certify
 
 COARSEST = 32  # points along an axis below which there is no coarser grid
-RESIDUAL = 0.2  # of the coarse solutions
+# Residual of a coarse solution, of what its own start had (at most LARGE): so much less for each grid finer than it. What a finer grid
+# adds is about what this one added to the coarser: to solve it better than that is no use, but the coarser, the cheaper it is.
+REDUCTION, LARGE = 0.3, 1.0
 ITERATIONS = 60  # at most, on a coarse grid
 RANK_POINTS = 2**13  # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
 TENSION = 0.02  # share of points under tension in a closed coarse contact up to which the fine one may be without any
@@ -112,11 +114,12 @@ class Decimation:
 class Nested:
     """The decimated grids of a grid, planned once; `start` solves on them. Collective, as is all of it."""
 
-    def __init__(self, grid, dtype):
-        self.step, self.coarser = Decimation.of(grid), None
+    def __init__(self, grid, dtype, finer=0):
+        """finer: number of grids that are finer."""
+        self.step, self.coarser, self.reduction = Decimation.of(grid), None, REDUCTION ** (finer + 1)
         if self.step is not None and self.step.coarse is not None:
             self.step.coarse.fft(dtype)
-            self.coarser = Nested(self.step.coarse, dtype)
+            self.coarser = Nested(self.step.coarse, dtype, finer + 1)
 
     @property
     def grids(self):
@@ -143,7 +146,7 @@ class Nested:
                 g, pairs = self.coarser.start(coarse, make_solver, search=search)
                 if search is not None:
                     coarse = replace(coarse, p0=search.on_next_grid(coarse.grid.N, mean_height(coarse.grid, coarse.h)))
-                solver = _roughly_solved(coarse, make_solver, g, search)
+                solver = _roughly_solved(coarse, make_solver, g, self.reduction, search)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
                 full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
             except interrupt.Stopped as found:
@@ -169,14 +172,15 @@ class Nested:
         return bool(likely), float(pairs)
 
 
-def _roughly_solved(problem, make_solver, g, search):
-    """A solver that has come from the gap g to a few per cent, and to the load that `search`, if any, is after."""
+def _roughly_solved(problem, make_solver, g, reduction, search):
+    """A solver that has come from the gap g to a residual that is so much smaller, and to the load that `search`, if any, is after."""
     solver = make_solver(problem)
     solver.start(g)
+    enough = reduction * min(solver.progress().residual, LARGE)
     for _ in range(ITERATIONS):
         interrupt.check(problem.grid.comm)
         progress = solver.progress()
-        if not progress.finite or (progress.residual < RESIDUAL and (search is None or search.near(solver, progress))):
+        if not progress.finite or (progress.residual <= enough and (search is None or search.near(solver, progress))):
             break
         solver.step()
     return solver

