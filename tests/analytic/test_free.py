@@ -248,7 +248,7 @@ def test_gradient_between_neighbours():
 
 @pytest.mark.parametrize(("boundary", "loose"), [("periodic", 10), ("free", 20), (["free", "periodic"], 50)], ids=str)
 def test_how_well_the_gap_is_known(boundary, loose):
-    """By the estimates of the certificate, over the errors that they stand for: what surrounds the surface does not make them useless."""
+    """By the estimates of the certificate, over the errors that they stand for: what is around the surface leaves them of use."""
     surface = rough((2, 16, 4), boundary=boundary)
     wanted = sweep_of(surface, **EXACT).solve(0.3).contact.certificate.gap_mean
     sweep, ratios = sweep_of(surface, accuracy=1e-5, precision="double"), []
