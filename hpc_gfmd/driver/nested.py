@@ -21,7 +21,7 @@ from .certificate import certify
 COARSEST = 32  # points along an axis below which there is no coarser grid
 # Residual of a coarse solution, of what its own start had (at most LARGE): so much less for each grid finer than it. What a finer grid
 # adds is about what this one added to the coarser: to solve it better than that is no use, but the coarser, the cheaper it is.
-REDUCTION, LARGE = 0.3, 1.0
+REDUCTION, LARGE = 0.2, 1.0
 ITERATIONS = 60  # at most, on a coarse grid
 RANK_POINTS = 2**13  # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
 TENSION = 0.02  # share of points under tension in a closed coarse contact up to which the fine one may be without any
