@@ -21,7 +21,8 @@ from .certificate import certify
 COARSEST = 32  # points along an axis below which there is no coarser grid
 # Residual of a coarse solution, of what its own start had (at most LARGE): so much less for each grid finer than it. What a finer grid
 # adds is about what this one added to the coarser: to solve it better than that is no use, but the coarser, the cheaper it is.
-REDUCTION, LARGE = 0.2, 1.0
+# An accuracy that takes a few iterations needs a start without errors in long waves; where there are more iterations, they see to them.
+REDUCTION, FEW_REDUCTION, FEW, LARGE = 0.6, 0.2, 3e-3, 1.0
 ITERATIONS = 60  # at most, on a coarse grid
 RANK_POINTS = 2**13  # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
 TENSION = 0.02  # share of points under tension in a closed coarse contact up to which the fine one may be without any
@@ -114,12 +115,13 @@ class Decimation:
 class Nested:
     """The decimated grids of a grid, planned once; `start` solves on them. Collective, as is all of it."""
 
-    def __init__(self, grid, dtype, finer=0):
-        """finer: number of grids that are finer."""
-        self.step, self.coarser, self.reduction = Decimation.of(grid), None, REDUCTION ** (finer + 1)
+    def __init__(self, grid, dtype, accuracy=None, finer=0):
+        """accuracy: that is asked for on the finest grid, None where it is a residual; finer: number of grids that are finer."""
+        self.step, self.coarser = Decimation.of(grid), None
+        self.reduction = (REDUCTION if accuracy is None or accuracy < FEW else FEW_REDUCTION) ** (finer + 1)
         if self.step is not None and self.step.coarse is not None:
             self.step.coarse.fft(dtype)
-            self.coarser = Nested(self.step.coarse, dtype, finer + 1)
+            self.coarser = Nested(self.step.coarse, dtype, accuracy, finer + 1)
 
     @property
     def grids(self):

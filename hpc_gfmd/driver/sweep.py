@@ -312,7 +312,7 @@ class Sweep:
             grid.fft(np.float64)  # of the certificate
             wanted = self.settings.nested
             nests = self.solver_class.nests if wanted == "auto" else wanted
-            self.nested = Nested(grid, dtype) if nests else None
+            self.nested = Nested(grid, dtype, self.settings.accuracy) if nests else None
 
     @property
     def _is_flat(self) -> bool:
