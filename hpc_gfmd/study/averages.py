@@ -1,15 +1,11 @@
 """Means over realisations with their standard errors: the rows of the figures."""
 
-from collections import defaultdict
-from collections.abc import Iterator
-
 import numpy as np
 
-from .rows import Rows
+from .rows import Rows, groups
 from .scatter import Scatter
 
-RATIOS = ("L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a")
-COLUMNS = ("hurst", "p_star", *RATIOS, "eps_t", "eps_f", "eps_c", "n")
+COLUMNS = ("hurst", "p_star", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "eps_t", "eps_f", "eps_c", "n")
 
 
 def average(runs: Rows, observables: tuple[str, ...]) -> Rows:
@@ -19,17 +15,17 @@ def average(runs: Rows, observables: tuple[str, ...]) -> Rows:
     where no group had two seeds. Surfaces that are solved on several grids, some of them for fewer seeds, are averaged as ratios to
     the grid with most seeds, so that means along eps_c do not jump with the choice of seeds.
     """
-    families = defaultdict(list)
-    for run in runs:
-        families[run["hurst"], run["p_star"]].append(run)
     rows: Rows = []
-    for key in sorted(families):
-        scatter = {name: Scatter.of(families[key], name) for name in observables}
-        surfaces = defaultdict(list)
-        for run in families[key]:
-            surfaces[run["L_over_lam_l"], run["lam_l_over_lam_s"]].append(run)
-        for surface in sorted(surfaces):
-            rows += _grids_of(surfaces[surface], observables, scatter)
+    for _, family in groups(runs, "hurst", "p_star").items():
+        scatter = {name: Scatter.of(family, name) for name in observables}
+        for _, surfaces in groups(family, "L_over_lam_l", "lam_l_over_lam_s").items():
+            grids = [{run["seed"]: run for run in part} for part in groups(surfaces, "lam_s_over_a").values()]
+            base = max(grids, key=len)
+            for seeds in grids:
+                first = next(iter(seeds.values()))
+                rows.append({name: first[name] for name in COLUMNS} | {"n_seeds": len(seeds)})
+                for name in observables:
+                    rows[-1][name], rows[-1][f"{name}_se"] = _mean(name, seeds, base, scatter[name])
     return rows
 
 
@@ -37,20 +33,6 @@ def relative_scatter(row: dict, observable: str) -> float | None:
     """Scatter of single realisations over the mean, from the standard error; None where it is not known."""
     se = row.get(f"{observable}_se")
     return se * row["n_seeds"] ** 0.5 / abs(row[observable]) if se is not None else None
-
-
-def _grids_of(runs: Rows, observables: tuple[str, ...], scatter: dict[str, Scatter]) -> Iterator[dict]:
-    grids: dict[float, dict] = defaultdict(dict)
-    for run in runs:
-        grids[run["lam_s_over_a"]][run["seed"]] = run
-    base = max(sorted(grids), key=lambda grid: len(grids[grid]))
-    for grid in sorted(grids):
-        seeds = grids[grid]
-        first = next(iter(seeds.values()))
-        row = {name: first[name] for name in COLUMNS} | {"n_seeds": len(seeds)}
-        for name in observables:
-            row[name], row[f"{name}_se"] = _mean(name, seeds, grids[base], scatter[name])
-        yield row
 
 
 def _mean(name: str, seeds: dict, base: dict, scatter: Scatter) -> tuple[float, float | None]:

@@ -1,4 +1,5 @@
-"""What is stored of a study as a table (CSV, JSON) and a picture (PNG) beside the runs."""
+"""What is stored of a study as a table (CSV, JSON) and a picture (PNG) beside the runs; of one beyond the paper also as a page: what is
+asked, picture, what we find, numbers, command, time (Markdown)."""
 
 import csv
 import io
@@ -7,16 +8,33 @@ import os
 from pathlib import Path
 from typing import Any
 
-from .page import page
+from .. import __version__
+from .catalogue import Study
 from .rows import Rows
 from .store import Store
-from .study import Study
+from .text import literal, table
+
+PAGE = """# {title}
+
+{question}
+
+![{title}]({name}.png)
+
+{found}
+
+{numbers}
+
+All numbers: [{name}.csv]({name}.csv), [{name}.json]({name}.json). "±" is one standard error.
+
+Made by `hpc-gfmd study {name} --level {level}` (hpc_gfmd {version}): {loads} loads on {surfaces} surfaces, grids from {low}² to {high}²
+points, {minutes:.0f} minutes of solving in all, on one shared core; {poor} loads failed their accuracy of {accuracy:g}.
+"""
 
 
 def publish(study: Study, store: Store, level: str) -> Rows:
     """Write NAME.csv, NAME.json, NAME.png and, of a study beyond the paper, NAME.md into the folder of the store; returns the rows.
 
-    study: study.Study. Nothing stored of it: nothing is written and the rows are empty.
+    Nothing stored of it: nothing is written and the rows are empty.
     """
     cases = study.cases(level)
     runs = store.runs_of(cases)
@@ -32,6 +50,22 @@ def publish(study: Study, store: Store, level: str) -> Rows:
     if study.question:
         write_whole(path.with_suffix(".md"), page(study, rows, runs, level))
     return rows
+
+
+def page(study: Study, rows: Rows, runs: Rows, level: str) -> str:
+    """The text; runs: those that the rows are made of."""
+    found = "\n".join(f"- {literal(line['paper'])}: **{literal(line['ours'])}**" + (f" ({literal(line['why'])})" if line["why"] else "")
+                      for line in study.compare(rows))
+    surfaces = {(run["hurst"], run["seed"], run["eps_t"], run["eps_f"]) for run in runs}
+    return PAGE.format(name=study.name, title=study.title, question=study.question, found=found, level=level, version=__version__,
+                       numbers=table(study.lines(rows), study.columns), surfaces=len(surfaces), **effort(runs))
+
+
+def effort(runs: Rows) -> dict[str, Any]:
+    """What runs took: loads, low and high (points along an axis), minutes, poor (loads that failed their accuracy), accuracy."""
+    sizes = [run["n"] for run in runs] or [0]
+    return {"loads": len(runs), "low": min(sizes), "high": max(sizes), "minutes": sum(run["wall_seconds"] for run in runs) / 60,
+            "poor": sum(run["status"] != "converged" for run in runs), "accuracy": max((run["accuracy"] for run in runs), default=0)}
 
 
 def columns_of(rows: Rows) -> list[str]:

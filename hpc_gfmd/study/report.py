@@ -10,13 +10,12 @@ from typing import Any
 
 from .. import __version__
 from . import catalogue, coefficients, questions
+from .catalogue import Study
 from .errata import area, formulas, gap
 from .levels import tfc_series
-from .page import effort
-from .publish import publish, write_whole
+from .publish import effort, publish, write_whole
 from .rows import Rows
 from .store import Store
-from .study import Study
 from .text import literal, table
 
 FILE, OUR_TABLE = "README.md", "our_tfc.json"

@@ -13,7 +13,7 @@ from ..driver.timing import expected_seconds
 from ..driver.warmup import compile_once
 from ..errors import GfmdError, SceneError
 from ..observables import area, gap
-from ..parallel.guard import guarded
+from ..parallel.guard import on_rank_0
 from ..parallel.interrupt import Interrupt, Stopped
 from ..parallel.world import threads_of
 from ..registry import distributions_named, observables_named
@@ -81,18 +81,14 @@ def run_missing(cases: list[Case], store: Store, comm: Any, threads: int | str =
     say(text) prints on rank 0. A case that cannot be solved is reported and left out. A signal ends the run; what is finished
     stays stored. Raises GfmdError where the folder cannot be read or written. dry: say what would be solved, and stop.
     """
-    with guarded(comm, f"reading {store.folder}"):
-        stored = {key_of(run): set(run) for run in store.load()} if comm.rank == 0 else None
-    stored = comm.bcast(stored)
+    stored = on_rank_0(comm, f"reading {store.folder}", lambda: {key_of(run): set(run) for run in store.load()})
     todo = merged([left for case in cases if (left := missing(case, stored))])
-    speak = say if comm.rank == 0 else _silent
-    seconds = _estimate(comm, todo)
+    speak = say if comm.rank == 0 else lambda text: None
+    seconds = on_rank_0(comm, "estimating the time", lambda: [seconds_of(case, comm.size) for case in todo])
     speak(_plan(cases, todo, seconds))
     if dry or not todo:
         return Outcome(0, (), 0, 0)
-    with guarded(comm, f"making {store.folder}"):
-        if comm.rank == 0:
-            store.folder.mkdir(parents=True, exist_ok=True)
+    on_rank_0(comm, f"making {store.folder}", lambda: store.folder.mkdir(parents=True, exist_ok=True))
     each, solved, unconverged, failed = threads_of(comm, threads), 0, 0, []
     begun = time.monotonic()
     with Interrupt(comm) as interrupt:
@@ -113,16 +109,6 @@ def run_missing(cases: list[Case], store: Store, comm: Any, threads: int | str =
                 speak(f"{index + 1}/{len(todo)}  {case}: {len(statuses)} loads in {now - started:.2f} s; "
                       f"{now - begun:.0f} s so far, about {sum(seconds[index + 1:]):.0f} s to go")
     return Outcome(solved, tuple(failed), unconverged, 1 if failed else 3 if unconverged else 0)
-
-
-def _silent(_text: str) -> None:
-    """What ranks other than 0 say."""
-
-
-def _estimate(comm: Any, todo: list[Case]) -> list[float]:
-    with guarded(comm, "estimating the time"):
-        seconds = [seconds_of(case, comm.size) for case in todo] if comm.rank == 0 else None  # may measure the machine first
-    return comm.bcast(seconds)
 
 
 def _plan(cases: list[Case], todo: list[Case], seconds: list[float]) -> str:
@@ -162,15 +148,10 @@ def _attempt(case: Case, store: Store, comm: Any, threads: int, interrupt: Any) 
 
 
 def _keep(run: dict, store: Store, comm: Any) -> None:
-    problem = None
-    if comm.rank == 0:
-        try:
-            store.append(run)
-        except OSError as error:
-            problem = f"{store.path}: {error.strerror or error}"
-    problem = comm.bcast(problem)
-    if problem:
-        raise NotStored(problem)
+    try:
+        on_rank_0(comm, str(store.path), lambda: store.append(run))
+    except GfmdError as error:
+        raise NotStored(str(error)) from None
 
 
 def _run(case: Case, p_star: float, step: Any, seconds: float, ranks: int) -> dict:

@@ -10,11 +10,11 @@ from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.study import catalogue, levels
 from hpc_gfmd.study.case import Case
+from hpc_gfmd.study.catalogue import Study
 from hpc_gfmd.study.continuum import continuum
 from hpc_gfmd.study.items import curves, distributions, limit, percolation, stiffness
 from hpc_gfmd.study.publish import publish
 from hpc_gfmd.study.store import Store
-from hpc_gfmd.study.study import Study
 
 BEYOND = ("curves", "distributions", "limit", "percolation", "stiffness")
 GRIDS = ((8, 16, 2), (8, 16, 4), (8, 16, 8), (8, 16, 16), (2, 16, 2), (2, 64, 2), (2, 64, 4), (2, 64, 8), (2, 64, 16), (8, 64, 2))

@@ -1,1 +1,38 @@
-"""Errata of the paper: formulas and algorithm shown by small computations, area and gap by the rows of our figures and tables."""
+"""What an erratum is: what is printed, what is right, and a function that shows it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..rows import Rows
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """printed, right: text; show: function of {study: rows}, how our numbers show it, "" while they do not reach that far."""
+
+    printed: str
+    right: str
+    show: Callable[[dict], str]
+
+    def row(self, tables: dict[str, Rows]) -> dict | None:
+        """{"printed", "right", "shown"}; None while some study has no rows and this erratum cannot do without."""
+        try:
+            shown = self.show(tables)
+        except (ValueError, TypeError, IndexError):
+            if all(tables.values()):
+                raise
+            return None
+        return {"printed": self.printed, "right": self.right, "shown": shown} if shown else None
+
+
+class Errata(list):
+    """The errata of a file, in order."""
+
+    def add(self, printed: str, right: str) -> Callable:
+        """A decorator: the function shows this erratum."""
+
+        def added(show: Callable[[dict], str]) -> Callable[[dict], str]:
+            self.append(Erratum(printed, right, show))
+            return show
+
+        return added

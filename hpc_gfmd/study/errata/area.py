@@ -8,7 +8,7 @@ from ..levels import P_HIGH
 from ..paper import of_hurst
 from ..rows import Rows, by_hurst, coarsest, finest, longest, low_high, near, where
 from ..text import filled
-from .erratum import Errata
+from . import Errata
 
 ERRATA = Errata()
 SLOPE = paper.numbers()["slope"]

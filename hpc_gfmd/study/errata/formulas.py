@@ -6,9 +6,9 @@ from scipy.integrate import quad
 from ...theory import persson
 from .. import paper
 from ..levels import HURST, PRESSURES
+from . import Errata
 from .dynamics import HURST as H
 from .dynamics import N_SMALL, STEPS, gfmd, small_surface
-from .erratum import Errata
 
 EPS_F = 1 / 1024  # of the examples, at H
 GRID = 16  # lam_s/a that the text recommends for H = 0

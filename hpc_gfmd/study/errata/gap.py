@@ -8,7 +8,7 @@ from .. import paper
 from ..items import gap
 from ..paper import of_hurst
 from ..rows import Rows, by_hurst, families, fine_half, finest, low_high
-from .erratum import Errata
+from . import Errata
 
 GAP = "gap_over_h_rms"
 ERRATA = Errata()

@@ -8,12 +8,12 @@ import numpy as np
 from ...errors import SceneError
 from ...plotting.style import THEORY, figure, shade
 from ...theory import persson
+from ..catalogue import Study
 from ..continuum import POWERS, continuum
 from ..draw import points
 from ..levels import P_HIGH, P_LOW, series_of
 from ..paper import Sayings, saying
 from ..rows import Rows, at_load, groups, where
-from ..study import Study
 from ..text import filled
 
 HURST = (0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 1.0)

@@ -8,11 +8,11 @@ import numpy as np
 
 from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
+from ..catalogue import Study
 from ..draw import points
 from ..levels import P_HIGH, P_LOW, series_of
 from ..paper import Sayings, saying
 from ..rows import Rows, at_load, by_hurst, where
-from ..study import Study
 from ..text import quoted
 
 HURST = (0.3, 0.5, 0.8)

@@ -9,11 +9,11 @@ import numpy as np
 from ...theory import persson
 from .. import fits, paper
 from ..averages import average, relative_scatter
+from ..catalogue import Study
 from ..draw import gap_lines, two_pressures
 from ..levels import P_LOW, eps_c_series, eps_f_series, eps_t_series
 from ..paper import Sayings, of_hurst, saying
 from ..rows import Rows, by_hurst, coarsest, families, fine_half, finest, longest, low_high, near
-from ..study import Study
 from ..text import quoted
 
 GAP = "gap_over_h_rms"

@@ -5,11 +5,11 @@ from functools import partial
 
 from .. import fits, paper
 from ..averages import average, relative_scatter
+from ..catalogue import Study
 from ..draw import kappa_lines, two_pressures
 from ..levels import eps_c_series, eps_f_series, eps_t_series
 from ..paper import Sayings, of_hurst, saying
 from ..rows import Rows, by_hurst, coarsest, families, finest, groups, longest, low_high, near, where
-from ..study import Study
 from ..text import filled
 
 OBSERVABLES = ("kappa", "kappa_edge")  # as counted, edge-corrected

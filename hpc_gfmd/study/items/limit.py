@@ -9,13 +9,13 @@ import numpy as np
 from ...errors import SceneError
 from ...plotting.style import COLOURS, figure
 from ..case import Case
+from ..catalogue import Study
 from ..draw import points
 from ..levels import BOTH, HURST, PRESSURES, at_level, series_of, tfc_series
 from ..limits import ALPHA_F, fit_limit
 from ..paper import Sayings, numbers, of_hurst, saying
 from ..rows import Rows, at_load, families, groups, where
 from ..scatter import Scatter
-from ..study import Study
 from ..text import filled
 from . import curves
 

@@ -5,11 +5,11 @@ from functools import partial
 from ...theory import elastic, persson
 from .. import paper
 from ..averages import average
+from ..catalogue import Study
 from ..draw import areas, pressure_against_gap
 from ..levels import gap_pressure_series, pressure_series
 from ..paper import Sayings, saying
 from ..rows import Rows, by_hurst, groups
-from ..study import Study
 from ..text import filled
 from .gap import with_theory
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from ...plotting.style import COLOURS, THEORY, figure
+from ..catalogue import Study
 from ..draw import points
 from ..levels import series_of
 from ..paper import Sayings, saying
 from ..rows import Rows, by_hurst, groups, longest, where
-from ..study import Study
 from ..text import filled
 from ..thresholds import between, jackknife, middle
 

@@ -6,11 +6,11 @@ import numpy as np
 
 from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
+from ..catalogue import Study
 from ..draw import points
 from ..levels import series_of
 from ..paper import Sayings, saying
 from ..rows import Rows, by_hurst, groups, where
-from ..study import Study
 
 HURST = (0.3, 0.5, 0.8)
 LOADS = tuple(1e-4 * 2**k for k in range(11))

@@ -5,11 +5,11 @@ from typing import Any
 
 from ...errors import SceneError
 from .. import coefficients, draw, paper
+from ..catalogue import Study
 from ..levels import HURST_GAP, tfc_series
 from ..limits import compare_routes
 from ..paper import Sayings, of_hurst, saying
 from ..rows import Rows, by_hurst, low_high, where
-from ..study import Study
 from ..text import filled
 
 
