@@ -13,6 +13,7 @@ ABSURD = 1e-5, 30.0  # g_rms of real surfaces is between them
 TILT = 0.5      # share of the variance of the heights
 UNRESOLVED = 1.2  # mean square slope between neighbours over that between every second point: 1 where the grid resolves the spectrum
 FILLED = 0.1    # share of the points
+ROUNDING = 1e-12  # of the heights: edges that differ by less are the same
 JUMP = 3.0      # rms jump between opposite edges over that between neighbouring points, up to which it is one of them
 
 
@@ -32,6 +33,7 @@ class MapQuality:
         variance = zz - z * z / N
         plane = sum(part**2 / (N / n * (k @ k)) for part, k, n in ((zx, x, n_x), (zy, y, n_y)) if n > 1)
         self.tilt = float(plane / variance) if variance > 0 else 0.0
+        edge_x, edge_y = (edge if edge > ROUNDING**2 * zz else 0.0 for edge in (edge_x, edge_y))
         self.jumps = [_ratio(edge_x / n_y, one_x / (max(n_x - 1, 1) * n_y)), _ratio(edge_y / n_x, one_y / (max(n_y - 1, 1) * n_x))]
         self.unresolved = max(_ratio(one_x / max(n_x - 1, 1), two_x / max(n_x - 2, 1) / 4) ** 2,
                               _ratio(one_y / max(n_y - 1, 1), two_y / max(n_y - 2, 1) / 4) ** 2)

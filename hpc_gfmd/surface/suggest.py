@@ -70,7 +70,7 @@ def _by_heights(found: Suggestion, make: Callable[[dict], File], given: dict, pe
     tilt = MapQuality(prepared(boundary="periodic"), SerialComm()).tilt
     if tilt > TILT and "detrend" not in given:
         values["detrend"], why["detrend"] = "tilt", f"{100 * tilt:.0f} % of the variance of the heights is that of a plane"
-    jump = max(MapQuality(prepared(boundary="periodic"), SerialComm()).jumps)
+    jump = max(MapQuality(prepared(boundary="periodic", refine=1, downsample=1), SerialComm()).jumps)
     if jump > JUMP and not periodic and not {"boundary", "mirror", "window"} & set(given):
         edges = f"opposite edges differ by {jump:.2g} times what neighbours differ by"
         if {"refine", "downsample"} & set(given):

@@ -65,7 +65,7 @@ def test_a_map_that_knows_its_sizes_runs_as_init_wrote_it(tmp_path, monkeypatch,
 
 
 def test_a_map_with_an_edge_is_taken_to_end_there(tmp_path):
-    np.savez(tmp_path / "map.npz", z=np.cumsum(np.ones((20, 20)), axis=0) ** 2, physical_sizes=[1.0, 1.0], unit="um")
+    np.savez(tmp_path / "map.npz", z=np.linspace(-1, 1, 20)[:, None] ** 3 + np.zeros(20), physical_sizes=[1.0, 1.0], unit="um")
     assert re.search('\nboundary = "free"  .*# opposite edges', compose(str(tmp_path / "map.npz"), tmp_path / "a.toml")[0])
     mirrored = compose(str(tmp_path / "map.npz"), tmp_path / "a.toml", ["surface.mirror=true"])[0]
     assert "\nmirror = true" in mirrored
@@ -74,7 +74,7 @@ def test_a_map_with_an_edge_is_taken_to_end_there(tmp_path):
 
 @pytest.mark.parametrize("key", ["refine", "downsample"])
 def test_what_a_free_boundary_does_not_have_is_not_made_free(tmp_path, key):
-    np.savez(tmp_path / "map.npz", z=np.cumsum(np.ones((20, 20)), axis=0) ** 2, physical_sizes=[1.0, 1.0], unit="um")
+    np.savez(tmp_path / "map.npz", z=np.linspace(-1, 1, 20)[:, None] ** 3 + np.zeros(20), physical_sizes=[1.0, 1.0], unit="um")
     (tmp_path / "a.toml").write_text(compose(str(tmp_path / "map.npz"), tmp_path / "a.toml", [f"surface.{key}=2"])[0])
     surface = load_scene(tmp_path / "a.toml").surface
     assert (getattr(surface, key), surface.mirror, surface.boundary) == (2, True, None)

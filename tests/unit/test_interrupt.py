@@ -93,21 +93,6 @@ def test_handlers_of_c_come_back():
     assert "most recent call first" in done.stderr
 
 
-def test_a_handler_that_python_cannot_name(monkeypatch):
-    """Where C code had installed one before Python began, signal.signal says None, which it does not take back."""
-    real, before = signal.signal, signal.getsignal(signal.SIGUSR1)
-    monkeypatch.setattr(signal, "signal", lambda number, handler: real(number, handler) and None)
-    with Interrupt(SerialComm()) as interrupt:
-        os.kill(os.getpid(), signal.SIGUSR1)
-    assert interrupt.signal == signal.SIGUSR1
-    monkeypatch.undo()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        assert signal.getsignal(number)
-    signal.signal(signal.SIGUSR1, before)
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-
-
 @pytest.fixture
 def unlaunched(monkeypatch):
     for name in (*launcher.LAUNCHER_SIZE, *launcher.LAUNCHER_RANK, launcher.LAUNCHER, "SLURM_PROCID"):

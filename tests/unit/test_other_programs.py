@@ -122,42 +122,6 @@ def test_loads_that_do_not_rise_are_numbered_in_paraview(tmp_path):
     assert read_by_vtk(write(tmp_path / "out.h5", (0.2, 0.1, 0.3)), 1)[2] == (0, 1, 2)
 
 
-def test_paraview_draws_x_along_x(path):
-    """Off the screen: the picture is wider than high, and brightest where the pressure is largest, at the end of both axes."""
-    pytest.importorskip("vtkmodules.vtkRenderingOpenGL2")
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
-    from vtkmodules.vtkRenderingCore import vtkActor, vtkDataSetMapper, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
-
-    image, arrays, _ = read_by_vtk(path, 0)
-    image.GetPointData().SetActiveScalars("pressure")
-    surface, mapper, actor, renderer = vtkDataSetSurfaceFilter(), vtkDataSetMapper(), vtkActor(), vtkRenderer()
-    surface.SetInputData(image)
-    mapper.SetInputConnection(surface.GetOutputPort())
-    mapper.SetScalarRange(0, arrays["pressure"].max())
-    table = mapper.GetLookupTable()
-    table.SetHueRange(0, 0)
-    table.SetSaturationRange(0, 0)
-    table.SetValueRange(0.2, 1)
-    actor.SetMapper(mapper)
-    actor.GetProperty().LightingOff()
-    renderer.AddActor(actor)
-    window = vtkRenderWindow()
-    window.SetOffScreenRendering(1)
-    window.SetSize(200, 200)
-    window.AddRenderer(renderer)
-    renderer.ResetCamera()
-    window.Render()
-    grabber = vtkWindowToImageFilter()
-    grabber.SetInput(window)
-    grabber.Update()
-    pixels = vtk_to_numpy(grabber.GetOutput().GetPointData().GetScalars())[:, 0].reshape(200, 200)  # [from below, from the left]
-    rows, columns = np.nonzero(pixels)
-    assert columns.max() - columns.min() > 2 * (rows.max() - rows.min())  # 2.5 x 0.75
-    low, high, left, right = rows.min() + 2, rows.max() - 2, columns.min() + 2, columns.max() - 2
-    assert pixels[low, left] < pixels[high, left] < pixels[low, right] < pixels[high, right]
-
-
 def test_netcdf(path, capsys):
     xarray = pytest.importorskip("xarray")
     assert main(["export", str(path), "--to", "netcdf"]) == 0

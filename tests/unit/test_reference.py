@@ -1,12 +1,9 @@
 """Reference curves: what a user loads, and the file that is made from stored runs."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
-from mpi_harness import environment
 from study_runs import runs_of
 
 from hpc_gfmd import reference
@@ -112,10 +109,3 @@ def test_units_of_the_gap():
     assert gap / other == pytest.approx(persson.g_rms_lam_s_over_h_rms(0.8, 1 / 256))
     with pytest.raises(SceneError, match="unit"):
         reference.mean_gap(0.1, 0.8, 1 / 256, unit="h")
-
-
-def test_reading_needs_no_kernels_and_no_mpi():
-    code = ("import sys; from hpc_gfmd import reference; reference.contact_area(0.1, 0.8, 1/256); "
-            "print(sorted({'numba', 'mpi4py', 'h5py'} & set(sys.modules)))")
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(), check=True)
-    assert done.stdout.strip() == "[]"

@@ -6,7 +6,7 @@ import pytest
 from result_files import FIELD, STEP, SURFACE, N, begin, complete, names
 
 from hpc_gfmd import load
-from hpc_gfmd.errors import GfmdError, SceneError
+from hpc_gfmd.errors import GfmdError
 from hpc_gfmd.output.read import FORMAT_VERSION, read_result
 from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.comm import SerialComm
@@ -86,35 +86,3 @@ def test_a_damaged_field_is_neither_read_nor_copied(path, tmp_path):
     with pytest.raises(GfmdError, match=damaged):
         load(path).save(tmp_path / "copy.h5")
     assert not (tmp_path / "copy.h5").exists()
-
-
-def refused(path, match):
-    with pytest.raises(SceneError, match=match) as caught:
-        read_result(path)
-    assert "\n" not in str(caught.value)
-    assert str(path) in str(caught.value)
-
-
-def test_truncated_files_are_refused(path):
-    refused(path, "no such file")
-    whole = complete(path, 1).read_bytes()
-    for size in (9, 511, 512, 600, 2000, len(whole) - 1):
-        path.write_bytes(whole[:size])
-        refused(path, "damaged|not an HDF5 file")
-
-
-def test_garbled_files_are_refused(path):
-    """Where that is not in what nobody reads (coordinates, texts for other programs)."""
-    whole, refusals = complete(path, 1).read_bytes(), 0
-    random = np.random.default_rng(0)
-    for place in range(50, len(whole) - 100, 97):
-        garbled = bytearray(whole)
-        garbled[place : place + 100] = random.bytes(100)
-        path.write_bytes(garbled)
-        try:
-            said = read_result(path).steps
-        except SceneError as error:
-            said, refusals = str(error), refusals + 1
-        assert said == [STEP] or "damaged" in said or "not a result" in said
-        assert "\n" not in said
-    assert refusals > 10

@@ -1,6 +1,5 @@
 """Files in wrong places, damaged ones beside sound ones, and results that stand in the way: nothing finished is lost without a word."""
 
-import os
 import shutil
 from pathlib import Path
 
@@ -104,15 +103,6 @@ def test_loads_are_in_the_order_of_their_numbers(path):
     with h5py.File(path) as file:
         assert list(file["loads"]) == list(file["VTKHDF/Steps/Values"]) == [9999, 10000, 10001]
         assert np.array_equal(file["VTKHDF/PointData/gap"][:, 0, 0], [9999, 10000, 10001])
-
-
-def test_pipes_are_refused(tmp_path, capsys):
-    os.mkfifo(tmp_path / "pipe.h5")
-    for command in (["show"], ["plot"], ["export", "--to", "csv"]):
-        assert main([*command, str(tmp_path / "pipe.h5")]) == 2
-    assert capsys.readouterr().err.count("pipe.h5: is no file") == 3
-    with pytest.raises(SceneError, match="is no file"):
-        begin(tmp_path / "pipe.h5")
 
 
 def test_a_link_is_followed(tmp_path):

@@ -1,7 +1,9 @@
-"""Somebody with a measured surface: from the file of the instrument to numbers, a picture and a distribution, in six lines."""
+"""Somebody with a measured surface: from the file of the instrument to numbers, a picture and a distribution, as the README says."""
 
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,24 +13,9 @@ import hpc_gfmd
 from hpc_gfmd.surface.instruments import surface_topography
 
 SIZE = 12e-6  # m
-SIX_LINES = """\
-import hpc_gfmd
-scan = hpc_gfmd.read_surface("scan.x3p", detrend="tilt", boundary="free")
-solution = hpc_gfmd.solve(scan, "0.2 MPa", "20 MPa")
-print(f"a_r = {100 * solution.a_r:.2f} %")
-solution.plot("pressure").savefig("pressure.png")
-print(solution.distribution("patches"))
-"""
-EIGHT_LINES = """\
-surface.kind = "file"
-surface.path = "scan.x3p"
-surface.detrend = "tilt"
-surface.boundary = "free"
-material.E_star = "20 MPa"
-load.pressure = "0.2 MPa"
-output.fields = ["pressure", "gap"]
-output.distributions = ["patches"]
-"""
+README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+PYTHON, TOML = (re.search(f"```{language}\n(.*?)```", README, re.DOTALL)[1] for language in ("python", "toml"))
+LOAD, MODULUS = "20 MPa", "2 GPa"  # that stand in both
 
 
 @pytest.fixture(scope="module")
@@ -49,11 +36,10 @@ def run(folder, *arguments):
 
 
 def test_six_lines_of_python(folder):
-    assert len(SIX_LINES.splitlines()) == 6
-    (folder / "six.py").write_text(SIX_LINES)
+    (folder / "six.py").write_text(PYTHON)
     first, *rest = run(folder, "six.py").splitlines()
     scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
-    solution = hpc_gfmd.solve(scan, "0.2 MPa", "20 MPa")
+    solution = hpc_gfmd.solve(scan, LOAD, MODULUS)
     assert first == f"a_r = {100 * solution.a_r:.2f} %"
     assert 1 < 100 * solution.a_r < 50
     assert all(word in "".join(rest) for word in ("edges", "density"))
@@ -67,15 +53,14 @@ def test_six_lines_of_python(folder):
 
 
 def test_a_scene_of_eight_lines(folder):
-    assert len(EIGHT_LINES.splitlines()) == 8
-    (folder / "scene.toml").write_text(EIGHT_LINES)
+    (folder / "scene.toml").write_text(TOML)
     told = run(folder, "-m", "hpc_gfmd", "run", "scene.toml")
     pictures = run(folder, "-m", "hpc_gfmd", "plot", "contact.h5").split()
     assert all((folder / name).is_file() for name in pictures)
     (solution,) = hpc_gfmd.load(folder / "contact.h5")
     assert f"{100 * solution.a_r:.2f} " in told.replace("+-", " ")
     assert "[% +- solver]" in told
-    assert "[kPa]" in told
-    python = hpc_gfmd.solve(hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free"), "0.2 MPa", "20 MPa")
+    assert "[MPa]" in told
+    python = hpc_gfmd.solve(hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free"), LOAD, MODULUS)
     assert (solution.a_r, solution.status) == (python.a_r, "converged")
     assert solution.distributions["patches"]["density"] == pytest.approx(python.distribution("patches")["density"])

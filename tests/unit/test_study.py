@@ -1,7 +1,6 @@
 """Studies: what is stored is safe and complete, what is there is not solved again, shares and surfaces are what they claim."""
 
 import errno
-import json
 import os
 import signal
 from dataclasses import replace
@@ -91,28 +90,6 @@ def test_store_survives_a_torn_line(tmp_path, torn):
     assert [run["a_r"] for run in store.load()] == [0.1]
     store.append(run_of(SMALL, 0.35, a_r=0.5))
     assert [run["a_r"] for run in store.load()] == [0.1, 0.5]
-
-
-def test_every_cut_of_the_last_line(tmp_path):
-    store = Store(tmp_path)
-    store.append(run_of(SMALL, 0.05))
-    first = store.path.stat().st_size
-    store.append(run_of(SMALL, 0.35))
-    whole = store.path.read_bytes()
-    for size in range(first, len(whole) - 1):
-        store.path.write_bytes(whole[:size])
-        assert [run["p_star"] for run in store.load()] == [0.05]
-    store.path.write_bytes(whole[:-1])  # all but the end of the line: nothing is lost
-    assert len(store.load()) == 2
-
-
-def test_parts_are_read_together_and_once(tmp_path):
-    for part in (None, 1, 2):
-        Store(tmp_path, part).append(run_of(SMALL, 0.05))
-    Store(tmp_path, 2).append(run_of(SMALL, 0.35))
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["runs-1.jsonl", "runs-2.jsonl", "runs.jsonl"]
-    assert sorted(run["p_star"] for run in Store(tmp_path).load()) == [0.05, 0.35]
-    assert missing(SMALL, {key_of(run): set(run) for run in Store(tmp_path, 1).load()}) is None
 
 
 @pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGINT])
@@ -216,15 +193,18 @@ def test_levels(level):
 
 
 def test_catalogue():
-    assert catalogue.of_paper() == [f"fig{k}" for k in range(1, 14)] + [f"table{k}" for k in range(1, 6)]
-    for name in catalogue.of_paper():
+    beyond = ["curves", "distributions", "limit", "percolation", "stiffness"]
+    assert catalogue.names() == [*(f"fig{k}" for k in range(1, 14)), *(f"table{k}" for k in range(1, 6)), *beyond]
+    for name in catalogue.names():
         study = catalogue.study(name)
-        assert (study.name, bool(study.title), bool(study.paper)) == (name, True, True)
-        assert study.cases("quick")
+        assert (study.name, bool(study.title), bool(study.paper), bool(study.question)) == (name, True, True, name in beyond)
+        for level in levels.LEVELS:
+            assert study.cases(level)
+            assert all(case.scene().n == (case.n, case.n) for case in study.cases(level) if name in beyond)
+        with pytest.raises(SceneError, match="quick, desk, paper"):
+            study.cases("dusk")
     with pytest.raises(SceneError, match="nearest: 'fig1'"):
         catalogue.study("figg1")
-    with pytest.raises(SceneError, match="quick, desk, paper"):
-        levels.eps_f_series("dusk")
 
 
 def test_more_of_a_stored_load_is_solved_for(solved, tmp_path):
@@ -243,8 +223,3 @@ def test_more_of_a_stored_load_is_solved_for(solved, tmp_path):
     assert has(store, more)
     assert has(store, SMALL)
     assert solve([SMALL, more], store)[0].solved == 0
-
-
-def test_stored_lines_are_plain_json(solved):
-    for line in solved[0].path.read_text().splitlines():
-        json.loads(line, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))

@@ -10,7 +10,6 @@ from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.study import catalogue, levels
 from hpc_gfmd.study.case import Case
-from hpc_gfmd.study.catalogue import Study
 from hpc_gfmd.study.continuum import continuum
 from hpc_gfmd.study.items import curves, distributions, limit, percolation, stiffness
 from hpc_gfmd.study.publish import publish
@@ -241,17 +240,3 @@ def test_pages(tmp_path):
         assert "nan" not in page
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
     assert all(row["kappa"] > 1 for row in json.loads((tmp_path / "curves.json").read_text())["rows"] if row["p_star"] < 0.3)
-
-
-def test_what_goes_beyond_has_a_question():
-    assert catalogue.names()[-len(BEYOND):] == list(BEYOND)
-    for name in BEYOND:
-        study = catalogue.study(name)
-        assert isinstance(study, Study)
-        for level in levels.LEVELS:
-            cases = study.cases(level)
-            assert cases
-            assert all(case.scene().n == (case.n, case.n) for case in cases)
-        with pytest.raises(SceneError, match="quick, desk, paper"):
-            study.cases("dusk")
-    assert {case.hurst for case in curves.series("desk")} == set(curves.HURST)

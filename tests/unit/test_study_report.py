@@ -50,14 +50,8 @@ def test_everything_that_the_report_names_is_there(quick, text):
 
 
 def test_report_is_complete(quick, text):
-    for heading in (
-        "Open questions",
-        "kappa in the TFC limit",
-        "The exponent alpha_c",
-        "Theory is 2 to 3 times",
-        "Errata",
-        "Paper says / we find / why",
-    ):
+    for heading in ("Open questions", "kappa in the TFC limit", "The exponent alpha_c", "Theory is 2 to 3 times", "Errata",
+                    "Paper says / we find / why"):
         assert heading in text
     assert "nan" not in re.sub(r"[a-zA-Z]nan|nan[a-zA-Z]", "", text)
     assert "not yet" not in text
@@ -75,9 +69,7 @@ def test_numbers_come_from_the_rows(quick, text):
     lines = [[cell.strip() for cell in line.split("|")[1:-1]] for line in section.splitlines() if line.startswith("| 0")]
     assert lines
     for hurst, p_star, eps_f, _, printed, corrected, *_ in lines:
-        row = next(
-            r for r in rows if f"{r['hurst']:g}" == hurst and f"{r['p_star']:.3f}" == p_star and f"1/{1 / r['eps_f']:g}" == eps_f
-        )
+        row = next(r for r in rows if (f"{r['hurst']:g}", f"{r['p_star']:.3f}", f"1/{1 / r['eps_f']:g}") == (hurst, p_star, eps_f))
         assert (f"{row['over_persson_printed']:.3f}", f"{row['over_persson']:.3f}") == (printed, corrected)
         theory = float(persson.mean_gap(row["p_star"], row["hurst"], row["eps_f"]))
         assert row["over_persson"] == pytest.approx(row["gap_over_h_rms"] / theory)
