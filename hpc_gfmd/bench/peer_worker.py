@@ -14,7 +14,9 @@ import math
 import os
 import sys
 import time
+from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"
@@ -22,18 +24,19 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 import numpy as np  # noqa: E402 (reads the variables above)
 
 MAX_ITERATIONS = 20000
+Solved = tuple[Any, int | None, str]  # what `pressure` takes, iterations, status
 
 
 class Aspher:
     """solve_nested, ASPHER's fastest for this problem, with its default preconditioner; settings: others of its arguments."""
 
-    def __init__(self, heights, p0, backend="periodic", precision="double", **settings):
+    def __init__(self, heights: np.ndarray, p0: float, backend: str = "periodic", precision: str = "double", **settings: object):
         self.n, self.p0 = len(heights), p0
         self.settings = settings | {"backend": backend, "precision": precision}
         self.gap = np.ascontiguousarray(heights.max() - heights).ravel()
         self.solve(1e-2)  # FFTW keeps the plans
 
-    def solve(self, tolerance):
+    def solve(self, tolerance: float) -> Solved:
         import aspher
 
         result = aspher.solve_nested(
@@ -42,14 +45,14 @@ class Aspher:
         return result, int(result.iterations), str(result.status)
 
     @staticmethod
-    def pressure(result):
+    def pressure(result: Any) -> np.ndarray:
         return np.asarray(result.pressure)
 
 
 class Tamaas:
     """PolonskyKeerRey with the pressure as its variable."""
 
-    def __init__(self, heights, p0):
+    def __init__(self, heights: np.ndarray, p0: float):
         import tamaas as tm
 
         tm.initialize(1)
@@ -60,7 +63,7 @@ class Tamaas:
         self.model.E, self.model.nu = 1.0, 0.0
         self.solve(1e-1, 3)
 
-    def solve(self, tolerance, max_iterations=MAX_ITERATIONS):
+    def solve(self, tolerance: float, max_iterations: int = MAX_ITERATIONS) -> Solved:
         self.model.traction[...] = 0
         self.model.displacement[...] = 0
         solver = self.tm.PolonskyKeerRey(self.model, self.heights, tolerance)
@@ -68,14 +71,14 @@ class Tamaas:
         left = solver.solve(self.p0)
         return None, None, "converged" if left <= tolerance else "not converged"
 
-    def pressure(self, _):
+    def pressure(self, _: object) -> np.ndarray:
         return np.asarray(self.model.traction).reshape(self.heights.shape)
 
 
 class ContactMechanicsPK:
     """constrained_conjugate_gradients: Polonsky and Keer at a given force. Its three tolerances are tied to one relative number."""
 
-    def __init__(self, heights, p0, free=False):
+    def __init__(self, heights: np.ndarray, p0: float, free: bool = False):
         import ContactMechanics
         from ContactMechanics.Factory import make_system
         from SurfaceTopography import Topography
@@ -89,12 +92,12 @@ class ContactMechanicsPK:
         self.n, self.p0 = n, p0
         self.substrate.evaluate_disp(np.ones((n, n)))
 
-    def solve(self, tolerance):
+    def solve(self, tolerance: float) -> Solved:
         result = self.system.minimize_proxy(external_force=self.p0, pentol=tolerance * self.h_rms, forcetol=tolerance * self.force,
                                             thermotol=tolerance, maxiter=MAX_ITERATIONS)
         return result.jac, int(result.nit), "converged" if result.success else "not converged"
 
-    def pressure(self, forces):
+    def pressure(self, forces: Any) -> np.ndarray:
         points = math.isqrt(np.size(forces))  # along an axis: with free edges also those beyond the surface
         return np.asarray(forces).reshape(points, points)[: self.n, : self.n] * self.n**2
 
@@ -102,7 +105,7 @@ class ContactMechanicsPK:
 class ContactMechanicsCCG(ContactMechanicsPK):
     """Constrained conjugate gradients without restart (Bugnicourt et al.) in the pixel forces, at a given mean force."""
 
-    def solve(self, tolerance):
+    def solve(self, tolerance: float) -> Solved:
         from NuMPI.Optimization import CCGWithoutRestart
 
         result = CCGWithoutRestart.constrained_conjugate_gradients(
@@ -113,31 +116,32 @@ class ContactMechanicsCCG(ContactMechanicsPK):
 
 # With free edges: a convolution on the doubled cell, or fast multipoles of order q (6 by default), whose own error limits the pressure
 # and which alone have an active set.
-PEERS = {"aspher": Aspher, "aspher-float": partial(Aspher, precision="float"),
-         "aspher-mixed": partial(Aspher, precision="float_then_double"),
-         "tamaas": Tamaas, "contactmechanics-pk": ContactMechanicsPK, "contactmechanics-ccg": ContactMechanicsCCG,
-         "aspher-fft": partial(Aspher, backend="fft"),
-         "aspher-fft-mixed": partial(Aspher, backend="fft", precision="float_then_double"),
-         "aspher-h2": partial(Aspher, backend="h2"),
-         "aspher-h2-active": partial(Aspher, backend="h2", active_set=True),
-         "aspher-h2-active-float": partial(Aspher, backend="h2", active_set=True, precision="float"),
-         "aspher-h2-active-q8": partial(Aspher, backend="h2", active_set=True, q=8),
-         "contactmechanics-free-pk": partial(ContactMechanicsPK, free=True),
-         "contactmechanics-free-ccg": partial(ContactMechanicsCCG, free=True)}
+PEERS: dict[str, Callable[[np.ndarray, float], Any]] = {
+    "aspher": Aspher, "aspher-float": partial(Aspher, precision="float"),
+    "aspher-mixed": partial(Aspher, precision="float_then_double"),
+    "tamaas": Tamaas, "contactmechanics-pk": ContactMechanicsPK, "contactmechanics-ccg": ContactMechanicsCCG,
+    "aspher-fft": partial(Aspher, backend="fft"),
+    "aspher-fft-mixed": partial(Aspher, backend="fft", precision="float_then_double"),
+    "aspher-h2": partial(Aspher, backend="h2"),
+    "aspher-h2-active": partial(Aspher, backend="h2", active_set=True),
+    "aspher-h2-active-float": partial(Aspher, backend="h2", active_set=True, precision="float"),
+    "aspher-h2-active-q8": partial(Aspher, backend="h2", active_set=True, q=8),
+    "contactmechanics-free-pk": partial(ContactMechanicsPK, free=True),
+    "contactmechanics-free-ccg": partial(ContactMechanicsCCG, free=True)}
 
 
-def main():
+def main() -> None:
     # What the codes print must not mix with the answers.
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
-    peer = None
+    peer: Any = None
     for line in sys.stdin:
         asked = json.loads(line)
         try:
             if "heights" in asked:
-                peer = None
+                peer = None  # its memory is needed
                 peer = PEERS[sys.argv[1]](np.load(asked["heights"]), float(asked["pressure"]))
-                answer = {"ready": True}
+                answer: dict[str, Any] = {"ready": True}
             else:
                 begun, cpu = time.perf_counter(), time.process_time()
                 result, iterations, status = peer.solve(float(asked["tolerance"]))

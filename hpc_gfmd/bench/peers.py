@@ -12,9 +12,12 @@ import os
 import subprocess
 import tempfile
 import time
+from argparse import Namespace
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 
@@ -22,7 +25,7 @@ from ..errors import GfmdError, SceneError
 from .cases import Case
 from .loosest import PATIENCE, loosest
 from .ours import Ours
-from .reference import reference
+from .reference import Reference, reference
 from .report import Report, one_of
 
 NAMES = {"periodic": ("aspher", "aspher-float", "aspher-mixed", "tamaas", "contactmechanics-pk", "contactmechanics-ccg"),
@@ -36,7 +39,7 @@ COLUMNS = {"n": ("n", "5d"), "p_star": ("p*", "8.4g"), "a_r": ("a_r", "6.4f"), "
            "times_slower": ("x ours", "7.1f"), "cpu_times_slower": ("x (cpu)", "7.1f"), "status": ("status", "<13")}
 
 
-def peers_python():
+def peers_python() -> Path:
     """The interpreter of the environment that scripts/bench-peers-setup makes. Raises SceneError where there is none."""
     root = os.environ.get("HPC_GFMD_PEERS") or Path(__file__).resolve().parents[2] / ".venv-peers"
     python = Path(root) / "bin" / "python"
@@ -51,15 +54,15 @@ class _Peer:
 
     first = 1
 
-    def __init__(self, name, python, folder, heights, pressure, known):
+    def __init__(self, name: str, python: Path, folder: str, heights: Path, pressure: float, known: Reference):
         self.name, self.heights, self.load, self.pressure_path = name, heights, pressure, Path(folder) / f"{name}.npy"
         self.known = known
         environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "OMPI_", "PMI", "VIRTUAL_ENV"))}
         environment["OMP_NUM_THREADS"] = "1"
-        self.process = subprocess.Popen([python, Path(__file__).with_name("peer_worker.py"), name], stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment)
+        self.process: Any = subprocess.Popen([python, Path(__file__).with_name("peer_worker.py"), name], stdin=subprocess.PIPE,
+                                             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment)
 
-    def _ask(self, **what):
+    def _ask(self, **what: object) -> dict[str, Any]:
         try:
             self.process.stdin.write(json.dumps(what) + "\n")
             self.process.stdin.flush()
@@ -71,16 +74,16 @@ class _Peer:
             raise GfmdError(f"{self.name}: {answer['error']}")
         return answer
 
-    def prepare(self):
+    def prepare(self) -> None:
         """Let it plan."""
         self._ask(heights=str(self.heights), pressure=self.load)
 
-    def solve(self, tolerance):
+    def solve(self, tolerance: float) -> tuple[dict[str, Any], np.ndarray]:
         """Numbers of the solve, and the pressure field."""
         answer = self._ask(tolerance=tolerance, pressure_to=str(self.pressure_path))
         return answer, np.load(self.pressure_path)
 
-    def close(self):
+    def close(self) -> None:
         """End the process."""
         self.process.stdin.close()
         try:
@@ -95,33 +98,37 @@ class _We:
 
     first = 100
 
-    def __init__(self, case, precision, known):
+    def __init__(self, case: Case, precision: Literal["single", "double"], known: Reference):
         self.name, self.case, self.precision, self.known = f"hpc-gfmd {precision}", case, precision, known
 
-    def prepare(self):
+    def prepare(self) -> None:
         """Plan and compile."""
         self.ours = Ours(self.case, self.precision)
         self.ours.solve(None, residual=1.0)
 
-    def solve(self, tolerance):
+    def solve(self, tolerance: float) -> tuple[dict[str, Any], np.ndarray]:
         """Numbers of the solve, and the pressure field."""
         solved = self.ours.solve(None, residual=tolerance)
         return {"seconds": solved.seconds, "cpu_seconds": solved.cpu_seconds, "iterations": solved.iterations,
                 "status": solved.status, "fft_pairs": solved.fft_pairs}, solved.pressure
 
-    def close(self):
+    def close(self) -> None:
         """Give the memory back."""
-        self.ours = None
+        del self.ours
 
 
-def bench_peers(args):
+Code = _Peer | _We
+Maker = Callable[[], Code]
+
+
+def bench_peers(args: Namespace) -> None:
     """All codes on all surfaces. args: n, p_star or a_r (None: LOADS), precision, codes (lists; codes None: all), hurst, boundary,
     error, repeats, budget (seconds after which a code is not run again on a case), out. Raises SceneError for a code that is not known
     or not there."""
     names = NAMES[args.boundary]
     codes = names if args.codes is None else args.codes
     one_of("--codes", codes, names)
-    python = peers_python() if codes else None
+    python = peers_python() if codes else Path()
     report = Report("peers", COLUMNS, args.out)
     report.say(f"# equal true error: relative L2 of the pressure field <= {args.error:g}; {args.boundary}, H = {args.hurst}, "
                "L/lam_l = 2, lam_s/a = 2, seed 1; x: median over runs in turn of the time over that of our faster precision")
@@ -131,26 +138,30 @@ def bench_peers(args):
                 known, of_others = reference(case), reference(case.of_others)
                 heights = Path(folder) / "heights.npy"
                 np.save(heights, -case.gap())
-                makers = [partial(_We, case, precision, known) for precision in args.precision]
+                makers: list[Maker] = [partial(_We, case, precision, known) for precision in args.precision]
                 makers += [partial(_Peer, name, python, folder, heights, case.p_star, of_others) for name in codes]
                 _one_case(case, makers, args, report)
     report.finish()
 
 
-def _cases(n, args):
+def _cases(n: int, args: Namespace) -> list[Case]:
     asked = {key: getattr(args, key) for key in ("p_star", "a_r") if getattr(args, key) is not None} or LOADS[args.boundary]
     case = Case(n, args.hurst, 1.0, boundary=args.boundary)
     return [replace(case, p_star=p) for p in asked.get("p_star", ())] + [case.at_area(a_r) for a_r in asked.get("a_r", ())]
 
 
-def _one_case(case, makers, args, report):
-    codes, tolerances, taken = [], {}, {}
+def _one_case(case: Case, makers: Sequence[Maker], args: Namespace, report: Report) -> None:
+    codes: list[Code] = []
+    tolerances: dict[Code, float] = {}
+    taken: dict[Code, list[dict]] = {}
     try:
         for make in makers:
             codes.append(make())
-            tolerances[codes[-1]], taken[codes[-1]] = _search(codes[-1], case, args, report)
-            if tolerances[codes[-1]] is None:
+            tolerance, taken[codes[-1]] = _search(codes[-1], case, args, report)
+            if tolerance is None:
                 codes.pop().close()
+            else:
+                tolerances[codes[-1]] = tolerance
         slow = {code for code in codes if taken[code]}
         for k in range(args.repeats):
             for code in codes[:: 1 if k % 2 == 0 else -1]:
@@ -162,18 +173,21 @@ def _one_case(case, makers, args, report):
     _report(case, codes, tolerances, taken, slow, report)
 
 
-def _solved(code, tolerance):
+def _solved(code: Code, tolerance: float) -> dict[str, Any]:
     """Numbers of one solve, with its true error."""
     answer, pressure = code.solve(tolerance)
     return answer | {"error": code.known.pressure_error(pressure - code.known.pressure)}
 
 
-def _search(code, case, args, report):
+def _search(code: Code, case: Case, args: Namespace, report: Report) -> tuple[float | None, list[dict]]:
     """(tolerance, runs): the loosest tolerance that is good enough, None where there is none. What is too slow to be run again is
     judged by its run in the search, which was not in turn with the others."""
-    tried, begun = {}, time.perf_counter()
+    tried: dict[float, dict] = {}
+    begun = time.perf_counter()
+    tolerance: float | None = None
+    error: float | None = None
 
-    def error_at(tolerance):
+    def error_at(tolerance: float) -> float:
         tried[tolerance] = _solved(code, tolerance)
         return tried[tolerance]["error"]
 
@@ -182,7 +196,6 @@ def _search(code, case, args, report):
         tolerance, error = loosest(error_at, args.error, code.first * args.error, args.budget)
     except GfmdError as failure:
         report.say(f"# {failure}")
-        tolerance, error = None, None
     if tolerance is None:
         gave_up = time.perf_counter() - begun > PATIENCE * args.budget
         last = _pick(list(tried.values())[-1] if tried else {}, "iterations")
@@ -193,7 +206,8 @@ def _search(code, case, args, report):
     return tolerance, [run] if run["seconds"] > args.budget / 2 else []
 
 
-def _report(case, codes, tolerances, taken, slow, report):
+def _report(case: Case, codes: Sequence[Code], tolerances: dict[Code, float], taken: dict[Code, list[dict]], slow: set[Code],
+            report: Report) -> None:
     ours = [code for code in codes if isinstance(code, _We)]
     for code in codes:
         runs = taken[code]
@@ -210,5 +224,5 @@ def _report(case, codes, tolerances, taken, slow, report):
         report.add(**case.label, **row)
 
 
-def _pick(answer, *keys):
+def _pick(answer: dict, *keys: str) -> dict:
     return {key: answer[key] for key in keys if answer.get(key) is not None}

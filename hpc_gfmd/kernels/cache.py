@@ -7,10 +7,13 @@ raises; `sound` then empties the folder and begins again.
 import hashlib
 import shutil
 import tempfile
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache, partial
 from pathlib import Path
 from traceback import walk_tb
+from types import TracebackType
+from typing import TypeVar
 
 import llvmlite
 import numba
@@ -22,6 +25,7 @@ from ..caches import cache_folder
 
 NEWEST = 4  # states whose folders are kept
 ROOM = 64 * 2**20  # bytes that must be free
+T = TypeVar("T")
 ATTEMPTS = 100  # on a disk without room every kernel may fail once: when it is to be written
 
 
@@ -36,7 +40,7 @@ def stamp() -> str:
 
 
 @contextmanager
-def cached():
+def cached() -> Iterator[bool]:
     """Block in which numba is told the folder; gives whether there is one that can be written. NUMBA_CACHE_DIR moves it."""
     users, path = numba.config.CACHE_DIR, folder()
     numba.config.CACHE_DIR = str(path or users)
@@ -47,36 +51,37 @@ def cached():
 
 
 @contextmanager
-def announced(say):
+def announced(say: Callable[[str], object] | None) -> Iterator[None]:
     """Block in which say(text), if it is not None, is called once, before the first kernel that has not been kept is compiled."""
-    kept = folder() is not None and any(folder().rglob("*.nbi"))
+    here = folder()
+    kept = here is not None and any(here.rglob("*.nbi"))
     text = "compiling what this scene needs in addition, once (some seconds)" if kept else "compiling, once (about 20 s)"
     with event.install_listener("numba:compile", _Once(partial(say, text) if say else None)):
         yield
 
 
-class _Once(event.Listener):
+class _Once(event.Listener):  # type: ignore[misc]
     """Calls a function when the first event begins."""
 
-    def __init__(self, call):
+    def __init__(self, call: Callable[[], object] | None) -> None:
         self.call = call
 
-    def on_start(self, _):
+    def on_start(self, _: object) -> None:
         call, self.call = self.call, None
         if call is not None:
             call()
 
-    def on_end(self, _):
+    def on_end(self, _: object) -> None:
         pass
 
 
-def folder():
+def folder() -> Path | None:
     """The folder of the present state, or None where it cannot be written."""
     return _folder(Path(numba.config.CACHE_DIR or cache_folder() / "kernels"), stamp())
 
 
 @cache
-def _folder(root, state):
+def _folder(root: Path, state: str) -> Path | None:
     """As `folder`, in a root. Making it removes the oldest ones."""
     path = root / f"hpc-gfmd-{state}"
     try:
@@ -91,7 +96,7 @@ def _folder(root, state):
         return None
 
 
-def sound(call):
+def sound(call: Callable[[], T]) -> T:
     """call(), again and with emptied folders where numba fails to read or to write them; returns what it returned."""
     for _ in range(ATTEMPTS):
         try:
@@ -103,12 +108,13 @@ def sound(call):
     return call()
 
 
-def _of_numbas_cache(traceback):
+def _of_numbas_cache(traceback: TracebackType | None) -> bool:
     return any(frame.f_globals.get("__name__") == "numba.core.caching" for frame, _ in walk_tb(traceback))
 
 
-def _empty():
+def _empty() -> None:
     """Remove all that was kept of this state; the folders stay."""
-    for file in folder().rglob("*.nb*") if folder() else ():
+    here = folder()
+    for file in here.rglob("*.nb*") if here else ():
         with suppress(OSError):
             file.unlink()

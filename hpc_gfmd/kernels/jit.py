@@ -1,5 +1,8 @@
 """The one decorator of all kernels."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numba
 import numpy as np
 
@@ -9,7 +12,7 @@ from .cache import cached
 FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
 
 
-def kernel(function):
+def kernel(function: Callable[..., Any]) -> Any:
     """Compile on first use, keep in the cache, release the GIL."""
     with cached() as possible:
         return numba.njit(nogil=True, error_model="numpy", fastmath=FASTMATH, cache=possible)(function)
@@ -19,7 +22,7 @@ inline = kernel  # a piece of a kernel; LLVM inlines it where it is used
 
 
 @inline
-def points_inside(i, inside):
+def points_inside(i: int, inside: tuple[int, int]) -> np.uint64:
     """How many points of row i belong to the surface, where `inside` is the shape of a slab's part of it.
 
     Without a sign: a loop that begins at a number that might be negative, counted from the end, does not use vectors.
