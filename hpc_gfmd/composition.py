@@ -19,6 +19,7 @@ from .registry import (
     distributions_named,
     observable_names,
     observables_named,
+    require_periodic,
     solver_names,
 )
 from .scene import File, Load, Output, Scene, check_names, has_unit
@@ -29,7 +30,9 @@ STATUS_ORDER = ("converged", "max_iterations", "stagnated", "nonfinite", "interr
 
 def check(scene: Scene) -> None:
     """Raise SceneError for names and combinations that the tables of a scene.Scene alone cannot know."""
-    check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names(scene.surface.free))
+    require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
+    check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names())
+    body_of(scene.material, scene.surface.free)
     if scene.solver.low_memory and "displacement" in scene.output.fields:
         raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap, heights')
 

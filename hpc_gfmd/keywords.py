@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from .errors import SceneError
+from .not_modelled import ONLY, is_not_modelled
 from .prepared import PreparedSurface, plain
 from .scene import ArrayScene, Load, Machine, Material, Output, Scene, Solver
 from .scene.explain import nearest
@@ -23,6 +24,11 @@ def scene_of_keywords(given: dict[str, Any], more: dict[str, Any], surface: Prep
     wrong = [key for key in more if key in OF_RUNS]
     if wrong:
         raise SceneError(f"{CALLER}: found {wrong[0]}, allowed: in a scene, whose run writes a file")
+    wrong = [key for key in more if key not in HOMES and is_not_modelled(key)]
+    if wrong:
+        raise SceneError(f"{CALLER}: {wrong[0]}: {ONLY}, allowed: what hpc-gfmd help scene lists")
+    if given.get("nu1") is not None and more.get("nu1") is not None:
+        raise SceneError(f"{CALLER}: found nu and nu1, allowed: one of them")
     given = {key: plain(value) for key, value in given.items() if value is not None}
     given |= {key: plain(value) for key, value in more.items() if value is not None or key not in HOMES}
     tables: dict[str, dict[str, Any]] = {"load": {}}

@@ -95,6 +95,15 @@ def distribution_names(free: tuple[bool, bool] = (False, False)) -> set[str]:
     return {name for module in fit for name in getattr(module, "DISTRIBUTIONS", ())}
 
 
+def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) -> None:
+    """Raise SceneError where a distribution by one of these names needs periodic boundaries; free: whether the surface ends along x,
+    along y; key: where the names stand."""
+    known = distribution_names(free)
+    for name in names:
+        if name in distribution_names() - known:
+            raise SceneError(f"{key}: found {name!r}, which needs periodic boundaries, allowed: {', '.join(sorted(known))}")
+
+
 def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Distribution]:
     """{name: {what: array of numbers}} of the distributions of a contact by these names that have anything to count. Collective."""
     found = {name: f(contact) for name, f in all_distributions().items() if name in names}

@@ -84,11 +84,11 @@ def run_scene(scene: str | PathLike | Scene, overrides: Iterable[str] = (), out:
     comm = comm or world()
     scene = on_rank_0(comm, "reading the scene", lambda: _read_scene(scene, overrides, out))
     check(scene)
-    n = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
+    n, sizes = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
     threads = threads_of(comm, scene.machine.threads)
     say = Reporter(comm, scene.solver, quiet)
-    require_memory(comm, scene, n, threads)
-    rows = grid_of(n, (1.0, 1.0), comm, free=scene.surface.free).nominal_rows
+    require_memory(comm, scene, n, sizes, threads)
+    rows = grid_of(n, sizes, comm, free=scene.surface.free).nominal_rows
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
 
     with Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt, \

@@ -11,7 +11,7 @@ from .fields import FIELDS
 from .output.read import Result
 from .output.save import in_memory, save
 from .parallel.comm import SerialComm
-from .registry import all_distributions, all_observables, distribution_names, names_together, observable_names
+from .registry import all_distributions, all_observables, distribution_names, names_together, observable_names, require_periodic
 from .scene.explain import nearest
 from .table import html_table, summary
 
@@ -197,7 +197,8 @@ class Solution:
         nothing to count. Collective. Raises SceneError as `observable`.
         """
         along_x, _, along_y = self.result.surface.get("boundary", "").partition(", ")
-        names = distribution_names((along_x == "free", along_y == "free"))
+        require_periodic([name], (along_x == "free", along_y == "free"), "distribution")
+        names = distribution_names()
         if name not in names:
             raise SceneError(f'distribution: found {name!r}, nearest: "{nearest(str(name), names)}", '
                              f"allowed: {', '.join(sorted(names))}")

@@ -23,27 +23,26 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 def main(args: Namespace) -> int:
     """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
+    from ..composition import check
     from ..driver.decomposition import busiest
     from ..driver.memory import GIB, available_gib, largest_precision, memory_of
     from ..driver.timing import expected_seconds
     from ..errors import SceneError
-    from ..fields import STORABLE
     from ..parallel.world import ranks_per_node
-    from ..registry import distribution_names, observable_names, solver_names
-    from ..scene import check_names, load_scene
+    from ..scene import load_scene
     from ..surface import cell_of, surface_size
 
     for name in ("ranks", "threads", "ranks_per_node"):
         if getattr(args, name) is not None and getattr(args, name) < 1:
             raise SceneError(f"--{name.replace('_', '-')}: found {getattr(args, name)}, allowed: a whole number from 1")
     scene = load_scene(args.scene, args.set)
-    check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names(scene.surface.free))
-    n = surface_size(scene.surface)
-    cell = cell_of(n, scene.surface.free, scene.surface.physical_sizes or n)
+    check(scene)
+    n, sizes = surface_size(scene.surface)
+    cell = cell_of(n, scene.surface.free, sizes)
     cores = len(os.sched_getaffinity(0))
     threads = args.threads or (max(1, cores // args.ranks) if scene.machine.threads == "auto" else scene.machine.threads)
     per_node = min(args.ranks, args.ranks_per_node or ranks_per_node(args.ranks, threads))
-    memory = memory_of(scene, n, args.ranks, threads, per_node=per_node)
+    memory = memory_of(scene, n, sizes, args.ranks, threads, per_node=per_node)
     there = scene.machine.memory_gib or available_gib()
     columns = cell[1] // 2 + 1
     shares = busiest(cell, largest_precision(scene, n), args.ranks, per_node, nominal=n, nested=scene.solver.nested is not False)

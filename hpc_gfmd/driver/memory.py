@@ -57,12 +57,13 @@ class Memory:
         return ranks * (self.total - self.heights) + self.all_heights
 
 
-def memory_of(scene: Scene, n: tuple[int, int], ranks: int, threads: int = 1, rank: int = 0, per_node: int = 1) -> Memory:
-    """The Memory of a scene on one of a number of ranks with so many threads each, so many on each node; rank 0 has a part in
-    everything."""
+def memory_of(scene: Scene, n: tuple[int, int], sizes: tuple[float, ...], ranks: int, threads: int = 1, rank: int = 0,
+              per_node: int = 1) -> Memory:
+    """The Memory of a scene, whose surface has n points and these sizes, on one of a number of ranks with so many threads each, so many
+    on each node; rank 0 has a part in everything."""
     dtype = largest_precision(scene, n)
     itemsize, free = dtype.itemsize, scene.surface.free
-    cell = cell_of(n, free, scene.surface.physical_sizes or n)
+    cell = cell_of(n, free, sizes)
     if max(cell) > LONGEST_AXIS:
         return Memory(FIELDS * np.prod(cell, dtype=float) * itemsize / ranks / GIB, 0.0, 0.0, 0.0, PROCESS_GIB, 0.0)
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
@@ -172,9 +173,9 @@ def limit_gib() -> float:
         return (limit - int(file.read().split()[0]) * resource.getpagesize()) / GIB
 
 
-def require_memory(comm: Comm, scene: Scene, n: tuple[int, int], threads: int) -> None:
+def require_memory(comm: Comm, scene: Scene, n: tuple[int, int], sizes: tuple[float, ...], threads: int) -> None:
     """Raise SceneError on all ranks if the ranks of some machine need more memory than it has. Collective."""
-    need = memory_of(scene, n, comm.size, threads, comm.rank, comm.node.size).total
+    need = memory_of(scene, n, sizes, comm.size, threads, comm.rank, comm.node.size).total
     most, own = float(comm.max([need])[0]), float(comm.min([limit_gib()])[0])
     if most > own:
         raise SceneError(f"surface: {n[0]} x {n[1]} points need {most:.2f} GiB on each of {comm.size} ranks, a process may have "

@@ -83,7 +83,8 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
         path, found = f"{path}[{rest[1]}]", shown(value[rest[1]])
     elif rest[1:] and isinstance(value, dict) and rest[1] in value:
         path, found = f"{path}.{printable(rest[1])}", shown(value[rest[1]])
-    return key, f"{path}: found {found}, allowed: {allowed(model.model_fields[field])}{_limits(item)}"
+    guess = f"{ONLY}, " if item["type"] == "literal_error" and is_not_modelled(str(item["input"])) else ""
+    return key, f"{path}: found {found}, {guess}allowed: {allowed(model.model_fields[field])}{_limits(item)}"
 
 
 def _limits(item: Any) -> str:

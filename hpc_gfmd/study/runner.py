@@ -122,7 +122,7 @@ def _attempt(case: Case, store: Store, comm: Any, threads: int, interrupt: Any) 
     statuses: list[str] = []
     try:
         scene: Any = case.scene()
-        require_memory(comm, scene, scene.n, threads)
+        require_memory(comm, scene, scene.n, scene.surface.physical_sizes, threads)
         sweep = sweep_of(scene, lambda dtype: build_surface(scene.surface, comm, dtype, threads, scene.solver.low_memory))
         for p_star, p in zip(case.p_star, sweep.pressures(scene.load), strict=True):
             begun = time.monotonic()

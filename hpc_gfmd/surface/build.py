@@ -109,9 +109,9 @@ def _nominal(grid: Grid) -> Grid:
     return Grid(grid.nominal, sizes, grid.comm, grid.threads, np.minimum(grid.starts, grid.nominal[0]))
 
 
-def surface_size(spec: Any) -> tuple[int, int]:
-    """(n_x, n_y) of a surface; opens the file where only that knows. Raises SceneError."""
-    return tuple(spec.n) if spec.n is not None else prepared_size(open_topography(spec), spec)
+def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
+    """(n_x, n_y) and (L_x, L_y) of a surface; opens the file where only that knows. Raises SceneError."""
+    return (tuple(spec.n), spec.physical_sizes) if spec.n is not None else prepared_size(open_topography(spec), spec)
 
 
 def build_surface(spec: Any, comm: Any, dtype: DTypeLike, threads: int = 1, low_memory: bool = False) -> Surface:

@@ -23,13 +23,14 @@ POWERS = {"mean": [(0, 0)], "tilt": [(0, 0), (1, 0), (0, 1)],
           "curvature": [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]}  # of x and y
 
 
-def prepared_size(found: Topography, spec: Any) -> tuple[int, int]:
-    """(n_x, n_y) of what `prepare` makes of a Topography, without reading it. Raises SceneError."""
-    n = _cropped(found, spec).n if spec.crop else found.n
-    n = tuple(k * (2 if spec.mirror else 1) * spec.refine for k in n)
+def prepared_size(found: Topography, spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
+    """(n_x, n_y) and (L_x, L_y) of what `prepare` makes of a Topography, without reading it. Raises SceneError."""
+    found = _cropped(found, spec) if spec.crop else found
+    times = 2 if spec.mirror else 1
+    n = tuple(k * times * spec.refine for k in found.n)
     if any(k % spec.downsample for k in n):
         raise SceneError(f"surface.downsample: found {spec.downsample}, allowed: a divisor of {n[0]} and of {n[1]} points")
-    return n[0] // spec.downsample, n[1] // spec.downsample
+    return (n[0] // spec.downsample, n[1] // spec.downsample), tuple(times * size for size in found.sizes)
 
 
 def prepare(found: Topography, spec: Any, comm: Any) -> tuple[Topography, tuple[str, ...], tuple[str, ...]]:
@@ -38,7 +39,7 @@ def prepare(found: Topography, spec: Any, comm: Any) -> tuple[Topography, tuple[
     Raises SceneError on all ranks.
     """
     done = []
-    size = prepared_size(found, spec)
+    size, _ = prepared_size(found, spec)
     if spec.crop:
         found = _cropped(found, spec)
         done.append(f"cropped to {found.n[0]} x {found.n[1]} points")

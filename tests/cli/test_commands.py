@@ -13,6 +13,9 @@ from contacts import scene_text
 from mpi_harness import call, environment
 
 from hpc_gfmd.cli import main
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.scene import load_scene
+from hpc_gfmd.surface import build_surface
 
 SCENE = scene_text(output={"fields": ["pressure", "gap"]})
 STEP = {"p", "p_star", "a_r", "kappa", "gap_mean", "gap_over_h_rms", "iterations", "fft_pairs", "wall_seconds", "status",
@@ -157,6 +160,17 @@ def test_plan(cli, folder):
     assert plan["seconds"] > 0
     assert "GiB per rank" in cli("plan", "scene.toml", cwd=folder).out
     assert [p.name for p in folder.iterdir()] == ["scene.toml"]
+
+
+@pytest.mark.parametrize("keys", ['unit = "um"', 'physical_sizes = [1.0, 3.0]\ncrop = [0.0, 0.0, 0.5, 3.0]'])
+def test_plan_of_a_map_that_ends(cli, tmp_path, keys):
+    """The cell is that of the lengths that the map has when it is pressed, whoever says them."""
+    np.savez(tmp_path / "z.npz", surface=np.random.default_rng(0).random((40, 20)), physical_sizes=[1.0, 3.0])
+    scene = f'[surface]\nkind = "file"\npath = "z.npz"\nboundary = "free"\n{keys}\n[load]\np_star = 0.1\n'
+    (tmp_path / "scene.toml").write_text(scene)
+    plan = json.loads(cli("plan", "scene.toml", "--json", cwd=tmp_path).out)
+    made = build_surface(load_scene("scene.toml").surface, SerialComm(), np.float64)
+    assert (plan["n"], plan["cell"]) == (list(made.n), list(made.grid.n))
 
 
 def test_info(cli, folder):

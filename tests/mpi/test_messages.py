@@ -48,7 +48,7 @@ def test_no_objects_of_all_ranks(comm, monkeypatch):
     threads = threads_of(comm, "auto")
     for name in ("allgather", "gather"):
         monkeypatch.setattr(type(comm), name, refuse)
-    require_memory(comm, scene, (32, 32), threads)
+    require_memory(comm, scene, (32, 32), (1.0, 1.0), threads)
     api._require_the_same(comm, scene, (32, 32))
     assert sweep_of(surface, comm=comm, accuracy=1e-2).solve(0.1).contact.outcome.status == "converged"
     monkeypatch.undo()
@@ -81,4 +81,4 @@ def test_memory_of_a_machine(comm, monkeypatch):
     scene = Scene.from_dict({"surface": rough((1, 16, 2)), "load": {"p_star": [0.1]}})
     monkeypatch.setattr(memory, "available_gib", lambda: 0.1)
     with pytest.raises(SceneError, match=rf"GiB on {comm.size} of {comm.size} ranks, {os.uname().nodename} has 0.10 GiB"):
-        require_memory(comm, scene, (32, 32), 1)
+        require_memory(comm, scene, (32, 32), (1.0, 1.0), 1)

@@ -185,10 +185,12 @@ def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):
     assert max(stop - start for start, stop in asked) < n[0]
 
 
-def test_result_file(comm, shared_path):
+@pytest.mark.parametrize("surface", [rough((2, 8, 3), seed=6), {"kind": "sphere", "radius": 9.0, "n": [48, 60], "boundary": "free",
+                                                                "physical_sizes": [1.0, 7.0]}], ids=["rough", "free, long across"])
+def test_result_file(comm, shared_path, surface):
     """The file of the whole run: numbers and fields of several loads, as from one process."""
     scene = Scene.from_dict({
-        "surface": rough((2, 8, 3), seed=6), "load": {"p_star": [0.05, 0.06, 0.3]}, "solver": EXACT,
+        "surface": surface, "load": {"p_star": [0.05, 0.06, 0.3]}, "solver": EXACT,
         "output": {"fields": ["pressure", "gap", "displacement"]}})
     paths = [shared_path / "all.h5", shared_path / f"one{comm.rank}.h5"]
     for path, world in zip(paths, (comm, SerialComm()), strict=True):

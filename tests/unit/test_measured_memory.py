@@ -50,7 +50,7 @@ def check(table, ranks, folder, precision):
     if ranks > 1 and mpi_harness.missing():
         pytest.skip(f"{mpi_harness.missing()} is missing")
     n = Scene.from_dict(table).surface.n
-    estimate = memory_of(Scene.from_dict(table), n, ranks, table["machine"]["threads"]).total - LIBRARIES_GIB
+    estimate = memory_of(Scene.from_dict(table), n, (1.0, 1.0), ranks, table["machine"]["threads"]).total - LIBRARIES_GIB
     found, precisions = measured(table, ranks, folder)
     assert precisions[-1] == precision
     assert found == pytest.approx(estimate, rel=WITHIN)

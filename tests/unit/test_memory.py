@@ -41,7 +41,7 @@ def test_the_tightest_control_group_counts(tmp_path, monkeypatch, version, top, 
     monkeypatch.setattr(memory, "control_groups", lambda: folders)
     assert memory.available_gib() == pytest.approx(0.375)
     with pytest.raises(SceneError, match=r"has 0\.38 GiB"):
-        memory.require_memory(SerialComm(), SCENE, (8192, 8192), 1)
+        memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
 
 
 def test_no_control_groups(tmp_path):
@@ -54,7 +54,7 @@ def test_the_limit_of_the_process(monkeypatch):
     monkeypatch.setattr(resource, "getrlimit", lambda _: (2 * GIB, 2 * GIB))
     assert 0 < memory.limit_gib() < 2
     with pytest.raises(SceneError, match="ulimit -v"):
-        memory.require_memory(SerialComm(), SCENE, (8192, 8192), 1)
+        memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
 
 
 @pytest.mark.parametrize("ranks", [1, 2, 3, 8])
@@ -62,7 +62,7 @@ def test_heights_of_a_surface_that_ends_are_on_some_ranks_only(ranks):
     """Rows beyond it have none: rank 0 may hold all heights, and a machine with all ranks no more than these."""
     scene = Scene.from_dict({"surface": {"kind": "wave", "amplitude": 0.1, "n": [2048, 2048], "boundary": "free"},
                              "load": {"pressure": 0.1}, "solver": {"precision": "single", "low_memory": True}})
-    shares = [memory.memory_of(scene, (2048, 2048), ranks, rank=rank) for rank in range(ranks)]
+    shares = [memory.memory_of(scene, (2048, 2048), (1.0, 1.0), ranks, rank=rank) for rank in range(ranks)]
     assert sum(share.heights for share in shares) == pytest.approx(2048**2 * 4 / GIB) == shares[0].all_heights
     assert shares[0].heights == pytest.approx(shares[0].all_heights * min(1, 1.5 / ranks), rel=1e-2)
     assert sum(share.total for share in shares) == pytest.approx(shares[0].on_all(ranks), rel=0.02)
@@ -72,6 +72,6 @@ def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
     """By the run, in one line; the plan knows nothing of it."""
     table = {"surface": {"kind": "wave", "amplitude": 0.01, "n": [32, 32]}, "load": {"pressure": 0.1},
              "solver": {"precision": "single", "low_memory": True}}
-    assert memory.memory_of(Scene.from_dict(table), (32, 32), 1).total > 0
+    assert memory.memory_of(Scene.from_dict(table), (32, 32), (1.0, 1.0), 1).total > 0
     with pytest.raises(SceneError, match=r"solver.low_memory: found true, allowed: with surface.kind = \"self-affine\""):
         run_scene(Scene.from_dict(table), comm=SerialComm(), quiet=True)

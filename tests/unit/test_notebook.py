@@ -176,7 +176,7 @@ def test_a_surface_that_ends(tmp_path):
     (again,) = hpc_gfmd.load(tmp_path / "free.h5")
     for name in ("patches", "stiffness", "percolation"):
         assert again.observable(name) == pytest.approx(found.observable(name), rel=1e-6)
-    with pytest.raises(SceneError, match=r"^distribution: found 'gap_spectrum', nearest: .*allowed: gap, patches"):
+    with pytest.raises(SceneError, match=r"^distribution: found 'gap_spectrum', which needs periodic .*, allowed: gap, patches"):
         again.distribution("gap_spectrum")
 
 

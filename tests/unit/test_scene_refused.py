@@ -127,7 +127,7 @@ def test_an_unknown_key_names_the_nearest_valid_one(data, nearest):
 @pytest.mark.parametrize("name", [
     "adhesion", "friction", "friction_coefficient", "mu", "plasticity", "elastoPlastic", "yield_stress", "viscosity", "viscoelastic",
     "hardness", "work_of_adhesion", "surface_energy", "gamma", "lubricant", "wear", "wear_rate", "temperature", "T_thermal", "JKR",
-    "Tabor parameter", "shear_stress", "sliding_velocity"])
+    "Tabor parameter", "shear_stress", "sliding_velocity", "relaxation_time", "hysteresis", "pull_off"])
 def test_what_is_not_modelled_is_said(name):
     for table in ("surface", "material", "load", "solver", "output", "machine"):
         message = refusal(tables() | {table: tables().get(table, {}) | {name: 1}})
