@@ -5,7 +5,8 @@ That difference v = u - P u_c is found without an FFT, by a few projected gradie
 
     v <- max(v - compliance (P p_c + K_near v), -g_c),    g_c = P u_c + h,    g = g_c + v.
 
-Beyond the surface, where the grid goes on, nothing pokes through: h = 0 and v = 0 there, g = u.
+Beyond the surface, where the grid goes on, nothing pokes through: h = 0 and g = u there, and v, which follows the finer edge, is not
+bounded.
 """
 
 import numpy as np
@@ -129,9 +130,8 @@ def _relax(t, v, i, n, inner, s0, s1, s2, s3):
     lowest, p, out, last = (i + RING) % RING, RING + (i + RING) % RING, v + RING + (i + RING) % RING, t.shape[0] - 1
     for j in range(n + 2):
         t[last, j] = t[a, j] + t[c, j]
-    for j in range(inner + 1, n + 1):
-        t[out, j] = t.dtype.type(0)
+    for j in range(1, n + 1):
+        t[out, j] = s0 * t[b, j] + s1 * t[last, j] + s2 * (t[b, j - 1] + t[b, j + 1]) + s3 * (t[last, j - 1] + t[last, j + 1]) - t[p, j]
     for j in range(1, inner + 1):
-        y = s0 * t[b, j] + s1 * t[last, j] + s2 * (t[b, j - 1] + t[b, j + 1]) + s3 * (t[last, j - 1] + t[last, j + 1]) - t[p, j]
-        t[out, j] = max(y, t[lowest, j])
+        t[out, j] = max(t[out, j], t[lowest, j])
     _wrap(t[out])
