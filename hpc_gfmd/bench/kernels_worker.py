@@ -62,6 +62,7 @@ class TimedSolver:
 
 
 def main(argv: Sequence[str]) -> None:
+    """Measure as often as kernels.py asks."""
     n, dtype, p_star, cpu = int(argv[0]), DTYPES[argv[1]], float(argv[2]), argv[3] == "cpu"
     comm = world()
     clock = Clock(comm, cpu)

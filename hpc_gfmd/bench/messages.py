@@ -16,6 +16,7 @@ COPIED = 2**26  # bytes: far more than caches hold
 
 
 def main() -> None:
+    """Measure as often as scaling.py asks."""
     comm = world()
     few, many = np.zeros(SMALL, np.uint8), np.zeros(LARGE, np.uint8)
     sent, received = np.zeros((2, PIECE), np.uint8), np.zeros((2, PIECE), np.uint8)

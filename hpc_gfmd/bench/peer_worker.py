@@ -131,6 +131,7 @@ PEERS: dict[str, Callable[[np.ndarray, float], Any]] = {
 
 
 def main() -> None:
+    """Answer until standard input ends."""
     # What the codes print must not mix with the answers.
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)

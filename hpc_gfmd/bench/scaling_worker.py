@@ -53,6 +53,7 @@ class TimedMpi:
 
 
 def main(argv: Sequence[str]) -> int:
+    """Solve as often as scaling.py asks."""
     n, p_star, accuracy, threads = int(argv[0]), float(argv[2]), float(argv[3]), int(argv[4])
     precision: Any = argv[1]
     comm = world()

@@ -12,22 +12,15 @@ from ..table import surface_line, table
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
-        "show",
-        help="the result table of a file",
+        "show", help="the result table of a file",
         description="Print the results of a finished, running or interrupted run. Lengths are in the unit of "
         "the surface, pressures in the unit of E*; +- is the estimated error of the solver on its grid, a_r_discretisation that "
-        "of a_r by the size of a grid point.",
-    )
+        "of a_r by the size of a grid point.")
     parser.add_argument("file", metavar="OUT.h5", help="result file")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
-    parser.add_argument(
-        "--tfc",
-        metavar="TABLE",
-        nargs="?",
-        const="",
-        help="take kappa and gap/h_rms to the thermodynamic, fractal and continuum limits, with the coefficients "
-        "of TABLE: paper, ours or a JSON file (default: ours where they are installed, otherwise the paper's)",
-    )
+    parser.add_argument("--tfc", metavar="TABLE", nargs="?", const="",
+                        help="take kappa and gap/h_rms to the thermodynamic, fractal and continuum limits, with the coefficients "
+                        "of TABLE: paper, ours or a JSON file (default: ours where they are installed, otherwise the paper's)")
     parser.set_defaults(main=main)
     return parser
 

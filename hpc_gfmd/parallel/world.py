@@ -36,18 +36,14 @@ def world() -> Comm:
             try:
                 from mpi4py import MPI
             except ImportError as error:
-                raise GfmdError(
-                    f"started by an MPI launcher{f' on {size} ranks' if size else ''}, but mpi4py cannot be imported "
-                    f"({error}): install the extra 'mpi' or run without the launcher"
-                ) from None
+                raise GfmdError(f"started by an MPI launcher{f' on {size} ranks' if size else ''}, but mpi4py cannot be imported "
+                                f"({error}): install the extra 'mpi' or run without the launcher") from None
             if MPI.COMM_WORLD.Get_size() > 1:
                 _world = MpiComm(MPI.COMM_WORLD)
                 sys.excepthook = _abort_on_error(MPI.COMM_WORLD, sys.excepthook)
             elif size and size > 1:
-                raise GfmdError(
-                    f"the launcher started {size} processes but mpi4py sees one: "
-                    f"mpi4py and mpirun belong to different MPI libraries"
-                )
+                raise GfmdError(f"the launcher started {size} processes but mpi4py sees one: mpi4py and mpirun belong to different "
+                                "MPI libraries")
     return _world
 
 

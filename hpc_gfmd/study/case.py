@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..registry import observables_named
-from ..scene import Scene
+from ..scene import Scene, SelfAffine
 
 SURFACE = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "seed")
 DISTRIBUTION = "{}_distribution"
@@ -35,20 +35,7 @@ class Case:
         """Points along an axis."""
         return round(self.L_over_lam_l * self.lam_l_over_lam_s * self.lam_s_over_a)
 
-    @property
-    def eps_t(self) -> float:
-        """lam_l/L."""
-        return 1 / self.L_over_lam_l
-
-    @property
-    def eps_f(self) -> float:
-        """lam_s/lam_l."""
-        return 1 / self.lam_l_over_lam_s
-
-    @property
-    def eps_c(self) -> float:
-        """a/lam_s."""
-        return 1 / self.lam_s_over_a
+    eps_t, eps_f, eps_c = SelfAffine.eps_t, SelfAffine.eps_f, SelfAffine.eps_c  # of the same ratios
 
     @property
     def surface(self) -> tuple[float, ...]:

@@ -79,17 +79,13 @@ def test_table(hurst, p_star, lam, printed, corrected, original):
     [(0.007, 0.8, 1 / 256, 0.42), (0.353, 0.3, 1 / 64, 0.42), (0.1, 0, 1 / 16, 0.7), (0.05, 1, 1e-3, 0.0)],
 )
 def test_gap_from_the_definition(p, hurst, eps_f, gamma):
-    assert persson.mean_gap(p, hurst, eps_f, gamma) == pytest.approx(
-        gap_by_definition(p, hurst, eps_f, gamma), rel=1e-7
-    )
+    assert persson.mean_gap(p, hurst, eps_f, gamma) == pytest.approx(gap_by_definition(p, hurst, eps_f, gamma), rel=1e-7)
 
 
 def test_kernel_against_adaptive_quadrature():
     for x in (1e-3, 0.1, 0.7, 1.0, 2.5, 5.9, 6.1):
         scaled = quad(lambda s, x=x: erf(np.sqrt(x * x + s)) ** 2 * np.exp(-s) / (x * x + s) / 2, 0, 1e-3)[0]
-        scaled += quad(
-            lambda s, x=x: erf(np.sqrt(x * x + s)) ** 2 * np.exp(-s) / (x * x + s) / 2, 1e-3, 40, epsrel=1e-11
-        )[0]
+        scaled += quad(lambda s, x=x: erf(np.sqrt(x * x + s)) ** 2 * np.exp(-s) / (x * x + s) / 2, 1e-3, 40, epsrel=1e-11)[0]
         assert erf2_integral(x) == pytest.approx(np.exp(-x * x) * scaled, rel=1e-9)
 
 
@@ -111,15 +107,11 @@ def test_energy_gap_and_stiffness_belong_together(gamma):
         return (f(p * (1 + d)) - f(p * (1 - d))) / (2 * d * p)
 
     slope = change(lambda p: persson.mean_gap(p, 0.6, 1e-3, gamma))
-    np.testing.assert_allclose(
-        change(lambda p: persson.elastic_energy(p, 0.6, 1e-3, gamma)), -p * slope, rtol=1e-5
-    )
+    np.testing.assert_allclose(change(lambda p: persson.elastic_energy(p, 0.6, 1e-3, gamma)), -p * slope, rtol=1e-5)
     np.testing.assert_allclose(persson.stiffness(p, 0.6, 1e-3, gamma), -1 / slope, rtol=1e-6)
     printed = change(lambda p: persson.mean_gap(p, 0.6, 1e-3, gamma, printed=True))
     np.testing.assert_allclose(persson.stiffness(p, 0.6, 1e-3, gamma, printed=True), -1 / printed, rtol=1e-6)
-    assert persson.elastic_energy(0.1, 0.6, 1e-3, gamma) == pytest.approx(
-        energy_sum(0.1, 0.6, 1e-3, gamma), rel=1e-9
-    )
+    assert persson.elastic_energy(0.1, 0.6, 1e-3, gamma) == pytest.approx(energy_sum(0.1, 0.6, 1e-3, gamma), rel=1e-9)
 
 
 def test_hurst_limits_are_continuous():
@@ -128,9 +120,7 @@ def test_hurst_limits_are_continuous():
         for eps_f in (1.0, 0.1, 1e-3, 1e-20):
             for f in (persson.mean_gap, persson.stiffness):
                 for end, near in ((0, 1e-9), (1, 1 - 1e-9)):
-                    np.testing.assert_allclose(
-                        f(p, end, eps_f, unit=unit), f(p, near, eps_f, unit=unit), rtol=1e-6
-                    )
+                    np.testing.assert_allclose(f(p, end, eps_f, unit=unit), f(p, near, eps_f, unit=unit), rtol=1e-6)
 
 
 def test_fractal_limit():
@@ -222,9 +212,7 @@ def test_spectrum_rms_values_and_rolloff():
     q = np.geomspace(1, 400, 8000)
     p0 = np.geomspace(0.01, 1, 4) * profile.g_rms
     np.testing.assert_allclose(
-        persson.mean_gap_spectrum(q, spectrum(q), p0),
-        persson.mean_gap_spectrum([1, 400], spectrum, p0),
-        rtol=1e-7,
+        persson.mean_gap_spectrum(q, spectrum(q), p0), persson.mean_gap_spectrum([1, 400], spectrum, p0), rtol=1e-7
     )
 
 
@@ -251,9 +239,7 @@ def test_refused(arguments):
         persson.mean_gap(*arguments)
 
 
-@pytest.mark.parametrize(
-    ("q", "c"), [([1], [1]), ([2, 1], [1, 1]), ([1, 2], [1, 0]), ([1, 2], [1]), ([0, 1], [1, 1])]
-)
+@pytest.mark.parametrize(("q", "c"), [([1], [1]), ([2, 1], [1, 1]), ([1, 2], [1, 0]), ([1, 2], [1]), ([0, 1], [1, 1])])
 def test_refused_spectra(q, c):
     with pytest.raises(SceneError, match="allowed"):
         persson.mean_gap_spectrum(q, c, 1.0)

@@ -77,18 +77,14 @@ def test_fit_recovers_exact_data():
     free = tfc.fit_tfc(*runs(), alpha={"t": 1, "f": None, "c": None})
     assert free.alpha == pytest.approx({"t": 1, "f": 0.7, "c": 0.6}, rel=1e-5)
     assert free.limit == pytest.approx(1.95, rel=1e-6)
-    assert free.correction(0.5, 0.5**10, 0.5)[0] == pytest.approx(
-        0.02 + 8 * 0.5**7 + 0.13 * 0.5**0.6, rel=1e-6
-    )
+    assert free.correction(0.5, 0.5**10, 0.5)[0] == pytest.approx(0.02 + 8 * 0.5**7 + 0.13 * 0.5**0.6, rel=1e-6)
 
 
 @pytest.mark.parametrize("given", [True, False])
 def test_fit_uncertainties_are_honest(given):
     """Over many noisy repetitions the scatter of the parameters is what the covariance says."""
     noise, free = 0.004, {"f": None, "c": 0.6}
-    fits = [
-        tfc.fit_tfc(*runs(noise, 3, seed), sigma=noise if given else None, alpha=free) for seed in range(60)
-    ]
+    fits = [tfc.fit_tfc(*runs(noise, 3, seed), sigma=noise if given else None, alpha=free) for seed in range(60)]
     for name in ("limit", "C_f", "alpha_f"):
         i = fits[0].names.index(name)
         found = [{"limit": f.limit, "C_f": f.C["f"], "alpha_f": f.alpha["f"]}[name] for f in fits]

@@ -83,15 +83,3 @@ def test_only_bodies_know_a_stiffness():
     knowing = {name(path) for path in FILES if any(word in path.read_text() for word in words)}
     assert not {f for f in knowing if not f.startswith(places)}
     assert any(f.startswith("bodies/") for f in knowing)
-
-
-@pytest.mark.parametrize("path", [p for p in FILES if p.read_text().strip()], ids=name)
-def test_says_what_it_is(path):
-    """Every file begins with a docstring, as do public classes and functions outside the commands."""
-    tree = ast.parse(path.read_text())
-    if path.name != "__main__.py":
-        assert ast.get_docstring(tree), f"{name(path)} has no docstring"
-    if "commands" in path.parts:
-        return
-    public = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name != "main"]
-    assert not [node.name for node in public if node.name[0] != "_" and not ast.get_docstring(node)]

@@ -72,16 +72,10 @@ def test_whatever_fields_there_are(tmp_path, fields):
     assert all(ink(p) > 0.01 for p in made)
 
 
-@pytest.mark.parametrize(
-    ("surface", "attributes"),
-    [
-        ({"h_rms": 0.0, "g_rms": 0.0, "eps_f": 0.0}, {"p_star": float("inf"), "gap_over_h_rms": float("nan")}),
-        ({}, {"a_r": 1.0, "gap_mean": 0.0, "gap_over_h_rms": 0.0}),
-        ({}, {"a_r_error": float("inf"), "gap_error": float("nan")}),
-        ({"eps_f": float("nan")}, {"a_r": None, "kappa": None}),
-    ],
-    ids=["flat", "full contact", "unknown errors", "few observables"],
-)
+@pytest.mark.parametrize(("surface", "attributes"), [
+    ({"h_rms": 0.0, "g_rms": 0.0, "eps_f": 0.0}, {"p_star": float("inf"), "gap_over_h_rms": float("nan")}),
+    ({}, {"a_r": 1.0, "gap_mean": 0.0, "gap_over_h_rms": 0.0}), ({}, {"a_r_error": float("inf"), "gap_error": float("nan")}),
+    ({"eps_f": float("nan")}, {"a_r": None, "kappa": None})], ids=["flat", "full contact", "unknown errors", "few observables"])
 def test_unusual_results_are_drawn_too(tmp_path, surface, attributes):
     assert len(plot_result(write(tmp_path / "run.h5", surface=surface, **attributes))) == 3
 
