@@ -8,7 +8,6 @@ eq. tfc with the product that the data demand, and with a Taylor series in eps_c
 has a boundary of finite length, so the excess of counted grid points is linear in eps_c for eps_c -> 0.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -24,16 +23,15 @@ START = np.array([2.0, 0.0, 2.0, 0.0, 1.0, 0.0, 0.0, 0.7])
 ALPHA_F = (0.1, 3.0)  # what is tried
 
 
-@dataclass(frozen=True)
-class Limit:
+class Limit(NamedTuple):
     """kappa by one route, at a given alpha_f or a fitted one.
 
-    values: by NAMES; covariance: of the fitted parameters, NAMES in their order, without alpha_f where it is given; influence: how
-    kappa follows a change of the value of each run; chi2, dof: of the fit.
+    values: by NAMES; errors: standard errors of those that were fitted from realisations and solver; influence: how kappa follows a
+    change of the value of each run; chi2, dof: of the fit.
     """
 
-    values: dict
-    covariance: np.ndarray
+    values: dict[str, float]
+    errors: dict[str, float]
     influence: np.ndarray
     chi2: float
     dof: int
@@ -42,11 +40,6 @@ class Limit:
     def kappa(self) -> float:
         """The value in the limit."""
         return self.values["kappa"]
-
-    @property
-    def errors(self) -> dict[str, float]:
-        """Standard errors of the fitted parameters from realisations and solver."""
-        return dict(zip(NAMES, np.sqrt(np.diag(self.covariance)).tolist(), strict=False))
 
 
 def compare_routes(runs: Rows) -> Rows:
@@ -65,19 +58,18 @@ def compare_routes(runs: Rows) -> Rows:
     _check(runs)
     scatter = {name: Scatter.of(runs, name) for name in ("kappa", "kappa_edge")}
     alone = [fit_limit(runs, name, of) for name, of in scatter.items()]
-    own = [(fit.values["alpha_f"], fit.errors["alpha_f"]) for fit in alone]
-    alphas, errors = np.array(own).T
+    alphas, errors = np.array([(fit.values["alpha_f"], fit.errors["alpha_f"]) for fit in alone]).T
     alpha = float(np.average(alphas, weights=errors**-2.0))
-    routes = [_given(runs, name, of, alpha, errors.min()) for name, of in scatter.items()]
-    raw, edge = (route.best for route in routes)
+    (raw, counted), (edge, corrected) = (_route(runs, name, of, alpha, float(errors.min()), own)
+                                         for (name, of), own in zip(scatter.items(), alone, strict=True))
     excess = [run | {"excess": run["kappa"] - run["kappa_edge"]} for run in runs]
     of_excess = Scatter.of(excess, "excess").covariance(excess, "excess", error="a_r_error")
     apart = raw.influence - edge.influence
     sigma = np.sqrt(raw.influence @ of_excess @ raw.influence
                     + apart @ scatter["kappa_edge"].covariance(runs, "kappa_edge") @ apart)
-    parts = [sigma, *(getattr(routes[0], name) - getattr(routes[1], name) for name in ("shift", "lean"))]
+    parts = [sigma, *(counted[name] - corrected[name] for name in ("kappa_tfc_shift", "kappa_tfc_lean"))]
     difference = {"difference": raw.kappa - edge.kappa, "difference_se": float(np.hypot.reduce(parts))}
-    return [_row(route, float(errors.min()), *of_it) | difference for route, of_it in zip(routes, own, strict=True)]
+    return [counted | difference, corrected | difference]
 
 
 def _check(runs: Rows) -> None:
@@ -93,39 +85,26 @@ def _check(runs: Rows) -> None:
         raise SceneError("runs: found one realisation of each surface, allowed: at least two of some")
 
 
-class _Route(NamedTuple):
-    """The Limit with alpha_f given, its shift and lean (see compare_routes), and the Limit with the paper's alpha_f."""
-
-    best: Limit
-    shift: float
-    lean: float
-    paper: Limit
-
-
-def _given(runs: Rows, observable: str, scatter: Scatter, alpha: float, error: float) -> _Route:
-    """The _Route with alpha_f given as alpha +- error."""
+def _route(runs: Rows, observable: str, scatter: Scatter, alpha: float, error: float, own: Limit) -> tuple[Limit, dict]:
+    """The Limit with alpha_f given as alpha +- error, and its row; own: the one that the route finds alone."""
 
     def fit_at(exponent: float, chosen: Rows = runs) -> Limit:
         return fit_limit(chosen, observable, scatter, float(np.clip(exponent, *ALPHA_F)))
 
-    best, octaves = fit_at(alpha), sorted({run["eps_f"] for run in runs})
+    best, paper, octaves = fit_at(alpha), fit_at(PAPER_ALPHA["f"]), sorted({run["eps_f"] for run in runs})
     try:
         shift = fit_at(alpha, [run for run in runs if run["eps_f"] <= octaves[-1 - len(octaves) // 3]]).kappa - best.kappa
     except SceneError:  # not enough without the coarsest
         shift = 0.0
     lean = (fit_at(alpha + error).kappa - fit_at(alpha - error).kappa) / 2
-    return _Route(best, shift, lean, fit_at(PAPER_ALPHA["f"]))
-
-
-def _row(route: _Route, error: float, alpha_own: float, error_own: float) -> dict:
-    best, shift, lean, paper = route
     errors = best.errors | {"alpha_f": error}
     row = {"kappa_tfc": best.kappa, "kappa_tfc_se": float(np.hypot.reduce([errors["kappa"], shift, lean])),
            "kappa_tfc_se_runs": errors["kappa"], "kappa_tfc_shift": shift, "kappa_tfc_lean": lean,
            "kappa_paper_alpha": paper.kappa, "kappa_paper_alpha_se": paper.errors["kappa"]}
     for name in ("C_t", "C_f", "alpha_f", "D", "C_1", "C_2", "C_3"):
         row |= {name: best.values[name], f"{name}_se": errors[name]}
-    return row | {"alpha_f_own": alpha_own, "alpha_f_own_se": error_own, "chi2_per_dof": best.chi2 / best.dof}
+    return best, row | {"alpha_f_own": own.values["alpha_f"], "alpha_f_own_se": own.errors["alpha_f"],
+                        "chi2_per_dof": best.chi2 / best.dof}
 
 
 def fit_limit(runs: Rows, observable: str, scatter: Scatter, alpha_f: float | None = None) -> Limit:
@@ -149,6 +128,7 @@ def fit_limit(runs: Rows, observable: str, scatter: Scatter, alpha_f: float | No
     low, high = np.full(fitted, -np.inf), np.full(fitted, np.inf)
     low[7:], high[7:] = ALPHA_F
     found = least_squares(model, jacobian, [START[:fitted]], value, errors, (low, high))
-    values = {"alpha_f": alpha_f} | dict(zip(NAMES, found.x.tolist(), strict=False))
+    values: dict = {"alpha_f": alpha_f} | dict(zip(NAMES, found.x.tolist(), strict=False))
+    sigma = dict(zip(NAMES, np.sqrt(np.diag(found.covariance)).tolist(), strict=False))
     influence = np.linalg.solve(errors, found.jacobian @ found.covariance[0])
-    return Limit(values, found.covariance, influence, found.chi2, len(runs) - fitted)
+    return Limit(values, sigma, influence, found.chi2, len(runs) - fitted)

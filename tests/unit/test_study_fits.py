@@ -12,7 +12,6 @@ from hpc_gfmd.study import coefficients, fits, limits, paper, text
 from hpc_gfmd.study.averages import average
 from hpc_gfmd.study.case import Case
 from hpc_gfmd.study.levels import P_HIGH, P_LOW, tfc_series
-from hpc_gfmd.study.rows import low_high
 from hpc_gfmd.study.scatter import Scatter
 from hpc_gfmd.theory import tfc
 
@@ -197,8 +196,3 @@ def test_templates():
     assert text.filled("{kappa:±} or {kappa:.1f} at {eps_f:1/}, n = {n}", row) == "2.060 ± 0.012 or 2.1 at 1/16, n = 512"
     assert text.filled("{gap:.3g} {gap:±} {missing:.3g}|{0.1:.3g}", row) == "- - |3.14"
     assert text.table([row], {"H | x": "{n}", "kappa": "{kappa:±}|"}) == "| H | x | kappa |\n|---|---|\n| 512 | 2.060 ± 0.012\\| |"
-
-
-def test_pressures():
-    rows = [{"p_star": P_LOW}, {"p_star": P_HIGH}, {"p_star": 0.1}]
-    assert low_high(rows) == {"low": rows[:1], "high": rows[1:2]}
