@@ -15,7 +15,6 @@ from ..errors import GfmdError
 from ..registry import solver_names
 from .cases import Case
 from .ours import Ours, Solved
-from .picture import draw
 from .reference import Reference, reference
 from .report import Report, one_of
 
@@ -46,8 +45,10 @@ def bench_accuracy(args: Namespace) -> None:
                     _one_case(case, precision, known, args, report)
     report.finish()
     if report.folder:
-        draw(report.rows, report.folder / "accuracy.png", "cpu_seconds_min" if args.cpu else "seconds_min")
-        draw(report.rows, report.folder / "accuracy-pairs.png", "fft_pairs")
+        from .pictures import accuracy_picture
+
+        accuracy_picture(report.rows, report.folder / "accuracy.png", "cpu_seconds_min" if args.cpu else "seconds_min")
+        accuracy_picture(report.rows, report.folder / "accuracy-pairs.png", "fft_pairs")
 
 
 def _one_case(case: Case, precision: Literal["single", "double"], known: Reference, args: Namespace, report: Report) -> None:

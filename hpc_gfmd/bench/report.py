@@ -1,7 +1,11 @@
-"""What a benchmark leaves behind: a text table for readers, and one JSON line per row for programs."""
+"""What a benchmark leaves behind: a text table for readers, and one JSON line per row for programs, which says where it was made."""
 
 import json
+import os
+import platform
+import subprocess
 import sys
+import time
 from collections.abc import Collection, Iterable
 from os import PathLike
 from pathlib import Path
@@ -9,7 +13,7 @@ from typing import Any
 
 from ..errors import SceneError
 from ..parallel.comm import Comm
-from .provenance import provenance
+from ..versions import processor, versions
 
 Columns = dict[str, tuple[str, str]]
 
@@ -54,6 +58,28 @@ class Report:
         if self.folder and self.speaker:
             (self.folder / f"{self.name}.txt").write_text("\n".join(self.lines) + "\n")
             print(f"written: {self.folder / self.name}.jsonl, .txt", file=sys.stderr)
+
+
+def provenance(comm: Comm | None = None, threads: int = 1) -> dict[str, Any]:
+    """Host, processor, load, versions, commit, time, threads and ranks."""
+    return {"host": platform.node(), "cpu": processor(), "cores": len(os.sched_getaffinity(0)),
+            "load_average": round(os.getloadavg()[0], 2),
+            "ranks": comm.size if comm else 1, "threads": threads, "time": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+            "commit": _commit(), "versions": versions()}
+
+
+def _commit() -> str | None:
+    """The commit of the source tree that runs, with a + if it was changed since; None outside of one."""
+    here = Path(__file__).resolve().parents[2]
+    if not (here / ".git").exists():
+        return None
+    git = ["git", "-C", str(here)]
+    try:
+        commit = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True).stdout.strip()
+        changed = subprocess.run([*git, "status", "--porcelain", "--", "hpc_gfmd"], capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return commit + ("+" if changed.strip() else "")
 
 
 def one_of(key: str, found: Iterable[str], allowed: Collection[str]) -> None:

@@ -9,7 +9,6 @@ import numpy as np
 
 from .model import Machine, Network, predict
 from .report import Report
-from .scaling_picture import scaling_picture
 from .scaling_worker import PARTS
 from .workers import Worker, in_turn
 
@@ -49,6 +48,8 @@ def bench_scaling(args: Namespace) -> None:
     found = _messages(args) if max(args.ranks) > 1 else None
     model = _predict(report, found, args.out)
     if args.out:
+        from .pictures import scaling_picture
+
         scaling_picture(report.rows, model.rows, args.out)
         model.finish()
     report.finish()
