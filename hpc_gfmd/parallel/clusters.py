@@ -58,7 +58,7 @@ def find_clusters(comm: Comm, mask: Callable[[int, int], np.ndarray], rows: tupl
         return _Joined(edges, sizes, sides, upper.wraps | lower.wraps).block(upper.first, lower.last, counted)
 
     block = _local_block(mask, rows, n, periodic, corners, counted) if rows[0] < rows[1] else None
-    block, wraps = comm.fold(block, join_blocks), np.zeros(2, np.bool_)
+    block, wraps = comm.reduce(block, join_blocks), np.zeros(2, np.bool_)
     if block is not None:
         across = _between(block.last, block.first, (1, 0), corners, around_y) if periodic[0] else NO_EDGES
         whole = _Joined(across, block.sizes, block.sides, block.wraps)

@@ -58,11 +58,11 @@ class SerialComm:
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
         """send, receive: (array, bytes for or from each rank, their offsets)."""
 
-    def pass_on(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
+    def sendrecv(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
         """The object of rank `source`; ranks: those that want the object of this one."""
         return obj
 
-    def fold(self, obj: T, join: Callable[[T, T], T]) -> T | None:
+    def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
         """The objects of all ranks in their order, joined two at a time by join(one, next one), on rank 0; None on the others."""
         return obj
 
@@ -111,7 +111,7 @@ class MpiComm:
         self.sent: Traffic = parent.sent if parent else Traffic()
         self._among: dict[tuple[int, ...], Comm | None] = {}
 
-    def _reduce(self, values: ArrayLike, op: Any) -> np.ndarray:
+    def _allreduce(self, values: ArrayLike, op: Any) -> np.ndarray:
         send = np.ascontiguousarray(values, dtype=np.float64)
         recv = np.empty_like(send)
         self.mpi.Allreduce(send, recv, op=op)
@@ -122,19 +122,19 @@ class MpiComm:
         """Sum over ranks of each number; returns an array of float64."""
         from mpi4py import MPI
 
-        return self._reduce(values, MPI.SUM)
+        return self._allreduce(values, MPI.SUM)
 
     def max(self, values: ArrayLike) -> np.ndarray:
         """Largest over ranks of each number."""
         from mpi4py import MPI
 
-        return self._reduce(values, MPI.MAX)
+        return self._allreduce(values, MPI.MAX)
 
     def min(self, values: ArrayLike) -> np.ndarray:
         """Smallest over ranks of each number."""
         from mpi4py import MPI
 
-        return self._reduce(values, MPI.MIN)
+        return self._allreduce(values, MPI.MIN)
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
         """The object of one rank."""
@@ -186,7 +186,7 @@ class MpiComm:
         self.mpi.Alltoallv([send[0].view(np.uint8), *send[1:], MPI.BYTE], [receive[0].view(np.uint8), *receive[1:], MPI.BYTE])
         self.sent.add(sum(send[1]) - send[1][self.rank], np.count_nonzero(send[1]) - (send[1][self.rank] > 0))
 
-    def pass_on(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
+    def sendrecv(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
         """The object of rank `source`; ranks: those that want the object of this one."""
         requests = [self.mpi.isend(obj, dest=rank) for rank in ranks]
         found = self.mpi.recv(source=source)
@@ -194,7 +194,7 @@ class MpiComm:
             request.wait()
         return found
 
-    def fold(self, obj: T, join: Callable[[T, T], T]) -> T | None:
+    def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
         """The objects of all ranks in their order, joined two at a time by join(one, next one), on rank 0; None on the others. Up a
         tree: a rank gets log2(ranks) messages at most."""
         step = 1

@@ -126,4 +126,4 @@ def next_row(comm: Any, a: np.ndarray, starts: ArrayLike) -> np.ndarray:
     here = int(np.searchsorted(filled, rank))
     first = int(filled[here - 1]) - (comm.size if here == 0 else 0)  # all from the one before that has rows want our first one
     wanted = [r % comm.size for r in range(first, rank)] if a.shape[-2] else []
-    return comm.pass_on(a[..., 0, :].copy() if a.shape[-2] else None, wanted, source)
+    return comm.sendrecv(a[..., 0, :].copy() if a.shape[-2] else None, wanted, source)

@@ -18,7 +18,7 @@ def filled(found: Topography, how: str, comm: Any) -> tuple[Topography, int]:
 
     Raises SceneError where holes are not to be filled.
     """
-    holes = comm.fold(local(comm, lambda: _holes(found, comm)), lambda one, next_one: list(map(np.append, one, next_one)))
+    holes = comm.reduce(local(comm, lambda: _holes(found, comm)), lambda one, next_one: list(map(np.append, one, next_one)))
     points, heights = on_rank_0(comm, "filling the surface", lambda: _filled(found, how, *holes))
     if len(points) == 0:
         return found, 0

@@ -42,5 +42,5 @@ class Checksum:
     def of_all(self, comm: Any, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = "") -> str:
         """Of the rows of all ranks in their order, with the shape, the physical sizes and their unit. Collective."""
         whole = hashlib.blake2b(repr((tuple(map(int, n)), tuple(map(float, sizes)), unit)).encode(), digest_size=16)
-        whole.update(comm.fold(b"".join(self._rows), operator.add) or b"")
+        whole.update(comm.reduce(b"".join(self._rows), operator.add) or b"")
         return comm.bcast(whole.hexdigest())

@@ -63,7 +63,7 @@ def test_all_to_all(comm):
         assert np.array_equal(part, np.full((k + 1, comm.rank), 10 * k + comm.rank))
 
 
-def test_fold(comm):
+def test_reduce(comm):
     """In the order of the ranks; one message for each doubling of their number is all that a rank gets."""
     joined = []
 
@@ -71,7 +71,7 @@ def test_fold(comm):
         joined.append(comm.rank)
         return one + next_one
 
-    found = comm.fold([comm.rank], join)
+    found = comm.reduce([comm.rank], join)
     assert found == (list(range(comm.size)) if comm.rank == 0 else None)
     assert len(joined) <= stages(comm.size)
 
