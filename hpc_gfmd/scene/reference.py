@@ -9,6 +9,7 @@ from typing import Any
 from pydantic_core import PydanticUndefined
 
 from ..errors import SceneError
+from ..not_modelled import ONLY, is_not_modelled
 from .explain import nearest, printable
 from .model import Scene
 from .surface import KINDS, Surface
@@ -114,5 +115,6 @@ def _chosen(key: str | None, found: list[Section]) -> list[Section]:
     fits = [section for section in fits if section.keys]
     if not fits:
         known = {name for s in found for name in (s.table, *(k.name for k in s.keys), *(f"{s.table}.{k.name}" for k in s.keys)) if name}
-        raise SceneError(f"help scene: found {printable(key)}, which is no key of a scene, nearest: {nearest(key, known)}")
+        why = ONLY if is_not_modelled(key) else f"which is no key of a scene, nearest: {nearest(key, known)}"
+        raise SceneError(f"help scene: found {printable(key)}, {why}")
     return fits

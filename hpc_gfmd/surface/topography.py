@@ -54,7 +54,8 @@ def open_topography(spec: Any) -> Topography:
             raise SceneError(f"surface.path: found {what} {_shown(found)} in {first.path} and {_shown(other)} in {second.path}, "
                              "allowed: two maps of the same points, lengths and unit")
     periodic = None if None in (first.periodic, second.periodic) else first.periodic and second.periodic
-    return replace(first, rows=lambda start, stop: first.rows(start, stop) + second.rows(start, stop), periodic=periodic)
+    return replace(first, rows=lambda start, stop: first.rows(start, stop) + second.rows(start, stop), periodic=periodic,
+                   path=f"{first.path} + {second.path}")
 
 
 def _shown(found: Any) -> str:

@@ -125,6 +125,8 @@ def test_help_on_one_key(key, lines):
 def test_help_on_what_there_is_not(capsys):
     with pytest.raises(SceneError, match=r"nearest: solver\.accuracy"):
         text("solver.acuracy")
+    with pytest.raises(SceneError, match=r"help scene: found adhesion, not modelled"):
+        text("adhesion")
     assert main(["help", "rum"]) == 2
     assert "allowed: scene, init" in capsys.readouterr().err
 

@@ -58,9 +58,11 @@ def test_units_of_both(maps):
     ("long.npz", {}, "found lengths 1 x 2 in m.npz and 1 x 3 in long.npz"),
     ("m.npz", {"physical_sizes": [1, 2]}, "found the unit none in first.npy and m in m.npz"),
     ("never.npy", {"physical_sizes": [1, 2]}, "found never.npy, which is no file"),
+    ("holes.npy", {"physical_sizes": [1, 2]}, r"found nan at \(0, 3\) in first.npy \+ holes.npy"),
 ])
 def test_refused(maps, second, keys, words):
     np.save("other.npy", maps[1].T)
+    np.save("holes.npy", np.where(np.arange(20) == 3, np.nan, maps[1]))
     np.savez("long.npz", surface=maps[1], unit="m", physical_sizes=[1.0, 3.0])
     with pytest.raises(SceneError, match=words):
         hpc_gfmd.read_surface(["first.npy" if keys else "m.npz", second], **keys)
