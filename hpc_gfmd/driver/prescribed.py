@@ -240,6 +240,8 @@ class Search:
         known = error < tolerance if self.corrections > SECANTS else miss > TRUST[self.quantity] * error
         if miss <= SHARE * tolerance or not known or self.note or self.corrections == MOST:
             return False
+        if self.corrections == SECANTS + 1:  # bounds from before were less sure
+            self.low = self.high = None
         self.corrections += 1
         x, f, wanted = self.x, self._straight(y), self._straight(self.target)
         self._enclose(x, y, f > wanted)
