@@ -7,6 +7,7 @@ from importlib.resources import files
 from typing import Any
 
 from ..theory import tfc
+from ..theory.tfc_fit import term
 from .rows import near
 from .text import filled
 
@@ -43,8 +44,7 @@ def coefficients(observable: str, pressure: str, hurst: float) -> Any:
 
 def correction(coefficients: dict, eps_t: float, eps_f: float, eps_c: float) -> float:
     """The sum of the three terms of eq. tfc with printed coefficients."""
-    eps = {"c": eps_c, "f": eps_f, "t": eps_t}
-    return sum(coefficients[f"C_{i}"] * eps[i] ** coefficients[f"alpha_{i}"] for i in eps)
+    return sum(term(coefficients, i, eps) for i, eps in (("c", eps_c), ("f", eps_f), ("t", eps_t)))
 
 
 def at(pressure: str, hurst: float) -> str:

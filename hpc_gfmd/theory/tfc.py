@@ -18,7 +18,7 @@ import numpy as np
 
 from ..errors import SceneError, one_line
 from .checks import within
-from .tfc_fit import TERMS, TfcFit, fit_tfc, read_runs
+from .tfc_fit import COEFFICIENTS, TERMS, TfcFit, fit_tfc, read_runs, sigma_of_terms, term
 
 __all__ = ["TfcFit", "correction", "extrapolate", "fit_tfc", "our_table", "paper_table", "read_runs", "read_table", "table_of"]
 
@@ -100,8 +100,8 @@ def _check_part(part: Table) -> None:
         raise ValueError("a table needs an observable, a positive p_star and rows")
     half = dict.fromkeys(TERMS, 0.5)
     for row in part["rows"]:
-        numbers = [row["hurst"], *(row[name] for name in _COEFFICIENTS), *(_term(row, i, 0.5) for i in TERMS)]
-        numbers += [_row_sigma(row, half)] if "sigma" in row else []
+        numbers = [row["hurst"], *(row[name] for name in COEFFICIENTS), *(term(row, i, 0.5) for i in TERMS)]
+        numbers += [sigma_of_terms(row, half)] if "sigma" in row else []
         if not np.isfinite(np.array(numbers, dtype=np.float64)).all() or any(isinstance(x, bool | str) for x in numbers):
             raise ValueError("its coefficients are no finite numbers")
 
@@ -142,10 +142,10 @@ def correction(observable: str, hurst: float, p_star: float, eps_t: float, eps_f
     if not tabulated[0] <= hurst <= tabulated[-1]:
         raise SceneError(f"hurst: found {hurst:g}, allowed: [{tabulated[0]:g}, {tabulated[-1]:g}], the range of the table "
                          "(nothing justifies an extrapolation in H)")
-    terms = {i: float(np.interp(hurst, tabulated, [_term(row, i, eps[i]) for row in rows])) for i in TERMS}
+    terms = {i: float(np.interp(hurst, tabulated, [term(row, i, eps[i]) for row in rows])) for i in TERMS}
     sigma = None
     if all("sigma" in row for row in rows):
-        sigma = float(np.interp(hurst, tabulated, [_row_sigma(row, eps) for row in rows]))
+        sigma = float(np.interp(hurst, tabulated, [sigma_of_terms(row, eps) for row in rows]))
     return Correction(**terms, sigma=sigma, p_star=part["p_star"], notes=(*_notes(part, hurst, tabulated), *_own_note(table)))
 
 
@@ -180,9 +180,6 @@ def extrapolate(value: float, observable: str, hurst: float, p_star: float, eps_
     return value - terms.total, float(np.hypot.reduce(known)) if known else None, terms
 
 
-_COEFFICIENTS = [f"{name}_{i}" for name in ("C", "alpha") for i in TERMS]
-
-
 def _part(table: Table, observable: str, p_star: float) -> Table:
     names = sorted({part["observable"] for part in table["tables"]})
     if observable not in names:
@@ -195,22 +192,6 @@ def _part(table: Table, observable: str, p_star: float) -> Table:
     allowed = " or ".join(f"{part['p_star']:g}" for part in parts)
     raise SceneError(f"p_star: found {p_star:g}, allowed: {allowed} within {PRESSURE_TOLERANCE:.0%}; "
                      "the coefficients are not known in between")
-
-
-def _term(row: Table, i: str, eps: float) -> float:
-    return row[f"C_{i}"] * eps ** row[f"alpha_{i}"] if eps > 0 else 0.0
-
-
-def _row_sigma(row: Table, eps: dict[str, float]) -> float:
-    """Uncertainty of the sum of the terms, from the "covariance" of the row (order "names") if given."""
-    names = row.get("names", _COEFFICIENTS)
-    gradient = []
-    for name in names:
-        kind, _, i = name.partition("_")
-        power = eps[i] ** row[f"alpha_{i}"] if i in eps and eps[i] > 0 else 0.0
-        gradient.append({"C": power, "alpha": row.get(f"C_{i}", 0) * power * np.log(eps.get(i) or 1)}.get(kind, 0.0))
-    covariance = row.get("covariance", np.diag([row["sigma"].get(name, 0.0) ** 2 for name in names]))
-    return np.sqrt(max(gradient @ np.asarray(covariance) @ gradient, 0.0))
 
 
 def _notes(part: Table, hurst: float, tabulated: list[float]) -> Iterator[str]:

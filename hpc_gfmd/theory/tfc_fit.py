@@ -16,6 +16,7 @@ from .checks import within
 from .least_squares import least_squares
 
 TERMS = ("t", "f", "c")
+COEFFICIENTS = [f"{name}_{i}" for name in ("C", "alpha") for i in TERMS]
 PAPER_ALPHA = {"t": 1.0, "f": 0.67, "c": 0.67}  # the exponents of the paper for kappa
 _ALPHA_RANGE = (0.02, 5.0)
 _STARTS = (0.3, 0.67, 1.5)
@@ -62,17 +63,31 @@ class TfcFit:
         """(sum of the terms, its uncertainty) at the given ratios; a term that was not fitted is zero."""
         eps = {"t": eps_t, "f": eps_f, "c": eps_c}
         eps = {i: float(within(f"eps_{i}", eps[i], 0, 1)) for i in TERMS}
-        power = {i: eps[i] ** a if eps[i] > 0 else 0.0 for i, a in self.alpha.items()}
-        gradient = {f"C_{i}": power[i] for i in power}
-        gradient |= {f"alpha_{i}": self.C[i] * power[i] * np.log(eps[i] or 1) for i in power}
-        vector = np.array([gradient.get(name, 0.0) for name in self.names])
-        return sum(self.C[i] * power[i] for i in power), float(np.sqrt(max(vector @ self.covariance @ vector, 0)))
+        row = self.row(0.0)
+        return sum(term(row, i, eps[i]) for i in TERMS), sigma_of_terms(row, eps)
 
     def row(self, hurst: float) -> dict:
         """The fit as a row of a coefficient table (see data/paper_tfc.json); terms that were not fitted get C = 0."""
         numbers = {f"C_{i}": self.C.get(i, 0.0) for i in TERMS} | {f"alpha_{i}": self.alpha.get(i, 1.0) for i in TERMS}
         return {"hurst": hurst, **numbers, "limit": self.limit, "sigma": self.sigma, "names": list(self.names),
                 "covariance": self.covariance.tolist()}
+
+
+def term(row: Mapping[str, Any], i: str, eps: float) -> float:
+    """C_i eps^alpha_i by a row of a coefficient table."""
+    return row[f"C_{i}"] * eps ** row[f"alpha_{i}"] if eps > 0 else 0.0
+
+
+def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
+    """Uncertainty of the sum of the terms, from the "covariance" of the row (order "names") if given, else from its "sigma"."""
+    names = row.get("names", COEFFICIENTS)
+    gradient = []
+    for name in names:
+        kind, _, i = name.partition("_")
+        power = eps[i] ** row[f"alpha_{i}"] if i in eps and eps[i] > 0 else 0.0
+        gradient.append({"C": power, "alpha": row.get(f"C_{i}", 0) * power * np.log(eps.get(i) or 1)}.get(kind, 0.0))
+    covariance = row.get("covariance", np.diag([row["sigma"].get(name, 0.0) ** 2 for name in names]))
+    return float(np.sqrt(max(gradient @ np.asarray(covariance) @ gradient, 0.0)))
 
 
 def fit_tfc(eps_t: ArrayLike, eps_f: ArrayLike, eps_c: ArrayLike, value: ArrayLike, sigma: ArrayLike | None = None,
