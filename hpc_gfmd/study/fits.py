@@ -1,6 +1,5 @@
 """Coefficients of eq. tfc, power laws and exponents from runs, by fits that know which runs share a surface (scatter.Scatter)."""
 
-from collections import defaultdict
 from dataclasses import replace
 from typing import Any
 
@@ -9,7 +8,7 @@ import numpy as np
 from ..errors import SceneError
 from ..theory.tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc
 from .levels import REFERENCE, at_level
-from .rows import Rows, near
+from .rows import Rows, groups, near
 from .scatter import SOLVER_SHARE, Scatter, error_of
 
 POWER_LAW = (0.1, 4.5)  # exponents that a series along eps_c can have; others are the ends of what is tried
@@ -35,11 +34,8 @@ def axes(runs: Rows, level: str) -> dict[str, Rows]:
     """The runs in which one ratio at a time differs from a system of the eps_f series: {"t", "f", "c": runs}, the last at the
     reference lam_l/lam_s, and "fine", those along eps_c at the lam_l/lam_s with most grids."""
     L, F, C = at_level(REFERENCE, level)
-    grids: dict[float, set] = defaultdict(set)
-    for run in runs:
-        if near(run["L_over_lam_l"], L):
-            grids[run["lam_l_over_lam_s"]].add(run["lam_s_over_a"])
-    finest = max(sorted(grids), key=lambda f: len(grids[f]), default=F)
+    series = groups([run for run in runs if near(run["L_over_lam_l"], L)], "lam_l_over_lam_s")
+    finest = max(series, key=lambda f: len(groups(series[f], "lam_s_over_a")), default=F)
 
     def picked(**fixed: float) -> Rows:
         return [run for run in runs if all(near(run[name], x) for name, x in fixed.items())]
@@ -85,11 +81,10 @@ def local_exponents(runs: Rows, observable: str, level: str) -> Rows:
     Rows eps_c (the middle grid of three), alpha, alpha_se (jackknife over three seeds or more, and solver), n_seeds; alpha None where
     the differences change sign.
     """
-    grids: dict[float, dict] = defaultdict(dict)
-    for run in axes(runs, level)["fine"]:
-        grids[run["lam_s_over_a"]][run["seed"]] = run
+    series = groups(axes(runs, level)["fine"], "lam_s_over_a")
+    grids = {c: {run["seed"]: run for run in part} for c, part in series.items()}
     rows = []
-    for c in sorted(grids):
+    for c in grids:
         trio = [grids.get(c / 2, {}), grids[c], grids.get(2 * c, {})]
         if seeds := sorted(set.intersection(*(set(grid) for grid in trio))):
             value = np.array([[grid[seed][observable] for grid in trio] for seed in seeds])

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.stats import sem
 
 from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
@@ -39,8 +40,7 @@ def means(runs: Rows, level: str) -> Rows:
     for (hurst, part), p_star, (kind, (unit, edges)) in product(by_hurst(runs).items(), LOADS, KINDS.items()):
         found = [_binned(run, kind, unit(run), edges) for run in at_load(part, p_star) if run[f"{kind}_distribution"]]
         if len(found) > 1:
-            mean, error = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(len(found))
-            bins = zip(*(x.tolist() for x in (edges[:-1], edges[1:], mean, error)), strict=True)
+            bins = zip(*(x.tolist() for x in (edges[:-1], edges[1:], np.mean(found, axis=0), sem(found))), strict=True)
             rows += [{"hurst": hurst, "p_star": p_star, "kind": kind, "low": low, "high": high, "density": density, "density_se": se,
                       "surfaces": len(found)} for low, high, density, se in bins if density > 0]
     return rows

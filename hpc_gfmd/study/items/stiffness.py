@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import sem
 
 from ...plotting.style import COLOURS, THEORY, figure
 from ...theory import persson
@@ -49,7 +50,7 @@ def means(runs: Rows, level: str) -> Rows:
 
 
 def _mean(values: list[float]) -> tuple[float, float]:
-    return float(np.mean(values)), float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else np.nan
+    return float(np.mean(values)), float(sem(values)) if len(values) > 1 else np.nan
 
 
 def power_laws(rows: Rows) -> Rows:
