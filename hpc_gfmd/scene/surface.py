@@ -118,11 +118,6 @@ class SelfAffine(Surface):
         return self.physical_sizes[0] / self.L_over_lam_l
 
     @property
-    def lam_r(self) -> float:
-        """Roll-off wavelength: the spectrum is constant between lam_l and lam_r."""
-        return self.lam_l / self.lam_l_over_lam_r
-
-    @property
     def lam_s(self) -> float:
         """Shortest wavelength, in the unit of the cell."""
         return self.lam_l / self.lam_l_over_lam_s

@@ -27,7 +27,8 @@ def test_defaults():
     assert scene.surface.g_rms == 1
     assert scene.surface.h_rms is None
     assert scene.surface.physical_sizes == (1, 1)
-    assert scene.surface.lam_r == scene.surface.lam_l == 0.5
+    assert scene.surface.lam_l == 0.5
+    assert scene.surface.lam_l_over_lam_r == 1
     assert scene.material.E_star == 1
     assert scene.solver.accuracy == 1e-3
     assert scene.solver.residual is None
