@@ -190,6 +190,7 @@ def test_what_is_not_there_is_said(tmp_path):
     for ask, words in [(lambda: one.gap, r"^gap: not in .*bare.h5, allowed"),
                        (lambda: one.observable("patches"), "has no pressure and no gap"),
                        (lambda: one.observable("duality_gap"), "^duality_gap: not in"),
+                       (lambda: one.distribution("presure"), '^distribution: found .presure., nearest: "pressure"'),
                        (lambda: one.observable("pathces"), '^observable: found .pathces., nearest: "patches"')]:
         with pytest.raises(SceneError, match=words):
             ask()
