@@ -75,14 +75,10 @@ def test_whatever_fields_there_are(tmp_path, fields):
 @pytest.mark.parametrize(("surface", "attributes"), [
     ({"h_rms": 0.0, "g_rms": 0.0, "eps_f": 0.0}, {"p_star": float("inf"), "gap_over_h_rms": float("nan")}),
     ({}, {"a_r": 1.0, "gap_mean": 0.0, "gap_over_h_rms": 0.0}), ({}, {"a_r_error": float("inf"), "gap_error": float("nan")}),
-    ({"eps_f": float("nan")}, {"a_r": None, "kappa": None})], ids=["flat", "full contact", "unknown errors", "few observables"])
+    ({"eps_f": float("nan")}, {"a_r": None, "kappa": None}), ({"physical_sizes": [0.1, 2.0]}, {"n": (3, 50), "steps": 3})],
+    ids=["flat", "full contact", "unknown errors", "few observables", "many steps of a long cell"])
 def test_unusual_results_are_drawn_too(tmp_path, surface, attributes):
     assert len(plot_result(write(tmp_path / "run.h5", surface=surface, **attributes))) == 3
-
-
-def test_many_steps_and_long_cells(tmp_path):
-    file = write(tmp_path / "run.h5", n=(3, 50), steps=3, surface={"physical_sizes": [0.1, 2.0]})
-    assert len(plot_result(file)) == 3
 
 
 def test_nothing_to_draw_or_nowhere_to_put_it(tmp_path):

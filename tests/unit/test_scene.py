@@ -48,23 +48,15 @@ def test_alternatives_switch_the_default_off():
     assert Scene.from_toml(scene.to_toml()) == scene
 
 
-def test_effective_modulus_of_two_solids():
-    scene = Scene.from_dict(tables(material={"E1": 2.0, "nu1": 0.5, "E2": 3, "nu2": -0.5}))
-    assert scene.material.E_star == pytest.approx(1 / (0.75 / 2 + 0.75 / 3), rel=1e-15)
-    assert Scene.from_toml(scene.to_toml()) == scene
-
-
-def test_one_solid_against_a_rigid_counterface():
-    scene = Scene.from_dict(tables(material={"E1": 2.0, "nu1": 0.5}))
-    assert scene.material.E_star == pytest.approx(2 / 0.75, rel=1e-15)
-    assert Scene.from_toml(scene.to_toml()) == scene
-
-
-@pytest.mark.parametrize("moduli", [{"E1": 2.0}, {"E_star": 2 / 0.91}])
-def test_layer(moduli):
-    scene = Scene.from_dict(tables(material={"nu1": 0.3, "thickness": 0.1} | moduli))
-    assert scene.material.E_star == pytest.approx(2 / 0.91, rel=1e-15)
-    assert scene.material.base == "bonded"
+@pytest.mark.parametrize(("material", "E_star", "base"), [
+    ({"E1": 2.0, "nu1": 0.5, "E2": 3, "nu2": -0.5}, 1 / (0.75 / 2 + 0.75 / 3), None), ({"E1": 2.0, "nu1": 0.5}, 2 / 0.75, None),
+    ({"E1": 2.0, "nu1": 0.3, "thickness": 0.1}, 2 / 0.91, "bonded"),
+    ({"E_star": 2 / 0.91, "nu1": 0.3, "thickness": 0.1}, 2 / 0.91, "bonded"),
+], ids=["two solids", "a rigid counterface", "a layer", "a layer by E*"])
+def test_material(material, E_star, base):
+    scene = Scene.from_dict(tables(material=material))
+    assert scene.material.E_star == pytest.approx(E_star, rel=1e-15)
+    assert base in (None, scene.material.base)
     assert Scene.from_toml(scene.to_toml()) == scene
 
 

@@ -72,15 +72,6 @@ def test_finished_ones_are_skipped(solved):
     assert {run["lam_s_over_a"] for run in store.runs_of(CASES[2:])} == {4}
 
 
-def test_only_missing_loads_are_solved(solved, tmp_path):
-    store = Store(tmp_path)
-    kept = next(run for run in solved[0].runs_of([SMALL]) if run["p_star"] == 0.35)
-    store.append(kept)
-    outcome, _ = solve([SMALL], store)
-    assert outcome.solved == 1
-    assert store.load()[0] == kept
-
-
 @pytest.mark.parametrize("torn", [b'{"hurst": 0.8, "L_over_l', b'{"hurst": 0.8, "n": 3}\n', b"\x00\xff garbage\n", b"7\n", b"\n\n"])
 def test_store_survives_a_torn_line(tmp_path, torn):
     store = Store(tmp_path)

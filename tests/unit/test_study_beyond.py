@@ -30,21 +30,15 @@ def made_up(scatter, seed=0):
     return runs_of(cases, scatter=scatter, noise=scatter / 10, kappa=kappa, seed=seed)
 
 
-def test_continuum_without_scatter_is_exact():
-    for observable in ("kappa", "kappa_edge"):
-        found = continuum(made_up(1e-7), observable)
-        for (hurst, eps_f, _), value in found.value.items():
-            assert value == pytest.approx(2 + hurst + eps_f, rel=1e-5)
-        assert len(found.value) == 6
-
-
-def test_continuum_of_three_grids():
-    """They tell fewer powers of eps_c apart; here each eps_f is known of one cell only, which stays in the value."""
-    for observable in ("kappa", "kappa_edge"):
-        found = continuum([run for run in made_up(1e-7) if run["eps_c"] < 0.5], observable)
-        for (hurst, eps_f, _), value in found.value.items():
-            cell = {1 / 16: 8, 1 / 64: 2}[eps_f]
-            assert value == pytest.approx((2 + hurst + eps_f) * np.exp(0.1 / cell), rel=1e-5)
+@pytest.mark.parametrize("observable", ["kappa", "kappa_edge"])
+@pytest.mark.parametrize("coarsest", [0.5, 0.25])
+def test_continuum_without_scatter_is_exact(observable, coarsest):
+    """Three grids tell fewer powers of eps_c apart; each eps_f is then known of one cell only, which stays in the value."""
+    found = continuum([run for run in made_up(1e-7) if run["eps_c"] <= coarsest], observable)
+    for (hurst, eps_f, _), value in found.value.items():
+        cell = np.inf if coarsest == 0.5 else {1 / 16: 8, 1 / 64: 2}[eps_f]
+        assert value == pytest.approx((2 + hurst + eps_f) * np.exp(0.1 / cell), rel=1e-5)
+    assert len(found.value) == 6
 
 
 def at_loads(loads, seed=0, jitter=3):
