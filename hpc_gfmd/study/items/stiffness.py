@@ -19,10 +19,8 @@ LOWER = (2.5e-5, 5e-5, *LOADS)  # of larger cells, where the power law ends earl
 WIDE = tuple(1e-5 * 4**k for k in range(7))  # of cells with more decades of roughness
 ROWS = {  # as in levels.py; at the end other loads
     "quick": ((1, 16, 2, 2, (0.5,)), (2, 16, 2, 2, (0.5,))),
-    "desk": (
-        (1, 128, 2, 40), (2, 128, 2, 20, HURST, LOWER), (4, 128, 2, 10, HURST, LOWER),
-        (1, 256, 2, 30), (1, 512, 2, 10, HURST, WIDE),
-    ),
+    "desk": ((1, 128, 2, 40), (2, 128, 2, 20, HURST, LOWER), (4, 128, 2, 10, HURST, LOWER),
+             (1, 256, 2, 30), (1, 512, 2, 10, HURST, WIDE)),
     "paper": ((1, 1024, 2, 100), (2, 1024, 2, 50), (4, 1024, 2, 20), (8, 1024, 2, 10)),
 }
 SYSTEM = ("hurst", "L_over_lam_l", "lam_l_over_lam_s")
