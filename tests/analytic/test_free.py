@@ -118,7 +118,8 @@ def compliance(n, sizes):
     return known[dx, dy] * a_x * a_y
 
 
-@pytest.mark.parametrize(("n", "sizes"), [((16, 16), (1.0, 1.0)), ((13, 18), (1.0, 1.6)), ((24, 9), (2.0, 0.9))], ids=str)
+@pytest.mark.parametrize(("n", "sizes"), [((16, 16), (1.0, 1.0)), ((13, 18), (1.0, 1.6)), ((24, 9), (2.0, 0.9)),
+                                          ((16, 12), (1.0, 15.0)), ((4, 24), (30.0, 1.0))], ids=str)
 @pytest.mark.parametrize("p", [0.02, 0.2])
 def test_against_the_oracle(n, sizes, p):
     z = 0.1 * random_heights(n, seed=3)

@@ -11,6 +11,7 @@ from hpc_gfmd.surface.build import cell_of, grid_of
 
 SURFACES = [((128, 128), (1.0, 1.0), (True, True)), ((512, 512), (1.0, 1.0), (True, True)), ((128, 64), (2.0, 1.0), (True, True)),
             ((40, 60), (1.0, 1.5), (True, True)), ((512, 32), (1.0, 0.0625), (True, True)),
+            ((32, 32), (1.0, 10.0), (True, True)), ((4, 48), (50.0, 3.0), (True, True)),
             ((96, 64), (1.0, 1.0), (True, False)), ((30, 128), (0.3, 1.0), (False, True))]
 
 
@@ -118,3 +119,4 @@ def test_cells():
     assert cell_of((512, 128), (True, True), (4.0, 1.0))[1] >= 128 + 128
     assert cell_of((3, 20), (True, True), (1.0, 1.0))[0] >= 3 + 64
     assert cell_of((1000, 1000), (True, True), (1.0, 1.0))[0] % 16 == 0
+    assert cell_of((32, 20), (True, True), (1.0, 10.0))[0] >= 32 + 13 * 16  # spacings of 1/32 and 1/2
