@@ -46,13 +46,6 @@ def test_says_what_it_is(name):
             assert re.search(rf"\b{re.escape(argument)}\b", text), f"{name} does not say what {argument} is"
 
 
-@pytest.mark.parametrize("name", [name for name in PUBLIC if name.startswith("hpc_gfmd.") and not inspect.isclass(PUBLIC[name])])
-def test_says_its_types(name):
-    entry = PUBLIC[name]
-    own = entry.fget if isinstance(entry, property) else inspect.unwrap(getattr(entry, "__func__", entry))
-    assert {*inspect.signature(own).parameters, "return"} - {"self", "cls"} <= set(own.__annotations__), name
-
-
 @pytest.mark.parametrize("module", [hpc_gfmd, reference, tfc], ids=lambda module: module.__name__)
 def test_functions_are_in_the_form_of_numpydoc(module):
     """With the sections that a page is generated from."""
