@@ -1,6 +1,5 @@
 """Whatever a scene holds, it becomes a Scene or a SceneError of one line."""
 
-
 import tomli_w
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -15,6 +14,8 @@ KEYS = sorted({key for model in MODELS for key in model.model_fields})
 SPECIAL = ["auto", "self-affine", "wave", "sphere", "file", "gap", "a.h5", 10**400, 2**63, 1e308]
 SCALARS = st.one_of(st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.sampled_from(SPECIAL),
                     st.datetimes(), st.dates(), st.times())
+PLACES = st.sampled_from([(table, key) for table, models in zip(TABLES, [list(KINDS.values()), *([m] for m in MODELS[1 + len(KINDS):])])
+                          for model in models for key in model.model_fields])
 NAMES = st.sampled_from(KEYS) | st.text(max_size=6)
 
 
@@ -38,9 +39,9 @@ def survives(data: dict) -> None:
 
 
 @quick
-@given(st.sampled_from([SURFACE, WAVE, SPHERE, FILE]), st.sampled_from(TABLES), NAMES, VALUES)
-def test_one_changed_value_gives_a_scene_or_a_scene_error(surface, table, key, value):
-    data = tables(surface)
+@given(st.sampled_from([SURFACE, WAVE, SPHERE, FILE]), PLACES, VALUES | st.floats(0, 10) | st.integers(0, 64))
+def test_one_changed_value_gives_a_scene_or_a_scene_error(surface, place, value):
+    data, (table, key) = tables(surface), place
     survives(data | {table: data.get(table, {}) | {key: value}})
 
 
