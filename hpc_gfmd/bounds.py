@@ -13,17 +13,26 @@ Where the surface ends within the cell the first is a bound of the mean of e ove
 <v, e>/N, v = 1 on the surface (less its mean): |v|_S is known beforehand, it is the self-energy of the nominal area. The second v is -1
 on the surface out of contact, constant in contact and 0 beyond: on every level t N/n - s, t and s being the indicators of the n points
 in contact and of the surface.
+
+An error dS of S itself (Body.error) acts as heights wrong by dS p, smooth ones: the pressure is wrong by about -K dS p where all is
+closed, elsewhere by less. The mean gap follows the pressure, the faster the less is open: pockets close with their pressure.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from .kernels.certify import BINS, PER_OCTAVE, count_uncertain
 
+if TYPE_CHECKING:
+    from .problem import Problem
+
 # The error of the pressure over the bound with the compliance in place of 1/K_max; more on small grids, by TINY over the root of their
 # points, and with few points in contact, by LONE over their number
 PRESSURE, TINY, LONE = 0.55, 5.0, 1.0
+POCKETS = 0.05  # for an error of S: that of the mean gap over that of the pressure, times the share that is open (0.03 was seen)
 UNKNOWN, ALIGNED = 0.3, 1.2  # in the second expression for the mean gap: share of the bound; S over the sum over levels for long waves
 
 TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
@@ -38,17 +47,34 @@ SHARE, ASPERITY = 0.08, 10
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 
 
-def field_errors(energy, uKu, closed, contact, N, p0, gap, compliance, response, aligned, surface):
-    """Relative errors of the mean gap and of the pressure field (L2).
+class State(NamedTuple):
+    """What is known of a state. e: |e|_K = sqrt(2 G), how far the solution is; norm: |u|_K; p0: mean pressure; contact: points in
+    contact; N: all points; error: Body.error."""
 
-    energy: 2 G; uKu: <u, K u>; closed: sum of p^2 in contact; contact: points in contact; N: points; gap: its mean; compliance:
-    1/K of the shortest waves, Body.typical; response: |v|_S, aligned: <v, S (p - p^)>, both by sums over levels; surface: the
-    self-energy of the nominal area, 0 where that is all.
+    e: float
+    norm: float
+    p0: float
+    contact: float
+    N: int
+    error: float
+
+
+def gap_error(state: State, gap: float, response: float, aligned: float, surface: float) -> float:
+    """Relative error of the mean gap.
+
+    gap: sum over all points; response: |v|_S, aligned: <v, S (p - p^)>, both by sums over levels; surface: Problem.self_energy.
     """
-    e = np.sqrt(max(energy, 0.0))
-    shift = min(e * (np.sqrt(max(uKu, 0.0)) + e) / p0 + surface * e, UNKNOWN * response * e + ALIGNED * abs(aligned)) / N
-    mean_gap = shift / (gap - shift) if shift < gap else (0.0 if shift == 0 else np.inf)
-    return float(mean_gap), float(PRESSURE * (1 + TINY / np.sqrt(N) + LONE / contact) * e / np.sqrt(compliance * closed))
+    e = state.e
+    shift = min(e * ((state.norm + e) / state.p0 + surface), UNKNOWN * response * e + ALIGNED * abs(aligned))
+    if state.contact < state.N:
+        shift += gap * POCKETS * state.error * state.N / (state.N - state.contact)
+    return float(shift / (gap - shift)) if shift < gap else (0.0 if shift == 0 else np.inf)
+
+
+def pressure_error(state: State, compliance: float, closed: float) -> float:
+    """Relative error of the pressure field (L2). compliance: 1/Body.typical; closed: sum of p^2 over the points in contact."""
+    share = PRESSURE * (1 + TINY / np.sqrt(state.N) + LONE / state.contact)
+    return float(share * state.e / np.sqrt(compliance * closed))
 
 
 class Pattern(NamedTuple):
@@ -58,7 +84,7 @@ class Pattern(NamedTuple):
     coherence: float
 
 
-def error_pattern(total, squares, fourth, contact, N):
+def error_pattern(total: float, squares: float, fourth: float, contact: float, N: int) -> Pattern:
     """Pattern of the error of the pressure: as that of what is left out of contact (sums of p, p^2, p^4), over no more points than are
     in contact, or out of it."""
     spread = max(min(squares**2 / fourth if fourth > 0 else 1.0, contact, N - contact), 1.0)
@@ -66,7 +92,7 @@ def error_pattern(total, squares, fourth, contact, N):
     return Pattern(spread, min(max((alike - ANY_SIGN) / (ONE_SIGN - ANY_SIGN), 0.0), 1.0))
 
 
-def misclassified_points(problem, g, p, compliance, squares, pattern):
+def misclassified_points(problem: Problem, g: np.ndarray, p: np.ndarray, compliance: float, squares: float, pattern: Pattern) -> float:
     """How many points may be in the wrong set, in contact or out of it; squares: sum of squares of the error of the pressure, pattern:
     how it is spread; compliance: of the shortest wave. Collective.
 
@@ -80,18 +106,17 @@ def misclassified_points(problem, g, p, compliance, squares, pattern):
     largest = max(min(mean_square * FAR**2, squares), sure**2)
     if largest <= 0:
         return 0.0
-    counts = np.zeros((2, BINS))
+    bins = np.zeros((2, BINS))
     rows, m = problem.grid.inside
-    found = count_uncertain(g[:rows, :m], p[:rows, :m], compliance, TIE * rounding if double else 0.0, sure, largest, counts)
-    *counts, contact, changes = problem.grid.comm.sum([*counts.ravel(), *found])
-    counts = np.reshape(counts, (2, BINS))
+    found = count_uncertain(g[:rows, :m], p[:rows, :m], compliance, TIE * rounding if double else 0.0, sure, largest, bins)
+    *counts, contact, changes = problem.grid.comm.sum([*bins.ravel(), *found])
     together = max(pattern.coherence, 2 * contact > LONG * changes) if pattern.spread > FEW * contact else 0.0
     moved = CLOSE + (TOGETHER - CLOSE) * together
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
     wrong = 0.0
     near = takes < mean_square * NEAR**2
-    for points in counts:
+    for points in np.reshape(counts, (2, BINS)):
         easiest = np.cumsum((points * takes)[::-1]) <= squares
         easy = points * near
         at_once = max((easy[1:] + easy[:-1]).max(), min(easy.sum(), ASPERITY), min(points.sum(), EDGE))
@@ -100,6 +125,6 @@ def misclassified_points(problem, g, p, compliance, squares, pattern):
     return wrong
 
 
-def relative_area(wrong, contact):
+def relative_area(wrong: float, contact: float) -> float:
     """Relative error of the area if `wrong` of the points in contact may be too many, or too few."""
     return float(wrong / (contact - wrong)) if wrong < contact else np.inf

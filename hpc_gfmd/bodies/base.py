@@ -67,11 +67,14 @@ class Body:
     full_p_star : float
         Below this p* full contact is out of the question, because the pressure that flattens a surface varies by std(p) >= E* g_rms/2
         about its mean (unless the surface is very skewed).
+    error : float
+        Relative error of the pressure field (L2) from what S is not known to, at most.
     """
 
     name = ""
     table_share = 0.25  # numbers that are kept for every point of a grid and each precision
     full_p_star = 0.499
+    error = 0.0
 
     @property
     def absolute(self) -> bool:

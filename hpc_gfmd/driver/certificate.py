@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..bounds import error_pattern, field_errors, misclassified_points, relative_area
+from ..bounds import State, error_pattern, gap_error, misclassified_points, pressure_error, relative_area
 from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import EQUIVALENCE, Multilevel
@@ -127,8 +127,9 @@ def _errors(problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, 
     energy = EQUIVALENCE * compliance * (sums.open_pp + excess**2 * closed_pp + rr)
     norm, product = levels.response(contact, tt, ts, excess * sums.closed_p + rt, rs, 0.0)
     response, aligned = np.sqrt(compliance * norm) / share, compliance * product / share
-    typical = 1.0 / problem.body.typical(grid)
-    mean_gap, pressure = field_errors(energy, uKu, closed_pp, contact, N, p0, gap / N, typical, response, aligned, problem.self_energy)
+    state = State(np.sqrt(energy), np.sqrt(max(uKu, 0.0)), p0, contact, N, problem.body.error)
+    mean_gap = gap_error(state, gap, response, aligned, problem.self_energy)
+    pressure = pressure_error(state, 1.0 / problem.body.typical(grid), closed_pp)
 
     pattern = error_pattern(N * p0 - sums.closed_p, sums.open_pp, sums.open_p4, contact, N)
     wrong = misclassified_points(problem, g, p, compliance, pressure**2 * closed_pp, pattern)
@@ -136,12 +137,12 @@ def _errors(problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, 
         mean_gap = 0.0  # nothing is open, nor could be
     elif gap > 0:
         mean_gap += problem.rounding * (N - contact) / gap + STORED * float(np.finfo(problem.dtype).eps)
-    pressure = np.hypot(pressure, rounding_error(problem, contact, np.sqrt(closed_pp / contact)))
+    pressure = np.hypot(pressure, unseen_error(problem, contact, np.sqrt(closed_pp / contact)))
     return relative_area(wrong, contact), float(mean_gap), float(pressure)
 
 
-def rounding_error(problem: Problem, contact: float, p_rms: float) -> float:
-    """Relative error of the pressure field from storing heights and pressures in the working precision; p_rms: of those in contact."""
-    if problem.dtype == np.float64:
-        return problem.rounding / p_rms
-    return float(np.hypot(problem.rounding / p_rms, STORED * np.finfo(problem.dtype).eps))
+def unseen_error(problem: Problem, contact: float, p_rms: float) -> float:
+    """Relative error of the pressure field from S and from storing heights and pressures in the working precision; p_rms: of those in
+    contact."""
+    stored = 0.0 if problem.dtype == np.float64 else STORED * float(np.finfo(problem.dtype).eps)
+    return float(np.linalg.norm([problem.rounding / p_rms, stored, problem.body.error]))

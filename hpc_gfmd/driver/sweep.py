@@ -15,7 +15,7 @@ from ..errors import SceneError
 from ..problem import Problem
 from ..registry import solver_class
 from ..units import require_range, single_solves
-from .certificate import Certificate, certify, rounding_error
+from .certificate import Certificate, certify, unseen_error
 from .curve import Curve
 from .drive import LoopState, Outcome, Target, drive
 from .nested import Nested, cold_gap, mean_height
@@ -294,7 +294,7 @@ class Sweep:
         pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
             return None, pairs
-        exact = replace(certificate, errors=(0.0, 0.0, rounding_error(problem, certificate.contact, problem.p0)))
+        exact = replace(certificate, errors=(0.0, 0.0, unseen_error(problem, certificate.contact, problem.p0)))
         return (g, p, Outcome("converged", exact, 0.0)), pairs
 
     def _set_precision(self, dtype: DTypeLike) -> None:

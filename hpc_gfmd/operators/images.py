@@ -1,9 +1,10 @@
 """What the images of a surface that ends add to its displacement in a periodic cell, and how to take that out again.
 
 S of free space and that of the cell differ by c(r), the sum over the images of the origin. Between points of a surface that leaves a
-part of the cell free c is smooth: an operator T on the lowest modes of the cell gives it to seven digits. What T does beyond the
+part of the cell free c is smooth: an operator T on the lowest modes of the cell gives it to ten digits. What T does beyond the
 surface, where the pressure is 0, is arbitrary: it is the least one, in the norm of S, so that S + T is positive and nearly S. It leaves
-the mean alone but for a constant: load control does not know which point is at rest.
+the mean alone but for a constant, because load control does not know which point is at rest: on the surface other modes have to stand
+for the mean, and the more digits they give, the less S + T is like S. Seven it is.
 
 Modes are products of cos (parity 1) and sin (-1) of both coordinates, from the middle of the surface, orthonormal over the cell; T does
 not mix parities. Lengths are in any unit, E* = 1.
@@ -15,9 +16,12 @@ from functools import lru_cache
 import numpy as np
 
 NEEDED, ALONE = 20 / 3, 8  # modes along an axis, times the free part of the cell over its length; where the other axis is periodic
-NODES = 3.0  # points of the surface at which c is met, over the modes
-SOFTEST = 0.7  # S + T over S, about: of the mode that is free of charge by another choice of the constant
-LEAST = 1e-7  # share of the largest singular value that counts
+NODES = 6.0  # points of the surface at which c is met, over the modes
+SOFTEST = 0.65  # S + T over S of the mode that the constant is chosen by
+LEAST = 1e-12  # product of two singular values, over the largest, that counts
+# Singular value, over the largest, of modes that stand for the mean: with smaller ones a solve takes more iterations; where one axis is
+# periodic
+MEAN, MEAN_ALONE = 1e-7, 1e-6
 WIDTH = 0.08  # of the charge that is added and subtracted in the sum over images (Ewald), over the root of the cell's area
 PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 
@@ -61,48 +65,44 @@ def images(cell: tuple[float, float], inside: tuple[float, float], free: tuple[b
     k = {axis: {1: np.arange(modes[axis] + 1), -1: np.arange(1, modes[axis] + 1)} for axis in (0, 1)}
     q = 2 * np.pi * np.hypot(k[0][1][:, None] / cell[0], k[1][1] / cell[1])
     S = np.divide(2, q, out=np.zeros_like(q), where=q > 0)
-    T, constant = {}, 0.0
+    T, axes = {}, [_Nodes(*axis) for axis in zip(cell, inside, modes)]
     if all(free):
-        x, y = (_Nodes(*pair) for pair in zip(cell, inside, modes))
-        c = kernel(x.offsets, y.offsets, *cell)
-        for a, b in PARITIES:
-            D = sum(s * t * c[i][:, :, j] for s, i in x.pairs(a) for t, j in y.pairs(b))
-            if a + b == 2:
-                T[a, b], constant = _least(np.kron(x.basis[a], y.basis[b]), _square(D), q.ravel())
-            else:
-                T[a, b] = _separable(x.fit(a), y.fit(b), D)
-        return Images({parity: found[None] for parity, found in T.items()}, S, free, modes, constant)
+        X, Y = axes
+        c = kernel(X.offsets, Y.offsets, *cell)
+        T = {(a, b): _in_modes(c, (X, a), (Y, b))[None] for a, b in PARITIES}
+        T[1, 1][0], constant = _without_mean(T[1, 1][0], q.ravel(), np.kron(X.even, Y.even), MEAN)
+        return Images(T, S, free, modes, constant / (cell[0] * cell[1]))
     along = int(free[1])  # the axis that ends
-    x = _Nodes(cell[along], inside[along], modes[along])
+    X = axes[along]
     for a in (1, -1):
-        stack = []
-        for wave in k[1 - along][1]:
-            c = kernel_of_wave(x.offsets, cell[along], 2 * np.pi * wave / cell[1 - along])
-            D = sum(s * c[i] for s, i in x.pairs(a))
-            stack.append(_least(x.basis[a], D, 2 * np.pi * np.hypot(k[along][a] / cell[along], wave / cell[1 - along]))[0])
+        waves = 2 * np.pi / cell[1 - along] * k[1 - along][1]
+        stack = [_in_modes(kernel_of_wave(X.offsets, cell[along], wave), (X, a)) for wave in waves]
+        if a > 0:
+            stack[0], _ = _without_mean(stack[0], 2 * np.pi / cell[along] * k[along][1], X.even, MEAN_ALONE)
         for b in (1, -1):
             T[(a, b) if along == 0 else (b, a)] = np.array(stack)[int(b < 0):]
     return Images(T, S, free, modes, np.nan)
 
 
 class _Nodes:
-    """Points of one half of the surface along an axis, for functions of either parity."""
+    """Points of one half of the surface along an axis, for functions of either parity. fits: by parity, the basis = U s V', V as S
+    weights it; even: the even basis turned to as few rows as it has columns."""
 
     def __init__(self, cell: float, inside: float, modes: int):
         half = int(np.ceil(NODES * (modes + 1) / 2))
-        self._i = np.arange(half)
-        self.offsets = np.arange(2 * half) * (inside / (2 * half - 1))
-        x, k = (self._i + 0.5) * (inside / (2 * half - 1)), np.arange(modes + 1)
-        phase = 2 * np.pi / cell * np.outer(x, k)
-        self.basis = {1: np.cos(phase) * np.where(k > 0, np.sqrt(2), 1) / np.sqrt(cell), -1: np.sin(phase[:, 1:]) * np.sqrt(2 / cell)}
+        self._i, step = np.arange(half), inside / (2 * half - 1)
+        self.offsets = np.arange(2 * half) * step
+        k = np.arange(modes + 1)
+        phase = 2 * np.pi / cell * np.outer((self._i + 0.5) * step, k)
+        even, odd = np.cos(phase) * np.where(k > 0, np.sqrt(2), 1) / np.sqrt(cell), np.sin(phase[:, 1:]) * np.sqrt(2 / cell)
+        self.even: np.ndarray = np.linalg.qr(even)[1]
+        self.fits = {1: self._fit(even, np.maximum(k, 1)), -1: self._fit(odd, k[1:])}
 
-    def fit(self, parity: int) -> tuple[np.ndarray, ...]:
-        """U, s and V of the basis = U s V', V as S weights it."""
-        basis = self.basis[parity]
-        k = np.arange(basis.shape[1]) + (parity < 0)
-        weights = np.maximum(k, 1.0) ** -0.5
-        U, s, V = np.linalg.svd(basis * weights, full_matrices=False)
-        return U, s, V.T * weights[:, None]
+    @staticmethod
+    def _fit(basis: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, ...]:
+        root = k**-0.5  # of S, about
+        U, s, V = np.linalg.svd(basis * root, full_matrices=False)
+        return U, s, V.T * root[:, None]
 
     def pairs(self, parity: int) -> list[tuple[float, np.ndarray]]:
         """The part of an even function of the distance that keeps a parity: weights, and which of the offsets they are of."""
@@ -110,40 +110,43 @@ class _Nodes:
         return [(0.5, abs(i - j)), (0.5 * parity, i + j + 1)]
 
 
-def _square(D: np.ndarray) -> np.ndarray:
-    """A matrix over pairs (x, y) from D of (x, x', y, y')."""
-    m, n = D.shape[0], D.shape[2]
-    return D.transpose(0, 2, 1, 3).reshape(m * n, m * n)
+def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
+    """The least T with basis T basis' = D of the offsets along some axes, each with a parity.
 
-
-def _separable(X: tuple[np.ndarray, ...], Y: tuple[np.ndarray, ...], D: np.ndarray) -> np.ndarray:
-    """The same where no mode is the mean; X, Y: what `_Nodes.fit` gives, D of (x, x', y, y')."""
-    (U, s, V), (W, t, Z) = X, Y
-    size = np.outer(s, t)
-    inverse = np.where(size > LEAST * size[0, 0], 1 / size, 0)
-    G = np.einsum("ikjl,ia,kc,jb,ld->abcd", D, U, U, W, W, optimize=True) * np.multiply.outer(inverse, inverse)
-    T = np.einsum("abcd,ka,lb,mc,nd->klmn", G, V, Z, V, Z, optimize=True).reshape(len(V) * len(Z), -1)
+    Of small singular values only products with large ones count: of the others nothing is left but rounding errors.
+    """
+    fits, size = [nodes.fits[parity] for nodes, parity in axes], np.ones(())
+    for (nodes, parity), (U, s, _) in zip(axes, fits):
+        D = sum(share * D[i] for share, i in nodes.pairs(parity))
+        D = np.tensordot(np.tensordot(D, U, (0, 0)), U, (0, 0))
+        size = np.multiply.outer(size, np.outer(s, s))
+    T = np.divide(D, size, out=np.zeros_like(D), where=size > LEAST * size.max())
+    for *_, V in fits:
+        T = np.tensordot(np.tensordot(T, V, (0, 1)), V, (0, 1))
+    side = np.prod(T.shape[::2])
+    T = T.transpose(*range(0, T.ndim, 2), *range(1, T.ndim, 2)).reshape(side, side)
     return (T + T.T) / 2
 
 
-def _least(basis: np.ndarray, D: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, float]:
-    """T with basis T basis' = D, but for a constant, which is the second thing returned, the least one beside S = 2/q; none of the mean
-    (q = 0)."""
-    use = q > 0
-    weights = q[use] ** -0.5
-    U, s, V = np.linalg.svd(basis[:, use] * weights, full_matrices=False)
-    U, s, V = (a[..., s > LEAST * s[0]] for a in (U, s, V.T))
-    U, V = U / s, V.T
-    G, constant = U.T @ D @ U, 0.0
-    if not use.all():
-        one = U.sum(axis=0)
-        rigid = np.linalg.solve(np.eye(len(s)) + G, one)  # what a constant of 1/(one @ rigid) would make free of charge
-        constant = float((1 - SOFTEST * (rigid @ rigid) / (one @ rigid)) / (one @ rigid))
-        G = G - constant * np.outer(one, one)
-    V = V * weights
-    T = np.zeros((len(q), len(q)))
-    T[np.ix_(use, use)] = V.T @ ((G + G.T) / 2) @ V
-    return T, constant
+def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray, least: float) -> tuple[np.ndarray, float]:
+    """The same on the surface but for a constant, which is the second thing returned, with 0 for the mean (the first mode, q = 0).
+
+    On the surface the mean is `one` of the other modes. With t of the mean and A of the others in T, modes scaled so that S is 1, T is
+    A + one t' + t one' + x one one', x free by the constant. In the plane of `one` and t two eigenvalues over those of 1 + A are then
+    not 1: x is such that the smaller is SOFTEST.
+    """
+    root = np.sqrt(2 / q[1:])  # of S
+    U, s, V = np.linalg.svd(basis[:, 1:] * root, full_matrices=False)
+    counts = s > least * s[0]
+    V, one = V[counts].T, basis[:, 0] @ U[:, counts] / s[counts]
+    A, t = V.T @ (T[1:, 1:] / np.outer(root, root)) @ V, V.T @ (T[0, 1:] / root)
+    u, v = np.linalg.solve(np.eye(len(one)) + A, np.transpose([one, t])).T
+    uu, uv, vv = one @ u, one @ v, t @ v
+    x = ((uu * vv - uv**2) / (1 - SOFTEST) - (1 - SOFTEST) - 2 * uv) / uu
+    V = V * root[:, None]
+    out = np.zeros_like(T)
+    out[1:, 1:] = V @ (A + np.outer(one, t) + np.outer(t, one) + x * np.outer(one, one)) @ V.T
+    return out, float(T[0, 0] - x)
 
 
 def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:

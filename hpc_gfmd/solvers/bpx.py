@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
-from ..bounds import error_pattern, field_errors, misclassified_points, relative_area
+from ..bounds import State, error_pattern, gap_error, misclassified_points, pressure_error, relative_area
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
 from ..kernels.halfwidth import Widened, half, narrowed
@@ -226,14 +226,16 @@ class Bpx(Solver):
         if self.contact == 0 or closed <= 0 or load <= 0:
             return np.inf, np.inf
         off = self.p_cell / load - 1
-        norm = np.sqrt(EQUIVALENCE * self.compliance * self.r_norm)
-        energy = (EXPECTED * (norm * (1 + abs(off)) + abs(off) * np.sqrt(max(self.uKu, 0.0)))) ** 2
+        norm = np.sqrt(max(self.uKu, 0.0))
+        e = EXPECTED * (np.sqrt(EQUIVALENCE * self.compliance * self.r_norm) * (1 + abs(off)) + abs(off) * norm)
+        state = State(e, norm, self.p0, self.contact, self.N, self.problem.body.error)
         share = self.contact / self.N
         response = np.sqrt(self.compliance * self.t_norm) / share
         aligned = self.compliance * self.aligned / share * (1 + off) - off * ALIKE * self.p0 * response**2
-        gap, pressure = field_errors(energy, self.uKu, closed, self.contact, self.N, self.p0, self.gap_mean,
-                                     self.typical_compliance, response, aligned, self.problem.self_energy)
-        return 0.0 if self.contact == self.N else gap, pressure  # where all is closed the certificate says whether a point could open
+        pressure = pressure_error(state, self.typical_compliance, closed)
+        if self.contact == self.N:  # the certificate says whether a point could open
+            return 0.0, pressure
+        return gap_error(state, self.gap_mean * self.N, response, aligned, self.problem.self_energy), pressure
 
     def expected_area(self, pressure: float) -> float:
         rows, m = self.grid.inside
