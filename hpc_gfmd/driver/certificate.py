@@ -1,7 +1,8 @@
 """The independent check (of the KKT conditions) of a solution: from the displacement alone, by a fresh application of the operator.
 
-p = p0 + K u is computed anew in double precision; what it violates of u >= -h, p >= 0, p g = 0, mean(p) = p0 is the certificate. How
-far that is from the solution follows from the duality gap, which bounds the error of the energy without any knowledge of the solution:
+p = p0 + K u is computed anew, in double precision where rounding errors would count; what it violates of u >= -h, p >= 0, p g = 0,
+mean(p) = p0 is the certificate. How far that is from the solution follows from the duality gap, which bounds the error of the energy
+without any knowledge of the solution:
 
     E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 1/K,
 
@@ -9,8 +10,7 @@ for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact
 transform by sums of squares on the levels of the multilevel operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap
 and of the pressure (bounds.py), and from that of the pressure how many points may be in the wrong set, in contact or out of it.
 
-In low memory all of it is in single precision: what is smaller than the rounding errors of the heights, which count towards the errors,
-cannot be seen then.
+In single precision what is smaller than the rounding errors of the heights, which count towards the errors, cannot be seen.
 """
 
 from __future__ import annotations

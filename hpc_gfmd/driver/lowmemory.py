@@ -4,9 +4,8 @@ The starting gap takes the memory of the heights; where p = p0 + K u needs the d
 known mode by mode, is added in Fourier space. Every load that does not start from the one before makes the surface anew. Where the
 surface ends, its heights take a quarter or half of a field, and are kept.
 
-The pressure of a gap is computed in the working precision as long as its rounding errors, which the certificate cannot tell from
-pressure out of contact, are far below the accuracy that is asked for. Otherwise, on large grids at small loads, the first pressure and
-the certificates are in double precision: their transforms take the memory of the solver's and of its last step meanwhile.
+Where the first pressure and the certificates are in double precision, on large grids at small loads, their transforms take the memory
+of the solver's and of its last step meanwhile.
 """
 
 from __future__ import annotations
@@ -22,19 +21,14 @@ from numpy.typing import DTypeLike
 from ..errors import SceneError
 from .drive import certificate_of
 from .nested import Nested, mean_height
-from .sweep import Sweep
+from .sweep import Sweep, counting
 
 if TYPE_CHECKING:
     from ..problem import Problem
-    from ..scene import Solver as Settings
     from .sweep import Slabs
 
-NOISE = 0.8  # of Problem.rounding, over the tolerance: the certificate sees a third of the former
 
-
-def tolerance(settings: Settings, p_star: float) -> float:
-    """Errors of the pressure at all open points, in the problem's unit, that count as much as what is asked for."""
-    return settings.residual * p_star if settings.residual else settings.accuracy * p_star**0.5
+NOISE = 0.8  # as in sweep.py: double precision takes more time here
 
 
 class LowMemorySweep(Sweep):
@@ -42,7 +36,6 @@ class LowMemorySweep(Sweep):
 
     def _set_precision(self, dtype: DTypeLike) -> None:
         self.dtype = np.dtype(dtype)
-        self.target = replace(self.target, certificate_dtype=self.dtype.type)
         self.solver = None
         self.surface = self.make_surface(self.dtype)
         self._top = mean_height(self.surface.grid, self.surface.h)
@@ -58,8 +51,8 @@ class LowMemorySweep(Sweep):
         near = self.solver is not None and self._near(problem.p0)
         if arrays is None and near:
             self._reset_counts()
-            self._choose_certificate(replace(self.solver.problem_now, p0=problem.p0))
             self.solver.continue_at(problem.p0)
+            self._choose_certificate()
             return
         self.solver = None  # its memory is needed now
         h = self.surface.h if self.surface.h is not None else self.make_surface(self.dtype).h
@@ -78,7 +71,7 @@ class LowMemorySweep(Sweep):
         _give_back()
         self.solver = self._make(problem, g)
         self._reset_counts()
-        self._choose_certificate(problem)
+        self._choose_certificate()
         if arrays is not None:
             self._load_state(arrays, numbers or {})
         elif self.target.in_turn:
@@ -88,11 +81,13 @@ class LowMemorySweep(Sweep):
         else:
             self.solver.start(g)
 
-    def _choose_certificate(self, problem: Problem) -> None:
-        """Its precision: double where rounding errors would count, unless it would take tables, too."""
-        plain = self.dtype == np.float64 or self.surface.grid.padded or self.body.table_share
-        in_turn = not plain and problem.rounding > NOISE * tolerance(self.settings, problem.p0)
-        self.target = replace(self.target, certificate_dtype=np.float64 if in_turn else self.dtype.type, in_turn=in_turn)
+    def _choose_certificate(self) -> None:
+        super()._choose_certificate()
+        self.target = replace(self.target, in_turn=self.target.certificate_dtype != self.dtype)
+
+    def _rounding_counts(self, problem: Problem) -> bool:
+        """Not where double precision would take tables, too."""
+        return not self.body.table_share and problem.rounding > NOISE * counting(self.target, problem.p0)
 
 
 def _give_back() -> None:

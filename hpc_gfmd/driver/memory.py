@@ -19,8 +19,8 @@ from ..registry import body_of
 from ..scene import Scene
 from ..surface import cell_of
 from .decomposition import share_of
-from .lowmemory import NOISE, tolerance
-from .sweep import few_points, first_precision
+from .lowmemory import NOISE
+from .sweep import counting, few_points, first_precision
 
 FIELDS, STEP = 2, 0.5  # g, p; d, which has half the width; and h, which in low memory is kept only where the surface ends
 SOLVER = 4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
@@ -89,7 +89,7 @@ def memory_of(scene: Scene, n: tuple[int, int], sizes: tuple[float, ...], ranks:
     transforms = spectra(dtype, grids[:1]) * with_table + spectra(dtype, grids[1:])
     transforms += sum(scratch(precision, grids) for precision in {dtype, first_precision(scene.solver)})
     certificate = 0.0 if low or itemsize == 8 else spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
-    if low and itemsize == 4 and with_table == 1 and not any(free) and _in_double(scene):
+    if low and itemsize == 4 and with_table == 1 and _in_double(scene, n, cell):
         # in turn with the solver's transforms, half as large, and d
         certificate = step
     heights, all_heights = (rows * n[1] * kept / GIB for rows in (share.grid.inside[0], n[0]))
@@ -119,15 +119,18 @@ def _p_stars(scene: Scene) -> list[float]:
     return found + [a_r / 2 for a_r in scene.load.a_r or ()]
 
 
-def _in_double(scene: Scene) -> bool:
-    """Whether a surface in low memory is likely to be certified in double precision, see lowmemory.py: only self-affine ones."""
-    surface = scene.surface
-    if surface.kind != "self-affine" or surface.lam_l_over_lam_s == 1:
+def _in_double(scene: Scene, n: tuple[int, int], cell: tuple[int, int]) -> bool:
+    """Whether a surface in low memory may be certified in double precision, see lowmemory.py."""
+    surface, p_star = scene.surface, min(_p_stars(scene), default=0.0)
+    if surface.kind != "self-affine":
+        return True
+    if surface.lam_l_over_lam_s == 1:
         return False
     q = np.geomspace(1, surface.lam_l_over_lam_s, SAMPLES) * 2 * np.pi / (surface.lam_l_over_lam_s * surface.lam_s_over_a)
     h_rms = np.sqrt(np.trapezoid(q ** (-1 - 2 * surface.hurst), q) / np.trapezoid(q ** (1 - 2 * surface.hurst), q))
-    rounding = ROUNDING * float(np.finfo(np.float32).eps) * BELOW_TOP * h_rms
-    return bool(rounding > NOISE * tolerance(scene.solver, min(_p_stars(scene), default=0.0)))
+    beyond = p_star * math.prod(n) / math.sqrt(math.prod(cell)) if n != cell else 0.0
+    rounding = ROUNDING * float(np.finfo(np.float32).eps) * math.hypot(BELOW_TOP * h_rms, beyond)
+    return bool(rounding > NOISE * counting(scene.solver, p_star))
 
 
 def available_gib() -> float:

@@ -39,6 +39,7 @@ SAME_LOAD = 1e-9  # relative: g_rms, and p* with it, has other rounding errors o
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
 CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 FEW_POINTS = 6  # points on the wrong side that single precision may have
+NOISE = 0.2  # of Problem.rounding, over what counts: the certificate sees a third of the former
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,11 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     (None where a residual is asked for)."""
     expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
     return accuracy is not None and FEW_POINTS / expected > accuracy
+
+
+def counting(asked: Target | Settings, p_star: float) -> float:
+    """Errors of the pressure at all open points, in the problem's unit, that count as much as what is asked for."""
+    return asked.residual * p_star if asked.residual else (asked.accuracy or 0.0) * p_star**0.5
 
 
 class Sweep:
@@ -228,11 +234,13 @@ class Sweep:
         self._reset_counts()
         if warm:
             self.solver.continue_at(problem.p0)
-            return
         self.solver.p0 = problem.p0
+        self._choose_certificate()
         if arrays is not None:
             self._load_state(arrays, numbers or {})
-        elif self.dtype == np.float32 and self.solver.takes_gap:
+        elif warm:
+            return
+        elif self.target.certificate_dtype != self.dtype and self.solver.takes_gap:
             # Rounding errors of the first pressure would stay to the end: only its changes are added to it.
             if g is not self.solver.g:
                 self.solver.g[...] = g
@@ -241,6 +249,17 @@ class Sweep:
             self.solver.refresh(fresh.uKu)
         else:
             self.solver.start(g)
+
+    def _choose_certificate(self) -> None:
+        """Its precision, and that of the first pressure: double where rounding errors would count."""
+        double = self._rounding_counts(self.solver.problem_now)
+        self.target = replace(self.target, certificate_dtype=np.float64 if double else self.dtype.type)
+
+    def _rounding_counts(self, problem: Problem) -> bool:
+        """Whether rounding errors of the pressure may, which the certificate cannot tell from pressure out of contact: those of single
+        points where few of them touch, or few do not."""
+        few = few_points(problem.grid.N, problem.p0, self.target.accuracy) or problem.p0 >= HALF_SPACE.full_p_star
+        return few or problem.rounding > NOISE * counting(self.target, problem.p0)
 
     def _reset_counts(self) -> None:
         """A load begins."""
@@ -278,7 +297,7 @@ class Sweep:
         """The least mean pressure (unit of E_star) at which u = -h is the solution: none is in tension. One FFT pair."""
         problem = self._problem(1.0)
         g, p = np.zeros_like(problem.h), np.empty_like(problem.h)
-        self._spent += certify(problem, g, p, dtype=self.target.certificate_dtype).pairs
+        self._spent += certify(problem, g, p).pairs
         tension, largest = problem.grid.comm.max([-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))])
         return (1 + tension + CLOSED * float(np.finfo(p.dtype).eps) * largest) * self.E_star * self.surface.slope
 
@@ -290,7 +309,7 @@ class Sweep:
         if not likely:
             return None, pairs
         g, p = np.zeros_like(problem.h), np.empty_like(problem.h)
-        certificate = certify(problem, g, p, dtype=self.target.certificate_dtype, dual=self.target.duality)
+        certificate = certify(problem, g, p, dual=self.target.duality)
         pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
             return None, pairs
