@@ -15,13 +15,13 @@ from functools import lru_cache
 
 import numpy as np
 
-NEEDED, ALONE = 20 / 3, 8  # modes along an axis, times the free part of the cell over its length; where the other axis is periodic
+NEEDED, ALONE = 20 / 3, 10  # modes along an axis, times the free part of the cell over its length; where the other axis is periodic
 NODES = 6.0  # points of the surface at which c is met, over the modes
-SOFTEST = 0.65  # S + T over S of the mode that the constant is chosen by
 LEAST = 1e-12  # product of two singular values, over the largest, that counts
-# Singular value, over the largest, of modes that stand for the mean: with smaller ones a solve takes more iterations; where one axis is
-# periodic
-MEAN, MEAN_ALONE = 1e-7, 1e-6
+SOFTEST = 0.65  # the least of S + T over S, about: of the modes that the constant is chosen by
+# The largest, which says to which singular value over the largest, at least MEAN, other modes stand for the mean: with more digits a
+# solve takes more iterations.
+STIFFEST, MEAN = 2.4, 1e-8
 WIDTH = 0.08  # of the charge that is added and subtracted in the sum over images (Ewald), over the root of the cell's area
 PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 
@@ -70,7 +70,7 @@ def images(cell: tuple[float, float], inside: tuple[float, float], free: tuple[b
         X, Y = axes
         c = kernel(X.offsets, Y.offsets, *cell)
         T = {(a, b): _in_modes(c, (X, a), (Y, b))[None] for a, b in PARITIES}
-        T[1, 1][0], constant = _without_mean(T[1, 1][0], q.ravel(), np.kron(X.even, Y.even), MEAN)
+        T[1, 1][0], constant = _without_mean(T[1, 1][0], q.ravel(), np.kron(X.even, Y.even))
         return Images(T, S, free, modes, constant / (cell[0] * cell[1]))
     along = int(free[1])  # the axis that ends
     X = axes[along]
@@ -78,7 +78,7 @@ def images(cell: tuple[float, float], inside: tuple[float, float], free: tuple[b
         waves = 2 * np.pi / cell[1 - along] * k[1 - along][1]
         stack = [_in_modes(kernel_of_wave(X.offsets, cell[along], wave), (X, a)) for wave in waves]
         if a > 0:
-            stack[0], _ = _without_mean(stack[0], 2 * np.pi / cell[along] * k[along][1], X.even, MEAN_ALONE)
+            stack[0], _ = _without_mean(stack[0], 2 * np.pi / cell[along] * k[along][1], X.even)
         for b in (1, -1):
             T[(a, b) if along == 0 else (b, a)] = np.array(stack)[int(b < 0):]
     return Images(T, S, free, modes, np.nan)
@@ -128,20 +128,23 @@ def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
     return (T + T.T) / 2
 
 
-def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray, least: float) -> tuple[np.ndarray, float]:
+def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, float]:
     """The same on the surface but for a constant, which is the second thing returned, with 0 for the mean (the first mode, q = 0).
 
     On the surface the mean is `one` of the other modes. With t of the mean and A of the others in T, modes scaled so that S is 1, T is
     A + one t' + t one' + x one one', x free by the constant. In the plane of `one` and t two eigenvalues over those of 1 + A are then
-    not 1: x is such that the smaller is SOFTEST.
+    not 1: x is such that the smaller is SOFTEST. `one` has as many singular values as leave the larger below STIFFEST.
     """
     root = np.sqrt(2 / q[1:])  # of S
     U, s, V = np.linalg.svd(basis[:, 1:] * root, full_matrices=False)
-    counts = s > least * s[0]
-    V, one = V[counts].T, basis[:, 0] @ U[:, counts] / s[counts]
+    seen = s > MEAN * s[0]
+    V, one = V[seen].T, basis[:, 0] @ U[:, seen] / s[seen]
     A, t = V.T @ (T[1:, 1:] / np.outer(root, root)) @ V, V.T @ (T[0, 1:] / root)
-    u, v = np.linalg.solve(np.eye(len(one)) + A, np.transpose([one, t])).T
-    uu, uv, vv = one @ u, one @ v, t @ v
+    u, v = np.linalg.solve(np.linalg.cholesky(np.eye(len(one)) + A), np.transpose([one, t])).T
+    uu, uv, vv = np.cumsum(u * u), np.cumsum(u * v), np.cumsum(v * v)  # of ever more singular values
+    many = max(int(np.searchsorted(uu * vv - uv**2, (1 - SOFTEST) * (STIFFEST - 1))), 1)
+    uu, uv, vv = uu[many - 1], uv[many - 1], vv[many - 1]
+    V, A, one, t = V[:, :many], A[:many, :many], one[:many], t[:many]
     x = ((uu * vv - uv**2) / (1 - SOFTEST) - (1 - SOFTEST) - 2 * uv) / uu
     V = V * root[:, None]
     out = np.zeros_like(T)
