@@ -4,15 +4,15 @@ Guess the contact C. Its pressure follows from a linear problem on C (few points
 conjugate gradients preconditioned by the inverse operator; points of the wrong sign change sides. Where that goes round in circles,
 steps of projected conjugate gradients (Polonsky and Keer) lie between, which always converge. Units: those of problem.py: lengths
 in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so that K = |q|/2 and p0 is p*. With free edges the S between two
-points that makes the discrete problem is that of the program's cell less its images, which the program meets to seven digits
-(tests/analytic/test_free.py has it by quadrature), and K its inverse.
+points that makes the discrete problem is that of the program's cell less its images, by sums over rows of images of its own
+(tests/analytic/test_free.py has S by quadrature), and K its inverse.
 """
 
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy import fft
+from scipy import fft, special
 
 SIGN = 1e-13  # relative: a violation smaller than that is rounding
 TIE = 1e-9  # of the rms pressure or of the gap: closer than this to changing sides is a tie
@@ -211,28 +211,40 @@ class Contact:
 @lru_cache(maxsize=8)
 def _compliance(n, sizes, free):
     """The transform of S between points of a wall that ends, on a cell twice as long; 0 for a rigid translation."""
-    from hpc_gfmd.operators.images import kernel, kernel_of_wave
     from hpc_gfmd.parallel.comm import SerialComm
     from hpc_gfmd.surface.build import grid_of
 
     grid = grid_of(n, sizes, SerialComm(), free=free)
     q = np.hypot(grid.q_x[:, None], grid.q_y)
     periodic = fft.irfft2(np.divide(2, q, out=np.zeros_like(q), where=q > 0), grid.n)
-    twice = [k * (1 + ends) for k, ends in zip(n, free)]
-    i, j = (np.minimum(np.arange(k), k - np.arange(k)) for k in twice)
-    (x, y), cell = (k * s / grid.a for k, s in zip((i, j), grid.spacings)), [size / grid.a for size in grid.sizes]
+    i, j = (np.minimum(np.arange(m), m - np.arange(m)) for m in (k * (1 + ends) for k, ends in zip(n, free)))
+    (x, y), (X, Y) = (k * s / grid.a for k, s in zip((i, j), grid.spacings)), (size / grid.a for size in grid.sizes)
     if all(free):
-        images = kernel(x, y, *cell)
+        images = _row(x, y, Y) + _other_rows(x, y, X, Y) if X > Y else (_row(y, x, X) + _other_rows(y, x, Y, X)).T
     else:
-        (x, X), (y, Y) = ((x, cell[0]), (y, cell[1]))[:: 1 if free[0] else -1]
-        waves = 2 * np.pi / Y * np.arange(len(y) // 2 + 1)
-        along = np.array([kernel_of_wave(x, X, wave) for wave in waves]).T
-        along[:, 1: (len(y) + 1) // 2] *= 2
-        images = along @ np.cos(np.outer(waves, y)) / Y
-        images = images if free[0] else images.T
-    S = fft.rfft2(periodic[np.ix_(i, j)] + images).real
+        images = _other_rows(x, y, X, Y) if free[0] else _other_rows(y, x, Y, X).T
+    S = fft.rfft2(periodic[np.ix_(i, j)] - images).real
     S[0, 0] = 0
     return S
+
+
+def _row(x, y, Y):
+    """Displacement by unit forces at (0, jY), j not 0, but for a constant: the sum to J, and the rest by Euler and Maclaurin."""
+    total, J = 0.0, 200
+    for sign in (-1, 1):
+        a = np.arange(1, J + 1)[:, None, None] * Y + sign * y
+        r = np.hypot(x[:, None], a)
+        total = total + np.sum(1 / r, axis=0) - 1 / r[-1] / 2 - np.log(a[-1] + r[-1]) / Y + Y * a[-1] / r[-1] ** 3 / 12
+    return total / np.pi
+
+
+def _other_rows(x, y, X, Y):
+    """The same at (iX, jY), i not 0, all j, by Poisson's sum over j."""
+    rows, waves = (np.arange(1, 2 + int(6 * ratio)) for ratio in (1 + Y / X, 1 + Y / (X - x.max())))
+    q = 2 * np.pi / Y * waves
+    distances = np.abs(x[:, None] - X * np.concatenate([-rows, rows]))
+    coupled = 4 * special.k0(distances[..., None] * q).sum(axis=1) @ np.cos(np.outer(q, y))
+    return (coupled - 2 * np.log(2 * np.pi / X * np.sinc(x / X))[:, None]) / (np.pi * Y)
 
 
 def _spectral_slope(h, K):
