@@ -27,8 +27,8 @@ from .topography import Rows, open_topography
 
 SLAB_ROWS = 64  # rows read or made at a time
 # Of a cell along a free axis over the surface: share of it; of it and twice the longest side, in the geometric mean, which keeps the
-# modes few that are coupled (bodies/free.py); points; the longest spacings, which must resolve these modes
-LONGER, BESIDE, MARGIN, SPACINGS = 1 / 2, 0.42, 64, 2 * NEEDED
+# modes few that are coupled (bodies/free.py); points; spacings along an axis that ends and along others, to resolve these modes
+LONGER, BESIDE, MARGIN, SPACINGS, PERIODIC_SPACINGS = 1 / 2, 0.42, 64, 2 * NEEDED, 4
 
 
 @dataclass(frozen=True)
@@ -84,16 +84,15 @@ class Surface:
 def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tuple:
     """The points along each axis that a surface of n points and these sizes is solved on: more along the axes where it ends."""
     longest = max((size for size, ends in zip(sizes, free) if ends), default=0.0)
-    widest = max((size / k for k, size, ends in zip(n, sizes, free) if ends), default=0.0)
-    return tuple(_longer(k, longest * k / size, widest * k / size) if ends else k for k, size, ends in zip(n, sizes, free))
+    beside = [size / k * (SPACINGS if ends else PERIODIC_SPACINGS) for k, size, ends in zip(n, sizes, free) if ends or k > 1]
+    return tuple(_longer(k, longest * k / size, max(beside) * k / size) if ends else k for k, size, ends in zip(n, sizes, free))
 
 
-def _longer(n: int, longest: float, widest: float) -> int:
-    """Points along an axis of which the surface has n, and the longest side and the widest spacing would have so many."""
+def _longer(n: int, longest: float, least: float) -> int:
+    """Points along an axis of which the surface has n and its longest side would have so many; least: beyond the surface."""
     from scipy.fft import next_fast_len
 
-    beside = BESIDE * (n * longest**2) ** (1 / 3)
-    wanted = n + math.ceil(max(n * LONGER, beside, MARGIN, SPACINGS * widest))
+    wanted = n + math.ceil(max(n * LONGER, BESIDE * (n * longest**2) ** (1 / 3), MARGIN, least))
     step = 16 if wanted > 128 else 4  # the levels halve it
     return step * int(next_fast_len(-(-wanted // step), real=True))
 

@@ -115,6 +115,16 @@ def free_pixels(rng):
 
 
 @family
+def free_lines(rng):
+    """Lines of a scan that are far apart, a few of them or many."""
+    n = choice(rng, ((48, 4), (64, 8), (96, 16), (32, 32), (40, 24)))
+    sizes = (1.0, n[1] / n[0] * log_uniform(rng, 4, 60))
+    z = rough(rng, n, sizes) if rng.random() < 0.7 else rng.standard_normal(n)
+    z, sizes = (z, sizes) if rng.random() < 0.5 else (z.T.copy(), sizes[::-1])
+    return ending(rng, z, sizes)
+
+
+@family
 def free_high_load(rng):
     """Most or all of the wall touches."""
     return ending(rng, choice(rng, (scan, rough))(rng, choice(rng, GRIDS)), low=0.5, high=100)

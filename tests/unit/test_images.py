@@ -11,7 +11,8 @@ from hpc_gfmd.surface.build import cell_of, grid_of
 
 SURFACES = [((128, 128), (1.0, 1.0), (True, True)), ((512, 512), (1.0, 1.0), (True, True)), ((128, 64), (2.0, 1.0), (True, True)),
             ((40, 60), (1.0, 1.5), (True, True)), ((512, 32), (1.0, 0.0625), (True, True)),
-            ((32, 32), (1.0, 10.0), (True, True)), ((4, 48), (50.0, 3.0), (True, True)),
+            ((32, 32), (1.0, 10.0), (True, True)), ((8, 48), (20.0, 3.0), (True, True)),
+            ((40, 24), (1.0, 28.0), (True, False)),
             ((96, 64), (1.0, 1.0), (True, False)), ((30, 128), (0.3, 1.0), (False, True))]
 
 
@@ -120,3 +121,5 @@ def test_cells():
     assert cell_of((3, 20), (True, True), (1.0, 1.0))[0] >= 3 + 64
     assert cell_of((1000, 1000), (True, True), (1.0, 1.0))[0] % 16 == 0
     assert cell_of((32, 20), (True, True), (1.0, 10.0))[0] >= 32 + 13 * 16  # spacings of 1/32 and 1/2
+    assert cell_of((32, 20), (True, False), (1.0, 40.0))[0] >= 32 + 4 * 64
+    assert cell_of((64, 1), (True, False), (1.0, 1.0)) == (128, 1)
