@@ -117,11 +117,11 @@ def misclassified_points(problem: Problem, g: np.ndarray, p: np.ndarray, complia
     wrong = 0.0
     near = takes < mean_square * NEAR**2
     for points in np.reshape(counts, (2, BINS)):
-        easiest = np.cumsum((points * takes)[::-1]) <= squares
+        affordable = np.floor(np.interp(squares, np.cumsum((points * takes)[::-1]), np.cumsum(points[::-1])))
         easy = points * near
         at_once = max((easy[1:] + easy[:-1]).max(), min(easy.sum(), ASPERITY), min(points.sum(), EDGE))
         likely = max(SHARE * easy.sum() + at_once, easy[takes < mean_square * moved**2].sum())
-        wrong = max(wrong, min(likely, points[::-1][easiest].sum()))
+        wrong = max(wrong, min(likely, affordable))
     return wrong
 
 
