@@ -77,7 +77,8 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
     """Between all its points, corners too, but for a constant; by waves where one axis is periodic."""
     found, cell, inside = made(n, sizes, free)
     rng = np.random.default_rng(4)
-    here, there = (rng.uniform(-0.5, 0.5, (2, 30)) * np.array(inside)[:, None] for _ in range(2))
+    z = rng.uniform(-1, 1, (2, 2, 30))  # many near the edges, where it is worst
+    here, there = 0.5 * np.sign(z) * (1 - z**2) * np.array(inside)[:, None]
     here[:, 0], there[:, 0] = np.array(inside) / 2, -np.array(inside) / 2
     found_c = sum(np.einsum("pij,pij->p", (products(found, parity, *here, cell).reshape(30, -1) @ matrix(found, parity)).reshape(
         products(found, parity, *there, cell).shape), products(found, parity, *there, cell)) for parity in found.T)
@@ -91,7 +92,7 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
                      for k in range(last + 1)) / Y
         assert abs(kernel_of_wave(np.array([inside[along]]), X, 2 * np.pi * (last + 1) / Y))[0] < 1e-6
     difference = found_c - wanted
-    assert np.ptp(difference) < 1e-6
+    assert np.ptp(difference) < 5e-7
     if all(free):
         assert difference.mean() == pytest.approx(-found.constant, abs=1e-6)
 
