@@ -72,6 +72,12 @@ class Problem:
         return float(np.sqrt(self.grid.comm.sum([squares])[0] / self.grid.N))
 
     @property
+    def heights(self) -> np.ndarray:
+        """h, where there is one."""
+        assert self.h is not None
+        return self.h
+
+    @property
     def p_cell(self) -> float:
         """The mean pressure over the whole grid."""
         return self.p0 * (self.grid.N / self.grid.cell_points)

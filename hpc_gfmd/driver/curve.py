@@ -1,45 +1,64 @@
 """What a sweep knows of the loads before: where the search for the pressure of the next one begins."""
 
-from math import isfinite, log
+from __future__ import annotations
 
-from .prescribed import SLOPES, Search
+from collections.abc import Sequence
+from math import hypot, isfinite, log
+from typing import TYPE_CHECKING
+
+from .line import SLOPES
+from .search import Search
+
+if TYPE_CHECKING:
+    from ..contact import Contact
+    from ..surface import Surface
+    from .prescribed import Prescribed
+    from .wall import Wall
 
 SLOPE = {"gap_mean": 0.6, "a_r": 1.0, "approach": 0.8}  # of straightened curves, before anything is known
 FAR = log(5.0)  # log p0 of two loads, that have to do with each other no more
 BENT = {"gap_mean": 1.0, "a_r": 0.5, "approach": 1.0}  # share of the bend of the last three loads that goes on
 BEND = 0.3  # by which a slope may differ from that of the last secant, relative
+DOUBT, NEAR, ASTRAY = 1.0, 0.01, 0.1  # standard deviation of a first guess of log p0; of one near a load, and over the way from there
 
 
 class Curve:
     """What a sweep knows of the loads before, for a first guess: points, the last three of {"x": log p0, quantity: value}; slopes and
-    offsets, {quantity: Search.slope and found_offsets}."""
+    offsets, {quantity: slope of the Search's line and its found_offsets}."""
 
-    def __init__(self, points=(), slopes=None, offsets=None):
+    def __init__(self, points: Sequence[dict[str, float]] = (), slopes: dict[str, float] | None = None,
+                 offsets: dict[str, list[float]] | None = None):
         self.points, self.slopes, self.offsets = list(points), dict(slopes or {}), dict(offsets or {})
 
-    def add(self, x, contact, search=None):
+    def add(self, x: float, contact: Contact, search: Search | None = None) -> None:
         """A load that was solved: log p0, its Contact, and the Search where that found it."""
         certificate, a = contact.certificate, contact.surface.grid.a
-        self.points = [*self.points[-2:], {"x": x, "a_r": contact.contact_points / contact.N, "gap_mean": certificate.gap_mean * a,
-                                           "approach": certificate.approach * a}]
+        self.points = [*self.points[-2:], {"x": float(x), "a_r": contact.contact_points / contact.N,
+                                           "gap_mean": certificate.gap_mean * a, "approach": certificate.approach * a}]
         if search is not None:
-            self.slopes[search.quantity] = search.slope
+            self.slopes[search.quantity] = search.line.slope
             if search.ends:
                 self.offsets[search.quantity] = search.found_offsets
 
-    def search(self, load, surface, top, tolerance):
-        """The Search for a Prescribed load on a surface.Surface; top: see Search."""
+    def search(self, load: Prescribed, surface: Surface, wall: Wall, tolerance: float) -> Search:
+        """The Search for a load on a surface; wall: of its grid."""
         kind, area = load.quantity, load.quantity == "a_r"
         target = load.value if area else load.value / surface.slope
         slope = self.slopes.get(kind, SLOPE[kind])
-        search = Search(kind, target, tolerance, 0.0, slope, surface.grid.N, top, list(self.offsets.get(kind, ())))
-        known = [(point["x"], f) for point in self.points if isfinite(f := search._straight(point[kind]))]
-        if not known:
+        search = Search(kind, target, tolerance, 0.0, slope, DOUBT, wall, list(self.offsets.get(kind, ())))
+        known = [(point["x"], f) for point in self.points if isfinite(f := search.straight(point[kind]))]
+        if known:
+            self._extrapolate(search, known)
+        elif kind == "gap_mean":
+            search.x = -1 - 3 * load.value / surface.h_rms  # self-affine walls
+        else:
             search.x = log(target / 2) if area else log(target / max(surface.sizes))
-            if kind == "gap_mean":
-                search.x = -1 - 3 * load.value / surface.h_rms  # self-affine walls
-            return search
-        wanted, (x, f) = search._straight(target), known[-1]
+        search.forget()
+        return search
+
+    def _extrapolate(self, search: Search, known: list[tuple[float, float]]) -> None:
+        """known: (log p0, straightened quantity) of the last loads."""
+        kind, wanted, (x, f) = search.quantity, search.straight(search.target), known[-1]
         near = [point for point in known if abs(point[0] - x) < FAR or kind not in self.slopes]  # slopes elsewhere are of no use
         secants = [((x0 + x1) / 2, (f1 - f0) / (x1 - x0)) for (x0, f0), (x1, f1) in zip(near, near[1:]) if x0 != x1]
         if secants and SLOPES[0] < secants[-1][1] < SLOPES[1]:
@@ -48,4 +67,4 @@ class Curve:
             change = BENT[kind] * bend * (x + 0.5 * (wanted - f) / search.slope - middle)
             search.slope *= 1 + min(max(change / search.slope, -BEND), BEND)
         search.x = x + (wanted - f) / search.slope
-        return search
+        search.doubt = hypot(NEAR, ASTRAY * (search.x - x))

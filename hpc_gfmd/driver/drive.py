@@ -13,7 +13,7 @@ from .certificate import Certificate, certify
 
 if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
-    from .prescribed import Search
+    from .search import Search
 
     Watch = Callable[[int, Progress], Any]
 
@@ -90,7 +90,7 @@ def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: Loop
           search: Search | None = None) -> Outcome:
     """Iterate. watch(iterations, progress), if given, is called after every step and returns a true value to stop.
 
-    search: the prescribed.Search for the load, where that is not given.
+    search: the search.Search for the load, where that is not given.
 
     loop: the LoopState of this load where its beginning was before a checkpoint; it is kept up to date.
     On return solver.p is the fresh pressure of the certificate, in the solver's precision.
@@ -100,7 +100,7 @@ def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: Loop
     while True:
         status = None
         done = solver.iterations
-        if search is not None and search.adjust(solver, progress):
+        if search is not None and search.adjust(solver, progress, _measure(progress, target) < loop.threshold):
             loop.begin_again(done)
             progress = solver.progress()
         measure = _measure(progress, target)

@@ -20,7 +20,7 @@ from numpy.typing import DTypeLike
 
 from ..errors import SceneError
 from .drive import certificate_of
-from .nested import Nested, mean_height
+from .nested import Nested
 from .sweep import Sweep, counting
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class LowMemorySweep(Sweep):
         self.dtype = np.dtype(dtype)
         self.solver = None
         self.surface = self.make_surface(self.dtype)
-        self._top = mean_height(self.surface.grid, self.surface.h)
+        self.__dict__.pop("_wall", None)
         if (self.surface.add_spectrum is None and not self.surface.grid.padded) or self.solver_class.name != "bpx":
             raise SceneError('solver.low_memory: found true, allowed: with surface.kind = "self-affine" and solver.name = "bpx"')
 
@@ -64,7 +64,7 @@ class LowMemorySweep(Sweep):
             g, pairs = nested.start(problem, self._make, memory, self._search)
             self._spent += pairs
             if self._search is not None:
-                problem = replace(problem, p0=self._search.on_next_grid(problem.grid.N, self._top))
+                problem = replace(problem, p0=self._search.on_next_grid(self._wall))
         if memory is not None:
             self.surface = replace(self.surface, h=None)
             problem = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)

@@ -7,9 +7,14 @@ Decimation (every second point) keeps the heights of the asperities; averages an
 Coarse grids are gathered on fewer and fewer ranks: the others wait until the solution comes back to their rows.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..grid import Grid
 from ..kernels.prolong import HALO, SWEEPS, prolong_gap
@@ -17,6 +22,14 @@ from ..operators.coarsening import gathered, levels
 from ..parallel import interrupt
 from ..parallel.halo import Windows, neighbours, rows_of
 from .certificate import certify
+from .wall import Wall
+
+if TYPE_CHECKING:
+    from ..problem import Problem
+    from ..solvers.base import Solver
+    from .search import Search
+
+    MakeSolver = Callable[[Problem], Solver]
 
 COARSEST = 32  # points along an axis below which there is no coarser grid
 # Residual of a coarse solution, of what its own start had (at most LARGE): so much less for each grid finer than it. What a finer grid
@@ -29,13 +42,13 @@ TENSION = 0.02  # share of points under tension in a closed coarse contact up to
 FLAT_START = 0.099  # p* below which the flat start rests on the heights above mean + rms; not a round number: p* has rounding errors
 
 
-def cold_gap(problem):
+def cold_gap(problem: Problem) -> np.ndarray:
     """A flat displacement pressed into the surface: the gap of a rigid plane at a height that suits the load.
 
     Beyond the surface the displacement is that of the plane.
     """
-    h, comm, N = problem.h, problem.grid.comm, problem.grid.N
-    s1, s2 = comm.sum([h.sum(dtype=np.float64), np.einsum("ij,ij->", h, h, dtype=np.float64)])
+    h, comm, N = problem.heights, problem.grid.comm, problem.grid.N
+    s1, s2 = comm.sum([h.sum(dtype=np.float64), np.einsum("ij,ij->", h, h, dtype=np.dtype(np.float64))])
     mean = s1 / N
     level = mean
     if problem.p0 < FLAT_START:
@@ -46,12 +59,6 @@ def cold_gap(problem):
     g[rows:], g[:rows, points:] = -level, -level
     np.maximum(h - level, 0, out=g[:rows, :points])
     return g
-
-
-def mean_height(grid, h):
-    """The mean gap where the highest peak just touches, over the unit of slopes. Collective."""
-    total, lowest = grid.comm.sum([h.sum(dtype=np.float64)])[0], -grid.comm.max([-float(h.min(initial=np.inf))])[0]
-    return float(total / grid.N - lowest) * grid.a
 
 
 @dataclass(frozen=True)
@@ -67,30 +74,30 @@ class Decimation:
     starts: np.ndarray
 
     @classmethod
-    def of(cls, grid):
+    def of(cls, grid: Grid) -> Decimation | None:
         """Of a grid, or None where that is coarse already. No memory, but communicators: collective."""
         n = levels(grid)[1].n if grid.cell_points > 1 else (1, 1)
         coarsened = [a != b for a, b in zip(n, grid.n)]
         if min((k for k, c in zip(n, coarsened) if c), default=0) < COARSEST:
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
-        nominal = tuple((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
+        n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
         starts = gathered(beside, n[0] * n[1], RANK_POINTS)
-        ranks = np.flatnonzero(np.diff(starts))
+        ranks = np.flatnonzero(np.diff(starts)).tolist()
         comm = grid.comm.among(ranks)
-        coarse = Grid(n, grid.sizes, comm, grid.threads, np.append(starts[ranks], n[0]), nominal) if comm is not None else None
-        return cls(grid, coarse, n, nominal, beside, starts)
+        coarse = Grid(n, grid.sizes, comm, grid.threads, np.append(starts[ranks], n[0]), (n_x, n_y)) if comm is not None else None
+        return cls(grid, coarse, n, (n_x, n_y), beside, starts)
 
     @property
-    def steps(self):
+    def steps(self) -> list[int]:
         """Fine points to a coarse one along each axis."""
         return [2 if a != b else 1 for a, b in zip(self.n, self.fine.n, strict=True)]
 
-    def problem(self, problem):
+    def problem(self, problem: Problem) -> Problem | None:
         """The problem of every second point, None where this rank has none. Units of height and pressure stay, lengths become those of
         the coarser grid. Collective."""
         step = self.steps
-        h = np.ascontiguousarray(problem.h[(-self.fine.rows[0]) % step[0]::step[0], ::step[1]])
+        h = np.ascontiguousarray(problem.heights[(-self.fine.rows[0]) % step[0]::step[0], ::step[1]])
         beside, starts = (np.minimum(rows, self.nominal[0]) for rows in (self.beside, self.starts))
         if not np.array_equal(beside, starts):
             windows, rank = Windows(self.fine.comm.rank, starts, beside[:-1], beside[1:]), self.fine.comm.rank
@@ -101,7 +108,7 @@ class Decimation:
             return None
         return replace(problem, grid=self.coarse, h=h / h.dtype.type(self.coarse.a / self.fine.a))
 
-    def around(self, a):
+    def around(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The rows of a coarse field beside this rank's fine rows: HALO before, these, and HALO after them. a: this rank's own rows of
         it, None where it has none. Collective."""
         comm, first, last = self.fine.comm, self.beside[:-1], self.beside[1:]
@@ -115,23 +122,25 @@ class Decimation:
 class Nested:
     """The decimated grids of a grid, planned once; `start` solves on them. Collective, as is all of it."""
 
-    def __init__(self, grid, dtype, accuracy=None, finer=0):
+    def __init__(self, grid: Grid, dtype: DTypeLike, accuracy: float | None = None, finer: int = 0):
         """accuracy: that is asked for on the finest grid, None where it is a residual; finer: number of grids that are finer."""
-        self.step, self.coarser = Decimation.of(grid), None
+        self.grid, self.step = grid, Decimation.of(grid)
+        self.coarser: Nested | None = None
         self.reduction = (REDUCTION if accuracy is None or accuracy < FEW else FEW_REDUCTION) ** (finer + 1)
         if self.step is not None and self.step.coarse is not None:
             self.step.coarse.fft(dtype)
             self.coarser = Nested(self.step.coarse, dtype, accuracy, finer + 1)
 
     @property
-    def grids(self):
+    def grids(self) -> list[Grid]:
         """The coarse grids that this rank has a part in, finest first."""
-        return [self.step.coarse, *self.coarser.grids] if self.coarser is not None else []
+        return [self.coarser.grid, *self.coarser.grids] if self.coarser is not None else []
 
-    def start(self, problem, make_solver, into=None, search=None):
+    def start(self, problem: Problem, make_solver: MakeSolver, into: np.ndarray | None = None,
+              search: Search | None = None) -> tuple[np.ndarray, float]:
         """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in pairs of that grid.
 
-        into: memory for the gap; may be that of problem.h, which is then lost. search: the prescribed.Search for the load, where that
+        into: memory for the gap; may be that of problem.h, which is then lost. search: the search.Search for the load, where that
         of the problem is but a guess. Raises Stopped on all ranks when the run is to stop.
         """
         if self.step is None:
@@ -143,11 +152,11 @@ class Nested:
             return (g if into is None else into), 0.0
         coarse, solver = self.step.problem(problem), None
         full = pairs = stopped = 0.0
-        if coarse is not None:
+        if coarse is not None and self.coarser is not None:
             try:
                 g, pairs = self.coarser.start(coarse, make_solver, search=search)
                 if search is not None:
-                    coarse = replace(coarse, p0=search.on_next_grid(coarse.grid.N, mean_height(coarse.grid, coarse.h)))
+                    coarse = replace(coarse, p0=search.on_next_grid(Wall.of(coarse.grid, coarse.heights)))
                 solver = _roughly_solved(coarse, make_solver, g, self.reduction, search)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
                 full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
@@ -160,7 +169,7 @@ class Nested:
             search.agree(problem.grid.comm)
         return _prolong(problem, self.step, coarse, solver, bool(full), into), float(pairs)
 
-    def may_be_full(self, problem):
+    def may_be_full(self, problem: Problem) -> tuple[bool, float]:
         """Whether full contact is likely, and the FFT pairs this took: from the pressure of the closed contact on the next grid."""
         if self.step is None:
             return True, 0.0
@@ -174,7 +183,7 @@ class Nested:
         return bool(likely), float(pairs)
 
 
-def _roughly_solved(problem, make_solver, g, reduction, search):
+def _roughly_solved(problem: Problem, make_solver: MakeSolver, g: np.ndarray, reduction: float, search: Search | None) -> Solver:
     """A solver that has come from the gap g to a residual that is so much smaller, and to the load that `search`, if any, is after."""
     solver = make_solver(problem)
     solver.start(g)
@@ -182,13 +191,15 @@ def _roughly_solved(problem, make_solver, g, reduction, search):
     for _ in range(ITERATIONS):
         interrupt.check(problem.grid.comm)
         progress = solver.progress()
-        if not progress.finite or (progress.residual <= enough and (search is None or search.near(solver, progress))):
+        near = search is None or search.near(solver, progress)
+        if not progress.finite or (near and solver.progress().residual <= enough):
             break
         solver.step()
     return solver
 
 
-def _prolong(problem, step, coarse, solver, full, into):
+def _prolong(problem: Problem, step: Decimation, coarse: Problem | None, solver: Solver | None, full: bool,
+             into: np.ndarray | None) -> np.ndarray:
     """The gap on the grid of `problem` from a solver on the coarse one, whose gap is lost; coarse and solver: the coarse problem, None
     where this rank has no part in it. into: memory for the gap, or None."""
     fine, real = problem.grid, problem.dtype.type
@@ -197,10 +208,10 @@ def _prolong(problem, step, coarse, solver, full, into):
         out[...] = 0
         return out
     u = p = np.empty((0, step.n[1]), problem.dtype)
-    if solver is not None:
+    if solver is not None and coarse is not None:
         u, p = solver.g, solver.p
-        rows, points = coarse.grid.inside
-        u[:rows, :points] -= coarse.h
+        inner, points = coarse.grid.inside
+        u[:inner, :points] -= coarse.h
         u *= real(coarse.grid.a / fine.a)
     before, after = _heights_around(problem)
     heights, rows, coarse_rows = (before, problem.h, after), (fine.rows[0], fine.n[0]), (int(step.beside[fine.comm.rank]), step.n[0])
@@ -210,7 +221,7 @@ def _prolong(problem, step, coarse, solver, full, into):
     return out
 
 
-def _heights_around(problem):
+def _heights_around(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
     """The rows of h before and after this rank's rows of the grid; beyond the surface, where there are none, they do not count."""
     grid = problem.grid
-    return neighbours(grid.comm, problem.h, grid.starts, SWEEPS, np.minimum(grid.starts, grid.nominal[0]))
+    return neighbours(grid.comm, problem.heights, grid.starts, SWEEPS, np.minimum(grid.starts, grid.nominal[0]))

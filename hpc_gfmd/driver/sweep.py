@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,8 +19,10 @@ from ..units import require_range, single_solves
 from .certificate import Certificate, certify, unseen_error
 from .curve import Curve
 from .drive import LoopState, Outcome, Target, drive
-from .nested import Nested, cold_gap, mean_height
-from .prescribed import Prescribed, Search, prescribed
+from .nested import Nested, cold_gap
+from .prescribed import Prescribed, prescribed
+from .search import Search
+from .wall import Wall
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
@@ -38,6 +41,7 @@ WARM_UP, WARM_DOWN = 1.45, 1.26  # a load up to so much larger or smaller starts
 SAME_LOAD = 1e-9  # relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
 CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
+LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
 FEW_POINTS = 6  # points on the wrong side that single precision may have
 NOISE = 0.2  # of Problem.rounding, over what counts: the certificate sees a third of the former
 
@@ -113,7 +117,9 @@ class Sweep:
                 if not single_solves(p_mean / (self.E_star * g_rms), self.surface.grid.N):
                     raise SceneError(f'solver.precision: found "single", too little for a pressure of {p_mean:g}, '
                                      'allowed: "auto", "double"')
-        return pressures or prescribed(name, values, self.surface, self._top, closes=self.closes)
+        best = self.dtype if self.settings.precision == "single" or self.settings.low_memory else np.float64
+        resolution = LENGTHS * float(np.finfo(best).eps) / self.settings.tolerance
+        return pressures or prescribed(name, values, self.surface, self._wall, self.closes, resolution)
 
     def solve(self, load: float | Prescribed, watch: Watch | None = None, midway: bool = False) -> Step:
         """The contact at a load: a mean pressure (unit of E_star), or Prescribed.
@@ -130,7 +136,7 @@ class Sweep:
             if isinstance(load, Prescribed) and load.closes and self.closes:
                 load = self._closing_pressure()
             elif isinstance(load, Prescribed):
-                self._search = self._curve.search(load, self.surface, self._top, self.settings.tolerance)
+                self._search = self._curve.search(load, self.surface, self._wall, self.settings.tolerance)
         promote = self.settings.precision == "auto" and self.dtype == np.float32
         if promote and not midway and self._too_little(self._p_star(load)):
             self._set_precision(np.float64)
@@ -148,7 +154,8 @@ class Sweep:
     def _too_little(self, p_star: float) -> bool:
         """Whether single precision is too little for a load."""
         N = self.surface.grid.N
-        return few_points(N, p_star, self.settings.accuracy) or not single_solves(p_star, N)
+        for_area = self._search.target / 2 if self._search is not None and self._search.quantity == "a_r" else p_star
+        return few_points(N, for_area, self.settings.accuracy) or not single_solves(p_star, N)
 
     def state(self, upcoming: float | Prescribed | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
         """What `restore` needs to go on in the present load or, given the load that is upcoming, at its beginning: local slabs by
@@ -173,7 +180,7 @@ class Sweep:
         self._curve = Curve(**numbers["curve"])
         if "p0" in numbers:
             self._spent = numbers.get("spent", 0.0)
-            self._search = Search(**numbers["search"]) if numbers.get("search") else None
+            self._search = Search.restored(numbers["search"]) if numbers.get("search") else None
             p0 = numbers["p0"]
             if "course" in numbers and not isinstance(load, Prescribed):  # in the middle of this load, not at its beginning
                 p0 = self._p_star(load)
@@ -228,7 +235,7 @@ class Sweep:
         if arrays is None and not warm:
             g = self._starting_gap(problem, self.solver.g if self.solver is not None else None)
             if self._search is not None:
-                problem = replace(problem, p0=self._search.on_next_grid(problem.grid.N, self._top))
+                problem = replace(problem, p0=self._search.on_next_grid(self._wall))
         if self.solver is None:
             self.solver = self._make(problem, g)
         self._reset_counts()
@@ -324,7 +331,7 @@ class Sweep:
         self.surface = self.make_surface(dtype)
         if known is not None and known.checksum not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
-        self._top = mean_height(self.surface.grid, self.surface.h)
+        self.__dict__.pop("_wall", None)
         if not self._is_flat:
             grid = self.surface.grid
             grid.fft(dtype)
@@ -332,6 +339,12 @@ class Sweep:
             wanted = self.settings.nested
             nests = self.solver_class.nests if wanted == "auto" else wanted
             self.nested = Nested(grid, dtype, self.settings.accuracy) if nests else None
+
+    @cached_property
+    def _wall(self) -> Wall:
+        """Where a load has to be found. Collective where it is first asked for."""
+        surface = self.surface if self.surface.h is not None else self.make_surface(self.dtype)
+        return Wall.of(surface.grid, surface.gap)
 
     @property
     def _is_flat(self) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,15 @@ if TYPE_CHECKING:
     from ..operators.elastic import Elastic
     from ..operators.multilevel import Multilevel
     from ..problem import Problem
+
+
+class Outlook(NamedTuple):
+    """What a solution that goes on at its load is expected to come to. contact: points; gap_mean: in the problem's units; rise: by how
+    much the mean of the displacement over the whole grid will change, in these units."""
+
+    contact: float
+    gap_mean: float
+    rise: float
 
 
 @dataclass(frozen=True)
@@ -36,6 +45,8 @@ class Progress:
         has to be asked now and then.
     finite : bool
         Whether all numbers are.
+    outlook : Outlook, or None
+        None where the solver does not know.
     """
 
     residual: float
@@ -43,6 +54,7 @@ class Progress:
     gap_mean: float
     estimates: tuple[float, float] | None
     finite: bool = True
+    outlook: Outlook | None = None
 
 
 class Solver:
@@ -156,5 +168,7 @@ class Solver:
 
     def _set_numbers(self, numbers: dict[str, Any]) -> None:
         for name in self.scalar_names:
-            setattr(self, name, numbers[self.stored_as.get(name, name)])
+            stored = self.stored_as.get(name, name)
+            if stored in numbers:  # not in every older checkpoint
+                setattr(self, name, numbers[stored])
 

@@ -23,7 +23,7 @@ from ..operators.elastic import Elastic
 from ..operators.multilevel import COUPLING, EQUIVALENCE, Multilevel
 from ..options import read_options
 from ..problem import Problem
-from .base import Progress, Solver
+from .base import Outlook, Progress, Solver
 
 RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
 GRADIENT = 1.0041  # a projected gradient step is so much shorter than what the largest K allows
@@ -33,6 +33,10 @@ SHORT = 0.8  # a clipped step is made shorter only below this: clipped points st
 
 EXPECTED = 0.92  # of the errors from their parts: asked too early the certificate costs a pair, too late an iteration
 ALIKE = 1.35  # <v, S p> of the pressure in contact over p0 <v, S v>, v as in bounds.py: 1.1 at light, 1.33 at high loads
+# The outlook, fitted: the share of the points that the last step, made again, would close, which do so, and where it was shortened,
+# which leaves clipped points a little open; of what bounds.py's second expression says that the mean gap is wrong by, and, where the
+# surface ends, of the first for the mean of the displacement
+CLOSING, SHORTENED, SHIFT, LIFT = 0.1, 0.5, 0.62, 0.9
 
 
 class Bpx(Solver):
@@ -42,7 +46,7 @@ class Bpx(Solver):
     takes_gap = True
     state_names = ("g", "p", "d")
     scalar_names = ("s", "rayleigh", "contact", "gap_mean", "rz", "rd", "zKd", "dKd", "rr", "pp", "uKu", "r_norm", "t_norm",
-                    "mean", "aligned", "changing", "iterations")
+                    "mean", "aligned", "changing", "closing", "iterations")
     stored_as = {"zKd": "zq", "dKd": "dq"}
 
     def __init__(self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None):
@@ -55,6 +59,7 @@ class Bpx(Solver):
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(half(dtype))
         self._make_scratch()
+        self.closing = 0.0
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
         self.typical_compliance = 1.0 / body.typical(grid)
         self.gradient = 1.0 / (GRADIENT * self.compliance * body.bounds(grid)[1])
@@ -206,7 +211,7 @@ class Bpx(Solver):
         self.r_norm = max(self.levels.without_mean(sums.rr + r1, self.mean**2), 0.0)
         self.t_norm, self.aligned = self.levels.response(sums.contact, t1, ts1, rt1, rs1, self.mean)
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
-        self.changing = max(sums.opening, sums.closing)
+        self.changing, self.closing = max(sums.opening, sums.closing), sums.closing
 
     # -- how far -------------------------------------------------------------------------------------------------------------
 
@@ -214,7 +219,7 @@ class Bpx(Solver):
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         residual = np.sqrt(self.rr / self.N) / self.p0
         estimates = self._estimates() if finite else (np.inf, np.inf)
-        return Progress(float(residual), self.contact, self.gap_mean, estimates, finite)
+        return Progress(float(residual), self.contact, self.gap_mean, estimates, finite, self._outlook() if finite else None)
 
     def _estimates(self) -> tuple[float, float]:
         """What the certificate is expected to say: its bound from p on F alone, whose mean and scale are not yet put right.
@@ -229,13 +234,30 @@ class Bpx(Solver):
         norm = np.sqrt(max(self.uKu, 0.0))
         e = EXPECTED * (np.sqrt(EQUIVALENCE * self.compliance * self.r_norm) * (1 + abs(off)) + abs(off) * norm)
         state = State(e, norm, self.p0, self.contact, self.N, self.problem.body.error)
-        share = self.contact / self.N
-        response = np.sqrt(self.compliance * self.t_norm) / share
-        aligned = self.compliance * self.aligned / share * (1 + off) - off * ALIKE * self.p0 * response**2
+        response, aligned = self._shift(off)
         pressure = pressure_error(state, self.typical_compliance, closed)
         if self.contact == self.N:  # the certificate says whether a point could open
             return 0.0, pressure
         return gap_error(state, self.gap_mean * self.N, response, aligned, self.problem.self_energy), pressure
+
+    def _shift(self, off: float) -> tuple[float, float]:
+        """|v|_S and <v, S (p - p^)>, v as in bounds.py: what the mean gap is wrong by."""
+        share = self.contact / self.N
+        response = np.sqrt(self.compliance * self.t_norm) / share
+        return response, self.compliance * self.aligned / share * (1 + off) - off * ALIKE * self.p0 * response**2
+
+    def _outlook(self) -> Outlook | None:
+        """The area goes with the load that the contact carries."""
+        load = self.p_cell - self.mean
+        if self.contact == 0 or load <= 0:
+            return None
+        if self.contact == self.N:
+            return Outlook(self.contact, self.gap_mean, 0.0)
+        off = self.p_cell / load - 1
+        rise = SHIFT * self._shift(off)[1] / self.N
+        closing = (CLOSING if self.s == 1 else SHORTENED) * self.closing
+        contact = min((self.contact + closing) * (1 + off), self.N)
+        return Outlook(contact, self.gap_mean + rise, -LIFT * off * self.uKu / (self.N * self.p0) if self.grid.padded else rise)
 
     def expected_area(self, pressure: float) -> float:
         rows, m = self.grid.inside

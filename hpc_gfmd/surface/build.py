@@ -66,6 +66,12 @@ class Surface:
         return (*slope_notes(self.g_rms, measured=self.checksum is not None), *self.quality_notes)
 
     @property
+    def gap(self) -> np.ndarray:
+        """h, where there is one."""
+        assert self.h is not None
+        return self.h
+
+    @property
     def slope(self) -> float:
         """The unit of slopes: g_rms, 1 on a flat surface."""
         return self.g_rms if self.g_rms > 0 else 1.0

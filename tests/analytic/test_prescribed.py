@@ -86,11 +86,11 @@ def test_a_sweep_knows_its_grids():
         assert search.found_offsets == sweep._curve.offsets["a_r"]
         assert search.x == pytest.approx(search.ends[0] + sum(search.found_offsets))
     assert len(ends[0]) == 2
-    begun = sweep._curve.search(Prescribed("a_r", 0.3), sweep.surface, sweep._top, 1e-3)
+    begun = sweep._curve.search(Prescribed("a_r", 0.3), sweep.surface, sweep._wall, 1e-3)
     x = begun.x
     begun.on_coarsest_grid()
     for end in [*ends[1], 0.0]:
-        begun.on_next_grid(100, 1.0)
+        begun.on_next_grid(sweep._wall)
         assert begun.x - x == pytest.approx(end)
 
 
@@ -108,6 +108,21 @@ def test_a_corrected_load_keeps_the_last_step():
     free = ~((solver.g <= 0) & (solver.p > 0))
     assert solver.rd == pytest.approx(solver.s * np.sum((solver.p * solver.d)[free & np.isfinite(solver.d)]), rel=1e-6)
     assert solver.dKd == dKd > 0
+
+
+@pytest.mark.parametrize("wall", ["periodic", "free"])
+def test_the_outlook_is_closer_than_what_is_there(wall):
+    """The solver knows what its area and its mean gap will come to: it has followed neither load when it begins."""
+    sweep, seen = sweep_of(WALLS[wall][0], accuracy=1e-7, precision="double"), []
+    for p in (0.05, 0.07):
+        sweep.solve(p, watch=lambda iterations, progress: seen.append(progress) and False)
+    end = sweep.solver.progress()
+    early = [progress for progress in seen[-sweep.solver.iterations:] if 0.01 < progress.estimates[1] < 0.5]
+    assert len(early) > 2
+    for number, now in ((0, "contact"), (1, "gap_mean")):
+        there = np.array([getattr(progress, now) for progress in early]) / getattr(end, now) - 1
+        ahead = np.array([progress.outlook[number] for progress in early]) / getattr(end, now) - 1
+        assert np.abs(ahead).mean() < 0.5 * np.abs(there).mean()
 
 
 @pytest.mark.parametrize("name", solver_names())
@@ -209,6 +224,9 @@ def test_what_the_load_is_in_the_units_of_the_scene():
     ({"gap_mean": 100.0}, "load.gap_mean: found 100, allowed: below "),
     ({"gap_over_h_rms": [0.1, 9]}, "load.gap_over_h_rms: found 9, "),
     ({"a_r": 1e-6}, "load.a_r: found 1e-06, less than half of one of 256 points, allowed: 0.00391 to 1"),
+    ({"gap_mean": 1e-9}, "load.gap_mean: found 1e-09, allowed: above "),
+    ({"gap_over_h_rms": [0.1, 1e-9]}, "load.gap_over_h_rms: found 1e-09, allowed: above "),
+    ({"approach": 1e-9}, "load.approach: found 1e-09, allowed: above "),
 ])
 def test_what_cannot_be_had(load, words):
     with pytest.raises(SceneError) as caught:

@@ -1,0 +1,298 @@
+"""The search for a mean pressure, in the course of the iterations that solve for the contact.
+
+What is asked for is monotone in the mean pressure, and a solver goes on at another one without a transform. The solver's outlook tells
+what its solution would come to, ever more closely; every iteration is a reading of the curve (line.py), whose noise follows from the
+estimated error, and the pressure goes where the curve has the target. Far from convergence such a correction costs no iteration, and
+near it there is little left to correct. So it is on every grid of a nested start, too, and by how much the pressure changes from grid
+to grid helps the next load.
+
+The area of a grid is a number of points. It is met to the accuracy asked for or to one point; where it jumps by more, as in ordered
+walls whose asperities touch all at once, the nearer side of the jump is taken, and `note` says so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import exp, hypot, inf, isfinite, log
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Any
+
+from .line import Line
+from .wall import Wall
+
+if TYPE_CHECKING:
+    from ..parallel.comm import Comm
+    from ..solvers.base import Progress, Solver
+    from .certificate import Certificate
+
+    Bound = tuple[float, float, float]
+
+NOISE = {"gap_mean": 0.12, "a_r": 0.2, "approach": 0.3}  # standard deviation of the outlook, over the estimated error of the quantity
+PRESENT = 3.0  # times as much: of what is there already
+FIELD = 0.1  # of the error of the pressure field, beside that of the mean gap: the error of the approach
+VAGUE = 0.7  # error of the pressure field, or of the quantity, of what is not read
+SHARE, WORTH = 0.8, 0.1  # of the tolerance, and of the estimated error: what is expected to be missed by less is left
+BEYOND = 0.1  # noise of a quantity that is as small or large as can be
+ROUNDING = 1e-13  # of straightened quantities
+SETTLED = 0.3  # of the tolerance: with such an error the points that touch are those that will
+STEP, RANGE = log(2.0), (log(1e-99), log(1e99))  # the longest in log p0, and where that is
+COARSE, FEW = 0.1, 8  # standard deviation of log p0 with which a coarser grid is left; corrections there, at most
+GRID = 0.1  # the same, which that adds on the next grid
+TREND = {"gap_mean": 0.3, "a_r": 0.5, "approach": 0.3}  # of what a grid changed log p0 by, beside what its slopes tell: the next one
+TRIALS, MOST = 5, 100  # corrections on a grid: from then on only by what is known for sure, between bounds, and at most
+SURE = 3.0  # times the estimated error: what is missed by more is surely on the wrong side of the target
+SHARP = 1e-6  # times the tolerance: no curve rises within such an interval of log p0
+STEEP, STEEPER, NARROW = 2.0, 4.0, 0.02  # times the usual slope of an area: it may jump; it jumps, within such an interval
+SAME = 0.1  # of a jump: how near its side is to what was read
+POINT = 1.001  # by which the area may be missed
+
+
+@dataclass
+class Search:
+    """The state of a search: plain numbers, which make a checkpoint.
+
+    quantity: "gap_mean", "a_r" or "approach"; target: an area, or a length over the unit of slopes; tolerance: relative; x: log p0;
+    slope: of the straightened curve, before anything was read; doubt: standard deviation of the x that the target takes; wall: of this
+    grid; offsets: of x from every grid to the next finer one, coarsest first, as they were found at another load; grids: how many so
+    far, ends: x at the end of those before, step: what slopes told of the last offset; line: the straightened curve about x; low, high:
+    (x, quantity, relative error) that are surely too small and too large; corrections: on this grid; looked: last iteration looked at;
+    missed: the target, by how much; side, jump: where the area jumps, the side that is taken, and by how much.
+    """
+
+    quantity: str
+    target: float
+    tolerance: float
+    x: float
+    slope: float
+    doubt: float
+    wall: Wall
+    offsets: list[float] = field(default_factory=list)
+    grids: int = 0
+    ends: list[float] = field(default_factory=list)
+    step: float = 0.0
+    line: Line = field(default_factory=lambda: Line(0.0, 1.0, (0.0, 0.0, 0.0)))
+    low: Bound | None = None
+    high: Bound | None = None
+    corrections: int = 0
+    looked: int = -1
+    missed: float = inf
+    side: float = 0.0
+    jump: float = 0.0
+    note: str | None = None
+
+    @classmethod
+    def restored(cls, numbers: dict[str, Any]) -> Search:
+        """From the numbers of a checkpoint."""
+        return cls(**numbers | {"wall": Wall(*numbers["wall"]), "line": Line(**numbers["line"])})
+
+    @property
+    def p0(self) -> float:
+        """The mean pressure, in the program's units."""
+        return exp(self.x)
+
+    # -- from grid to grid -----------------------------------------------------------------------------------------------------
+
+    def on_coarsest_grid(self) -> None:
+        """A start on coarser grids begins, or one without any."""
+        self.grids, self.ends, self.step = 0, [], 0.0
+        self.x -= sum(self.offsets)
+
+    def on_next_grid(self, wall: Wall) -> float:
+        """Go on on the next finer grid. Returns p0 to begin with."""
+        if self.grids:
+            self.doubt, self.slope = hypot(GRID, self.line.doubt(self._way)), self.line.slope
+            self.x += self._way
+            self.ends.append(self.x)
+            self.x += self._next_offset(wall)
+        self.grids, self.wall = self.grids + 1, wall
+        self.low = self.high = self.note = None
+        self.corrections, self.looked = 0, -1
+        self.forget()
+        return self.p0
+
+    def forget(self) -> None:
+        """Nothing was read on this grid yet."""
+        self.line = Line.guessed(self.straight(self.target), self.slope, self.doubt)
+
+    def _next_offset(self, wall: Wall) -> float:
+        """By how much x is likely to change now: as at another load, or as slopes do, for the area goes with p0 over these."""
+        last = self.ends[-1] - self.ends[-2] - self.step if len(self.ends) > 1 else 0.0
+        known = self.quantity == "a_r" and min(wall.steepness, self.wall.steepness) > 0
+        self.step = log(wall.steepness / self.wall.steepness) if known else 0.0
+        if len(self.ends) <= len(self.offsets):
+            return self.offsets[len(self.ends) - 1]
+        return self.step + TREND[self.quantity] * last
+
+    @property
+    def found_offsets(self) -> list[float]:
+        """Of x from every grid to the next finer one."""
+        return [b - a for a, b in zip(self.ends, [*self.ends[1:], self.x])]
+
+    def agree(self, comm: Comm) -> None:
+        """All ranks go on with what rank 0 has found."""
+        vars(self).update(comm.bcast(vars(self)))
+
+    # -- while a solver iterates -----------------------------------------------------------------------------------------------
+
+    def near(self, solver: Solver, progress: Progress) -> bool:
+        """Whether the load of a solution on a coarser grid is as near as it need be; if not, it may be changed."""
+        if not isfinite(self.straight(self.target)) or self.corrections == FEW:
+            return True
+        self._read(*self._outlook(solver, progress))
+        if abs(self._way) < COARSE:
+            return self.line.doubt(self._way) < COARSE
+        self._go_to(self.x + self._way, solver)
+        return False
+
+    def adjust(self, solver: Solver, progress: Progress, known: bool) -> bool:
+        """Change the load of the solver where its own numbers say that it is wrong; returns whether. known: whether the solution is as
+        accurate as asked."""
+        if solver.iterations == self.looked:  # before a checkpoint
+            return False
+        self.looked = solver.iterations
+        y, error = self._outlook(solver, progress)
+        now = {"a_r": progress.contact / solver.N, "gap_mean": progress.gap_mean * solver.grid.a}.get(self.quantity, y)
+        self.missed = self._miss(now)
+        return not (known and self.missed <= self.tolerance) and self._correct(solver, y, error, now)
+
+    @property
+    def may_be_met(self) -> bool:
+        """Whether it is worth asking the certificate."""
+        return self.note is not None or self.missed <= self.tolerance
+
+    def met(self, solver: Solver, certificate: Certificate) -> bool:
+        """Whether the certificate finds the quantity as prescribed, or on the side of a jump that was chosen."""
+        y = self._of(solver, certificate)
+        met = self._miss(y) <= self.tolerance
+        if self.note is not None and not met and abs(y - self.side) > max(POINT / self.wall.points, SAME * self.jump):
+            self.note = self.low = self.high = None  # there was no jump
+        return met or self.note is not None
+
+    def correct(self, solver: Solver, certificate: Certificate, sure: bool) -> bool:
+        """Change the load of the solver where the certificate says that it is wrong; returns whether. sure: whatever its errors."""
+        y = self._of(solver, certificate)
+        error = 0.0 if sure else PRESENT * self._error(y, certificate.gap_mean * solver.grid.a, *certificate.errors)
+        return self._correct(solver, y, error, y)
+
+    # -- what is known ---------------------------------------------------------------------------------------------------------
+
+    def straight(self, y: float) -> float:
+        """A function of the quantity that rises about in proportion to log p0: -inf where nothing touches, inf where all does.
+
+        For the area it is that of Persson's theory, a_r = erf(c p0); the mean gap decreases like exp(-c p0^s).
+        """
+        if self.quantity == "approach":
+            return log(y) if y > 0 else -inf
+        if self.quantity == "a_r":
+            y = min(y, 1 - 0.25 / self.wall.points)
+            return log(NormalDist().inv_cdf((1 + y) / 2)) if y > 0 else -inf
+        return log(log(self.wall.top / y)) if 0 < y < self.wall.top else (-inf if y > 0 else inf)
+
+    @property
+    def _point(self) -> float:
+        """A point over the target: that much more or less is nothing."""
+        return POINT / (self.target * self.wall.points) if self.quantity == "a_r" else 0.0
+
+    def _miss(self, y: float) -> float:
+        """Relative."""
+        miss = abs(y / self.target - 1)
+        return miss if miss > self._point else 0.0
+
+    def _outlook(self, solver: Solver, progress: Progress) -> tuple[float, float]:
+        """The quantity by the numbers of the solver, and its estimated relative error; inf where it is not known."""
+        outlook, grid = progress.outlook, solver.grid
+        if outlook is None or progress.estimates is None or not (progress.finite and progress.estimates[1] < VAGUE):
+            return self.target, inf
+        gap = outlook.gap_mean * grid.a
+        y = outlook.contact / solver.N if self.quantity == "a_r" else gap
+        if self.quantity == "approach":
+            rise = grid.comm.sum([solver.g.sum(dtype=float)])[0] / grid.cell_points + outlook.rise
+            y = (solver.p_cell / solver.elastic.multipliers.uniform - rise) * grid.a + self.wall.top * grid.N / grid.cell_points
+        gap_error, pressure_error = progress.estimates
+        gap_error = max(gap_error, pressure_error) if progress.contact == solver.N else gap_error  # nothing is open yet
+        return y, self._error(y, gap, pressure_error, gap_error, pressure_error)
+
+    def _of(self, solver: Solver, certificate: Certificate) -> float:
+        """The quantity, as the certificate finds it."""
+        if self.quantity == "a_r":
+            return certificate.contact / solver.N
+        return (certificate.approach if self.quantity == "approach" else certificate.gap_mean) * solver.grid.a
+
+    def _error(self, y: float, gap: float, area_error: float, gap_error: float, pressure_error: float) -> float:
+        """Relative, of the quantity."""
+        if self.quantity == "approach":
+            return gap_error * gap / y + FIELD * pressure_error if y > 0 else inf
+        return area_error if self.quantity == "a_r" else gap_error
+
+    # -- corrections -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def _way(self) -> float:
+        """By how much x is to change: not at all where this grid cannot have the target."""
+        wanted = self.straight(self.target)
+        return min(max(self.line.way_to(wanted), -STEP), STEP) if isfinite(wanted) else 0.0
+
+    def _read(self, y: float, error: float) -> None:
+        """Learn that the quantity is about y at x, with that relative error."""
+        if not error < VAGUE:
+            return
+        f, wanted, farthest = self.straight(y), self.straight(self.target), 2 * STEP
+        settled = self.quantity != "a_r" or error < SETTLED * max(self.tolerance, self._point)
+        points = 0.0 if settled else 0.5 / max(y * self.wall.points, 0.5)
+        noise = abs(f - self.straight(y / (1 + NOISE[self.quantity] * error + points))) if isfinite(f) else BEYOND
+        self.line.read(min(max(f, wanted - farthest), wanted + farthest), min(max(noise, ROUNDING), farthest))
+
+    def _go_to(self, x: float, solver: Solver) -> bool:
+        """Change the load of the solver."""
+        x = min(max(x, RANGE[0]), RANGE[1])
+        self.line.move(x - self.x)
+        self.x, self.corrections = x, self.corrections + 1
+        solver.correct_load(self.p0)
+        return True
+
+    def _correct(self, solver: Solver, y: float, error: float, now: float) -> bool:
+        """y: the quantity as it will be; now: as it is."""
+        self._read(y, error)
+        if self.note is not None or self.corrections == MOST or not isfinite(error):
+            return False
+        if self.corrections > TRIALS:
+            return min(self._miss(y), self._miss(now)) > SURE * error and self._go_between(solver, now, error)
+        wanted, least = self.straight(self.target), hypot(SHARE * max(self.tolerance, self._point), WORTH * error)
+        due = abs(wanted - self.line.level) > abs(wanted - self.straight(self.target / (1 + least)))
+        return due and self._go_to(self.x + self._way, solver)
+
+    def _go_between(self, solver: Solver, y: float, error: float) -> bool:
+        """A correction by what is known for sure."""
+        self._enclose(y, error)
+        x = self.x + self._way
+        if self.low and self.high:
+            low, high = self.low[0], self.high[0]
+            rise = self._rise(self.low, self.high)
+            if rise > STEEPER and high - low < NARROW:
+                return self._jump(self.low, self.high, solver)
+            if rise > STEEP or not low < x < high:
+                x = 0.5 * (low + high)
+        return self._go_to(x, solver)
+
+    def _enclose(self, y: float, error: float) -> None:
+        """x is surely too small or too large. A bound on the other side that this contradicts was none."""
+        here = (self.x, y, error)
+        if self.straight(y) > self.straight(self.target):
+            self.high, self.low = here, self.low if self.low and self.low[0] < self.x else None
+        else:
+            self.low, self.high = here, self.high if self.high and self.high[0] > self.x else None
+        if self.low and self.high and self.high[0] - self.low[0] < SHARP * self.tolerance:
+            self.low = self.high = None
+
+    def _rise(self, low: Bound, high: Bound) -> float:
+        """The slope that an area has between two bounds, at least."""
+        if self.quantity != "a_r" or (high[1] - low[1]) * self.wall.points < 2 * POINT:
+            return 0.0
+        return (self.straight(high[1] / (1 + high[2])) - self.straight(low[1] * (1 + low[2]))) / (high[0] - low[0])
+
+    def _jump(self, low: Bound, high: Bound, solver: Solver) -> bool:
+        """Take the nearer side of a jump."""
+        x, self.side, _ = min(low, high, key=lambda bound: abs(bound[1] - self.target))
+        self.jump = high[1] - low[1]
+        self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g} at this pressure: the nearer to what was asked for"
+        return x != self.x and self._go_to(x, solver)
