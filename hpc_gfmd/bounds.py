@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 # The error of the pressure over the bound with the compliance in place of 1/K_max; more on small grids, by TINY over the root of their
 # points, and with few points in contact, by LONE over their number
 PRESSURE, TINY, LONE = 0.55, 5.0, 1.0
-POCKETS = 0.05  # for an error of S: that of the mean gap over that of the pressure, times the share that is open (0.03 was seen)
+POCKETS = 0.02  # for an error of S: that of the mean gap over that of the pressure, times the share that is open (0.009 was seen)
 UNKNOWN, ALIGNED = 0.3, 1.2  # in the second expression for the mean gap: share of the bound; S over the sum over levels for long waves
 
 TIE = 4.0  # times the rms of rounding errors in double precision: a difference of pressures that means nothing
