@@ -32,7 +32,9 @@ def check(scene: Scene) -> None:
     """Raise SceneError for names and combinations that the tables of a scene.Scene alone cannot know."""
     require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
     check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names())
-    body_of(scene.material, scene.surface.free)
+    known, accuracy = body_of(scene.material, scene.surface.free).error, scene.solver.accuracy
+    if accuracy and accuracy <= known:
+        raise SceneError(f"solver.accuracy: found {accuracy:g}, allowed with a free boundary: above {known:g}, or a residual")
     if scene.solver.low_memory and "displacement" in scene.output.fields:
         raise SceneError('output.fields: found "displacement", allowed with solver.low_memory: pressure, gap, heights')
 

@@ -33,6 +33,7 @@ REFUSED = [
     ({"name": "gfdm"}, 'nearest: "gfmd"'),
     ({"adhesion": 0.1}, "hpc_gfmd.solve: adhesion: not modelled (elastic, frictionless, non-adhesive contact only)"),
     ({"thickness": 1, "nu": 0.3, "nu1": 0.4}, "found nu and nu1"),
+    ({"boundary": ["free", "periodic"], "accuracy": 1e-7}, "solver.accuracy: found 1e-07, allowed with a free boundary: above"),
     ({"boundary": "free", "distributions": ["gap_spectrum"]}, "'gap_spectrum', which needs periodic boundaries, allowed"),
     ({"observables": ["wear"]}, "found 'wear', not modelled"),
     ({"observables": "a_r"}, "output.observables"), ({"observables": ["a_rr"]}, 'nearest: "a_r"'),
