@@ -109,8 +109,9 @@ def misclassified_points(problem: Problem, g: np.ndarray, p: np.ndarray, complia
     bins = np.zeros((2, BINS))
     rows, m = problem.grid.inside
     found = count_uncertain(g[:rows, :m], p[:rows, :m], compliance, TIE * rounding if double else 0.0, sure, largest, bins)
-    *counts, contact, changes = problem.grid.comm.sum([*bins.ravel(), *found])
-    together = max(pattern.coherence, 2 * contact > LONG * changes) if pattern.spread > FEW * contact else 0.0
+    *counts, contact, along, across, seen = problem.grid.comm.sum([*bins.ravel(), *found, max(rows - 1, 0)])
+    edges = min(along, across * problem.grid.nominal[0] / seen if seen > 0 else along)  # of the longer chords
+    together = max(pattern.coherence, 2 * contact > LONG * edges) if pattern.spread > FEW * contact else 0.0
     moved = CLOSE + (TOGETHER - CLOSE) * together
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0

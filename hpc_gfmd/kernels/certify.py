@@ -95,18 +95,21 @@ def count_uncertain(g, p, compliance, tie, sure, largest, counts):
 
     It takes |p| where g <= 0, g/compliance elsewhere. counts (2, BINS), closed and open ones: bin k holds squares from
     largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones. Less than tie: on either side right, not counted; less than sure:
-    takes nothing. Returns how many points are closed, and how often a row goes into contact or out of it.
+    takes nothing. Returns how many points are closed, and how often rows, and columns within this slab, go into contact or out of it.
     """
     real = g.dtype.type
     reach, stiffness = real(ROUNDED * np.sqrt(largest)), real(1 / compliance)
-    closed = changes = 0
+    closed = along = across = 0
     for i in range(g.shape[0]):
+        below = g[min(i + 1, g.shape[0] - 1)]
+        for j in range(g.shape[1]):
+            across += (g[i, j] <= 0) != (below[j] <= 0)
         for j0 in range(0, g.shape[1], GROUP):
             here, pressure, right = g[i, j0:j0 + GROUP], p[i, j0:j0 + GROUP], g[i, j0 + 1:j0 + GROUP + 1]
             for j in range(here.shape[0]):
                 closed += here[j] <= 0
             for j in range(right.shape[0]):
-                changes += (here[j] <= 0) != (right[j] <= 0)
+                along += (here[j] <= 0) != (right[j] <= 0)
             near = 0
             for j in range(here.shape[0]):  # with vectors: few groups have any
                 near += (stiffness * here[j] if here[j] > 0 else abs(pressure[j])) <= reach
@@ -120,7 +123,7 @@ def count_uncertain(g, p, compliance, tie, sure, largest, counts):
                     if t > sure:
                         k = min(int(-PER_OCTAVE * np.log2(t * t / largest)), k)
                     counts[1 if opened else 0, k] += 1
-    return closed, changes
+    return closed, along, across
 
 
 @kernel
