@@ -36,13 +36,13 @@ BEYOND = 0.1  # noise of a quantity that is as small or large as can be
 ROUNDING = 1e-13  # of straightened quantities
 SETTLED = 0.3  # of the tolerance: with such an error the points that touch are those that will
 STEP, RANGE = log(2.0), (log(1e-99), log(1e99))  # the longest in log p0, and where that is
-COARSE, FEW = 0.1, 8  # standard deviation of log p0 with which a coarser grid is left; corrections there, at most
+COARSE, FEW = 0.03, 8  # standard deviation of log p0 with which a coarser grid is left; corrections there, at most
 GRID = 0.1  # the same, which that adds on the next grid
 TREND = {"gap_mean": 0.3, "a_r": 0.5, "approach": 0.3}  # of what a grid changed log p0 by, beside what its slopes tell: the next one
 TRIALS, MOST = 5, 100  # corrections on a grid: from then on only by what is known for sure, between bounds, and at most
 SURE = 3.0  # times the estimated error: what is missed by more is surely on the wrong side of the target
 SHARP = 1e-6  # times the tolerance: no curve rises within such an interval of log p0
-STEEP, STEEPER, NARROW = 2.0, 4.0, 0.02  # times the usual slope of an area: it may jump; it jumps, within such an interval
+STEEP, STEEPER, NARROW = 2.0, 4.0, 0.01  # times the usual slope of an area: it may jump; it jumps, within such an interval
 SAME = 0.1  # of a jump: how near its side is to what was read
 POINT = 1.001  # by which the area may be missed
 
