@@ -173,14 +173,17 @@ class Sweep:
     def restore(self, arrays: Slabs, numbers: dict[str, Any], load: float | Prescribed) -> None:
         """Go back to a `state`, perhaps of another number of ranks; load: what is asked for at that load, as `solve` has it.
 
-        Collective. arrays: function of the grid, gives local slabs. Raises SceneError for the state of another load.
+        Collective. arrays: function of the grid, gives local slabs. Raises SceneError for the state of another load or version.
         """
         if numbers["dtype"] != self.dtype:
             self._set_precision(numbers["dtype"])
-        self._curve = Curve(**numbers["curve"])
+        try:
+            self._curve = Curve(**numbers["curve"])
+            self._search = Search.restored(numbers["search"]) if numbers.get("search") else None
+        except (KeyError, TypeError):
+            raise SceneError("a state of another version of hpc_gfmd, allowed: of this one") from None
         if "p0" in numbers:
             self._spent = numbers.get("spent", 0.0)
-            self._search = Search.restored(numbers["search"]) if numbers.get("search") else None
             p0 = numbers["p0"]
             if "course" in numbers and not isinstance(load, Prescribed):  # in the middle of this load, not at its beginning
                 p0 = self._p_star(load)

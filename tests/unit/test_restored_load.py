@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from contacts import random_heights, rough, sweep_of
 
+from hpc_gfmd.driver.prescribed import Prescribed
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.parallel.comm import SerialComm
@@ -26,6 +27,20 @@ def test_the_state_of_another_load_is_refused():
     found, wanted = again.solve(asked, midway=True), sweep_of(rough((2, 8, 2)), accuracy=1e-6).solve(p)
     assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-10)
     assert found.iterations == wanted.iterations
+
+
+def test_the_state_of_another_version_is_refused():
+    sweep = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+    load = Prescribed("a_r", 0.2)
+    sweep.solve(load, watch=lambda iterations, _: iterations == 3)
+    arrays, numbers = sweep.state()
+    held, search = {name: np.array(data) for name, data in arrays.items()}, numbers["search"]
+    for other in (search | {"guesses": 0}, {key: value for key, value in search.items() if key != "wall"}):
+        with pytest.raises(SceneError, match="of another version"):
+            sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(lambda _: held, numbers | {"search": other}, load)
+    again = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+    again.restore(lambda _: held, numbers, load)
+    assert again.solve(load, midway=True).contact.outcome.status == "converged"
 
 
 def test_heights_that_change_while_a_run_goes_on(tmp_path):
