@@ -30,6 +30,7 @@ BELOW_TOP = 3.6  # root mean square of the depth below the highest peak, over h_
 PIECE_GIB = 1 / 16  # of a field that is written at a time
 MODES_GIB = 0.025  # while the modes are made that free edges couple
 PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
+THREADS_GIB = 0.012  # what threads keep for themselves, however many
 GIB = 2**30
 
 LONGEST_AXIS = 2**26  # points: for more, which no machine holds, not even the tables of an axis are worth making
@@ -94,7 +95,8 @@ def memory_of(scene: Scene, n: tuple[int, int], sizes: tuple[float, ...], ranks:
         certificate = step
     heights, all_heights = (rows * n[1] * kept / GIB for rows in (share.grid.inside[0], n[0]))
     levels += MODES_GIB if all(free) else 0.0
-    return Memory(FIELDS * field + step + levels + max(passing), heights, transforms, certificate, PROCESS_GIB, all_heights)
+    process = PROCESS_GIB + THREADS_GIB * (threads > 1)
+    return Memory(FIELDS * field + step + levels + max(passing), heights, transforms, certificate, process, all_heights)
 
 
 def largest_precision(scene: Scene, n: tuple[int, int]) -> np.dtype:
