@@ -17,18 +17,18 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from . import reference
     from .api import solve
-    from .errors import GfmdError, Interrupted, NotConverged, SceneError
+    from .errors import GfmdError, NotConverged, SceneError
     from .prepared import PreparedSurface, make_surface, read_surface
     from .simulation import RunResult
     from .simulation import run_scene as run
     from .solution import Solution
-    from .solutions import Solutions, load
+    from .solutions import Interrupted, Solutions, load
 
 __all__ = ["GfmdError", "Interrupted", "NotConverged", "PreparedSurface", "RunResult", "SceneError", "Solution", "Solutions", "load",
            "make_surface", "read_surface", "reference", "run", "solve"]
 _PLACES = {"load": "solutions", "solve": "api", "run": "simulation.run_scene", "RunResult": "simulation", "Solution": "solution",
            "Solutions": "solutions", "PreparedSurface": "prepared", "make_surface": "prepared", "read_surface": "prepared",
-           "GfmdError": "errors", "Interrupted": "errors", "NotConverged": "errors", "SceneError": "errors"}
+           "GfmdError": "errors", "Interrupted": "solutions", "NotConverged": "errors", "SceneError": "errors"}
 
 
 def __getattr__(name: str) -> object:

@@ -16,7 +16,7 @@ import numpy as np
 from .composition import check, load_shown, step_attributes, surface_attributes, sweep_of, worst
 from .contact import Contact, heights_of
 from .driver.warmup import compile_once
-from .errors import Interrupted, NotConverged, SceneError, one_line
+from .errors import NotConverged, SceneError, one_line
 from .fields import FIELDS, Slab
 from .kernels.cache import announced, sound
 from .keywords import loads_of, scene_of_keywords
@@ -29,7 +29,7 @@ from .progress import Reporter
 from .registry import observables_named
 from .scene import Scene
 from .solution import Solution
-from .solutions import Solutions, solutions_of
+from .solutions import Interrupted, Solutions, solutions_of
 from .surface.build import Surface, surface_from_rows
 from .surface.heights import Checksum, checked
 from .surface.quality import MapQuality

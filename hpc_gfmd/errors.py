@@ -1,12 +1,5 @@
 """The few exceptions and warnings users meet. The command line turns each into one line on stderr and an exit code."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .solutions import Solutions
-
 
 class GfmdError(Exception):
     """Something went wrong while running."""
@@ -22,21 +15,6 @@ class SceneError(GfmdError):
 
 class NotConverged(UserWarning):
     """A solution is less accurate than asked; its status says why."""
-
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C in a sweep in memory, after its first load.
-
-    Attributes
-    ----------
-    solutions : Solutions
-        The loads that were finished. Where nobody caught this, in a notebook or at the prompt, it is `sys.last_value`.
-    """
-
-    def __init__(self, solutions: Solutions):
-        super().__init__(f"{solutions.notes[-1]}; those finished are the `solutions` of this exception, "
-                         "hpc_gfmd.Interrupted (sys.last_value.solutions)")
-        self.solutions = solutions
 
 
 def one_line(text: str, longest: int = 200) -> str:

@@ -84,6 +84,21 @@ class Solutions(Sequence):
         return solutions_of, (in_memory(self.result),)
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C in a sweep in memory, after its first load.
+
+    Attributes
+    ----------
+    solutions : Solutions
+        The loads that were finished. Where nobody caught this, in a notebook or at the prompt, it is `sys.last_value`.
+    """
+
+    def __init__(self, solutions: Solutions):
+        super().__init__(f"{solutions.notes[-1]}; those finished are the `solutions` of this exception, "
+                         "hpc_gfmd.Interrupted (sys.last_value.solutions)")
+        self.solutions = solutions
+
+
 def solutions_of(result: Result, contacts: Sequence[Any] | None = None, rows: tuple[int, int] | None = None,
                  comm: Any = None) -> Solutions:
     """The Solutions of a Result; contacts: one contact.Contact, or None, for each load."""

@@ -17,7 +17,6 @@ from .errors import SceneError
 if TYPE_CHECKING:
     from .surface import Surface
 
-LARGEST_HEIGHT = 1e100  # as all numbers of a scene; heights that differ by less than its inverse are refused, too
 SMALLEST, LARGEST = 1e-250, 1e250  # of what the program multiplies: units of pressure and height, their product, mean pressures
 P_STAR = 1e-100, 1e100
 

@@ -2,22 +2,20 @@
 
 from collections.abc import Callable, Iterator
 from math import hypot, isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..table import converged
+from .drawn import Drawn
 from .style import COLOURS, THEORY, WARNING, WIDTH, legend_below, ticks
 from .units import Scale, good
-
-if TYPE_CHECKING:
-    from .pictures import Drawn
 
 COLUMNS = 3
 
 
-def curves(fig: Any, drawn: "Drawn") -> None:
-    """A panel for every quantity that the loads have. drawn: pictures.Drawn."""
+def curves(fig: Any, drawn: Drawn) -> None:
+    """A panel for every quantity that the loads have. drawn: drawn.Drawn."""
     steps = [step for step in (drawn.result.steps[k] for k in drawn.chosen) if good(step.get("p"))]
     panels = [panel for panel in _panels(drawn, steps) if any(good(step.get(key)) for step in steps for key, *_ in panel[1])]
     columns = min(COLUMNS, max(1, len(panels)))
@@ -36,7 +34,7 @@ def curves(fig: Any, drawn: "Drawn") -> None:
     legend_below(fig)
 
 
-def _panels(drawn: "Drawn", steps: list[dict]) -> Iterator[Any]:
+def _panels(drawn: Drawn, steps: list[dict]) -> Iterator[Any]:
     """(label, [(key, keys of its errors, scale, colour, marker, name)], (name, function of p) or None) of every panel."""
     theory: Any = drawn.theory
     one = Scale(1.0)

@@ -1,22 +1,20 @@
 """Distributions of pressure, gap and patch sizes, with what theory says of the pressure."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..table import converged
+from .drawn import Drawn
 from .style import COLOURS, THEORY, WIDTH, legend_below
 from .survey import density
-
-if TYPE_CHECKING:
-    from .pictures import Drawn
 
 BINS = 48  # of pressure
 HEIGHT = 3.0
 
 
-def distributions(fig: Any, drawn: "Drawn") -> None:
-    """A panel for each of them that the result has, stored or in its fields. drawn: pictures.Drawn."""
+def distributions(fig: Any, drawn: Drawn) -> None:
+    """A panel for each of them that the result has, stored or in its fields. drawn: drawn.Drawn."""
     there = set().union(*(_has(drawn, k) for k in range(len(drawn.chosen))))
     panels = [panel for name, panel in PANELS.items() if name in there]
     fig.set_size_inches(WIDTH, HEIGHT)
@@ -30,12 +28,12 @@ def stored(step: Any, name: str) -> bool:
     return f"{name}_edges" in step
 
 
-def _has(drawn: "Drawn", k: int) -> set[str]:
+def _has(drawn: Drawn, k: int) -> set[str]:
     step, fields = drawn.result.steps[drawn.chosen[k]], drawn.result.fields[drawn.chosen[k]]
     return {name for name in PANELS if stored(step, name) or (name in fields)}
 
 
-def _of(drawn: "Drawn", k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
+def _of(drawn: Drawn, k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
     """(edges, density), which integrates to the share of the area; empty where there is none."""
     step = drawn.result.steps[drawn.chosen[k]]
     if stored(step, name):
@@ -47,7 +45,7 @@ def _of(drawn: "Drawn", k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
     return density({n: fields[n] for n in ("pressure", "gap") if n in fields}, name, drawn.units.of(name, [step["p"]]).unit)
 
 
-def _pressures(ax: Any, drawn: "Drawn") -> None:
+def _pressures(ax: Any, drawn: Drawn) -> None:
     found = [_of(drawn, k, "pressure") for k in range(len(drawn.chosen))]
     scale = drawn.units.pressures([edges[-1] for edges, _ in found])
     lowest, highest = np.inf, 0.0
@@ -68,7 +66,7 @@ def _pressures(ax: Any, drawn: "Drawn") -> None:
         ax.set_ylim(lowest / 2, highest * 3)
 
 
-def _gaps(ax: Any, drawn: "Drawn") -> None:
+def _gaps(ax: Any, drawn: Drawn) -> None:
     found = [_of(drawn, k, "gap") for k in range(len(drawn.chosen))]
     scale = drawn.units.heights([edges[-1] for edges, _ in found])
     for k, (edges, values) in enumerate(found):
@@ -83,7 +81,7 @@ def _gaps(ax: Any, drawn: "Drawn") -> None:
     _no_more_than(ax, 5)
 
 
-def _patches(ax: Any, drawn: "Drawn") -> None:
+def _patches(ax: Any, drawn: Drawn) -> None:
     scale = drawn.units.lengths()
     for k in range(len(drawn.chosen)):
         edges, values = _of(drawn, k, "patches")
@@ -112,6 +110,6 @@ def _coarser(edges: np.ndarray, values: Any, wanted: np.ndarray) -> tuple[np.nda
     return edges[chosen], np.add.reduceat(values * np.diff(edges), chosen[:-1])[: len(chosen) - 1] / np.diff(edges[chosen])
 
 
-def _label(drawn: "Drawn", k: int) -> str:
+def _label(drawn: Drawn, k: int) -> str:
     step = drawn.result.steps[drawn.chosen[k]]
     return drawn.name_of(k) + ("" if converged(step) else ", not converged")

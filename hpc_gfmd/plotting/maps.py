@@ -1,17 +1,15 @@
 """Contact, pressure, gap and other fields over the cell or a window of it, one row of panels per load step."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import Normalize, PowerNorm
 
 from ..table import converged
+from .drawn import Drawn
 from .style import CONTACT_MAP, DPI, GAP_MAP, GROUND, HEIGHT_MAP, OTHER_MAP, PRESSURE_MAP, WARNING, WIDTH
 from .survey import survey
 from .units import good
-
-if TYPE_CHECKING:
-    from .pictures import Drawn
 
 SYMBOLS = {"pressure": "p", "gap": "g", "heights": "z", "displacement": "u"}
 COLOURS = {"pressure": PRESSURE_MAP, "gap": GAP_MAP, "heights": HEIGHT_MAP}
@@ -19,8 +17,8 @@ SPIKY = 1.25  # a largest value that is more than this times the 99.5th percenti
 TALL, FLAT = 2.4, 0.4  # of panels, height over width
 
 
-def maps(fig: Any, drawn: "Drawn", names: list[str]) -> None:
-    """A row for each load, a column for each of `names`: "contact" or a field. drawn: pictures.Drawn."""
+def maps(fig: Any, drawn: Drawn, names: list[str]) -> None:
+    """A row for each load, a column for each of `names`: "contact" or a field. drawn: drawn.Drawn."""
     width, height = (window[1] - window[0] for window in (drawn.window[:2], drawn.window[2:]))
     single = len(names) == 1
     columns = min(2, len(drawn.chosen)) if single else len(names)
@@ -49,7 +47,7 @@ def maps(fig: Any, drawn: "Drawn", names: list[str]) -> None:
         ax.set_ylabel(drawn.lengths.label("y"))
 
 
-def _heading(ax: Any, drawn: "Drawn", k: int) -> None:
+def _heading(ax: Any, drawn: Drawn, k: int) -> None:
     step = drawn.result.steps[drawn.chosen[k]]
     ax.annotate(drawn.name_of(k) + (f", $a_r = {step['a_r']:.3g}$" if good(step.get("a_r")) else "")
                 + ("" if converged(step) else f", NOT CONVERGED ({step.get('status', 'unknown')})"),
@@ -57,7 +55,7 @@ def _heading(ax: Any, drawn: "Drawn", k: int) -> None:
                 color="black" if converged(step) else WARNING, annotation_clip=False)
 
 
-def _panel(fig: Any, ax: Any, name: str, found: Any, drawn: "Drawn") -> None:
+def _panel(fig: Any, ax: Any, name: str, found: Any, drawn: Drawn) -> None:
     extent = [edge / drawn.lengths.unit for edge in drawn.window]
     ax.set_aspect("equal")
     ax.tick_params(color="0.5")

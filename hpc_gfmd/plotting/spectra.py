@@ -1,20 +1,18 @@
 """Power spectra and autocorrelations of heights, pressure and gap."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from .drawn import Drawn
 from .style import COLOURS, WIDTH, legend_below
-
-if TYPE_CHECKING:
-    from .pictures import Drawn
 
 FIELDS = {"heights": "z", "pressure": "p", "gap": "g"}
 
 
-def spectra(fig: Any, drawn: "Drawn") -> None:
-    """A column for each field, spectra above autocorrelations, as far as the result has them. drawn: pictures.Drawn."""
+def spectra(fig: Any, drawn: Drawn) -> None:
+    """A column for each field, spectra above autocorrelations, as far as the result has them. drawn: drawn.Drawn."""
     steps = [drawn.result.steps[k] for k in drawn.chosen]
     rows = [(kind, [name for name in FIELDS if any(f"{name}_{kind}_{x}" in step for step in steps)])
             for kind, x in (("spectrum", "q"), ("autocorrelation", "r"))]
@@ -35,7 +33,7 @@ def has_spectra(step: Any) -> bool:
     return any(f"{name}_{rest}" in step for name in FIELDS for rest in ("spectrum_q", "autocorrelation_r"))
 
 
-def _curves(drawn: "Drawn", steps: list[dict], name: str, x: str, y: str) -> Iterator[Any]:
+def _curves(drawn: Drawn, steps: list[dict], name: str, x: str, y: str) -> Iterator[Any]:
     """(colour, label, x, y) of every load; the heights are the same under all."""
     for k, step in enumerate(steps):
         if f"{name}_{x}" in step:
@@ -46,7 +44,7 @@ def _curves(drawn: "Drawn", steps: list[dict], name: str, x: str, y: str) -> Ite
                 return
 
 
-def _spectrum(ax: Any, drawn: "Drawn", steps: list[dict], name: str) -> None:
+def _spectrum(ax: Any, drawn: Drawn, steps: list[dict], name: str) -> None:
     length = drawn.units.lengths()
     lines = list(_curves(drawn, steps, name, "spectrum_q", "spectrum_power"))
     size = np.sqrt(max(power.max() for *_, power in lines)) / drawn.units.size
@@ -58,7 +56,7 @@ def _spectrum(ax: Any, drawn: "Drawn", steps: list[dict], name: str) -> None:
     ax.set(xlabel="$q\\,L_x$" if length.relative else f"$q$ (1/{length.name})", ylabel=f"$C_{FIELDS[name]}(q)$ {squared}", title=name)
 
 
-def _autocorrelation(ax: Any, drawn: "Drawn", steps: list[dict], name: str) -> None:
+def _autocorrelation(ax: Any, drawn: Drawn, steps: list[dict], name: str) -> None:
     length = drawn.units.lengths()
     for colour, label, r, found in _curves(drawn, steps, name, "autocorrelation_r", "autocorrelation_correlation"):
         ax.plot(r / length.unit, found / found[0], "-", color=colour, label=label)

@@ -16,9 +16,8 @@ from ..parallel.fft import SlabFFT
 from ..parallel.guard import guarded
 from ..parallel.interrupt import check
 from ..problem import Columns
-from ..units import LARGEST_HEIGHT
 from .analytic import sphere_rows, wave_rows
-from .heights import Checksum, checked
+from .heights import LARGEST_HEIGHT, Checksum, checked
 from .prepare import prepare, prepared_size
 from .quality import slope_notes
 from .selfaffine import self_affine_gap

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError
-from ..units import LARGEST_HEIGHT
+
+LARGEST_HEIGHT = 1e100  # as all numbers of a scene; heights that differ by less than its inverse are refused, too
 
 
 def checked(z: np.ndarray, start: int, where: str, of: str = "", missing: bool = False) -> np.ndarray:
