@@ -21,7 +21,7 @@ def truths(z, sizes, loads, free=(False, False)):
     found, start = [], None
     for p_star in loads:
         name = repr((contact.n, tuple(map(float, sizes)), float(p_star))).encode()
-        path = cache_folder() / f"{hashlib.sha256(contact.h.tobytes() + name).hexdigest()[:32]}.npz"
+        path = cache_folder() / f"{hashlib.sha256(contact.h.tobytes() + contact.S.tobytes() + name).hexdigest()[:32]}.npz"
         truth = _read(path, contact.shape)
         if truth is None:
             near = start is not None and 0.5 < p_star / start.mean() < 2
