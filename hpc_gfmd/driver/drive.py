@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +23,6 @@ AGAIN = 0.9  # a solver that was refused is certified again where its own number
 DRIFT = 0.01  # of the residual, relative: above, the solver goes on from the fresh pressure
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
 UNKNOWN = 1.0
-STORED_AS = {"threshold": "demand"}  # names in a checkpoint that are not those here
 
 
 @dataclass(frozen=True)
@@ -60,16 +59,6 @@ class LoopState:
     def begin_again(self, iterations: int) -> None:
         """The load has changed: what was reached before does not count."""
         self.refusals, self.refused, self.threshold, self.best, self.best_at = 0, np.inf, 1.0, np.inf, iterations
-
-    def stored(self) -> dict[str, float]:
-        """As numbers of a checkpoint."""
-        return {STORED_AS.get(name, name): value for name, value in asdict(self).items()}
-
-    @classmethod
-    def restored(cls, numbers: dict[str, Any]) -> LoopState:
-        """The inverse of `stored`; where there is nothing, the beginning."""
-        names = {stored: name for name, stored in STORED_AS.items()}
-        return cls(**{names.get(name, name): value for name, value in numbers.items()})
 
 
 @dataclass(frozen=True)

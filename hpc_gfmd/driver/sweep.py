@@ -43,6 +43,7 @@ FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
 CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
 FEW_POINTS = 6  # points on the wrong side that single precision may have
+OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
 NOISE = 0.2  # of Problem.rounding, over what counts: the certificate sees a third of the former
 
 
@@ -166,7 +167,7 @@ class Sweep:
             arrays, own = self.solver.state()
             numbers |= {"p0": self.solver.p0, "own": own}
         if upcoming is None:
-            numbers |= {"course": self.loop.stored(), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs,
+            numbers |= {"loop": asdict(self.loop), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs,
                         "search": self._search and asdict(self._search)}
         return arrays, numbers
 
@@ -181,11 +182,11 @@ class Sweep:
             self._curve = Curve(**numbers["curve"])
             self._search = Search.restored(numbers["search"]) if numbers.get("search") else None
         except (KeyError, TypeError):
-            raise SceneError("a state of another version of hpc_gfmd, allowed: of this one") from None
+            raise SceneError(OTHER_VERSION) from None
         if "p0" in numbers:
             self._spent = numbers.get("spent", 0.0)
             p0 = numbers["p0"]
-            if "course" in numbers and not isinstance(load, Prescribed):  # in the middle of this load, not at its beginning
+            if "loop" in numbers and not isinstance(load, Prescribed):  # in the middle of this load, not at its beginning
                 p0 = self._p_star(load)
                 if not abs(p0 / numbers["p0"] - 1) < SAME_LOAD:
                     raise SceneError(f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is asked for")
@@ -276,8 +277,11 @@ class Sweep:
         self._first_pairs, self.solver.iterations, self.loop = self.solver.pairs, 0, LoopState()
 
     def _load_state(self, arrays: Slabs, numbers: dict[str, Any]) -> None:
-        self.solver.load_state(arrays(self.surface.grid), numbers["own"])
-        self.loop = LoopState.restored(numbers.get("course", {}))
+        try:
+            self.solver.load_state(arrays(self.surface.grid), numbers["own"])
+            self.loop = LoopState(**numbers.get("loop", {}))
+        except (KeyError, TypeError):
+            raise SceneError(OTHER_VERSION) from None
         self._first_pairs -= numbers.get("pairs", 0.0)
 
     def _starting_gap(self, problem: Problem, into: np.ndarray | None) -> np.ndarray:

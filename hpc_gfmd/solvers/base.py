@@ -79,7 +79,6 @@ class Solver:
     name = ""
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
-    stored_as: dict[str, str] = {}  # names in a checkpoint that are not those here
     nests = True  # whether a nested start pays
     takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
@@ -157,18 +156,15 @@ class Solver:
 
     def state(self) -> tuple[dict[str, Any], ...]:
         """Everything that a bit-identical continuation needs: local slabs by name, and a dict of numbers."""
-        return tuple({self.stored_as.get(name, name): getattr(self, name) for name in names}
-                     for names in (self.state_names, self.scalar_names))
+        return tuple({name: getattr(self, name) for name in names} for names in (self.state_names, self.scalar_names))
 
     def load_state(self, arrays: dict[str, np.ndarray], numbers: dict[str, Any]) -> None:
         """The inverse of `state`."""
         for name in self.state_names:
-            getattr(self, name)[...] = arrays[self.stored_as.get(name, name)]
+            getattr(self, name)[...] = arrays[name]
         self._set_numbers(numbers)
 
     def _set_numbers(self, numbers: dict[str, Any]) -> None:
         for name in self.scalar_names:
-            stored = self.stored_as.get(name, name)
-            if stored in numbers:  # not in every older checkpoint
-                setattr(self, name, numbers[stored])
+            setattr(self, name, numbers[name])
 

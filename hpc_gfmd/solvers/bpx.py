@@ -47,7 +47,6 @@ class Bpx(Solver):
     state_names = ("g", "p", "d")
     scalar_names = ("s", "rayleigh", "contact", "gap_mean", "rz", "rd", "zKd", "dKd", "rr", "pp", "uKu", "r_norm", "t_norm",
                     "mean", "aligned", "changing", "closing", "iterations")
-    stored_as = {"zKd": "zq", "dKd": "dq"}
 
     def __init__(self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None):
         super().__init__(problem, options)

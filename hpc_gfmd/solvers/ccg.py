@@ -32,7 +32,6 @@ class Ccg(Solver):
     name = "ccg"
     nests = False  # a pressure from a coarser grid is a bad start
     state_names = ("g", "p", "iterate", "gap0", "t")
-    stored_as = {"iterate": "q", "gap0": "w"}
     scalar_names = ("offset", "shift", "ee", "below", "contact", "gap", "previous", "fresh", "iterations")
     allowed = {"preconditioned": (0, 1)}
 
