@@ -27,7 +27,7 @@ class Cells(Free):
         if shape is None:
             return plain
         tabled = Tabled(grid, fft, self.table(grid, fft))
-        found, length = images(*shape), np.sqrt(np.prod(grid.sizes)) / grid.a
+        found, length = images(*shape[:-1]), np.sqrt(np.prod(grid.sizes)) / grid.a
         modes = tabled.table.reshape(-1, tabled.table.shape[-1])[:found.modes[1] + 1, :found.modes[0] + 1].T * length
         S = np.divide(1, modes, out=np.zeros(modes.shape), where=modes > 0)
         return Coupled(tabled, grid, fft, found, added(found, S, fft.dtype))

@@ -125,6 +125,10 @@ class Body:
         """
         raise NotImplementedError
 
+    def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Wave numbers along both axes, in units of 1/a, as `stiffness` is to take them on a grid."""
+        return q_x, q_y
+
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
         """The Multipliers for the transforms of a grid. Collective."""
         return self.tabled(grid, fft)
@@ -142,7 +146,7 @@ class Body:
 
     def table(self, grid: Grid, fft: SlabFFT) -> np.ndarray:
         """K for this rank's columns, shape (own blocks, W, n_x//2 + 1) in the precision of fft: it is even in q_x."""
-        q_x, q_y = grid.q_x[: grid.n[0] // 2 + 1], grid.column_tables(fft)[0][grid.comm.rank::grid.comm.size]
+        q_x, q_y = self.waves(grid, grid.q_x[: grid.n[0] // 2 + 1], grid.column_tables(fft)[0][grid.comm.rank::grid.comm.size])
         out = np.empty((*q_y.shape, len(q_x)), fft.dtype)
         for block, q in zip(out, np.asarray(q_y, np.float64)):
             block[...] = self.stiffness(np.hypot(q_x, q[:, None]), grid.a)

@@ -3,6 +3,9 @@
 The grid is a cell longer than the surface along each free axis, and points beyond the surface never touch. For two points of the
 surface S must be that of free space, for others it may be anything: it is that of the periodic half-space and, in the lowest modes of
 the cell, what takes the images out of it (operators/images.py). K is its inverse: |q|/2 again, but that these modes are coupled.
+
+On a grid |q| has a kink where the wave numbers end, which gives S a tail, (-1)^i/i^2 along either axis, and so images of its own that
+are no 1/r. The wave numbers of an axis that ends are rounded there, so that K is smooth and S knows nothing of the cell.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
 
 SHARES = 24  # shares of a cell that are told apart: nearly the same grids have the same modes
 COVERED = 16  # of them that a surface has at most, see surface.cell_of
+ROUNDED = 0.055  # width of the kink, over 1/a: the tail of S has died out within the points beyond a surface
 DECAY = 18.0  # wave number times distance over which the waves of a periodic axis die out
 
 
@@ -32,12 +36,13 @@ Matrices = dict[bool, dict[tuple[int, int], np.ndarray]]
 
 
 class Shape(NamedTuple):
-    """What `images` takes for a grid, in the unit of the root of the cell's area."""
+    """What `images` takes for a grid, in the unit of the root of the cell's area; points: along its axes, as far as modes can tell."""
 
     cell: tuple[float, float]
     inside: tuple[float, float]
     free: tuple[bool, bool]
     modes: tuple[int, int]
+    points: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,10 @@ class Free(HalfSpace):
         smallest, largest = super().bounds(grid)
         return 0.4 * smallest, largest  # S of a mode is at most 2.5 times that of the cell
 
+    def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        q_x, q_y = map(rounded, (q_x, q_y), np.divide(grid.spacings, grid.a), self.free)
+        return q_x, q_y
+
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
         return self.kept(fft, lambda: self._coupled(super(Free, self).multipliers(grid, fft), grid, fft))
 
@@ -90,13 +99,27 @@ class Free(HalfSpace):
         open_part = min((1 - share) * size for share, size, ends in zip(shares, (X, Y), free) if ends)
         needed = [(NEEDED if all(free) else ALONE) if ends else DECAY / (2 * np.pi) for ends in free]
         k_x, k_y = (min(int(np.ceil(k * size / open_part)), (n - 1) // 2) for k, size, n in zip(needed, (X, Y), grid.n))
-        return Shape((X, Y), (shares[0] * X, shares[1] * Y), free, (k_x, k_y))
+        n_x, n_y = (min(n, 3 * k + 1) for n, k in zip(grid.n, (k_x, k_y)))
+        return Shape((X, Y), (shares[0] * X, shares[1] * Y), free, (k_x, k_y), (n_x, n_y))
+
+
+def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
+    """|q| along an axis; where it ends the kink at pi/spacing is averaged over a normal distribution."""
+    from scipy.special import erfc
+
+    if not ends:
+        return q
+    width = np.sqrt(2) * ROUNDED
+    t = (np.pi - abs(q) * spacing) / width
+    return abs(q) - width / spacing * (np.exp(-t * t) / np.sqrt(np.pi) - t * erfc(t))
 
 
 @lru_cache(maxsize=16)
 def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
-    found = images(*shape)
-    return found, added(found, found.S, dtype)
+    waves = [2 * np.pi / size * np.arange(k + 1) for size, k in zip(shape.cell, shape.modes)]
+    q_x, q_y = map(rounded, waves, np.divide(shape.cell, shape.points), shape.free)
+    q, found = np.hypot(q_x[:, None], q_y), images(*shape[:-1])
+    return found, added(found, np.divide(2, q, out=np.zeros_like(q), where=q > 0), dtype)
 
 
 def added(found: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:

@@ -31,21 +31,22 @@ class HalfSpace(Body):
         return q / 2
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
-        return OnTheFly(grid, fft)
+        q_y, weight = grid.column_tables(fft)
+        return OnTheFly(fft, *self.waves(grid, grid.q_x, q_y), weight)
 
 
 HALF_SPACE = HalfSpace()
 
 
 class OnTheFly:
-    """Multiplies by K = |q|/2 and S = 2/|q| without a table."""
+    """Multiplies by K = |q|/2 and S = 2/|q| without a table. q_x: (n_x,); q_y, weight: as Grid.column_tables."""
 
     uniform = 0.0
 
-    def __init__(self, grid: Grid, fft: SlabFFT):
+    def __init__(self, fft: SlabFFT, q_x: np.ndarray, q_y: np.ndarray, weight: np.ndarray):
         self.dtype, self.scale = fft.dtype, fft.scale
-        self.q_x = np.repeat(grid.q_x, 2).astype(fft.dtype)  # kernels see real and imaginary parts as numbers of their own
-        self.q_y, self.weight = grid.column_tables(fft)
+        self.q_x = np.repeat(q_x, 2).astype(fft.dtype)  # kernels see real and imaginary parts as numbers of their own
+        self.q_y, self.weight = q_y.astype(fft.dtype), weight
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
         """Every mode is alone."""

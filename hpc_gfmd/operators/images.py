@@ -28,11 +28,10 @@ PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 
 @dataclass(frozen=True)
 class Images:
-    """T by parities along x and y, (stack, m, m), of the modes in the order of `stacked`. S: of the half-space, of all modes k_x,
-    k_y >= 0. constant: of the kernel, what T leaves to the mean: S of a uniform pressure on the whole cell, over its area."""
+    """T by parities along x and y, (stack, m, m), of the modes in the order of `stacked`. constant: of the kernel, what T leaves to
+    the mean: S of a uniform pressure on the whole cell, over its area."""
 
     T: dict[tuple[int, int], np.ndarray]
-    S: np.ndarray
     free: tuple[bool, bool]
     modes: tuple[int, int]
     constant: float
@@ -64,14 +63,13 @@ def images(cell: tuple[float, float], inside: tuple[float, float], free: tuple[b
     """cell: sizes; inside: those of the surface in it; free: where it ends; modes: the highest along each axis."""
     k = {axis: {1: np.arange(modes[axis] + 1), -1: np.arange(1, modes[axis] + 1)} for axis in (0, 1)}
     q = 2 * np.pi * np.hypot(k[0][1][:, None] / cell[0], k[1][1] / cell[1])
-    S = np.divide(2, q, out=np.zeros_like(q), where=q > 0)
     T, axes = {}, [_Nodes(*axis) for axis in zip(cell, inside, modes)]
     if all(free):
         X, Y = axes
         c = kernel(X.offsets, Y.offsets, *cell)
         T = {(a, b): _in_modes(c, (X, a), (Y, b))[None] for a, b in PARITIES}
         T[1, 1][0], constant = _without_mean(T[1, 1][0], q.ravel(), np.kron(X.even, Y.even))
-        return Images(T, S, free, modes, constant / (cell[0] * cell[1]))
+        return Images(T, free, modes, constant / (cell[0] * cell[1]))
     along = int(free[1])  # the axis that ends
     X = axes[along]
     for a in (1, -1):
@@ -81,7 +79,7 @@ def images(cell: tuple[float, float], inside: tuple[float, float], free: tuple[b
             stack[0], _ = _without_mean(stack[0], 2 * np.pi / cell[along] * k[along][1], X.even)
         for b in (1, -1):
             T[(a, b) if along == 0 else (b, a)] = np.array(stack)[int(b < 0):]
-    return Images(T, S, free, modes, np.nan)
+    return Images(T, free, modes, np.nan)
 
 
 class _Nodes:

@@ -4,8 +4,8 @@ Guess the contact C. Its pressure follows from a linear problem on C (few points
 conjugate gradients preconditioned by the inverse operator; points of the wrong sign change sides. Where that goes round in circles,
 steps of projected conjugate gradients (Polonsky and Keer) lie between, which always converge. Units: those of problem.py: lengths
 in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so that K = |q|/2 and p0 is p*. With free edges the S between two
-points that makes the discrete problem is that of the program's cell less its images, by sums over rows of images of its own
-(tests/analytic/test_free.py has S by quadrature), and K its inverse.
+points that makes the discrete problem is that of a periodic cell (q rounded near the end of an axis that ends) less its images, by
+sums over rows of images of its own (tests/analytic/test_free.py has S by quadrature), and K its inverse.
 """
 
 from dataclasses import dataclass
@@ -210,15 +210,19 @@ class Contact:
 
 @lru_cache(maxsize=8)
 def _compliance(n, sizes, free):
-    """The transform of S between points of a wall that ends, on a cell twice as long; 0 for a rigid translation."""
-    from hpc_gfmd.parallel.comm import SerialComm
-    from hpc_gfmd.surface.build import grid_of
+    """The transform of S between points of a wall that ends, on a cell twice as long; 0 for a rigid translation. Of a larger cell, the
+    images in which are far in units of either spacing."""
+    from hpc_gfmd.bodies.free import ROUNDED
 
-    grid = grid_of(n, sizes, SerialComm(), free=free)
-    q = np.hypot(grid.q_x[:, None], grid.q_y)
-    periodic = fft.irfft2(np.divide(2, q, out=np.zeros_like(q), where=q > 0), grid.n)
+    spacings = np.divide(sizes, n)
+    spacings /= np.sqrt(spacings.prod())
+    cell = [2 * k + 128 + int(8 * max(spacings) / s) if ends else k for k, s, ends in zip(n, spacings, free)]
+    q_x, q_y = (np.pi - ROUNDED * _even_mean((np.pi - q) / ROUNDED) if ends else q
+                for q, ends in zip((abs(2 * np.pi * fft.fftfreq(cell[0])), 2 * np.pi * fft.rfftfreq(cell[1])), free))
+    q = np.hypot(q_x[:, None] / spacings[0], q_y / spacings[1])
+    periodic = fft.irfft2(np.divide(2, q, out=np.zeros_like(q), where=q > 0), cell)
     i, j = (np.minimum(np.arange(m), m - np.arange(m)) for m in (k * (1 + ends) for k, ends in zip(n, free)))
-    (x, y), (X, Y) = (k * s / grid.a for k, s in zip((i, j), grid.spacings)), (size / grid.a for size in grid.sizes)
+    (x, y), (X, Y) = (k * s for k, s in zip((i, j), spacings)), cell * spacings
     if all(free):
         images = _row(x, y, Y) + _other_rows(x, y, X, Y) if X > Y else (_row(y, x, X) + _other_rows(y, x, Y, X)).T
     else:
@@ -226,6 +230,11 @@ def _compliance(n, sizes, free):
     S = fft.rfft2(periodic[np.ix_(i, j)] - images).real
     S[0, 0] = 0
     return S
+
+
+def _even_mean(t):
+    """|t + a normally distributed number|, averaged."""
+    return t * (2 * special.ndtr(t) - 1) + np.sqrt(2 / np.pi) * np.exp(-t * t / 2)
 
 
 def _row(x, y, Y):

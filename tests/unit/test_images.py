@@ -19,7 +19,7 @@ SURFACES = [((128, 128), (1.0, 1.0), (True, True)), ((512, 512), (1.0, 1.0), (Tr
 def made(n, sizes, free):
     """The Images of a surface, sizes of its cell and of the surface in it, in their unit."""
     shape = Free(free)._shape(grid_of(n, sizes, SerialComm(), free=free))
-    return images(*shape), *shape[:2]
+    return images(*shape[:-1]), *shape[:2]
 
 
 def products(found: Images, parity, x, y, cell):
@@ -100,10 +100,12 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
 @pytest.mark.parametrize(("n", "sizes", "free"), SURFACES, ids=str)
 def test_positive_and_nearly_that_of_the_cell(n, sizes, free):
     """(S + T)/S of all modes but the mean, which is left alone, and that its inverse is one."""
-    found, *_ = made(n, sizes, free)
-    inverse = found.inverse(found.S)
+    found, cell, _ = made(n, sizes, free)
+    q = 2 * np.pi * np.hypot(*np.ix_(*(np.arange(k + 1) / size for k, size in zip(found.modes, cell))))
+    half_space = np.divide(2, q, out=np.zeros_like(q), where=q > 0)
+    inverse = found.inverse(half_space)
     for (a, b), T in found.T.items():
-        S = found.stacked(found.S[int(a < 0):, int(b < 0):])
+        S = found.stacked(half_space[int(a < 0):, int(b < 0):])
         for block, K, s in zip(T, inverse[a, b], S):
             use = s > 0
             assert np.all(block[~use] == 0)
