@@ -23,14 +23,12 @@ class Prescribed:
     @property
     def closes(self) -> bool:
         """Whether that is full contact."""
-        return self.value == (1.0 if self.quantity == "a_r" else 0.0)
+        return self.quantity == "a_r" and self.value == 1
 
 
-def prescribed(name: str, values: Sequence[float], surface: Surface, wall: Wall, closes: bool,
-               resolution: float) -> tuple[Prescribed, ...]:
-    """Prescribed loads from the key of a scene's [load] and its values; wall: of the surface; closes: whether a gap of 0 can be had;
-    resolution: least length over the largest height that rounding errors leave as accurate as asked. Raises SceneError for what cannot
-    be had."""
+def prescribed(name: str, values: Sequence[float], surface: Surface, wall: Wall, resolution: float) -> tuple[Prescribed, ...]:
+    """Prescribed loads from the key of a scene's [load] and its values; wall: of the surface; resolution: least length over the largest
+    height that rounding errors leave as accurate as asked. A gap of 0 is full contact. Raises SceneError for what cannot be had."""
     if name == "a_r":
         for value in values:
             if value * surface.grid.N < 0.5:
@@ -42,8 +40,6 @@ def prescribed(name: str, values: Sequence[float], surface: Surface, wall: Wall,
     for value in values:
         if gap and not value < largest:
             raise SceneError(f"load.{name}: found {value:g}, allowed: below {largest:.6g}, where the highest peak touches")
-        if value == 0 and not closes:
-            raise SceneError(f"load.{name}: found 0 with free boundaries or low_memory, allowed: above 0")
         if 0 < value < resolution * largest:
             raise SceneError(f"load.{name}: found {value:g}, allowed: above {resolution * largest:.3g}, what rounding errors leave")
-    return tuple(Prescribed("gap_mean" if gap else name, float(value) * unit) for value in values)
+    return tuple(Prescribed("gap_mean" if gap else name, float(value) * unit) if value else Prescribed("a_r", 1.0) for value in values)

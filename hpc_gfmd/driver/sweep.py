@@ -120,7 +120,7 @@ class Sweep:
                                      'allowed: "auto", "double"')
         best = self.dtype if self.settings.precision == "single" or self.settings.low_memory else np.float64
         resolution = LENGTHS * float(np.finfo(best).eps) / self.settings.tolerance
-        return pressures or prescribed(name, values, self.surface, self._wall, self.closes, resolution)
+        return pressures or prescribed(name, values, self.surface, self._wall, resolution)
 
     def solve(self, load: float | Prescribed, watch: Watch | None = None, midway: bool = False) -> Step:
         """The contact at a load: a mean pressure (unit of E_star), or Prescribed.

@@ -110,7 +110,7 @@ class Load(Table):
     pressure: Pressures | None = key("mean pressures instead of p_star; they push, so that they are positive",
                                      'a number greater than 0, plain or as "20 MPa", or a list of them', None,
                                      unit="pressure", example=["2 MPa", "20 MPa"])
-    gap_mean: Gaps | None = key("mean gaps, whose pressures are found; 0: the least pressure that closes the gap",
+    gap_mean: Gaps | None = key("mean gaps, whose pressures are found; 0: full contact",
                                 'a number from 0, plain or as "50 nm", or a list of them', None, unit="length", example="50 nm")
     gap_over_h_rms: RelativeGaps | None = key("the same, over the rms height", "a number from 0, or a list of them", None, example=0.5)
     a_r: Areas | None = key("relative contact areas, whose pressures are found; met to the accuracy or to one point",
