@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .kernels.certify import BINS, PER_OCTAVE, count_uncertain
+from .parallel.halo import next_row
 
 if TYPE_CHECKING:
     from .problem import Problem
@@ -97,8 +98,8 @@ def misclassified_points(problem: Problem, g: np.ndarray, p: np.ndarray, complia
     how it is spread; compliance: of the shortest wave. Collective.
 
     No more than it takes to use `squares` up, the easiest first. Of the points that are near few are in the wrong set if they differ;
-    of those that are alike, as in ordered walls, all may be. Closed and open points are counted apart: they change the area in
-    opposite ways.
+    of those that are alike, as in ordered walls, all may be. Points in contact and out of it are counted apart: they change the
+    area in opposite ways.
     """
     double, rounding = problem.dtype == np.float64, problem.rounding
     mean_square = squares / pattern.spread
@@ -107,10 +108,12 @@ def misclassified_points(problem: Problem, g: np.ndarray, p: np.ndarray, complia
     if largest <= 0:
         return 0.0
     bins = np.zeros((2, BINS))
-    rows, m = problem.grid.inside
-    found = count_uncertain(g[:rows, :m], p[:rows, :m], compliance, TIE * rounding if double else 0.0, sure, largest, bins)
-    *counts, contact, along, across, seen = problem.grid.comm.sum([*bins.ravel(), *found, max(rows - 1, 0)])
-    edges = min(along, across * problem.grid.nominal[0] / seen if seen > 0 else along)  # of the longer chords
+    grid = problem.grid
+    g, p = (x[:grid.inside[0], :grid.inside[1]] for x in (g, p))
+    below = next_row(grid.comm, g[:1], np.minimum(grid.starts, grid.nominal[0]))
+    found = count_uncertain(g, p, below, compliance, TIE * rounding if double else 0.0, sure, largest, bins)
+    *counts, contact, along, across = grid.comm.sum([*bins.ravel(), *found])
+    edges = min(along, across)  # of the longer chords
     together = max(pattern.coherence, 2 * contact > LONG * edges) if pattern.spread > FEW * contact else 0.0
     moved = CLOSE + (TOGETHER - CLOSE) * together
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)

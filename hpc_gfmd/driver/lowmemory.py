@@ -21,14 +21,11 @@ from numpy.typing import DTypeLike
 from ..errors import SceneError
 from .drive import certificate_of
 from .nested import Nested
-from .sweep import Sweep, counting
+from .sweep import NOISE_IN_TURN, Sweep, counting
 
 if TYPE_CHECKING:
     from ..problem import Problem
     from .sweep import Slabs
-
-
-NOISE = 0.8  # as in sweep.py: double precision takes more time here
 
 
 class LowMemorySweep(Sweep):
@@ -87,7 +84,7 @@ class LowMemorySweep(Sweep):
 
     def _rounding_counts(self, problem: Problem) -> bool:
         """Not where double precision would take tables, too."""
-        return not self.body.table_share and problem.rounding > NOISE * counting(self.target, problem.p0)
+        return not self.body.table_share and problem.rounding > NOISE_IN_TURN * counting(self.target, problem.p0)
 
 
 def _give_back() -> None:

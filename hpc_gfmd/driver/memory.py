@@ -19,8 +19,7 @@ from ..registry import body_of
 from ..scene import Scene
 from ..surface import cell_of
 from .decomposition import share_of
-from .lowmemory import NOISE
-from .sweep import counting, few_points, first_precision
+from .sweep import NOISE_IN_TURN, counting, few_points, first_precision
 
 FIELDS, STEP = 2, 0.5  # g, p; d, which has half the width; and h, which in low memory is kept only where the surface ends
 SOLVER = 4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
@@ -132,7 +131,7 @@ def _in_double(scene: Scene, n: tuple[int, int], cell: tuple[int, int]) -> bool:
     h_rms = np.sqrt(np.trapezoid(q ** (-1 - 2 * surface.hurst), q) / np.trapezoid(q ** (1 - 2 * surface.hurst), q))
     beyond = p_star * math.prod(n) / math.sqrt(math.prod(cell)) if n != cell else 0.0
     rounding = ROUNDING * float(np.finfo(np.float32).eps) * math.hypot(BELOW_TOP * h_rms, beyond)
-    return bool(rounding > NOISE * counting(scene.solver, p_star))
+    return bool(rounding > NOISE_IN_TURN * counting(scene.solver, p_star))
 
 
 def available_gib() -> float:

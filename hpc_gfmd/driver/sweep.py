@@ -44,7 +44,8 @@ CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
 FEW_POINTS = 6  # points on the wrong side that single precision may have
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
-NOISE = 0.2  # of Problem.rounding, over what counts: the certificate sees a third of the former
+# Of what counts, over Problem.rounding, of which the certificate sees a third; in low memory double precision takes more time
+NOISE, NOISE_IN_TURN = 0.2, 0.8
 
 
 @dataclass(frozen=True)

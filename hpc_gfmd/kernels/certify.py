@@ -90,20 +90,22 @@ def open_moments(g, p):
 
 
 @kernel
-def count_uncertain(g, p, compliance, tie, sure, largest, counts):
+def count_uncertain(g, p, below, compliance, tie, sure, largest, counts):
     """Count the points that errors of the pressure might move into contact or out of it, by the square of what that takes.
 
-    It takes |p| where g <= 0, g/compliance elsewhere. counts (2, BINS), closed and open ones: bin k holds squares from
+    It takes |p| where g <= 0, g/compliance elsewhere. counts (2, BINS), points in contact and out of it: bin k holds squares from
     largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones. Less than tie: on either side right, not counted; less than sure:
-    takes nothing. Returns how many points are closed, and how often rows, and columns within this slab, go into contact or out of it.
+    takes nothing. Returns how many points are closed, and how often rows and columns close or open, the first point being after the
+    last one. below: the row after this slab.
     """
     real = g.dtype.type
     reach, stiffness = real(ROUNDED * np.sqrt(largest)), real(1 / compliance)
     closed = along = across = 0
     for i in range(g.shape[0]):
-        below = g[min(i + 1, g.shape[0] - 1)]
+        after = g[i + 1] if i + 1 < g.shape[0] else below
         for j in range(g.shape[1]):
-            across += (g[i, j] <= 0) != (below[j] <= 0)
+            across += (g[i, j] <= 0) != (after[j] <= 0)
+        along += (g[i, 0] <= 0) != (g[i, -1] <= 0)
         for j0 in range(0, g.shape[1], GROUP):
             here, pressure, right = g[i, j0:j0 + GROUP], p[i, j0:j0 + GROUP], g[i, j0 + 1:j0 + GROUP + 1]
             for j in range(here.shape[0]):
@@ -116,13 +118,12 @@ def count_uncertain(g, p, compliance, tie, sure, largest, counts):
             if near == 0:
                 continue
             for j in range(here.shape[0]):
-                opened = here[j] > 0
-                t = here[j] / compliance if opened else abs(pressure[j])
+                t = here[j] / compliance if here[j] > 0 else abs(pressure[j])
                 if t * t <= largest and t >= tie:
                     k = BINS - 1
                     if t > sure:
                         k = min(int(-PER_OCTAVE * np.log2(t * t / largest)), k)
-                    counts[1 if opened else 0, k] += 1
+                    counts[0 if here[j] <= 0 and pressure[j] > 0 else 1, k] += 1
     return closed, along, across
 
 

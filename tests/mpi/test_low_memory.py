@@ -32,7 +32,7 @@ def test_small_loads(comm):
 
 
 def test_single_precision_alone_does_not_get_there(monkeypatch):
-    monkeypatch.setattr(lowmemory, "NOISE", np.inf)
+    monkeypatch.setattr(lowmemory, "NOISE_IN_TURN", np.inf)
     outcome = solved(SerialComm())[1].contact.outcome
     assert outcome.status != "converged"
     assert outcome.certificate.residual > RESIDUAL

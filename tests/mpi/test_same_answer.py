@@ -5,10 +5,13 @@ import numpy as np
 import pytest
 from contacts import EXACT, field, heights_of, random_heights, rough, solve_scene, sweep_of
 
+from hpc_gfmd.bounds import Pattern, misclassified_points
 from hpc_gfmd.driver.prescribed import Prescribed
 from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.grid import Grid
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.problem import Problem
 from hpc_gfmd.registry import all_observables, solver_names
 from hpc_gfmd.scene import Scene, Solver
 from hpc_gfmd.simulation import run_scene
@@ -209,3 +212,18 @@ def test_result_file(comm, shared_path, surface):
             whole = wanted[name].read(0, 48)
             assert np.abs(found[name].read(0, 48) - whole).max() <= TOLERANCE * np.abs(whole).max()
     comm.barrier()
+
+
+@pytest.mark.parametrize("side", [7, 17])
+def test_edges_between_slabs(comm, side):
+    """Squares of about as many points as decide whether edges move together: the same points are uncertain wherever slabs end."""
+    n = (2 * side, 2 * side)
+    x, y = np.divmod(np.arange(n[0] * n[1]).reshape(n), n[1])
+    g = np.where((x < side) == (y < side), 0.0, 3.0)
+    p = np.where(g > 0, 0.0, np.random.default_rng(1).uniform(0.5, 1.5, n))
+    found = []
+    for world in (comm, SerialComm()):
+        grid = Grid(n, (1.0, 1.0), world)
+        mine = slice(*grid.rows)
+        found.append(misclassified_points(Problem(grid, g[mine], 0.1), g[mine], p[mine], 1.0, float(side**2), Pattern(side**2, 0.0)))
+    assert found[0] == found[1] > 0
