@@ -72,7 +72,8 @@ def _rows(study: Study, store: Store, level: str) -> Rows:
 
 def _beyond(store: Store) -> Any:
     pages = [name for name in catalogue.names() if (store.folder / f"{name}.md").is_file()]
-    return pages and "Beyond the paper: " + ", ".join(f"[{catalogue.study(name).title}]({name}.md)" for name in pages) + "."
+    links = ", ".join(f"[{catalogue.study(name).title}]({name}.md)" for name in pages)
+    return pages and f"Beyond the paper: {links}. What `runs*.jsonl` lacks of their runs the command of each page solves anew."
 
 
 def _figures(studies: list[Study], tables: dict[str, Rows], lines: dict[str, Rows], store: Store) -> str:
