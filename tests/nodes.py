@@ -11,5 +11,5 @@ def on_pretended_nodes(comm, node_of, monkeypatch):
     """The communicator of all ranks, each on the node that node_of(rank) says. Collective."""
     monkeypatch.setattr(communicators, "same_machine", lambda mpi: mpi.Split(node_of(comm.rank), mpi.Get_rank()))
     made = MpiComm(comm.mpi)
-    assert list(made.beside) == [rank for rank in range(comm.size) if node_of(rank) == node_of(comm.rank)]
+    assert list(made.node_ranks) == [rank for rank in range(comm.size) if node_of(rank) == node_of(comm.rank)]
     return made

@@ -113,8 +113,9 @@ def _grids(n: tuple[int, int], ranks: int, itemsize: int = 4, per_node: int = 1)
     """A grid and all coarser ones of the nested start."""
     finest = share_of(n, np.float32 if itemsize == 4 else np.float64, ranks, per_node=per_node)
     shares = [finest, *(Share(grid, finest.dtype) for grid in finest.grids)]
-    return [_Part(len(share.grid.comm.beside), share.grid.cell_points, share.points, max(share.level_points - share.points / 3, 0.0),
-                  share.layout.K, share.transpose_traffic, share.level_traffic, share.reduction_traffic[1]) for share in shares]
+    return [_Part(len(share.grid.comm.node_ranks), share.grid.cell_points, share.points,
+                  max(share.level_points - share.points / 3, 0.0), share.layout.K, share.transpose_traffic, share.level_traffic,
+                  share.reduction_traffic[1]) for share in shares]
 
 
 def _pair(part: _Part, machine: Machine, network: Network, threads: int) -> np.ndarray:

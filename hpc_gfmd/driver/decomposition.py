@@ -42,7 +42,7 @@ class Share:
     @staticmethod
     def layout_of(grid: Grid, dtype: DTypeLike) -> Layout:
         """The same of any grid."""
-        return Layout(grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize, grid.comm.beside)
+        return Layout(grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize, grid.comm.node_ranks)
 
     @cached_property
     def grids(self) -> list[Grid]:

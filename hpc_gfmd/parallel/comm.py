@@ -44,8 +44,8 @@ class SerialComm:
         """The list of what every rank had for this one; arrays: one for each rank, of two axes and one dtype."""
         return arrays
 
-    def counts(self, number: int) -> np.ndarray:
-        """Every rank's whole number, an array."""
+    def allgather_int(self, number: int) -> np.ndarray:
+        """The array of every rank's whole number, which is not pickled."""
         return np.array([number])
 
     def share(self, values: ArrayLike) -> np.ndarray:
@@ -79,7 +79,7 @@ class SerialComm:
         return self
 
     node = machine  # of those that have memory in common with this one
-    beside = np.zeros(1, int)  # these ranks
+    node_ranks = np.zeros(1, int)  # these ranks
 
 
 @dataclass
@@ -158,8 +158,8 @@ class MpiComm:
         self.alltoall_bytes((np.concatenate([a.ravel() for a in arrays]), lengths[0], offsets[0]), (found, lengths[1], offsets[1]))
         return [part.reshape(shape) for part, shape in zip(np.split(found, offsets[1][1:] // dtype.itemsize), shapes)]
 
-    def counts(self, number: int) -> np.ndarray:
-        """Every rank's whole number, an array."""
+    def allgather_int(self, number: int) -> np.ndarray:
+        """The array of every rank's whole number, which is not pickled."""
         found = np.empty(self.size, np.int64)
         self.mpi.Allgather(np.array([number], np.int64), found)
         return found
@@ -235,11 +235,11 @@ class MpiComm:
         return self.machine if self.machine.size > 1 and can_share(self.machine) else SerialComm(self)
 
     @cached_property
-    def beside(self) -> np.ndarray:
+    def node_ranks(self) -> np.ndarray:
         """The numbers of these ranks, ascending. Collective as `node`."""
         if self.node.size == 1:
             return np.array([self.rank])
-        return self.node.counts(self.rank)
+        return self.node.allgather_int(self.rank)
 
 
 Comm = SerialComm | MpiComm

@@ -51,13 +51,13 @@ class SlabFFT(Layout):
         self.comm = comm
         self.dtype: np.dtype = np.dtype(dtype)
         complex_dtype = np.result_type(self.dtype, np.complex64)
-        super().__init__(n, starts, comm.rank, complex_dtype.itemsize, comm.beside)
+        super().__init__(n, starts, comm.rank, complex_dtype.itemsize, comm.node_ranks)
         n_x, n_y = n
         self.scale = 1.0 / (n_x * n_y)
         self.threads = threads
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._memory, first, self.blocks = self._common(complex_dtype)
-        self._rows = np.stack([self.starts[self.beside], self.starts[self.beside + 1]], axis=1)  # of the node
+        self._rows = np.stack([self.starts[self.node_ranks], self.starts[self.node_ranks + 1]], axis=1)  # of the node
         self._far_rows = _runs(np.repeat(self.far, np.diff(self.starts)))
         own = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
         self._first = first + np.diff(self._rows)[:, 0] * own[:, None]  # where the node's rows of this rank's blocks begin

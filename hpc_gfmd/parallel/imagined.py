@@ -17,7 +17,7 @@ class Imagined:
         self._nodes = np.arange(size) if nodes is None else np.asarray(nodes)
 
     @property
-    def beside(self) -> np.ndarray:
+    def node_ranks(self) -> np.ndarray:
         """The ranks on the same node."""
         return np.flatnonzero(self._nodes == self._nodes[self.rank])
 

@@ -19,12 +19,12 @@ def row_starts(n_x: int, size: int) -> np.ndarray:
 class Layout:
     """Who has which rows of a field and which columns of its half spectrum, and what is sent: no memory, no message.
 
-    n: (n_x, n_y) global; starts: first row of each rank plus n_x; itemsize: of a complex number; beside: the ranks that have memory in
+    n: (n_x, n_y) global; starts: first row of each rank plus n_x; itemsize: of a complex number; node_ranks: those that have memory in
     common with this one, itself among them. edges: first column of every block, and their number n_c; K: blocks of each rank; W:
     columns of the widest block; R: rows that are transformed at a time; far: which ranks have to be sent what they want.
     """
 
-    def __init__(self, n: Sequence[int], starts: ArrayLike, rank: int, itemsize: int, beside: ArrayLike | None = None):
+    def __init__(self, n: Sequence[int], starts: ArrayLike, rank: int, itemsize: int, node_ranks: ArrayLike | None = None):
         self.n, self.starts, self.rank, self.itemsize = n, np.asarray(starts), rank, itemsize
         self.size = len(self.starts) - 1
         self.n_c = n[1] // 2 + 1
@@ -34,9 +34,9 @@ class Layout:
         self.K = self.M // self.size
         self.W = int(np.diff(self.edges).max())
         self.R = self._rows_per_pass()
-        self.beside = np.array([rank] if beside is None else beside)
+        self.node_ranks = np.array([rank] if node_ranks is None else node_ranks)
         self.far = np.ones(self.size, bool)
-        self.far[self.beside] = False
+        self.far[self.node_ranks] = False
 
     def _edges(self) -> np.ndarray:
         """Blocks of complete columns that fit the cache. On several ranks all have the same number of them, and as many columns but for

@@ -18,7 +18,7 @@ def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
 
     Raises OSError on all ranks where they cannot have it together, such as on several machines. Collective.
     """
-    offsets = np.concatenate([[0], np.cumsum(-(-comm.counts(nbytes) // PAGE) * PAGE)])
+    offsets = np.concatenate([[0], np.cumsum(-(-comm.allgather_int(nbytes) // PAGE) * PAGE)])
     total = max(int(offsets[-1]), PAGE)
     made, error, memory, token = -1, None, None, int.from_bytes(os.urandom(6))
     if comm.rank == 0:

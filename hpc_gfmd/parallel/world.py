@@ -72,8 +72,8 @@ def threads_of(comm: Comm, wanted: int | str) -> int:
     of_slurm = os.environ.get("SLURM_CPUS_PER_TASK", "")
     if comm.min([of_slurm.isdigit() and int(of_slurm)])[0] > 0:
         return min(int(of_slurm), len(cores))
-    beside = comm.machine.allgather(cores).count(cores)  # ranks that are bound elsewhere do not share our cores
-    return max(1, len(cores) // beside)
+    together = comm.machine.allgather(cores).count(cores)  # ranks that are bound elsewhere do not share our cores
+    return max(1, len(cores) // together)
 
 
 def ranks_per_node(ranks: int, threads: int) -> int:

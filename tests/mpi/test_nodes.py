@@ -69,7 +69,7 @@ def test_messages_are_those_between_nodes(machines, nodes):
     sweep.solver.step()
     share = Share(sweep.surface.grid, sweep.dtype)
     assert (machines.sent.bytes - before[0], machines.sent.messages - before[1]) == share.traffic
-    assert (share.transpose_traffic == (0, 0)) == (len(machines.beside) == machines.size)
+    assert (share.transpose_traffic == (0, 0)) == (len(machines.node_ranks) == machines.size)
     fft = sweep.surface.grid.fft(sweep.dtype)
     assert fft.nbytes == share.layout.bytes + share.layout.scratch_bytes
     if nodes in PER_NODE:
@@ -95,7 +95,7 @@ def test_no_memory_in_common(comm, monkeypatch):
     real = os.readlink
     monkeypatch.setattr(os, "readlink", lambda path: real("/proc/self/exe") if comm.rank == 1 else real(path))
     made = MpiComm(comm.mpi)
-    assert list(made.beside) == [comm.rank]
+    assert list(made.node_ranks) == [comm.rank]
     found, mine = transformed(made, (31, 37), np.float64, 1)
     wanted, _ = transformed(SerialComm(), (31, 37), np.float64, 1)
     assert np.abs(found - wanted[mine]).max(initial=0) <= 1e-12 * np.abs(wanted).max()
