@@ -206,8 +206,9 @@ class Search:
         gap = outlook.gap_mean * grid.a
         y = outlook.contact / solver.N if self.quantity == "a_r" else gap
         if self.quantity == "approach":
-            rise = grid.comm.sum([solver.g.sum(dtype=float)])[0] / grid.cell_points + outlook.rise
-            y = (solver.p_cell / solver.elastic.multipliers.uniform - rise) * grid.a + self.wall.top * grid.N / grid.cell_points
+            rise, share = grid.comm.sum([solver.g.sum(dtype=float)])[0] / grid.cell_points + outlook.rise, grid.N / grid.cell_points
+            y = (solver.p_cell / solver.elastic.multipliers.uniform - rise) * grid.a
+            y += self.wall.top * share - self.wall.lowest * (1 - share)
         gap_error, pressure_error = progress.estimates
         gap_error = max(gap_error, pressure_error) if progress.contact == solver.N else gap_error  # nothing is open yet
         return y, self._error(y, gap, pressure_error, gap_error, pressure_error)

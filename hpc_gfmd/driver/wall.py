@@ -12,11 +12,12 @@ if TYPE_CHECKING:
 
 class Wall(NamedTuple):
     """points: of the surface; top: mean gap where the highest peak just touches, over the unit of slopes; steepness: rms slope between
-    neighbours in a row, in that unit."""
+    neighbours in a row, in that unit; lowest: gap at that peak, which on coarse grids is not that of the surface, as top."""
 
     points: int
     top: float
     steepness: float
+    lowest: float
 
     @classmethod
     def of(cls, grid: Grid, h: np.ndarray) -> Wall:
@@ -25,4 +26,4 @@ class Wall(NamedTuple):
         squares = sum(float(np.square(row[1:] - row[:-1]).sum(dtype=float)) for row in h)
         total, squares = grid.comm.sum([h.sum(dtype=float), squares])
         steepness = np.sqrt(squares / grid.N) * grid.a / grid.spacings[1]
-        return cls(grid.N, float(total / grid.N - lowest) * grid.a, float(steepness))
+        return cls(grid.N, float(total / grid.N - lowest) * grid.a, float(steepness), float(lowest) * grid.a)

@@ -220,6 +220,18 @@ def test_hardly_touching(free):
     assert step.contact.outcome.status == "converged"
 
 
+@pytest.mark.parametrize("share", [1e-8, 1e-6, 1e-3])
+def test_an_approach_that_is_next_to_nothing(share):
+    """One point touches, whose force is proportional to it; coarse grids are without that point."""
+    sweep = sweep_over(0.1 * random_heights((16, 16), seed=3), (True, True), accuracy=1e-4)
+    h_rms = sweep.surface.h_rms
+    step = sweep.solve(Prescribed("approach", share * h_rms))
+    assert step.contact.outcome.status == "converged"
+    assert step.contact.contact_points == 1
+    assert step.contact.approach == pytest.approx(share * h_rms, rel=1e-4)
+    assert step.contact.p_star == pytest.approx(2.818e-3 * share, rel=1e-3)
+
+
 def test_what_the_load_is_in_the_units_of_the_scene():
     sweep = sweep_of(rough((2, 8, 2), physical_sizes=[3.0, 3.0], boundary="free"), E_star=5.0, accuracy=1e-3)
     assert sweep.pressures(Load(force=[9.0, 18.0])) == (1.0, 2.0)

@@ -47,6 +47,15 @@ def free_crown(rng):
 
 
 @family
+def free_bowl(rng):
+    """Its edges touch first, its middle last."""
+    n = choice(rng, ((96, 96), (112, 112), (128, 128)))
+    x, y = coordinates(n, (1.0, n[1] / n[0]))
+    z = x**2 + y**2 + log_uniform(rng, 1e-4, 0.01) * rough(rng, n, modes=(1, log_uniform(rng, 3, 12)))
+    return ending(rng, z, free=BOTH, low=0.8, high=1.25)
+
+
+@family
 def free_punch(rng):
     """Flat, all of it or a part, perhaps tilted or rough: the pressure is largest at its edges."""
     n = choice(rng, GRIDS)
