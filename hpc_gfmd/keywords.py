@@ -41,7 +41,7 @@ def scene_of_keywords(given: dict[str, Any], more: dict[str, Any], surface: Prep
     if said:
         key = next(iter(said))
         raise SceneError(f"{key}: found {said[key]} beside a surface that knows its {'sizes' if key == 'physical_sizes' else key}, "
-                         f"allowed: hpc_gfmd.read_surface(path, {key}=...)")
+                         f"allowed: read_surface or make_surface(..., {key}=...)")
     if surface.table is not None:
         return Scene.from_dict(tables | {"surface": surface.table}, CALLER)
     sizes = [f"{size!r} m" if surface.unit else size for size in map(float, surface.sizes)]

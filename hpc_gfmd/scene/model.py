@@ -49,7 +49,7 @@ class Scene(Table):
         pressures = {f"load.{key}": getattr(self.load, key) for key in ("pressure", "force")}
         pressures |= {f"material.{key}": getattr(material, key) for key in (("E_star",) if material.E1 is None else ("E1", "E2"))}
         alike("lengths", lengths | {"material.thickness": None if measured else material.thickness})
-        alike("pressures", pressures)
+        alike("pressures and forces" if self.load.force else "pressures", pressures)
         if self.load.force and not measured:
             alike("lengths and forces", {"surface.physical_sizes": surface.physical_sizes, "load.force": self.load.force})
         return self

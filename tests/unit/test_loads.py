@@ -29,7 +29,8 @@ SI = {"physical_sizes": ["1 mm", "1 mm"], "boundary": "free"}
     (tables(load={"force": 1}), "load.force: found periodic boundaries, allowed: with a free boundary"),
     (tables({"boundary": ["free", "periodic"]}, load={"approach": 1}), "load.approach: found a half-space that gives way without end"),
     (tables(FREE, load={"force": "1 N"}), "load.force = '1 N', allowed: all"),
-    (tables(SI, load={"force": 1}, material={"E_star": "1 GPa"}), "load.force: found 1 beside material.E_star"),
+    (tables(SI, load={"force": 1}, material={"E_star": "1 GPa"}),
+     "load.force: found 1 beside material.E_star = '1 GPa', allowed: all pressures and forces"),
     (tables(SI, load={"approach": 1}), "load.approach: found 1 beside surface.physical_sizes"),
     (tables(SI, load={"gap_mean": 1}), "load.gap_mean: found 1 beside surface.physical_sizes"),
 ])

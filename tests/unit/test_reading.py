@@ -185,7 +185,7 @@ def test_what_a_prepared_surface_knows(tmp_path):
     assert np.allclose(surface.heights, Z - Z.mean())
     assert surface.sizes == pytest.approx(SIZES)
     assert surface.prepared == ("mean removed",)
-    with pytest.raises(SceneError, match=r"physical_sizes: found .* beside a surface that knows its sizes"):
+    with pytest.raises(SceneError, match=r"physical_sizes: found .* beside .* knows its sizes, allowed: read_surface"):
         hpc_gfmd.solve(surface, 1.0, physical_sizes=(1, 2))
     with pytest.raises(SceneError, match=r"surface.detrent: unknown key, nearest: surface.detrend"):
         hpc_gfmd.read_surface(str(tmp_path / "z.x3p"), detrent="mean")
