@@ -101,8 +101,8 @@ def stages(size: int) -> int:
 
 
 class MpiComm:
-    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`; sent: its Traffic, that of parts
-    of it counted."""
+    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`, which says what they do; sent: its Traffic,
+    that of parts of it counted."""
 
     def __init__(self, mpi: Any, parent: "MpiComm | None" = None):
         self.mpi, self.parent = mpi, parent
@@ -111,45 +111,34 @@ class MpiComm:
         self.sent: Traffic = parent.sent if parent else Traffic()
         self._among: dict[tuple[int, ...], Comm | None] = {}
 
-    def _allreduce(self, values: ArrayLike, op: Any) -> np.ndarray:
+    def _allreduce(self, values: ArrayLike, op: str) -> np.ndarray:
+        from mpi4py import MPI
+
         send = np.ascontiguousarray(values, dtype=np.float64)
         recv = np.empty_like(send)
-        self.mpi.Allreduce(send, recv, op=op)
+        self.mpi.Allreduce(send, recv, op=getattr(MPI, op))
         self.sent.add(send.nbytes * stages(self.size), stages(self.size))
         return recv
 
     def sum(self, values: ArrayLike) -> np.ndarray:
-        """Sum over ranks of each number; returns an array of float64."""
-        from mpi4py import MPI
-
-        return self._allreduce(values, MPI.SUM)
+        return self._allreduce(values, "SUM")
 
     def max(self, values: ArrayLike) -> np.ndarray:
-        """Largest over ranks of each number."""
-        from mpi4py import MPI
-
-        return self._allreduce(values, MPI.MAX)
+        return self._allreduce(values, "MAX")
 
     def min(self, values: ArrayLike) -> np.ndarray:
-        """Smallest over ranks of each number."""
-        from mpi4py import MPI
-
-        return self._allreduce(values, MPI.MIN)
+        return self._allreduce(values, "MIN")
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
-        """The object of one rank."""
         return self.mpi.bcast(obj, root=root)
 
     def allgather(self, obj: Any) -> list:
-        """The list of every rank's object."""
         return self.mpi.allgather(obj)
 
     def gather(self, obj: Any) -> list | None:
-        """The list of every rank's object on rank 0, None on the others."""
         return self.mpi.gather(obj, root=0)
 
     def alltoall(self, arrays: list[np.ndarray]) -> list[np.ndarray]:
-        """The list of what every rank had for this one; arrays: one for each rank, of two axes and one dtype."""
         shapes, dtype = np.empty((self.size, 2), np.int64), arrays[0].dtype
         self.mpi.Alltoall(np.array([a.shape for a in arrays], np.int64), shapes)
         lengths = [np.array([a.nbytes for a in arrays]), shapes.prod(axis=1) * dtype.itemsize]
@@ -159,19 +148,16 @@ class MpiComm:
         return [part.reshape(shape) for part, shape in zip(np.split(found, offsets[1][1:] // dtype.itemsize), shapes)]
 
     def allgather_int(self, number: int) -> np.ndarray:
-        """The array of every rank's whole number, which is not pickled."""
         found = np.empty(self.size, np.int64)
         self.mpi.Allgather(np.array([number], np.int64), found)
         return found
 
     def share(self, values: ArrayLike) -> np.ndarray:
-        """Rank 0's numbers, an array of float64; the others give as many."""
         values = np.array(values, dtype=np.float64)
         self.mpi.Bcast(values, root=0)
         return values
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
-        """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled from it; contiguous arrays."""
         from mpi4py import MPI
 
         requests = [self.mpi.Irecv(a, source=rank) for rank, a in receive.items()]
@@ -180,14 +166,12 @@ class MpiComm:
         MPI.Request.Waitall(requests)
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
-        """send, receive: (array, bytes for or from each rank, their offsets)."""
         from mpi4py import MPI
 
         self.mpi.Alltoallv([send[0].view(np.uint8), *send[1:], MPI.BYTE], [receive[0].view(np.uint8), *receive[1:], MPI.BYTE])
         self.sent.add(sum(send[1]) - send[1][self.rank], np.count_nonzero(send[1]) - (send[1][self.rank] > 0))
 
     def sendrecv(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
-        """The object of rank `source`; ranks: those that want the object of this one."""
         requests = [self.mpi.isend(obj, dest=rank) for rank in ranks]
         found = self.mpi.recv(source=source)
         for request in requests:
@@ -221,7 +205,6 @@ class MpiComm:
         return self._among[ranks]
 
     def barrier(self) -> None:
-        """Wait for all ranks."""
         self.mpi.Barrier()
 
     @cached_property

@@ -9,12 +9,30 @@ from hypothesis import strategies as st
 from masks import found, masks, walk
 from scipy import ndimage
 
+from hpc_gfmd.parallel import clusters
+
 pytestmark = pytest.mark.mpi
 
-@settings(max_examples=30, derandomize=True, deadline=None, database=None)
-@given(mask=masks, periodic=st.tuples(st.booleans(), st.booleans()), corners=st.booleans())
-def test_any_mask(comm, mask, periodic, corners):
-    assert found(comm, mask, periodic, corners) == walk(mask, periodic, corners)
+
+@pytest.mark.parametrize("points", [1, 30, 2**20])
+def test_any_mask(comm, monkeypatch, points):
+    """Strips of one row, of a few rows, of all, which are joined as the rows of several ranks are."""
+    monkeypatch.setattr(clusters, "STRIP_POINTS", points)
+
+    @settings(max_examples=60, derandomize=True, deadline=None, database=None)
+    @given(mask=masks, periodic=st.tuples(st.booleans(), st.booleans()), corners=st.booleans())
+    def check(mask, periodic, corners):
+        assert found(comm, mask, periodic, corners) == walk(mask, periodic, corners)
+
+    check()
+
+
+@settings(max_examples=60, derandomize=True, deadline=None, database=None)
+@given(mask=masks)
+def test_contact_or_gap(comm, mask):
+    """Where no points that share a side go around the cell, those of the other kind that share a corner do, and the other way round."""
+    assert any(found(comm, mask)[1]) or any(found(comm, ~mask, corners=True)[1])
+    assert any(found(comm, ~mask)[1]) or any(found(comm, mask, corners=True)[1])
 
 
 @pytest.mark.parametrize("corners", [False, True])

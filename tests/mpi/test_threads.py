@@ -8,7 +8,7 @@ from hpc_gfmd.composition import sweep_of
 from hpc_gfmd.driver import nested
 from hpc_gfmd.operators import multilevel
 from hpc_gfmd.parallel import layout
-from hpc_gfmd.registry import all_observables
+from hpc_gfmd.registry import all_observables, solver_names
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import build_surface
 
@@ -20,7 +20,12 @@ CASES = {
     "free, one axis": (rough((2, 16, 2), boundary=["free", "periodic"]), {"force": [0.02]}, {"accuracy": 1e-3}),
     "prescribed gap": (rough((2, 16, 2)), {"gap_over_h_rms": [1.0, 0.5]}, {"accuracy": 1e-3}),
     "prescribed area": (rough((2, 16, 2)), {"a_r": [0.1]}, {"accuracy": 1e-3}),
+    "single, then double": (rough((2, 16, 2)), {"p_star": [0.05, 0.06, 0.4]}, {"accuracy": 1e-3}),
+    "low memory": (rough((2, 32, 4)), {"p_star": [0.05, 0.06, 0.4]}, {"accuracy": 1e-3, "precision": "single", "low_memory": True}),
+    **{name: (rough((2, 16, 2), seed=2), {"p_star": [0.03, 0.2]}, {"name": name, "residual": 1e-9, "precision": "double"})
+       for name in solver_names()},
 }
+WITHOUT_GRIDS = ("low memory", "ccg")  # none is left, none was made
 
 
 @pytest.fixture
@@ -35,7 +40,7 @@ def solved(comm, case, threads):
     """Of every load: all numbers, fields, iterations; and how many ranks have a part in the grids."""
     surface, load, solver = CASES[case]
     scene = Scene.from_dict({"surface": surface, "load": load, "solver": solver, "machine": {"threads": threads}})
-    sweep = sweep_of(scene, lambda dtype: build_surface(scene.surface, comm, dtype, threads))
+    sweep = sweep_of(scene, lambda dtype: build_surface(scene.surface, comm, dtype, threads, scene.solver.low_memory))
     steps = []
     for load in sweep.pressures(scene.load):
         step = sweep.solve(load)
@@ -45,15 +50,16 @@ def solved(comm, case, threads):
         assert min(len(fft.passes()), fft.K) > 1
         numbers = {name: f(step.contact) for name, f in all_observables().items()}
         steps.append((numbers, step.iterations, [field(step, name) for name in ("pressure", "gap")]))
-    return steps, min((grid.comm.size for grid in sweep.nested.grids), default=0)
+    grids = [] if case in WITHOUT_GRIDS else sweep.nested.grids
+    return steps, min((grid.comm.size for grid in grids), default=0)
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_same_with_threads(comm, case, small):
     if comm.size > 2:  # nothing new, and many threads for a small machine
         return
-    (one, fewest), (several, _) = (solved(comm, case, threads) for threads in (1, 2))
-    assert comm.rank > 0 or fewest == 1  # rank 0 is alone with the coarsest grid
+    (one, fewest), (several, _) = (solved(comm, case, threads) for threads in (1, 4 - comm.size))
+    assert comm.rank > 0 or fewest == (case not in WITHOUT_GRIDS)  # rank 0 is alone with the coarsest grid
     for (numbers, iterations, fields), (found, done, there) in zip(one, several, strict=True):
         assert found == numbers
         assert done == iterations
