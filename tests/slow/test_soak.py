@@ -101,6 +101,7 @@ def test_soak(ranks, tmp_path):
         finally:
             end(process)
     assert process.returncode == 0, (tmp_path / "log").read_text()[-2000:]
+    samples = {pid: own for pid, own in samples.items() if len(own) > 1}  # what a rank starts is seen once, if at all
     assert len(samples) == ranks
 
     result = read_result(tmp_path / "soak.h5")
