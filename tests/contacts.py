@@ -6,8 +6,9 @@ import tomli_w
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import body_of
-from hpc_gfmd.scene import Scene
+from hpc_gfmd.scene import Material, Scene, Solver
 from hpc_gfmd.surface import build_surface
+from hpc_gfmd.surface.build import surface_from_rows
 
 EXACT = {"residual": 1e-11, "precision": "double"}
 
@@ -30,6 +31,17 @@ def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver
     lam_s = getattr(scene.surface, "lam_s", None)
     return Sweep(lambda dtype: build_surface(scene.surface, comm, dtype), scene.solver, E_star, lam_s, duality,
                  body_of(scene.material, scene.surface.free))
+
+
+def surface_over(z, sizes=(1.0, 1.0), dtype=np.float64, comm=None, free=(False, False)):
+    """The Surface of an array of heights."""
+    return surface_from_rows(z.shape, sizes, lambda a, b: z[a:b], comm or SerialComm(), dtype, 1, free)
+
+
+def sweep_over(z, sizes=(1.0, 1.0), free=(False, False), body=None, comm=None, E_star=1.0, **solver):
+    """A Sweep over it with keys of [solver]."""
+    return Sweep(lambda dtype: surface_over(z, sizes, dtype, comm, free), Solver(**solver or EXACT), E_star,
+                 body=body or body_of(Material(), free))
 
 
 def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):

@@ -2,17 +2,15 @@
 
 import numpy as np
 import pytest
-from contacts import random_heights, rough, sweep_of
+from contacts import random_heights, rough, surface_over, sweep_of
 
 from hpc_gfmd.driver.certificate import certify
 from hpc_gfmd.driver.nested import cold_gap
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.kernels import ccg
 from hpc_gfmd.kernels.dynamics import update_pressure, verlet_step
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.problem import Problem
 from hpc_gfmd.registry import solver_class
-from hpc_gfmd.surface.build import surface_from_rows
 
 KINDS = {"gfmd": ("gfmd", {}), "gfmd-constant": ("gfmd", {"damping": 1.0}), "fire": ("fire", {}), "ccg": ("ccg", {}),
          "ccg-preconditioned": ("ccg", {"preconditioned": 1})}
@@ -84,7 +82,7 @@ def test_extreme_loads(kind, p0):
 @every_kind
 def test_odd_rectangle(kind):
     z = random_heights((45, 22), seed=5)
-    made = surface_from_rows((45, 22), (1.0, 0.7), lambda a, b: z[a:b], SerialComm(), np.float64)
+    made = surface_over(z, (1.0, 0.7))
     problem = Problem(made.grid, made.h, 0.05)
     assert_same(solved(problem, *KINDS[kind]), solved(problem, "bpx", residual=1e-11, most=60), 1e-7)
 

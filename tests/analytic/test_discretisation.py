@@ -5,7 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
-from contacts import heights_of, rough, scene_text, solve_scene, sweep_of
+from contacts import heights_of, rough, scene_text, solve_scene, sweep_of, sweep_over
 
 import hpc_gfmd
 from hpc_gfmd.cli import main
@@ -59,12 +59,7 @@ def test_a_profile():
 
 
 def solved(z, sizes):
-    from hpc_gfmd.driver.sweep import Sweep
-    from hpc_gfmd.parallel.comm import SerialComm
-    from hpc_gfmd.scene import Solver
-    from hpc_gfmd.surface.build import surface_from_rows
-
-    sweep = Sweep(lambda dtype: surface_from_rows(z.shape, sizes, lambda i, j: z[i:j], SerialComm(), dtype), Solver())
+    sweep = sweep_over(z, sizes, accuracy=1e-3)
     return sweep.solve(0.1 * sweep.surface.g_rms).contact
 
 

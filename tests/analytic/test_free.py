@@ -1,33 +1,26 @@
 """Free boundaries: Hertz, punches and cones on an infinite half-space, a dense oracle, and that nothing beyond the surface counts."""
 
+from functools import partial
 from math import acosh, pi, sqrt
 from pathlib import Path
 
+import contacts
 import free_patch
 import numpy as np
 import oracle
 import pytest
-from contacts import EXACT, field, random_heights, relative, rough, sweep_of
+from contacts import EXACT, field, random_heights, relative, rough, surface_over, sweep_of
 from scipy.stats import norm
 
 from hpc_gfmd.bench.cells import Cells
 from hpc_gfmd.bodies.free import ROUNDED, Free
 from hpc_gfmd.driver.certificate import certify
-from hpc_gfmd.driver.sweep import Sweep
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import all_observables, solver_names
-from hpc_gfmd.scene import Solver
-from hpc_gfmd.surface.build import surface_from_rows
 
 BOTH = (True, True)
 
 
-def sweep_over(z, sizes=(1.0, 1.0), free=BOTH, body=None, **solver):
-    """A Sweep over an array of heights."""
-    def make(dtype):
-        return surface_from_rows(z.shape, sizes, lambda a, b: z[a:b], SerialComm(), dtype, 1, free)
-
-    return Sweep(make, Solver(**solver or EXACT), body=body or Free(free))
+sweep_over = partial(contacts.sweep_over, free=BOTH)
 
 
 def observe(step, name):
@@ -78,9 +71,9 @@ def test_cylinder(axis):
     z = np.zeros((n, 12)) - (x**2 / (2 * R))[:, None]
     F = pi * a * a / (4 * R)
     if axis:
-        step = sweep_over(z.T, (12 / n, 1.0), (False, True), accuracy=1e-4, precision="double").solve(F)
+        step = sweep_over(z.T, (12 / n, 1.0), free=(False, True), accuracy=1e-4, precision="double").solve(F)
     else:
-        step = sweep_over(z, (1.0, 12 / n), (True, False), accuracy=1e-4, precision="double").solve(F)
+        step = sweep_over(z, (1.0, 12 / n), free=(True, False), accuracy=1e-4, precision="double").solve(F)
     assert observe(step, "a_r") == pytest.approx(2 * a, abs=2 / n)
     p = np.moveaxis(field(step, "pressure"), axis, 0)
     assert np.ptp(p, axis=1).max() < 1e-3 * p.max()
@@ -243,7 +236,7 @@ def test_gradient_between_neighbours():
     """g_rms of a surface that ends knows nothing of the jump between its sides; h_rms is that of its points."""
     x, y = np.arange(12.0)[:, None], np.arange(20.0)
     for free, squares in ((BOTH, 0.3**2 + 0.1**2), ((True, False), 0.3**2 + (19 * 0.1**2 + 1.9**2) / 20)):
-        made = surface_from_rows((12, 20), (12.0, 20.0), lambda a, b: (0.3 * x + 0.1 * y)[a:b], SerialComm(), np.float64, 1, free)
+        made = surface_over(0.3 * x + 0.1 * y, (12.0, 20.0), free=free)
         assert made.g_rms == pytest.approx(sqrt(squares))
         assert made.h_rms == pytest.approx(np.std(0.3 * x + 0.1 * y))
 

@@ -4,16 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contacts import EXACT, field, random_heights, relative, rough, solve_scene, sweep_of
+from contacts import EXACT, field, random_heights, relative, rough, solve_scene, surface_over, sweep_of
 
 from hpc_gfmd.driver.certificate import certify
 from hpc_gfmd.driver.drive import Target, drive
 from hpc_gfmd.driver.nested import cold_gap
 from hpc_gfmd.errors import SceneError
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.problem import Problem
 from hpc_gfmd.registry import solver_class, solver_names
-from hpc_gfmd.surface.build import surface_from_rows
 
 SURFACE = rough((2, 8, 3), seed=2)
 every_solver = pytest.mark.parametrize("name", solver_names())
@@ -142,7 +140,7 @@ def test_another_load(name):
 @pytest.mark.parametrize("n", [(1, 16), (16, 1), (5, 7), (2, 2), (3, 1), (32, 3)], ids=str)
 def test_any_grid(name, n):
     z = random_heights(n, seed=11)
-    made = surface_from_rows(n, (1.0, 1.0), lambda a, b: z[a:b], SerialComm(), np.float64)
+    made = surface_over(z)
     problem = Problem(made.grid, made.h, 0.1)
     solver = solver_class(name)(problem, {})
     solver.start(cold_gap(problem))

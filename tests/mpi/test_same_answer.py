@@ -3,19 +3,17 @@
 import h5py
 import numpy as np
 import pytest
-from contacts import EXACT, field, heights_of, random_heights, rough, solve_scene, sweep_of
+from contacts import EXACT, field, heights_of, random_heights, rough, solve_scene, sweep_of, sweep_over
 
 from hpc_gfmd.bounds import Pattern, misclassified_points
 from hpc_gfmd.driver.prescribed import Prescribed
-from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.problem import Problem
 from hpc_gfmd.registry import all_observables, solver_names
-from hpc_gfmd.scene import Scene, Solver
+from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene
-from hpc_gfmd.surface.build import surface_from_rows
 
 pytestmark = pytest.mark.mpi
 TOLERANCE = 1e-10
@@ -51,8 +49,7 @@ def test_any_grid(comm, n):
     z = random_heights(n, seed=4)
     steps = []
     for world in (comm, SerialComm()):
-        sweep = Sweep(lambda dtype, world=world: surface_from_rows(n, (1.0, 1.3), lambda a, b: z[a:b], world, dtype),
-                      Solver(**EXACT))
+        sweep = sweep_over(z, (1.0, 1.3), comm=world)
         steps.append(sweep.solve(0.1 * sweep.surface.g_rms))
     assert_same(comm, *steps)
 
@@ -137,8 +134,7 @@ def test_height_map(comm, shared_path, file):
             made["a/heights"] = z
     comm.barrier()
     surface = {"kind": "file", "path": str(path), "dataset": "a/heights", "physical_sizes": [2.0, 1.5]}
-    whole = Sweep(lambda dtype: surface_from_rows(n, (2.0, 1.5), lambda a, b: z[a:b], SerialComm(), dtype), Solver(**EXACT), 3.0)
-    assert_same(comm, sweep_of(surface, 3.0, comm, **EXACT).solve(0.7), whole.solve(0.7))
+    assert_same(comm, sweep_of(surface, 3.0, comm, **EXACT).solve(0.7), sweep_over(z, (2.0, 1.5), E_star=3.0).solve(0.7))
 
 
 def test_height_map_in_hdf5_is_read_by_mpi_io(comm, shared_path, monkeypatch):
