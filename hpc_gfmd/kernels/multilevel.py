@@ -194,11 +194,12 @@ def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer):
 
 
 @kernel
-def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling):
+def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling, mode, at):
     """The sweep over the levels that one rank holds completely, in place: r of the finest of them becomes z.
 
-    r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of level 0 are given. Returns the
-    sums over levels of softness times <r, r>, <t, t> and <r, t>, each as a sum over the points of level 0, and the mean of r.
+    r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of level 0 are given. mode: flat, added
+    to z on level `at` times its product with r there. Returns the sums over levels of softness times <r, r>, <t, t> and <r, t>, each as
+    a sum over the points of level 0, and the mean of r.
     """
     levels = shapes.shape[0]
     rr = tt = rt = 0.0
@@ -210,6 +211,9 @@ def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling):
         a, b = offsets[k], offsets[k + 1]
         _restrict(r[a:a + n_x * n_y].reshape(n_x, n_y), r[b:b + m_x * m_y].reshape(m_x, m_y))
         _restrict(t[a:a + n_x * n_y].reshape(n_x, n_y), t[b:b + m_x * m_y].reshape(m_x, m_y))
+    amplitude = r.dtype.type(0)
+    for i in range(mode.shape[0]):
+        amplitude += mode[i] * r[offsets[at] + i]
     for k in range(levels - 1, -1, -1):
         n_x, n_y = shapes[k]
         a = offsets[k]
@@ -230,6 +234,9 @@ def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling):
             m_x, m_y = shapes[k + 1]
             b = offsets[k + 1]
             _interpolate(r[b:b + m_x * m_y].reshape(m_x, m_y), r[a:a + n_x * n_y].reshape(n_x, n_y), coupling)
+        if k == at:
+            for i in range(mode.shape[0]):
+                r[a + i] += amplitude * mode[i]
     return rr, tt, rt, mean
 
 

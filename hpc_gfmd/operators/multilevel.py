@@ -14,6 +14,7 @@ for rank 0 alone.
 
 from __future__ import annotations
 
+from base64 import b64decode, b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -25,17 +26,17 @@ from numpy.typing import DTypeLike
 from ..aligned import LINE, zeros_aligned
 from ..kernels.bpx import UpdateSums, update_state
 from ..kernels.halfwidth import half
-from ..kernels.multilevel import join_edges, restrict_level, smooth_level, sweep_coarsest
+from ..kernels.multilevel import join_edges, restrict_level, smooth_level
 from ..parallel.halo import Windows
 from .coarsening import Level, Transfer, gathered, levels
+from .coarsest import COUPLING, DAMPING, CoarsestLevels
+from .gapmode import GapMode
 from .nominal import NominalArea
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
     from ..grid import Grid
 
-DAMPING = 4.0  # of a level by the contact on it, over its stiffness
-COUPLING = 1.05  # of what comes from the coarser levels
 COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
 RANK_POINTS = 2048  # of a level on one rank, at least: fewer take less time than a message
 # <r, S r> of a field of zero mean is at most so many times the compliance of the shortest wave times the sum over levels of
@@ -89,6 +90,7 @@ class Hierarchy:
     weights: np.ndarray
     softness: np.ndarray
     surface: NominalArea
+    gap_mode: GapMode
 
     @classmethod
     def of(cls, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None) -> Hierarchy:
@@ -97,7 +99,9 @@ class Hierarchy:
         if key not in made:
             steps, levels = steps_of(grid, dtype, coarsest_points)
             weights, softness = (np.resize(a, len(levels)) for a in (body.weights(grid), body.softness(grid)))  # as often as levels
-            made[key] = cls(steps, levels, weights.astype(dtype), softness, NominalArea(grid, levels, softness, len(steps)))
+            weights, alone = weights.astype(dtype), len(steps)
+            made[key] = cls(steps, levels, weights, softness, NominalArea(grid, levels, softness, alone),
+                            GapMode(grid, body, levels[alone:], weights[alone:]))
         return made[key]
 
 
@@ -120,7 +124,7 @@ class Multilevel:
         self.damping, self.coupling = np.array([DAMPING, COUPLING], self.dtype)
         known = Hierarchy.of(grid, body, self.dtype, coarsest_points)
         self.steps, self.levels, self.surface = known.steps, known.levels, known.surface
-        self.weights, self.softness = known.weights, known.softness
+        self.weights, self.softness, self.gap_mode = known.weights, known.softness, known.gap_mode
 
         self.distributed = len(self.steps) - 1  # coarse levels that more than one rank may have
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write to and read from.
@@ -179,8 +183,19 @@ class Multilevel:
         """The result on level 1, own rows and halo, (rows + 2, m)."""
         return self.fields[0][0]
 
-    def sweep(self) -> tuple[float, ...]:
-        """From what the update passes restricted to level 1, make z on level 1 (own rows and halo).
+    @property
+    def mode(self) -> str:
+        """The gap mode that M has (gapmode.py), as a text."""
+        return b64encode(self.coarsest.mode.tobytes()).decode() if self.coarsest else ""
+
+    @mode.setter
+    def mode(self, text: str) -> None:
+        if self.coarsest:
+            self.coarsest.at, self.coarsest.mode = self.gap_mode.at or 0, np.frombuffer(b64decode(text), self.dtype).copy()
+
+    def sweep(self, anew: bool = False) -> tuple[float, ...]:
+        """From what the update passes restricted to level 1, make z on level 1 (own rows and halo). anew: by an M that has the gap mode
+        of this contact.
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
         finest level; of the sums over these levels of softness times <r, r>, <t, t> and <r, t>, r and t being p on F and the
@@ -192,9 +207,9 @@ class Multilevel:
         elif not self.in_order:
             for k in range(len(self.passes)):
                 self._join(k)
-        return self.sweep_levels()
+        return self.sweep_levels(anew)
 
-    def sweep_levels(self) -> tuple[float, ...]:
+    def sweep_levels(self, anew: bool = False) -> tuple[float, ...]:
         """`sweep` of what fields[0] holds, which is still to be added up."""
         t_s = r_s = 0.0
         for k in range(self.distributed):
@@ -204,7 +219,7 @@ class Multilevel:
                 r, t = (self.surface.product(k + 1, field, self.steps[k].starts[self.comm.rank]) for field in own[:2, 1:-1])
                 t_s, r_s = t_s + t, r_s + r
             restrict_level(own[:2], self.fields[k + 1], self.transfers[k + 1].tables)
-        rz, xz, *squares, mean, t, r = self._sweep_coarsest()
+        rz, xz, *squares, mean, t, r = self._sweep_coarsest(anew)
         for k in reversed(range(self.distributed)):
             rz, xz, *here = self._smooth(k)
             share = self.softness[k + 1] * self.grid.cell_points / (self.levels[k + 1].n[0] * self.levels[k + 1].n[1])
@@ -249,7 +264,7 @@ class Multilevel:
                 for k, (i0, i1) in enumerate(self.passes)]
         return UpdateSums.total(sums)
 
-    def _sweep_coarsest(self) -> tuple[float, ...]:
+    def _sweep_coarsest(self, anew: bool) -> tuple[float, ...]:
         """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these levels."""
         last, step = len(self.steps) - 1, self.steps[-1]
         n, m = step.transfer.m
@@ -259,11 +274,20 @@ class Multilevel:
             self._hand_out(last, rows[:1])
             return (0.0,) * 8
         r_s, t_s = (self.surface.products_of_coarsest(field) if self.grid.padded else 0.0 for field in rows[:2])
+        if anew:
+            self._find_mode(self.coarsest, rows[1])
         z, squares, mean = self.coarsest.sweep(rows[0], rows[1])
         self._hand_out(last, z[None])
         ratio = self.grid.cell_points / (n * m)
         products = (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))  # where level 1 itself is one of them
         return *products, *(a * ratio for a in squares), mean, t_s, r_s
+
+    def _find_mode(self, coarsest: CoarsestLevels, t: np.ndarray) -> None:
+        coarsest.mode = coarsest.mode[:0]
+        if self.gap_mode.wanted(t.mean()):
+            coarsest.sweep(t, t)
+            coarsest.at = self.gap_mode.at or 0
+            coarsest.mode = self.gap_mode.find(coarsest.contact(coarsest.at)).ravel()
 
     def _smooth(self, k: int) -> tuple[float, ...]:
         a, z = self.owned[k], self.fields[k + 1][0]
@@ -273,28 +297,3 @@ class Multilevel:
 def _dot(a: np.ndarray, b: np.ndarray) -> float:
     """Not by BLAS, whose threads would get into the way of the other ranks."""
     return float(np.einsum("ij,ij->", a, b))
-
-
-class CoarsestLevels:
-    """The coarse levels that one rank sweeps alone, in one call."""
-
-    def __init__(self, levels: Sequence[Level], weights: np.ndarray, softness: np.ndarray):
-        dtype = weights.dtype
-        self.shapes = np.array([level.n for level in levels], np.int64).reshape(-1, 2)
-        sizes = self.shapes[:, 0] * self.shapes[:, 1]
-        self.offsets = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
-        self.weights, self.softness = weights, softness
-        self.r, self.t = np.zeros(sizes.sum(), dtype), np.zeros(sizes.sum(), dtype)
-        self.damping, self.coupling = dtype.type(DAMPING), dtype.type(COUPLING)
-
-    @property
-    def nbytes(self) -> int:
-        return self.r.nbytes + self.t.nbytes
-
-    def sweep(self, r: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, list[float], float]:
-        n = r.size
-        self.r[:n] = r.ravel()
-        self.t[:n] = t.ravel()
-        *squares, mean = sweep_coarsest(self.r, self.t, self.shapes, self.offsets, self.weights, self.softness,
-                                          self.damping, self.coupling)
-        return self.r[:n].reshape(r.shape), squares, mean

@@ -19,8 +19,9 @@ from ..bounds import State, error_pattern, gap_error, misclassified_points, pres
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
 from ..kernels.halfwidth import Widened, half, narrowed
+from ..operators.coarsest import COUPLING
 from ..operators.elastic import Elastic
-from ..operators.multilevel import COUPLING, EQUIVALENCE, Multilevel
+from ..operators.multilevel import EQUIVALENCE, Multilevel
 from ..options import read_options
 from ..problem import Problem
 from .base import Outlook, Progress, Solver
@@ -112,14 +113,17 @@ class Bpx(Solver):
         """A new descent begins: no momentum, no memory of the Rayleigh quotient."""
         self.s = 1.0
         self.rayleigh = RHO_MAX
-        self._measure(sums)
+        self._measure(sums, anew=True)
+        if self.levels.gap_mode.wanted(self.contact / self.grid.cell_points):
+            self.elastic.pairs += self.levels.gap_mode.pairs
 
     def state(self) -> tuple[dict[str, Any], ...]:
         arrays, numbers = super().state()
-        return arrays | {"d": Widened(self.d)}, numbers
+        return arrays | {"d": Widened(self.d)}, numbers | {"mode": self.levels.mode}
 
     def load_state(self, arrays: dict[str, Any], numbers: dict[str, Any]) -> None:
         super().load_state(arrays | {"d": narrowed(arrays["d"], self.problem.dtype)}, numbers)
+        self.levels.mode = numbers["mode"]
         self.resume()
 
     # -- one iteration -------------------------------------------------------------------------------------------------------
@@ -197,9 +201,9 @@ class Bpx(Solver):
         scratch = self._scratch[id(x)]
         return self.levels.update_rows(self._number[i0], self.g, self.p, self.d[i0:i1], x, self.problem.dtype.type(s), scratch)
 
-    def _measure(self, sums: UpdateSums) -> None:
-        """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule."""
-        *totals, rz1, xz1, r1, t1, rt1, self.mean, ts1, rs1 = self.grid.comm.sum([*sums, *self.levels.sweep()])
+    def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
+        """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule. anew: a descent begins."""
+        *totals, rz1, xz1, r1, t1, rt1, self.mean, ts1, rs1 = self.grid.comm.sum([*sums, *self.levels.sweep(anew)])
         sums = UpdateSums(*totals)
         s, compliance = self.s, self.compliance
         self.rz = compliance * (sums.rr + COUPLING * rz1)  # <p, z> on F

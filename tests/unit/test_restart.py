@@ -5,6 +5,7 @@ import pytest
 from pieces import Pieces, scene
 
 from hpc_gfmd.driver import sweep
+from hpc_gfmd.operators import gapmode
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import solver_names
@@ -38,6 +39,12 @@ SWEEPS = {"each load": scene("auto"),
 @pytest.mark.parametrize("name", SWEEPS)
 def test_wherever_it_is_stopped(pieces, name):
     stop_everywhere(pieces, SWEEPS[name])
+
+
+def test_with_a_gap_mode(pieces, monkeypatch):
+    """Which small grids have none of."""
+    monkeypatch.setattr(gapmode, "FEWEST", 1)
+    stop_everywhere(pieces, scene("bpx", [0.01, 0.012, 0.05]))
 
 
 def test_precision_given_up_in_the_middle(pieces, monkeypatch):

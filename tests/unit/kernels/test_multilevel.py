@@ -12,7 +12,8 @@ from hpc_gfmd.bodies.layer import Layer
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.kernels import multilevel
 from hpc_gfmd.operators.coarsening import levels, owned_rows
-from hpc_gfmd.operators.multilevel import COUPLING, DAMPING, Hierarchy, Multilevel
+from hpc_gfmd.operators.coarsest import COUPLING, DAMPING
+from hpc_gfmd.operators.multilevel import Hierarchy, Multilevel
 
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
