@@ -37,7 +37,7 @@ ALIKE = 1.35  # <v, S p> of the pressure in contact over p0 <v, S v>, v as in bo
 # The outlook, fitted: the share of the points that the last step, made again, would close, which do so, and where it was shortened,
 # which leaves clipped points a little open; of what bounds.py's second expression says that the mean gap is wrong by, and, where the
 # surface ends, of the first for the mean of the displacement
-CLOSING, SHORTENED, SHIFT, LIFT = 0.1, 0.5, 0.62, 0.9
+CLOSING, SHORTENED, SHIFT, LIFT = 0.03, 0.25, 0.62, 0.9
 
 
 class Bpx(Solver):
