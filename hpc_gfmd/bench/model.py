@@ -3,15 +3,16 @@ and sends by the code's own account (driver/decomposition.py).
 
 An FFT pair on one grid, with everything that goes along with it, takes on the rank that has most
 
-    compute      points times max(one core's time, bytes moved per point times the cores at work over the bandwidth of the node);
-                 levels of the preconditioner are swept by one thread, and what is gathered on this rank comes on top
+    compute      what the interpreter takes, and points times one core's time, of which the memory's part grows as its bandwidth is
+                 shared; levels of the preconditioner are swept by one thread, and what is gathered on this rank comes on top
     transpose    bytes to other nodes over its share of the node's link, overhead and latency of their messages; what is within the
                  node is read where it stands, and is one of the passes of "compute"; two meetings of the ranks of a node
-    levels       halo and gathered rows: bytes over the link, a latency for each message
+    levels       halo and gathered rows: bytes over the link, the program's work and a latency for each message
     reductions   a latency for each stage
 
 and a solve such pairs on the finest grid and a few on every grid of the nested start. Nothing overlaps, as nothing does in the code.
-Not in the model: surface generation, reading and writing, contention in the network.
+Not in the model: surface generation, reading and writing, contention in the network, and ranks that wait for each other. It is too
+fast: on 16 cores a solve took 1.1 to 1.6 times what it says (docs/clusters.md).
 """
 
 from __future__ import annotations
@@ -34,8 +35,10 @@ START_AND_END = 2  # FFT pairs on the finest grid beside its iterations: the fir
 class Machine:
     """fft: seconds per point and log2 N, kernel: seconds per point, of one FFT pair on one core; levels: share of the time that goes
     into the levels; pairs, coarse_pairs: FFT pairs on the finest grid and on each coarser one; itemsize: bytes of a real number;
+    call: seconds of a pair, on a grid of whatever size, in the interpreter; bandwidth_alone: of one core with the memory to itself;
     cores: of a node, bandwidth: of its memory in bytes per second (one socket with eight channels of DDR4-3200, as STREAM finds);
-    barrier: seconds of a stage of a meeting of ranks of a node (not measured on more than two)."""
+    barrier: seconds of a stage of a meeting of ranks of a node; halo: that the program takes to send and place the rows of a message
+    (the last two as 16 ranks found)."""
 
     fft: float
     kernel: float
@@ -43,21 +46,30 @@ class Machine:
     pairs: float
     coarse_pairs: float
     itemsize: int = 4
+    call: float = 0.0
+    bandwidth_alone: float = 17e9
     cores: int = 64
     bandwidth: float = 170e9
-    barrier: float = 0.5e-6
+    barrier: float = 1e-6
+    halo: float = 40e-6
 
     @classmethod
-    def from_row(cls, row: dict) -> Machine:
-        """From a measured row on one rank."""
-        grids = _grids((row["n"], row["n"]), 1)
-        points = np.array([part.points for part in grids], float)
+    def from_row(cls, row: dict, small: dict | None = None, bandwidth_alone: float = bandwidth_alone) -> Machine:
+        """From a measured row on one rank; small: that of a grid whose points take no time."""
+        points, pairs = cls._work(row)
+        call = small["seconds"] / cls._work(small)[1].sum() if small else 0.0
+        work, busy = points * pairs, row["seconds"] - call * pairs.sum()
+        fft = row["seconds"] * row["share_fft"]
+        return cls(fft / (work * np.log2(points)).sum(), (busy - fft) / work.sum(), row["share_levels"], pairs[0],
+                   pairs[1] if len(pairs) > 1 else 0.0, 4 if row["precision"] == "single" else 8, call, bandwidth_alone)
+
+    @staticmethod
+    def _work(row: dict) -> tuple[np.ndarray, np.ndarray]:
+        """Points of every grid, and the FFT pairs on it."""
+        points = np.array([part.points for part in _grids((row["n"], row["n"]), 1)], float)
         pairs = min(row["iterations"] + START_AND_END, row["fft_pairs"])
-        coarse = (row["fft_pairs"] - pairs) * points[0] / points[1:].sum() if len(grids) > 1 else 0.0
-        work = points * np.array([pairs, *[coarse] * (len(grids) - 1)])
-        fft = row["seconds"] * row["share_fft"] / (work * np.log2(points)).sum()
-        return cls(fft, row["seconds"] * (1 - row["share_fft"]) / work.sum(), row["share_levels"], pairs, coarse,
-                   4 if row["precision"] == "single" else 8)
+        coarse = (row["fft_pairs"] - pairs) * points[0] / points[1:].sum() if len(points) > 1 else 0.0
+        return points, np.array([pairs, *[coarse] * (len(points) - 1)])
 
     @property
     def bytes_per_point(self) -> float:
@@ -65,14 +77,15 @@ class Machine:
         return self.itemsize * sum(field_passes([(2**k, 2**k) for k in range(14, -1, -1)]).values())
 
     def seconds_per_point(self, N: float) -> float:
-        """Of one FFT pair on one core that has the memory to itself."""
+        """Of one FFT pair on one core that has the memory to itself, without the interpreter's."""
         return self.fft * np.log2(N) + self.kernel
 
     def describe(self) -> str:
         """The assumptions in one line."""
         return (f"nodes of {self.cores} cores with {self.bandwidth / 1e9:g} GB/s of memory; one core: FFT {1e9 * self.fft:.3g} ns per "
-                f"point and log2 N, the rest {1e9 * self.kernel:.3g} ns per point, {self.levels:.0%} in the levels, "
-                f"{self.bytes_per_point:.3g} bytes per point; {self.pairs:.1f} FFT pairs, {self.coarse_pairs:.1f} on each coarser grid")
+                f"point and log2 N, the rest {1e9 * self.kernel:.3g} ns per point, {self.levels:.0%} in the "
+                f"levels, {self.bytes_per_point:.3g} bytes per point at {self.bandwidth_alone / 1e9:.3g} GB/s, "
+                f"{1e3 * self.call:.2g} ms of the interpreter; {self.pairs:.1f} pairs, {self.coarse_pairs:.1f} on each coarser grid")
 
 
 @dataclass(frozen=True)
@@ -120,15 +133,16 @@ def _grids(n: tuple[int, int], ranks: int, itemsize: int = 4, per_node: int = 1)
 
 def _pair(part: _Part, machine: Machine, network: Network, threads: int) -> np.ndarray:
     """Seconds of the parts of an FFT pair on a grid: compute, transpose, levels and reductions."""
-    alone = machine.seconds_per_point(part.N)
-    per_point = alone * (machine.levels + (1 - machine.levels) / threads)
+    alone, memory = machine.seconds_per_point(part.N), machine.bytes_per_point / machine.bandwidth_alone
+    in_core = max(alone - memory, 0.0) * (machine.levels + (1 - machine.levels) / threads)
     crowded = machine.bytes_per_point * part.here / machine.bandwidth
-    compute = part.points * max(per_point, crowded) + part.gathered * 3 * machine.levels * alone
+    compute = part.points * (in_core + max(memory / threads, crowded))
+    compute += machine.call + part.gathered * 3 * machine.levels * alone
 
     (nbytes, messages), (level_bytes, level_messages) = part.transpose, part.levels
     transpose = nbytes * part.here / network.bandwidth + messages * network.overhead
     transpose += 2 * part.K * network.latency * (messages > 0) + 2 * machine.barrier * stages(part.here)
-    levels = level_bytes / network.bandwidth + level_messages * network.latency
+    levels = level_bytes / network.bandwidth + level_messages * (machine.halo + network.latency)
     return np.array([compute, transpose, levels, part.stages * network.latency])
 
 

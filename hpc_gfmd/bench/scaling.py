@@ -7,6 +7,7 @@ from os import PathLike
 
 import numpy as np
 
+from ..parallel.comm import stages
 from .model import Machine, Network, predict
 from .report import Report
 from .scaling_worker import PARTS
@@ -25,9 +26,10 @@ NODES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)
 # A link of 100 Gbit/s, what P3DFFT reached of such a one on 26 nodes (docs/clusters.md), and one of 200 Gbit/s.
 NETWORKS = (Network(), Network(bandwidth=7e9), Network(bandwidth=25e9))
 MESSAGES = {"latency": ("latency (us)", 1e6), "barrier": ("barrier (us)", 1e6), "bandwidth": ("one way (GB/s)", 1e-9),
-            "alltoall_bandwidth": ("all-to-all (GB/s)", 1e-9), "copy_bandwidth": ("copy, one core (GB/s)", 1e-9),
-            "copy_bandwidth_of_two": ("copy, two cores (GB/s)", 1e-9)}
+            "halo": ("halo row (us)", 1e6), "sum": ("sum (us)", 1e6),
+            "alltoall_bandwidth": ("all-to-all (GB/s)", 1e-9), "copy_bandwidth": ("copy, all cores (GB/s)", 1e-9)}
 ACCURACY = 1e-2
+SMALL = 32  # points along an axis: what a solve takes there is the interpreter's
 
 
 def bench_scaling(args: Namespace) -> None:
@@ -45,8 +47,8 @@ def bench_scaling(args: Namespace) -> None:
         per_pair = [row["seconds"] * row["ranks"] / (row["n"]**2 * row["fft_pairs"]) for row in rows]
         for row, one in zip(rows, per_pair, strict=True):
             _add(report, "weak", row, per_pair[0] / one)
-    found = _messages(args) if max(args.ranks) > 1 else None
-    model = _predict(report, found, args.out)
+    small = measure([(SMALL, 1, args.precision[0], 1)], args)[0]
+    model = _predict(report, small, _messages(args), args.out)
     if args.out:
         from .pictures import scaling_picture
 
@@ -86,34 +88,40 @@ def _add(report: Report, kind: str, row: dict, efficiency: float) -> None:
     report.add(kind=kind, efficiency=efficiency, **row, **shares)
 
 
-def _messages(args: Namespace) -> dict[str, float]:
-    """What two ranks of this machine find of messages and memory (messages.py), the best of each; recorded as it is."""
-    worker = Worker("messages", 2)
-    try:
-        rows = [worker.measure() for _ in range(args.repeats)]
-    finally:
-        worker.close()
-    found = {name: (min if name in ("latency", "barrier") else max)(row[name] for row in rows) for name in MESSAGES}
-    report = Report("messages", {name: (heading, ".3g") for name, (heading, _) in MESSAGES.items()}, args.out)
-    report.add(**{name: value * MESSAGES[name][1] for name, value in found.items()})
+def _messages(args: Namespace) -> dict[int, dict[str, float]]:
+    """What numbers of ranks find of messages and memory of this machine (messages.py), the best of each; recorded as it is."""
+    columns = {"ranks": ("ranks", "d")} | {name: (heading, ".3g") for name, (heading, _) in MESSAGES.items()}
+    report = Report("messages", columns, args.out)
+    found = {}
+    for ranks in args.ranks:
+        worker = Worker("messages", ranks)
+        try:
+            rows = [worker.measure() for _ in range(args.repeats)]
+        finally:
+            worker.close()
+        found[ranks] = {name: (max if "bandwidth" in name else min)(row[name] for row in rows)
+                        for name in MESSAGES if name in rows[0]}
+        report.add(ranks=ranks, **{name: value * MESSAGES[name][1] for name, value in found[ranks].items()})
     report.finish()
     return found
 
 
-def _predict(report: Report, found: dict[str, float] | None, out: str | PathLike | None) -> Report:
-    """The model's rows; found: of `_messages`, None on one rank."""
+def _predict(report: Report, small: dict, found: dict[int, dict[str, float]], out: str | PathLike | None) -> Report:
+    """The model's rows; small: of a grid whose points take no time; found: of `_messages`."""
     model = Report("scaling-model", MODEL_COLUMNS, out)
     serial = max((row for row in report.rows if row["ranks"] * row["threads"] == 1), key=lambda row: row["n"], default=None)
     if serial is None:
         return model
-    machine = Machine.from_row(serial)
+    machine = Machine.from_row(serial, small, found[1]["copy_bandwidth"])
     model.say(f"# {machine.describe()}")
     for network in NETWORKS:
         model.say(f"# {network.describe()}")
     for row in report.rows:  # what the model makes of this machine, beside what was measured
-        if found and row["kind"] == "strong" and row["ranks"] > 1 and row["precision"] == serial["precision"]:
-            here = replace(machine, cores=row["ranks"], bandwidth=found["copy_bandwidth_of_two"], barrier=found["barrier"])
-            network = Network(found["latency"], found["latency"], found["bandwidth"])
+        if row["kind"] == "strong" and row["ranks"] > 1 and row["precision"] == serial["precision"]:
+            of = found[row["ranks"]]
+            here = replace(machine, cores=row["ranks"], bandwidth=of["copy_bandwidth"], halo=of["halo"],
+                           barrier=of["barrier"] / stages(row["ranks"]))
+            network = Network(of["latency"], of["latency"], of["bandwidth"])
             if said := predict(row["n"], 1, here, network, row["ranks"]):
                 model.say(f"# this machine, n = {row['n']}, {row['ranks']} ranks: measured {row['seconds']:.3g} s, "
                           f"model {said['seconds']:.3g} s")

@@ -14,7 +14,7 @@ from ..parallel.comm import Comm
 
 K = TypeVar("K")
 
-PAUSE = 1e-3  # seconds between two looks of a rank that waits: it must not take a core from those that measure
+PAUSE = 2e-2  # seconds between two looks of a rank that waits: those that measure wait for the one whose core it takes
 
 
 class Worker:

@@ -212,7 +212,9 @@ def test_scaling_of_one_rank(tmp_path):
     for row in found:
         assert row["efficiency"] == 1
         assert sum(share for key, share in row.items() if key.startswith("share_")) == pytest.approx(1)
-    machine = Machine.from_row(found[0])
+    assert Machine.from_row(found[0]).call == 0
+    machine = Machine.from_row(found[0], found[0] | {"seconds": found[0]["seconds"] / 10})
+    assert machine.call > 0
     alone = predict(64, 1, replace(machine, cores=1), Network(latency=0))
     assert alone["seconds"] == pytest.approx(found[0]["seconds"])
     modelled = rows(tmp_path / "scaling-model.jsonl")
@@ -223,7 +225,7 @@ def test_scaling_of_one_rank(tmp_path):
 
 def test_model_counts_what_ranks_send():
     """A network without bandwidth or latency of its own costs nothing; each has its price otherwise."""
-    machine = Machine(fft=1e-10, kernel=5e-9, levels=0, pairs=7, coarse_pairs=3, cores=8, barrier=0)
+    machine = Machine(fft=1e-10, kernel=5e-9, levels=0, pairs=7, coarse_pairs=3, cores=8, barrier=0, halo=0)
     free = Network(latency=0, overhead=0, bandwidth=1e30)
     one, eight = (predict(4096, nodes, machine, free, 8) for nodes in (1, 8))
     assert eight["of_one_node"] > 0.96  # the rest: coarse grids are on fewer ranks
@@ -235,8 +237,8 @@ def test_model_counts_what_ranks_send():
     crowded = predict(4096, 1, replace(machine, bandwidth=1e9), free, 8)
     assert crowded["seconds"] > 3 * one["seconds"]
     assert crowded["of_bandwidth"] > 0.98  # what is transposed within the node is read where it stands
-    meeting = predict(4096, 1, replace(machine, barrier=1e-3), free, 8)
-    assert meeting["seconds"] > 1.2 * one["seconds"]
+    for slower in (replace(machine, barrier=1e-3), replace(machine, halo=1e-3), replace(machine, call=1e-2)):
+        assert predict(4096, 1, slower, free, 8)["seconds"] > 1.2 * one["seconds"]
 
 
 AS_ROOT = """----------------
@@ -280,7 +282,7 @@ def test_messages_of_this_machine(monkeypatch):
     worker = Worker("messages", 2)
     first, second = worker.measure(), worker.measure()
     worker.close()
-    assert first.keys() == second.keys() == scaling.MESSAGES.keys()
+    assert first.keys() == second.keys() == {"ranks", *scaling.MESSAGES}
     assert all(0 < value < np.inf for value in (*first.values(), *second.values()))
     assert first["latency"] < LARGE / first["bandwidth"]
 
