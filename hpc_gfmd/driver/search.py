@@ -121,7 +121,7 @@ class Search:
         self.step = log(wall.steepness / self.wall.steepness) if known else 0.0
         if len(self.ends) <= len(self.offsets):
             return self.offsets[len(self.ends) - 1]
-        return self.step + TREND[self.quantity] * last
+        return self.step + min(max(TREND[self.quantity] * last, -STEP), STEP)
 
     @property
     def found_offsets(self) -> list[float]:
