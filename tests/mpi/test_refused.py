@@ -18,10 +18,7 @@ pressure = 0.1
 MAP = 'surface={{kind = "file", physical_sizes = [1, 1], path = {}}}'
 BAD = {  # name: overrides of the good scene, and what the message names
     "unknown key": (["load.presure=1"], "pressure"),
-    "negative load": (["load.pressure=-1"], "load.pressure"),
-    "no points": (["surface.n=[0, 8]"], "surface.n"),
     "unknown solver": (["solver.name=bqx"], "bpx"),
-    "unknown observable": (['output.observables=["a_rr"]'], "a_r"),
     "unknown option": (["solver.options={bogus = 1}"], "bogus"),
     "unknown option of gfmd": (["solver.name=gfmd", "solver.options={bogus = 1}"], "bogus"),
     "no folder": (["output.path=missing/a.h5"], "missing"),
