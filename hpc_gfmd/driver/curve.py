@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot, isfinite, log
+from math import isfinite, log
 from typing import TYPE_CHECKING
 
-from .line import SLOPES
+from .line import SLOPES, UNKNOWN, Line
 from .search import Search
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ SLOPE = {"gap_mean": 0.6, "a_r": 1.0, "approach": 0.8}  # of straightened curves
 FAR = log(5.0)  # log p0 of two loads, that have to do with each other no more
 BENT = {"gap_mean": 1.0, "a_r": 0.5, "approach": 1.0}  # share of the bend of the last three loads that goes on
 BEND = 0.3  # by which a slope may differ from that of the last secant, relative
-DOUBT, NEAR, ASTRAY = 1.0, 0.01, 0.1  # standard deviation of a first guess of log p0; of one near a load, and over the way from there
+DOUBT, KNOWN = 1.0, 0.08  # standard deviation of a first guess of log p0; of the slope between two loads, relative
 
 
 class Curve:
@@ -49,7 +49,8 @@ class Curve:
         known = [(point["x"], f) for point in self.points if isfinite(f := search.straight(point[kind]))]
         if known:
             self._extrapolate(search, known)
-        elif kind == "gap_mean":
+            return search
+        if kind == "gap_mean":
             search.x = -1 - 3 * load.value / surface.h_rms  # self-affine walls
         else:
             search.x = log(target / 2) if area else log(target / max(surface.sizes))
@@ -67,4 +68,6 @@ class Curve:
             change = BENT[kind] * bend * (x + 0.5 * (wanted - f) / search.slope - middle)
             search.slope *= 1 + min(max(change / search.slope, -BEND), BEND)
         search.x = x + (wanted - f) / search.slope
-        search.doubt = hypot(NEAR, ASTRAY * (search.x - x))
+        search.line = Line.guessed(f, search.slope, search.least_miss, KNOWN if secants else UNKNOWN)
+        search.line.move(search.x - x)
+        search.doubt = search.line.doubt(0.0)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 UNKNOWN = 0.2  # standard deviation of a slope, relative, before anything was read
-BENT = 0.5  # the same of its change over a unit of length
+BENT = 0.15  # the same of its change over a unit of length
 NOISY = 2.0  # times the noise of a reading, where it tells the slope: errors of successive readings are alike
-SLOPES = 0.05, 20.0  # that are believed
+SLOPES = 0.2, 5.0  # that are believed
 
 
 @dataclass
@@ -19,9 +19,9 @@ class Line:
     covariance: tuple[float, float, float]
 
     @classmethod
-    def guessed(cls, level: float, slope: float, doubt: float) -> Line:
-        """doubt: standard deviation of where the curve has that level."""
-        return cls(level, slope, ((doubt * slope) ** 2, 0.0, (UNKNOWN * slope) ** 2))
+    def guessed(cls, level: float, slope: float, doubt: float, unknown: float = UNKNOWN) -> Line:
+        """doubt: standard deviation of where the curve has that level; unknown: of the slope, relative."""
+        return cls(level, slope, ((doubt * slope) ** 2, 0.0, (unknown * slope) ** 2))
 
     def read(self, level: float, noise: float) -> None:
         """Learn that the level is about that; noise: its standard deviation."""

@@ -7,7 +7,7 @@ near it there is little left to correct. So it is on every grid of a nested star
 to grid helps the next load.
 
 The area of a grid is a number of points. It is met to the accuracy asked for or to one point; where it jumps by more, as in ordered
-walls whose asperities touch all at once, the nearer side of the jump is taken, and `note` says so.
+walls whose asperities touch all at once (staircase.py), the nearer side of the jump is taken, and `note` says so.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 from .line import Line
+from .staircase import Jump, next_jump
 from .wall import Wall
 
 if TYPE_CHECKING:
@@ -27,7 +28,8 @@ if TYPE_CHECKING:
 
     Bound = tuple[float, float, float]
 
-NOISE = {"gap_mean": 0.12, "a_r": 0.2, "approach": 0.3}  # standard deviation of the outlook, over the estimated error of the quantity
+NOISE = {"gap_mean": 0.12, "a_r": 0.1, "approach": 0.2}  # standard deviation of the outlook, over the estimated error of the quantity
+CHANGE = {"gap_mean": 0.15, "a_r": 0.6, "approach": 0.1}  # beside it, of what it changed by in an iteration, if not with the load
 PRESENT = 3.0  # times as much: of what is there already
 FIELD = 0.1  # of the error of the pressure field, beside that of the mean gap: the error of the approach
 VAGUE = 0.7  # error of the pressure field, or of the quantity, of what is not read
@@ -43,6 +45,8 @@ TRIALS, MOST = 5, 100  # corrections on a grid: from then on only by what is kno
 SURE = 3.0  # times the estimated error: what is missed by more is surely on the wrong side of the target
 SHARP = 1e-6  # times the tolerance: no curve rises within such an interval of log p0
 STEEP, STEEPER, NARROW = 2.0, 4.0, 0.01  # times the usual slope of an area: it may jump; it jumps, within such an interval
+SEEN, LARGE = 0.03, 4.0  # error of the pressure field at which a jump is seen; times what may be missed, a large one
+USUAL = 0.4, 2.5  # slopes of an area without jumps
 SAME = 0.1  # of a jump: how near its side is to what was read
 POINT = 1.001  # by which the area may be missed
 
@@ -55,8 +59,9 @@ class Search:
     slope: of the straightened curve, before anything was read; doubt: standard deviation of the x that the target takes; wall: of this
     grid; offsets: of x from every grid to the next finer one, coarsest first, as they were found at another load; grids: how many so
     far, ends: x at the end of those before, step: what slopes told of the last offset; line: the straightened curve about x; low, high:
-    (x, quantity, relative error) that are surely too small and too large; corrections: on this grid; looked: last iteration looked at;
-    missed: the target, by how much; side, jump: where the area jumps, the side that is taken, and by how much.
+    (x, quantity, relative error) that are surely too small and too large; last: x and what was read there; corrections: on this grid;
+    looked: last iteration looked at; missed: the target, by how much; side, jump: where the area jumps, the side that is taken, and by
+    how much.
     """
 
     quantity: str
@@ -73,6 +78,7 @@ class Search:
     line: Line = field(default_factory=lambda: Line(0.0, 1.0, (0.0, 0.0, 0.0)))
     low: Bound | None = None
     high: Bound | None = None
+    last: tuple[float, float] | None = None
     corrections: int = 0
     looked: int = -1
     missed: float = inf
@@ -105,7 +111,7 @@ class Search:
             self.ends.append(self.x)
             self.x += self._next_offset(wall)
         self.grids, self.wall = self.grids + 1, wall
-        self.low = self.high = self.note = None
+        self.low = self.high = self.last = self.note = None
         self.corrections, self.looked = 0, -1
         self.forget()
         return self.p0
@@ -138,7 +144,7 @@ class Search:
         """Whether the load of a solution on a coarser grid is as near as it need be; if not, it may be changed."""
         if not isfinite(self.straight(self.target)) or self.corrections == FEW:
             return True
-        self._read(*self._outlook(solver, progress))
+        self._read(*self._outlook(solver, progress), coarse=True)
         if abs(self._way) < COARSE:
             return self.line.doubt(self._way) < COARSE
         self._go_to(self.x + self._way, solver)
@@ -193,6 +199,11 @@ class Search:
         """A point over the target: that much more or less is nothing."""
         return POINT / (self.target * self.wall.points) if self.quantity == "a_r" else 0.0
 
+    @property
+    def least_miss(self) -> float:
+        """Relative: what is missed by so much is met."""
+        return max(self.tolerance, self._point)
+
     def _miss(self, y: float) -> float:
         """Relative."""
         miss = abs(y / self.target - 1)
@@ -233,15 +244,19 @@ class Search:
         wanted = self.straight(self.target)
         return min(max(self.line.way_to(wanted), -STEP), STEP) if isfinite(wanted) else 0.0
 
-    def _read(self, y: float, error: float) -> None:
+    def _read(self, y: float, error: float, coarse: bool = False) -> None:
         """Learn that the quantity is about y at x, with that relative error."""
         if not error < VAGUE:
             return
         f, wanted, farthest = self.straight(y), self.straight(self.target), 2 * STEP
-        settled = self.quantity != "a_r" or error < SETTLED * max(self.tolerance, self._point)
+        settled = self.quantity != "a_r" or (not coarse and error < SETTLED * self.least_miss)
         points = 0.0 if settled else 0.5 / max(y * self.wall.points, 0.5)
         noise = abs(f - self.straight(y / (1 + NOISE[self.quantity] * error + points))) if isfinite(f) else BEYOND
-        self.line.read(min(max(f, wanted - farthest), wanted + farthest), min(max(noise, ROUNDING), farthest))
+        f = min(max(f, wanted - farthest), wanted + farthest)
+        if self.last is not None:
+            noise = hypot(noise, CHANGE[self.quantity] * (f - self.last[1] - self.line.slope * (self.x - self.last[0])))
+        self.last = (self.x, f)
+        self.line.read(f, min(max(noise, ROUNDING), farthest))
 
     def _go_to(self, x: float, solver: Solver) -> bool:
         """Change the load of the solver."""
@@ -254,13 +269,52 @@ class Search:
     def _correct(self, solver: Solver, y: float, error: float, now: float) -> bool:
         """y: the quantity as it will be; now: as it is."""
         self._read(y, error)
-        if self.note is not None or self.corrections == MOST or not isfinite(error):
+        if self.corrections == MOST or not isfinite(error):
+            return False
+        sure = min(self._miss(y), self._miss(now)) > SURE * error
+        if self.quantity == "a_r" and error < SEEN and self._miss(now) > self.tolerance and not solver.closing:
+            jump = self._next_jump(solver, now, error)
+            if jump is not None:
+                if sure:
+                    self._enclose(now, error)
+                return self._go_beside(jump, now, solver)
+            self.note = None
+        if self.note is not None:
             return False
         if self.corrections > TRIALS:
-            return min(self._miss(y), self._miss(now)) > SURE * error and self._go_between(solver, now, error)
-        wanted, least = self.straight(self.target), hypot(SHARE * max(self.tolerance, self._point), WORTH * error)
+            return sure and self._go_between(solver, now, error)
+        if error < SETTLED * self.least_miss:
+            return self._miss(now) > self.tolerance and self._go_to(self.x + self._way, solver)
+        wanted, least = self.straight(self.target), hypot(SHARE * self.least_miss, WORTH * error)
         due = abs(wanted - self.line.level) > abs(wanted - self.straight(self.target / (1 + least)))
         return due and self._go_to(self.x + self._way, solver)
+
+    def _next_jump(self, solver: Solver, now: float, error: float) -> Jump | None:
+        """Where the area jumps over the target, and by more than may be missed."""
+        points, step = self.wall.points, 1e-4
+        steepness = 2 * step / (self.straight(now * (1 + step)) - self.straight(now * (1 - step)))
+        rate = min(max(self.line.slope, USUAL[0]), USUAL[1]) * steepness * now * points
+        wanted, allowed = (self.target - now) * points, self.least_miss * self.target * points
+        jump = next_jump(solver, round(now * points), wanted, rate, error)
+        if jump is None or min(abs(abs(wanted) - jump.before), abs(jump.after - abs(wanted))) <= allowed:
+            return None
+        return jump if jump.after - jump.before > LARGE * allowed else None
+
+    def _go_beside(self, jump: Jump, now: float, solver: Solver) -> bool:
+        """Stay on this side of a jump or go to the other, whichever is nearer to the target."""
+        wanted, points = (self.target - now) * self.wall.points, self.wall.points
+        sign = 1 if wanted > 0 else -1
+        stay = abs(wanted) - jump.before <= jump.after - abs(wanted) + self.least_miss * self.target * points
+        self.note = None
+        if stay and not jump.before:
+            low, high = sorted((now, now + sign * jump.after / points))
+            self.side, self.jump = now, high - low
+            self.note = f"a_r jumps from {low:.4g} to {high:.4g}: the nearer to what was asked for"
+            return False
+        x = self.x + sign * min(jump.to_before if stay else jump.to_after, STEP)
+        if self.low and self.high and not self.low[0] < x < self.high[0]:
+            x = 0.5 * (self.low[0] + self.high[0])
+        return self._go_to(x, solver)
 
     def _go_between(self, solver: Solver, y: float, error: float) -> bool:
         """A correction by what is known for sure."""
@@ -295,5 +349,5 @@ class Search:
         """Take the nearer side of a jump."""
         x, self.side, _ = min(low, high, key=lambda bound: abs(bound[1] - self.target))
         self.jump = high[1] - low[1]
-        self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g} at this pressure: the nearer to what was asked for"
+        self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g}: the nearer to what was asked for"
         return x != self.x and self._go_to(x, solver)

@@ -69,10 +69,13 @@ class Solver:
         The present mean pressure.
     iterations : int
         Steps since the load began.
+    closing : float
+        Points that are still open but would not be if the last step were made again.
     state_names, scalar_names : tuple of str
         The attributes that a bit-identical continuation needs: local slabs, and numbers.
     """
 
+    closing: float = 0.0
     elastic: Elastic
     g: np.ndarray
     p: np.ndarray

@@ -1,0 +1,64 @@
+"""How the area goes on from a state that is nearly solved: which points come next, and how far it is to them.
+
+An area is a number of points. When the load rises the points of the smallest gap come into contact, when it falls those of the least
+pressure leave it. How many of them are about alike tells where the area jumps, as in ordered walls whose asperities touch all at once,
+before anything was solved on the other side. At the edge of a contact the distance of a point from it goes as the square of its
+pressure, or as the gap to the power of 2/3, and the edge moves in proportion to the load. A point has a pressure in proportion to the
+load as soon as it touches, which counts for those next to the edge.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..kernels.margins import NUMBERS, count_margins, number_of
+
+if TYPE_CHECKING:
+    from ..solvers.base import Solver
+
+EDGE = 0.25  # share of the contact within which its edge is, about
+NEAR, FEW = 0.05, 16.0  # share of the contact, and points, at least, that leave it at the usual rate
+ALIKE = 0.003  # of the way, and once the error of the pressure: points whose ways differ by less go together
+INTO = 0.3  # of the way from a jump to the next points: where its other side is looked for
+CONTRAST = 2.5  # times as many as usually go within such a way: a jump
+
+
+class Jump(NamedTuple):
+    """before, after: points that have gone on its sides; to_before, to_after: changes of log p0 that lead there, without sign."""
+
+    before: float
+    after: float
+    to_before: float
+    to_after: float
+
+
+def next_jump(solver: Solver, contact: int, points: float, rate: float, error: float) -> Jump | None:
+    """The jump that the area makes where so many points come into contact (or leave it: points < 0), None where it goes on smoothly.
+
+    contact: points in contact; rate: points per log p0 that come, usually; error: relative, of the pressure field. Collective.
+    """
+    less, wanted = points < 0, abs(points)
+    counts = np.zeros(NUMBERS, np.int64)
+    rows, m = solver.grid.inside
+    count_margins(solver.g[:rows, :m], solver.p[:rows, :m], less, counts)
+    total = solver.grid.comm.sum(counts)
+    there = np.flatnonzero(total)
+    gone, margin = np.cumsum(total[there]), number_of(there)
+    if not len(gone) or gone[-1] < wanted + 1:
+        return None
+    way = margin**2 + margin * margin[np.searchsorted(gone, EDGE * gone[-1])] if less else margin ** (2 / 3)
+    usual = np.searchsorted(gone, min(max(2 * wanted, NEAR * contact, FEW), gone[-1] / 2))
+    if not way[usual] > 0:
+        return None
+    way *= gone[usual] / (way[usual] * rate) * (1.0 if less else 2 / 3)
+    here = way[np.searchsorted(gone, np.floor(wanted), "right")]
+    reach = ALIKE * here + error
+    first, last = np.searchsorted(way, [here - reach, here + reach])
+    before, after = gone[first - 1] if first else 0.0, gone[last - 1]
+    if after - before < CONTRAST * rate * 2 * reach:
+        return None
+    beyond = way[min(last, len(way) - 1)]
+    to_before = way[first - 1] + INTO * (way[first] - way[first - 1]) if first else 0.0
+    return Jump(before, after, to_before, way[last - 1] + INTO * (beyond - way[last - 1]))
