@@ -57,8 +57,8 @@ class LowMemorySweep(Sweep):
         memory = None if self.surface.grid.padded else h
         g, h_rms = memory, problem.root_mean_square
         if arrays is None:
-            nested = Nested(self.surface.grid, self.dtype, self.settings.accuracy)
-            g, pairs = nested.start(problem, self._make, memory, self._search)
+            # not kept: the transforms of coarser grids go with it
+            g, pairs = Nested(self.surface.grid, self.dtype, self.settings.accuracy).start(problem, self._make, memory, self._search)
             self._spent += pairs
             if self._search is not None:
                 problem = replace(problem, p0=self._search.on_next_grid(self._wall))
