@@ -17,8 +17,10 @@ from math import exp, hypot, inf, isfinite, log
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .line import Line
-from .staircase import Jump, next_jump
+from .staircase import Jump, Staircase
 from .wall import Wall
 
 if TYPE_CHECKING:
@@ -45,7 +47,7 @@ TRIALS, MOST = 5, 100  # corrections on a grid: from then on only by what is kno
 SURE = 3.0  # times the estimated error: what is missed by more is surely on the wrong side of the target
 SHARP = 1e-6  # times the tolerance: no curve rises within such an interval of log p0
 STEEP, STEEPER, NARROW = 2.0, 4.0, 0.01  # times the usual slope of an area: it may jump; it jumps, within such an interval
-SEEN, LARGE = 0.03, 4.0  # error of the pressure field at which a jump is seen; times what may be missed, a large one
+SEEN, LARGE = 0.03, 3.0  # error of the pressure field at which a jump is seen; times what may be missed, a large one
 USUAL = 0.4, 2.5  # slopes of an area without jumps
 SAME = 0.1  # of a jump: how near its side is to what was read
 POINT = 1.001  # by which the area may be missed
@@ -272,9 +274,11 @@ class Search:
         if self.corrections == MOST or not isfinite(error):
             return False
         sure = min(self._miss(y), self._miss(now)) > SURE * error
+        stairs, wanted = None, (self.target - now) * self.wall.points
         if self.quantity == "a_r" and error < SEEN and self._miss(now) > self.tolerance and not solver.closing:
-            jump = self._next_jump(solver, now, error)
-            if jump is not None:
+            stairs = Staircase.of(solver, round(now * self.wall.points), wanted, self._usual_rate(now))
+            jump = stairs and self._large(stairs.jump(abs(wanted), error), abs(wanted))
+            if jump:
                 if sure:
                     self._enclose(now, error)
                 return self._go_beside(jump, now, solver)
@@ -282,21 +286,24 @@ class Search:
         if self.note is not None:
             return False
         if self.corrections > TRIALS:
-            return sure and self._go_between(solver, now, error)
+            way = np.copysign(stairs.way_to(abs(wanted)), wanted) if stairs else self._way
+            return sure and self._go_between(solver, now, error, float(way))
         if error < SETTLED * self.least_miss:
             return self._miss(now) > self.tolerance and self._go_to(self.x + self._way, solver)
-        wanted, least = self.straight(self.target), hypot(SHARE * self.least_miss, WORTH * error)
-        due = abs(wanted - self.line.level) > abs(wanted - self.straight(self.target / (1 + least)))
+        level, least = self.straight(self.target), hypot(SHARE * self.least_miss, WORTH * error)
+        due = abs(level - self.line.level) > abs(level - self.straight(self.target / (1 + least)))
         return due and self._go_to(self.x + self._way, solver)
 
-    def _next_jump(self, solver: Solver, now: float, error: float) -> Jump | None:
-        """Where the area jumps over the target, and by more than may be missed."""
-        points, step = self.wall.points, 1e-4
-        steepness = 2 * step / (self.straight(now * (1 + step)) - self.straight(now * (1 - step)))
-        rate = min(max(self.line.slope, USUAL[0]), USUAL[1]) * steepness * now * points
-        wanted, allowed = (self.target - now) * points, self.least_miss * self.target * points
-        jump = next_jump(solver, round(now * points), wanted, rate, error)
-        if jump is None or min(abs(abs(wanted) - jump.before), abs(jump.after - abs(wanted))) <= allowed:
+    def _usual_rate(self, y: float) -> float:
+        """Points per log p0 that touch, beside jumps."""
+        step = 1e-4
+        steepness = 2 * step / (self.straight(y * (1 + step)) - self.straight(y * (1 - step)))
+        return min(max(self.line.slope, USUAL[0]), USUAL[1]) * steepness * y * self.wall.points
+
+    def _large(self, jump: Jump | None, wanted: float) -> Jump | None:
+        """A jump over the target by more than may be missed."""
+        allowed = self.least_miss * self.target * self.wall.points
+        if jump is None or min(abs(wanted - jump.before), abs(jump.after - wanted)) <= allowed:
             return None
         return jump if jump.after - jump.before > LARGE * allowed else None
 
@@ -316,10 +323,10 @@ class Search:
             x = 0.5 * (self.low[0] + self.high[0])
         return self._go_to(x, solver)
 
-    def _go_between(self, solver: Solver, y: float, error: float) -> bool:
-        """A correction by what is known for sure."""
+    def _go_between(self, solver: Solver, y: float, error: float, way: float) -> bool:
+        """A correction by what is known for sure. way: to the target, by what seems so."""
         self._enclose(y, error)
-        x = self.x + self._way
+        x = self.x + min(max(way, -STEP), STEP)
         if self.low and self.high:
             low, high = self.low[0], self.high[0]
             rise = self._rise(self.low, self.high)

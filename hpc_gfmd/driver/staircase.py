@@ -22,6 +22,7 @@ EDGE = 0.25  # share of the contact within which its edge is, about
 NEAR, FEW = 0.05, 16.0  # share of the contact, and points, at least, that leave it at the usual rate
 ALIKE = 0.003  # of the way, and once the error of the pressure: points whose ways differ by less go together
 INTO = 0.3  # of the way from a jump to the next points: where its other side is looked for
+STUCK = 2 / 3  # of the usual way to a point beyond the edge: while the edge stands still its gap falls in proportion to the load
 CONTRAST = 2.5  # times as many as usually go within such a way: a jump
 
 
@@ -34,31 +35,46 @@ class Jump(NamedTuple):
     to_after: float
 
 
-def next_jump(solver: Solver, contact: int, points: float, rate: float, error: float) -> Jump | None:
-    """The jump that the area makes where so many points come into contact (or leave it: points < 0), None where it goes on smoothly.
+class Staircase(NamedTuple):
+    """gone: points that have gone after each step; way: how far it is to there, in log p0, without sign; rate: points per log p0 that
+    go, usually."""
 
-    contact: points in contact; rate: points per log p0 that come, usually; error: relative, of the pressure field. Collective.
-    """
-    less, wanted = points < 0, abs(points)
-    counts = np.zeros(NUMBERS, np.int64)
-    rows, m = solver.grid.inside
-    count_margins(solver.g[:rows, :m], solver.p[:rows, :m], less, counts)
-    total = solver.grid.comm.sum(counts)
-    there = np.flatnonzero(total)
-    gone, margin = np.cumsum(total[there]), number_of(there)
-    if not len(gone) or gone[-1] < wanted + 1:
-        return None
-    way = margin**2 + margin * margin[np.searchsorted(gone, EDGE * gone[-1])] if less else margin ** (2 / 3)
-    usual = np.searchsorted(gone, min(max(2 * wanted, NEAR * contact, FEW), gone[-1] / 2))
-    if not way[usual] > 0:
-        return None
-    way *= gone[usual] / (way[usual] * rate) * (1.0 if less else 2 / 3)
-    here = way[np.searchsorted(gone, np.floor(wanted), "right")]
-    reach = ALIKE * here + error
-    first, last = np.searchsorted(way, [here - reach, here + reach])
-    before, after = gone[first - 1] if first else 0.0, gone[last - 1]
-    if after - before < CONTRAST * rate * 2 * reach:
-        return None
-    beyond = way[min(last, len(way) - 1)]
-    to_before = way[first - 1] + INTO * (way[first] - way[first - 1]) if first else 0.0
-    return Jump(before, after, to_before, way[last - 1] + INTO * (beyond - way[last - 1]))
+    gone: np.ndarray
+    way: np.ndarray
+    rate: float
+
+    @classmethod
+    def of(cls, solver: Solver, contact: int, points: float, rate: float) -> Staircase | None:
+        """Down or up from a state of so many points in contact, as the sign of the points that are wanted says; None if there are not
+        so many. Collective."""
+        less, wanted = points < 0, abs(points)
+        counts = np.zeros(NUMBERS, np.int64)
+        rows, m = solver.grid.inside
+        count_margins(solver.g[:rows, :m], solver.p[:rows, :m], less, counts)
+        total = solver.grid.comm.sum(counts)
+        there = np.flatnonzero(total)
+        gone, margin = np.cumsum(total[there]), number_of(there)
+        if not len(gone) or gone[-1] < wanted + 1:
+            return None
+        way = margin**2 + margin * margin[np.searchsorted(gone, EDGE * gone[-1])] if less else margin ** (2 / 3)
+        usual = np.searchsorted(gone, min(max(2 * wanted, NEAR * contact, FEW), gone[-1] / 2))
+        if not way[usual] > 0:
+            return None
+        return cls(gone, way * gone[usual] / (way[usual] * rate) * (1.0 if less else STUCK), rate)
+
+    def jump(self, wanted: float, error: float) -> Jump | None:
+        """The jump at which so many points go, None where they go on smoothly. error: relative, of the pressure field."""
+        gone, way = self.gone, self.way
+        here = way[np.searchsorted(gone, np.floor(wanted), "right")]
+        reach = ALIKE * here + error
+        first, last = np.searchsorted(way, [here - reach, here + reach])
+        before, after = gone[first - 1] if first else 0.0, gone[last - 1]
+        if after - before < CONTRAST * self.rate * 2 * reach:
+            return None
+        return Jump(before, after, self.way_to(before), self.way_to(after))
+
+    def way_to(self, points: float) -> float:
+        """How far it is to where so many have gone, and the next have not."""
+        k = int(np.searchsorted(self.gone, np.floor(points), "right"))
+        before = self.way[k - 1] if k else 0.0
+        return float(before + INTO * (self.way[min(k, len(self.way) - 1)] - before)) if points >= 1 else 0.0

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hpc_gfmd.driver.staircase import next_jump
+from hpc_gfmd.driver.staircase import Staircase
 from hpc_gfmd.kernels.margins import NUMBERS, count_margins, number_of
 from hpc_gfmd.parallel.comm import SerialComm
 
@@ -33,6 +33,10 @@ def test_numbers(dtype):
         assert np.all((found <= there * (1 + 1e-6)) & (found >= there * (1 - 1 / 128)))
 
 
+def next_jump(solver, contact, points, rate, error):
+    return Staircase.of(solver, contact, points, rate).jump(abs(points), error)
+
+
 def edges(rng, peaks, alike):
     """Pressures of 400 points and gaps of as many: next to the edges of so many peaks, which are alike or not."""
     places = (np.arange(400 // peaks) + rng.random((1, 400 // peaks) if alike else (peaks, 400 // peaks))).ravel()
@@ -51,7 +55,7 @@ def test_points_that_are_alike_go_at_once(sign):
     first = next_jump(solver, 400, sign * 7.5, 400, 1e-3)
     assert (first.before, first.after, first.to_before) == (0, 16, 0)
     assert next_jump(state(*edges(rng, 16, False)), 400, sign * 25, 400, 1e-3) is None
-    assert next_jump(solver, 400, sign * 1000, 400, 1e-3) is None, "there are not so many"
+    assert Staircase.of(solver, 400, sign * 1000, 400) is None, "there are not so many"
 
 
 def test_what_a_rough_solution_cannot_tell():
