@@ -311,7 +311,8 @@ class Search:
         """Stay on this side of a jump or go to the other, whichever is nearer to the target."""
         wanted, points = (self.target - now) * self.wall.points, self.wall.points
         sign = 1 if wanted > 0 else -1
-        stay = abs(wanted) - jump.before <= jump.after - abs(wanted) + self.least_miss * self.target * points
+        alike = SHARE * self.least_miss * self.target * points
+        stay = abs(wanted) - jump.before <= jump.after - abs(wanted) + alike
         self.note = None
         if stay and not jump.before:
             low, high = sorted((now, now + sign * jump.after / points))
