@@ -38,6 +38,7 @@ VAGUE = 0.7  # error of the pressure field, or of the quantity, of what is not r
 SHARE, WORTH = 0.8, 0.1  # of the tolerance, and of the estimated error: what is expected to be missed by less is left
 BEYOND = 0.1  # noise of a quantity that is as small or large as can be
 ROUNDING = 1e-13  # of straightened quantities
+ENOUGH = 0.5  # of what may be missed: so near is near enough
 SETTLED = 0.3  # of the tolerance: with such an error the points that touch are those that will
 STEP, RANGE = log(2.0), (log(1e-99), log(1e99))  # the longest in log p0, and where that is
 COARSE, FEW = 0.03, 8  # standard deviation of log p0 with which a coarser grid is left; corrections there, at most
@@ -288,8 +289,9 @@ class Search:
         if self.corrections > TRIALS:
             way = np.copysign(stairs.way_to(abs(wanted)), wanted) if stairs else self._way
             return sure and self._go_between(solver, now, error, float(way))
-        if error < SETTLED * self.least_miss:
-            return self._miss(now) > self.tolerance and self._go_to(self.x + self._way, solver)
+        if error < SETTLED * self.least_miss:  # what is changed by less is solved again sooner
+            enough = self.straight(self.target * (1 + np.copysign(ENOUGH * self.least_miss, -wanted)))
+            return self._miss(now) > self.tolerance and self._go_to(self.x + self.line.way_to(enough), solver)
         level, least = self.straight(self.target), hypot(SHARE * self.least_miss, WORTH * error)
         due = abs(level - self.line.level) > abs(level - self.straight(self.target / (1 + least)))
         return due and self._go_to(self.x + self._way, solver)
