@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..caches import cache_folder, keep
+from ..driver.certificate import certify
 from ..errors import GfmdError
+from ..problem import Problem
 from .cases import Case
 from .ours import Ours
 
@@ -35,10 +37,19 @@ class Reference:
         return float(np.linalg.norm(difference) / np.linalg.norm(self.pressure))
 
 
+def _stiffness(case: Case) -> str:
+    """A number that tells a K of the same name from this one: <h, K h>."""
+    surface = case.surface(np.dtype(np.float64))
+    problem = Problem(surface.grid, surface.h, 1.0, body=case.body)
+    g, p = (surface.grid.empty(problem.dtype) for _ in range(2))
+    g[...] = 0
+    return f"{certify(problem, g, p).uKu:.9e}"
+
+
 def reference(case: Case) -> Reference:
     """The reference of a case, from the disk if it is there; solved in double precision otherwise. Raises GfmdError if that fails."""
     gap = case.gap()
-    key = hashlib.sha256(gap.tobytes() + repr((case.p_star, case.body, ACCURACY)).encode()).hexdigest()[:20]
+    key = hashlib.sha256(gap.tobytes() + repr((case.p_star, case.body, _stiffness(case), ACCURACY)).encode()).hexdigest()[:20]
     folder = cache_folder() / "bench"
     path, about = folder / f"{key}.npy", folder / f"{key}.json"
     try:
