@@ -59,7 +59,7 @@ class Curve:
 
     def _extrapolate(self, search: Search, known: list[tuple[float, float]]) -> None:
         """known: (log p0, straightened quantity) of the last loads."""
-        kind, wanted, (x, f) = search.quantity, search.straight(search.target), known[-1]
+        kind, wanted, (x, f) = search.quantity, search.straight(search.aim), known[-1]
         near = [point for point in known if abs(point[0] - x) < FAR or kind not in self.slopes]  # slopes elsewhere are of no use
         secants = [((x0 + x1) / 2, (f1 - f0) / (x1 - x0)) for (x0, f0), (x1, f1) in zip(near, near[1:]) if x0 != x1]
         if secants and SLOPES[0] < secants[-1][1] < SLOPES[1]:

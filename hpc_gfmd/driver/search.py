@@ -48,6 +48,7 @@ TRIALS, MOST = 5, 100  # corrections on a grid: from then on only by what is kno
 SURE = 3.0  # times the estimated error: what is missed by more is surely on the wrong side of the target
 SHARP = 1e-6  # times the tolerance: no curve rises within such an interval of log p0
 STEEP, STEEPER, NARROW = 2.0, 4.0, 0.01  # times the usual slope of an area: it may jump; it jumps, within such an interval
+SOLVED = 0.01  # error with which a bound is one: where much touches all at once, estimates of what changes do not know of it
 SEEN, LARGE = 0.03, 3.0  # error of the pressure field at which a jump is seen; times what may be missed, a large one
 USUAL = 0.4, 2.5  # slopes of an area without jumps
 SAME = 0.1  # of a jump: how near its side is to what was read
@@ -99,6 +100,16 @@ class Search:
         """The mean pressure, in the program's units."""
         return exp(self.x)
 
+    @property
+    def aim(self) -> float:
+        """The target, or the least area that this grid has at any load."""
+        return max(self.target, self.wall.highest / self.wall.points) if self.quantity == "a_r" else self.target
+
+    @property
+    def _too_small(self) -> bool:
+        """Whether no load of this grid has so small an area: the least is taken, at any load that has no more."""
+        return self.aim > self.target * (1 + self.least_miss)
+
     # -- from grid to grid -----------------------------------------------------------------------------------------------------
 
     def on_coarsest_grid(self) -> None:
@@ -121,7 +132,7 @@ class Search:
 
     def forget(self) -> None:
         """Nothing was read on this grid yet."""
-        self.line = Line.guessed(self.straight(self.target), self.slope, self.doubt)
+        self.line = Line.guessed(self.straight(self.aim), self.slope, self.doubt)
 
     def _next_offset(self, wall: Wall) -> float:
         """By how much x is likely to change now: as at another load, or as slopes do, for the area goes with p0 over these."""
@@ -145,7 +156,7 @@ class Search:
 
     def near(self, solver: Solver, progress: Progress) -> bool:
         """Whether the load of a solution on a coarser grid is as near as it need be; if not, it may be changed."""
-        if not isfinite(self.straight(self.target)) or self.corrections == FEW:
+        if not isfinite(self.straight(self.aim)) or self.corrections == FEW:
             return True
         self._read(*self._outlook(solver, progress), coarse=True)
         if abs(self._way) < COARSE:
@@ -175,6 +186,8 @@ class Search:
         met = self._miss(y) <= self.tolerance
         if self.note is not None and not met and abs(y - self.side) > max(POINT / self.wall.points, SAME * self.jump):
             self.note = self.low = self.high = None  # there was no jump
+        if met and self._too_small:
+            self.note = f"a_r jumps from 0 to {self.aim:.4g}: the least at any load"
         return met or self.note is not None
 
     def correct(self, solver: Solver, certificate: Certificate, sure: bool) -> bool:
@@ -200,7 +213,7 @@ class Search:
     @property
     def _point(self) -> float:
         """A point over the target: that much more or less is nothing."""
-        return POINT / (self.target * self.wall.points) if self.quantity == "a_r" else 0.0
+        return POINT / (self.aim * self.wall.points) if self.quantity == "a_r" else 0.0
 
     @property
     def least_miss(self) -> float:
@@ -209,14 +222,14 @@ class Search:
 
     def _miss(self, y: float) -> float:
         """Relative."""
-        miss = abs(y / self.target - 1)
+        miss = max(y / self.aim - 1, 0.0) if self._too_small else abs(y / self.aim - 1)
         return miss if miss > self._point else 0.0
 
     def _outlook(self, solver: Solver, progress: Progress) -> tuple[float, float]:
         """The quantity by the numbers of the solver, and its estimated relative error; inf where it is not known."""
         outlook, grid = progress.outlook, solver.grid
         if outlook is None or progress.estimates is None or not (progress.finite and progress.estimates[1] < VAGUE):
-            return self.target, inf
+            return self.aim, inf
         gap = outlook.gap_mean * grid.a
         y = outlook.contact / solver.N if self.quantity == "a_r" else gap
         if self.quantity == "approach":
@@ -244,14 +257,14 @@ class Search:
     @property
     def _way(self) -> float:
         """By how much x is to change: not at all where this grid cannot have the target."""
-        wanted = self.straight(self.target)
+        wanted = self.straight(self.aim)
         return min(max(self.line.way_to(wanted), -STEP), STEP) if isfinite(wanted) else 0.0
 
     def _read(self, y: float, error: float, coarse: bool = False) -> None:
         """Learn that the quantity is about y at x, with that relative error."""
         if not error < VAGUE:
             return
-        f, wanted, farthest = self.straight(y), self.straight(self.target), 2 * STEP
+        f, wanted, farthest = self.straight(y), self.straight(self.aim), 2 * STEP
         settled = self.quantity != "a_r" or (not coarse and error < SETTLED * self.least_miss)
         points = 0.0 if settled else 0.5 / max(y * self.wall.points, 0.5)
         noise = abs(f - self.straight(y / (1 + NOISE[self.quantity] * error + points))) if isfinite(f) else BEYOND
@@ -274,14 +287,18 @@ class Search:
         self._read(y, error)
         if self.corrections == MOST or not isfinite(error):
             return False
-        sure = min(self._miss(y), self._miss(now)) > SURE * error
-        stairs, wanted = None, (self.target - now) * self.wall.points
+        if self._too_small:
+            return min(self._miss(y), self._miss(now)) > self.tolerance and self._go_to(self.x - STEP, solver)
+        sure = error < SOLVED and min(self._miss(y), self._miss(now)) > SURE * error
+        stairs, wanted = None, (self.aim - now) * self.wall.points
         if self.quantity == "a_r" and error < SEEN and self._miss(now) > self.tolerance and not solver.closing:
             stairs = Staircase.of(solver, round(now * self.wall.points), wanted, self._usual_rate(now))
             jump = stairs and self._large(stairs.jump(abs(wanted), error), abs(wanted))
             if jump:
                 if sure:
                     self._enclose(now, error)
+                if self._enclosed:
+                    return self._jump(solver)
                 return self._go_beside(jump, now, solver)
             self.note = None
         if self.note is not None:
@@ -290,30 +307,31 @@ class Search:
             way = np.copysign(stairs.way_to(abs(wanted)), wanted) if stairs else self._way
             return sure and self._go_between(solver, now, error, float(way))
         if error < SETTLED * self.least_miss:  # what is changed by less is solved again sooner
-            enough = self.straight(self.target * (1 + np.copysign(ENOUGH * self.least_miss, -wanted)))
+            enough = self.straight(self.aim * (1 + np.copysign(ENOUGH * self.least_miss, -wanted)))
             return self._miss(now) > self.tolerance and self._go_to(self.x + self.line.way_to(enough), solver)
-        level, least = self.straight(self.target), hypot(SHARE * self.least_miss, WORTH * error)
-        due = abs(level - self.line.level) > abs(level - self.straight(self.target / (1 + least)))
+        level, least = self.straight(self.aim), hypot(SHARE * self.least_miss, WORTH * error)
+        due = abs(level - self.line.level) > abs(level - self.straight(self.aim / (1 + least)))
         return due and self._go_to(self.x + self._way, solver)
 
     def _usual_rate(self, y: float) -> float:
         """Points per log p0 that touch, beside jumps."""
-        step = 1e-4
+        step = 0.25 / self.wall.points
+        y = min(max(y, 4 * step), 1 - 4 * step)
         steepness = 2 * step / (self.straight(y * (1 + step)) - self.straight(y * (1 - step)))
         return min(max(self.line.slope, USUAL[0]), USUAL[1]) * steepness * y * self.wall.points
 
     def _large(self, jump: Jump | None, wanted: float) -> Jump | None:
         """A jump over the target by more than may be missed."""
-        allowed = self.least_miss * self.target * self.wall.points
+        allowed = self.least_miss * self.aim * self.wall.points
         if jump is None or min(abs(wanted - jump.before), abs(jump.after - wanted)) <= allowed:
             return None
         return jump if jump.after - jump.before > LARGE * allowed else None
 
     def _go_beside(self, jump: Jump, now: float, solver: Solver) -> bool:
         """Stay on this side of a jump or go to the other, whichever is nearer to the target."""
-        wanted, points = (self.target - now) * self.wall.points, self.wall.points
+        wanted, points = (self.aim - now) * self.wall.points, self.wall.points
         sign = 1 if wanted > 0 else -1
-        alike = SHARE * self.least_miss * self.target * points
+        alike = SHARE * self.least_miss * self.aim * points
         stay = abs(wanted) - jump.before <= jump.after - abs(wanted) + alike
         self.note = None
         if stay and not jump.before:
@@ -332,17 +350,16 @@ class Search:
         x = self.x + min(max(way, -STEP), STEP)
         if self.low and self.high:
             low, high = self.low[0], self.high[0]
-            rise = self._rise(self.low, self.high)
-            if rise > STEEPER and high - low < NARROW:
-                return self._jump(self.low, self.high, solver)
-            if rise > STEEP or not low < x < high:
+            if self._enclosed:
+                return self._jump(solver)
+            if self._rise(self.low, self.high) > STEEP or not low < x < high:
                 x = 0.5 * (low + high)
         return self._go_to(x, solver)
 
     def _enclose(self, y: float, error: float) -> None:
         """x is surely too small or too large. A bound on the other side that this contradicts was none."""
         here = (self.x, y, error)
-        if self.straight(y) > self.straight(self.target):
+        if self.straight(y) > self.straight(self.aim):
             self.high, self.low = here, self.low if self.low and self.low[0] < self.x else None
         else:
             self.low, self.high = here, self.high if self.high and self.high[0] > self.x else None
@@ -355,9 +372,19 @@ class Search:
             return 0.0
         return (self.straight(high[1] / (1 + high[2])) - self.straight(low[1] * (1 + low[2]))) / (high[0] - low[0])
 
-    def _jump(self, low: Bound, high: Bound, solver: Solver) -> bool:
+    @property
+    def _enclosed(self) -> bool:
+        """Whether there is nothing but a jump between the bounds."""
+        if self.low is None or self.high is None or self.high[0] - self.low[0] > NARROW:
+            return False
+        return self._rise(self.low, self.high) > STEEPER
+
+    def _jump(self, solver: Solver) -> bool:
         """Take the nearer side of a jump."""
-        x, self.side, _ = min(low, high, key=lambda bound: abs(bound[1] - self.target))
+        assert self.low is not None
+        assert self.high is not None
+        low, high = self.low, self.high
+        x, self.side, _ = min(low, high, key=lambda bound: abs(bound[1] - self.aim))
         self.jump = high[1] - low[1]
         self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g}: the nearer to what was asked for"
         return x != self.x and self._go_to(x, solver)

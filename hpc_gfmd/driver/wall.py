@@ -10,11 +10,16 @@ if TYPE_CHECKING:
     from ..grid import Grid
 
 
+TIE = 64.0  # times the rounding error of heights: as high
+
+
 class Wall(NamedTuple):
-    """points: of the surface; top: mean gap where the highest peak just touches, over the unit of slopes; steepness: rms slope between
-    neighbours in a row, in that unit; lowest: gap at that peak, which on coarse grids is not that of the surface, as top."""
+    """points: of the surface; highest: those as high as the highest peak, which touch at any load; top: mean gap where it just touches,
+    over the unit of slopes; steepness: rms slope between neighbours in a row, in that unit; lowest: gap at that peak, which on coarse
+    grids is not that of the surface, as top."""
 
     points: int
+    highest: int
     top: float
     steepness: float
     lowest: float
@@ -25,5 +30,7 @@ class Wall(NamedTuple):
         lowest = -grid.comm.max([-float(h.min(initial=np.inf))])[0]
         squares = sum(float(np.square(row[1:] - row[:-1]).sum(dtype=float)) for row in h)
         total, squares = grid.comm.sum([h.sum(dtype=float), squares])
+        tie = TIE * float(np.finfo(h.dtype).eps) * (total / grid.N - lowest)
+        highest = grid.comm.sum([np.count_nonzero(h <= lowest + tie)])[0]
         steepness = np.sqrt(squares / grid.N) * grid.a / grid.spacings[1]
-        return cls(grid.N, float(total / grid.N - lowest) * grid.a, float(steepness), float(lowest) * grid.a)
+        return cls(grid.N, int(highest), float(total / grid.N - lowest) * grid.a, float(steepness), float(lowest) * grid.a)

@@ -20,5 +20,4 @@ def count_margins(g, p, closed, counts):
     for i in range(g.shape[0]):
         for j in range(g.shape[1]):
             if (g[i, j] <= 0 and p[i, j] > 0) == closed:
-                margin = np.float32(p[i, j] if closed else max(g[i, j], 0))
-                counts[narrow(margin)] += 1
+                counts[narrow(abs(np.float32(p[i, j] if closed else max(g[i, j], 0))))] += 1  # a zero may have a sign

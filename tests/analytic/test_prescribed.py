@@ -24,11 +24,11 @@ def quantity_of(step, quantity):
     return {"gap_mean": contact.gap_mean, "a_r": contact.contact_points / contact.N, "approach": contact.approach}[quantity]
 
 
-def sweep_over(z, free=(False, False), **solver):
+def sweep_over(z, free=(False, False), body=None, **solver):
     def make(dtype):
         return surface_from_rows(z.shape, (1.0, 1.0), lambda a, b: z[a:b], SerialComm(), dtype, 1, free)
 
-    return Sweep(make, Solver(**solver or EXACT), body=body_of(Material(), free))
+    return Sweep(make, Solver(**solver or EXACT), body=body or body_of(Material(), free))
 
 
 @pytest.mark.parametrize(("wall", "quantity"), CASES)
@@ -194,6 +194,47 @@ def test_an_area_that_jumps():
         assert step.contact.outcome.status == "converged"
         assert step.contact.contact_points == points
         assert "a_r jumps from 0.01562 to 0.03125: the nearer" in step.contact.note
+
+
+@pytest.mark.parametrize("free", [(False, False), (True, True)], ids=str)
+@pytest.mark.parametrize("wanted", [1 / 4096, 0.02, 0.2])
+def test_an_area_that_no_load_has(free, wanted):
+    """Flat tops of equal height touch as a whole at any load: that is the least area, and it is said, at no cost."""
+    high = np.arange(64) % 16 < 8
+    step = sweep_over(0.01 * np.outer(high, high), free, accuracy=1e-3).solve(Prescribed("a_r", wanted))
+    assert step.contact.outcome.status == "converged"
+    assert step.contact.contact_points == 1024
+    assert step.contact.note == "a_r jumps from 0 to 0.25: the least at any load"
+    assert step.pairs < 20
+
+
+def test_areas_that_no_load_has():
+    """A sweep of them stays where the least area was found."""
+    high = np.arange(64) % 16 < 8
+    sweep = sweep_over(0.01 * np.outer(high, high), accuracy=1e-3)
+    pressures = [sweep.solve(Prescribed("a_r", wanted)).contact.p_mean for wanted in (0.1, 0.01, 0.2, 1 / 4096)]
+    assert pressures == pytest.approx([pressures[0]] * 4, rel=0.1)
+
+
+@pytest.mark.parametrize("points", [4, 64, 128, 254])
+def test_an_area_that_begins_with_all_points(points):
+    """A small surface whose points all touch on the way."""
+    sweep = sweep_over(1e-2 * random_heights((16, 16), seed=5), accuracy=1e-3)
+    assert sweep.solve(Prescribed("a_r", 1.0)).contact.contact_points == 256
+    step = sweep.solve(Prescribed("a_r", points / 256))
+    assert step.contact.outcome.status == "converged"
+    assert abs(step.contact.contact_points - points) <= 1
+
+
+@pytest.mark.parametrize("wanted", [0.3, 0.6, 0.9])
+def test_an_area_between_flat_tops(wanted):
+    """On a thin layer the ground between them closes in jumps that are not seen beforehand: one that two loads enclose is one."""
+    high, layer = np.arange(64) % 16 < 8, body_of(Material(**LAYER), (False, False))
+    sweep, plain = (sweep_over(0.01 * np.outer(high, high), accuracy=1e-3, body=layer) for _ in range(2))
+    found = sweep.solve(Prescribed("a_r", wanted))
+    assert found.contact.outcome.status == "converged"
+    assert found.pairs < 10 * plain.solve(found.contact.p_mean).pairs
+    assert abs(quantity_of(found, "a_r") - wanted) < 1e-3 * wanted or "a_r jumps" in found.contact.note
 
 
 @pytest.mark.parametrize(("free", "wanted"), [((False, False), 0.05), ((True, True), 0.01)], ids=str)

@@ -33,6 +33,13 @@ def test_numbers(dtype):
         assert np.all((found <= there * (1 + 1e-6)) & (found >= there * (1 - 1 / 128)))
 
 
+def test_a_zero_may_have_a_sign():
+    """It is counted as any other, and nothing is counted beside the counts."""
+    counts = np.zeros(NUMBERS + 1, np.int64)
+    count_margins(np.array([[-0.0, 0.0, -1.0]]), np.zeros((1, 3)), False, counts[:NUMBERS])
+    assert (counts[0], counts[NUMBERS]) == (3, 0)
+
+
 def next_jump(solver, contact, points, rate, error):
     return Staircase.of(solver, contact, points, rate).jump(abs(points), error)
 
