@@ -26,6 +26,8 @@ Rows = Callable[[int, int, np.ndarray], None]  # makes rows i0..i1 of a field in
 Columns = Callable[[np.ndarray, int], None]  # changes block m of the columns of a spectrum
 
 ROUNDING = 2.5  # rms of the error of K h over the rms of h, in units of the working precision: the largest seen
+TRANSFORMED = 1.5  # of a transformed K u over the rms of u about its mean, likewise
+EVERY = 8  # rows of which one says what the mean is
 
 
 @dataclass(frozen=True)
@@ -98,21 +100,33 @@ class Problem:
     def rounding(self) -> float:
         """The rms error of the pressure that comes from storing h in the working precision, and the displacement beyond the surface,
         which is of the order of p_cell times the size of the cell. Collective."""
-        beyond = self.p_cell * np.sqrt(self.grid.cell_points) if self.grid.padded else 0.0
+        beyond = self.sunk if self.grid.padded else 0.0
         return ROUNDING * float(np.finfo(self.dtype).eps) * float(np.hypot(self.root_mean_square, beyond))
 
-    def displacement_rows(self, g: np.ndarray) -> Rows:
-        """fill(i0, i1, x): rows of u = g - h (g itself beyond the surface), or of g where `adder` does the rest; x may be of another
-        precision."""
+    @property
+    def sunk(self) -> float:
+        """How much the displacement varies where nothing but the load limits it, about."""
+        return float(self.p_cell * np.sqrt(self.grid.cell_points))
+
+    def noise(self, h_rms: float) -> float:
+        """The rms error of the pressure from transforms in the working precision, at most; h_rms: of the heights."""
+        varies = h_rms if self.h is None else self.sunk if self.grid.padded else min(h_rms, self.sunk)
+        return TRANSFORMED * float(np.finfo(self.dtype).eps) * varies
+
+    def level(self, g: np.ndarray) -> float:
+        """The mean of what is transformed of u = g - h, about. K does not see it, but rounding errors go with it. Collective."""
+        few = g[::EVERY]
+        heights = 0.0 if self.h is None else self.h[::EVERY].sum()
+        total, points = self.grid.comm.sum([few.sum() - heights, few.size])
+        return float(total / points)
+
+    def displacement_rows(self, g: np.ndarray, level: float) -> Rows:
+        """fill(i0, i1, x): rows of u - level, u = g - h (g itself beyond the surface), or of g where `adder` does the rest; x may be of
+        another precision."""
         from .kernels.certify import displacement_rows
 
-        if self.h is not None:
-            return lambda i0, i1, x: displacement_rows(g, self.h, x, i0, i1)
-
-        def fill(i0: int, i1: int, x: np.ndarray) -> None:
-            x[: i1 - i0] = g[i0:i1]
-
-        return fill
+        h = np.zeros((0, 0), self.dtype) if self.h is None else self.h
+        return lambda i0, i1, x: displacement_rows(g, h, x, i0, i1, level)
 
     def adder(self, fft: SlabFFT) -> Columns | None:
         """What completes the columns of u after a transform of its rows: None where the rows are those of u already."""

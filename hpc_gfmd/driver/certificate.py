@@ -80,7 +80,8 @@ def certify(problem: Problem, g: np.ndarray, p: np.ndarray, levels: Multilevel |
     p0, N = float(problem.p0), grid.N
     passes = elastic.fft.passes()
 
-    elastic.pressure_rows(problem.displacement_rows(g), passes)
+    level = problem.level(g)
+    elastic.pressure_rows(problem.displacement_rows(g, level), passes)
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
     parts = elastic.use_rows(lambda i0, i1, x: kkt_residuals(g, p, x, problem.p_cell, grid.inside, i0, i1), passes)
     found, largest = zip(*parts) if parts else ([KktSums(*[0.0] * 7)], [KktExtremes(0.0, 0.0)])
@@ -107,7 +108,7 @@ def certify(problem: Problem, g: np.ndarray, p: np.ndarray, levels: Multilevel |
             complementarity=float(sums.pg / work) if gap > 0 else 0.0,
             load_balance=float(abs(closed_p / N - p0) / p0), duality_gap=duality_gap, residual=float(np.sqrt(sums.open_pp / N) / p0),
             errors=errors, energy=float(0.5 * uKu / N + rest), uKu=float(uKu),
-            approach=float(problem.p_cell / uniform - mean) if uniform else np.nan,
+            approach=float(problem.p_cell / uniform - mean - level) if uniform else np.nan,
             contact=int(contact) if np.isfinite(contact) else 0, gap_mean=float(gap / N), pairs=elastic.pairs,
             precision=np.dtype(dtype).name)
 

@@ -84,7 +84,7 @@ class LowMemorySweep(Sweep):
 
     def _rounding_counts(self, problem: Problem) -> bool:
         """Not where double precision would take tables, too."""
-        return not self.body.table_share and problem.rounding > NOISE_IN_TURN * counting(self.target, problem.p0)
+        return not self.body.table_share and self._noise(problem) > NOISE_IN_TURN * counting(self.target, problem.p0)
 
 
 def _give_back() -> None:

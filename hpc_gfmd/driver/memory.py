@@ -14,7 +14,7 @@ from ..errors import SceneError
 from ..grid import Grid
 from ..parallel.comm import Comm
 from ..parallel.guard import agree
-from ..problem import ROUNDING
+from ..problem import TRANSFORMED
 from ..registry import body_of
 from ..scene import Scene
 from ..surface import cell_of
@@ -25,7 +25,6 @@ FIELDS, STEP = 2, 0.5  # g, p; d, which has half the width; and h, which in low 
 SOLVER = 4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
 TANGENT = 4
 SAMPLES = 200  # wave numbers of a spectrum
-BELOW_TOP = 3.6  # root mean square of the depth below the highest peak, over h_rms, on surfaces with a few waves of the longest kind
 PIECE_GIB = 1 / 16  # of a field that is written at a time
 MODES_GIB = 0.025  # while the modes are made that free edges couple
 PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
@@ -129,9 +128,8 @@ def _in_double(scene: Scene, n: tuple[int, int], cell: tuple[int, int]) -> bool:
         return False
     q = np.geomspace(1, surface.lam_l_over_lam_s, SAMPLES) * 2 * np.pi / (surface.lam_l_over_lam_s * surface.lam_s_over_a)
     h_rms = np.sqrt(np.trapezoid(q ** (-1 - 2 * surface.hurst), q) / np.trapezoid(q ** (1 - 2 * surface.hurst), q))
-    beyond = p_star * math.prod(n) / math.sqrt(math.prod(cell)) if n != cell else 0.0
-    rounding = ROUNDING * float(np.finfo(np.float32).eps) * math.hypot(BELOW_TOP * h_rms, beyond)
-    return bool(rounding > NOISE_IN_TURN * counting(scene.solver, p_star))
+    varies = p_star * math.prod(n) / math.sqrt(math.prod(cell)) if n != cell else h_rms
+    return bool(TRANSFORMED * float(np.finfo(np.float32).eps) * varies > NOISE_IN_TURN * counting(scene.solver, p_star))
 
 
 def available_gib() -> float:

@@ -44,8 +44,7 @@ CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
 FEW_POINTS = 6  # points on the wrong side that single precision may have
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
-# Of what counts, over Problem.rounding, of which the certificate sees a third; in low memory double precision takes more time
-NOISE, NOISE_IN_TURN = 0.2, 0.8
+NOISE, NOISE_IN_TURN = 0.2, 0.3  # Problem.noise over what counts; in low memory double precision takes more time
 
 
 @dataclass(frozen=True)
@@ -271,7 +270,10 @@ class Sweep:
         """Whether rounding errors of the pressure may, which the certificate cannot tell from pressure out of contact: those of single
         points where few of them touch, or few do not."""
         few = few_points(problem.grid.N, problem.p0, self.target.accuracy) or problem.p0 >= HALF_SPACE.full_p_star
-        return few or problem.rounding > NOISE * counting(self.target, problem.p0)
+        return few or self._noise(problem) > NOISE * counting(self.target, problem.p0)
+
+    def _noise(self, problem: Problem) -> float:
+        return problem.noise(self.surface.h_rms / self.surface.height_unit)
 
     def _reset_counts(self) -> None:
         """A load begins."""

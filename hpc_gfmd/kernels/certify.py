@@ -34,14 +34,14 @@ class KktExtremes(NamedTuple):
 
 
 @kernel
-def displacement_rows(g, h, x, i0, i1):
-    """x = u = g - h in the precision of x, rows from 0; x = g beyond h."""
+def displacement_rows(g, h, x, i0, i1, level):
+    """x = u - level, u = g - h, in the precision of x, rows from 0; u = g beyond h."""
     for i in range(i0, i1):
         m = points_inside(i, h.shape)
         for j in range(m):
-            x[i - i0, j] = x.dtype.type(g[i, j]) - x.dtype.type(h[i, j])
+            x[i - i0, j] = 1.0 * g[i, j] - 1.0 * h[i, j] - level
         for j in range(m, np.uint64(g.shape[1])):
-            x[i - i0, j] = g[i, j]
+            x[i - i0, j] = 1.0 * g[i, j] - level
 
 
 @kernel

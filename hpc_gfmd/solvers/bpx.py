@@ -88,7 +88,7 @@ class Bpx(Solver):
             self.g[...] = g
         self.p[...] = self.p_cell
         self.d[...] = 0
-        self.elastic.pressure_rows(self.problem.displacement_rows(self.g), self.passes)
+        self.elastic.pressure_rows(self.problem.displacement_rows(self.g, self.problem.level(self.g)), self.passes)
         self.uKu = float(self.grid.comm.sum([self.elastic.pressure_columns(self.problem.adder(self.elastic.fft))])[0])
         self._begin(self._update(1.0))
 

@@ -52,7 +52,7 @@ class Ccg(Solver):
     def start(self, g: np.ndarray) -> None:
         p0, inside = self.real(self.p_cell), self.grid.inside
         self.g[...] = g
-        self.elastic.pressure_rows(self.problem.displacement_rows(self.g))
+        self.elastic.pressure_rows(self.problem.displacement_rows(self.g, self.problem.level(self.g)))
         self.elastic.pressure_columns()
         load, = self._sum(self.elastic.use_rows(
             lambda i0, i1, x: kernels.start_pressure(self.g, self.iterate, x, p0, inside, i0, i1)), 1)
@@ -68,7 +68,7 @@ class Ccg(Solver):
         scale = self.real(p0 / self.p0)
         self.p0 = float(p0)
         x = np.empty((self.elastic.fft.R, self.grid.n[1]), self.problem.dtype)
-        fill = self.problem.displacement_rows(self.gap0)
+        fill = self.problem.displacement_rows(self.gap0, 0.0)
 
         def scaled(i0: int, i1: int) -> tuple[float, float]:
             fill(i0, i1, x)

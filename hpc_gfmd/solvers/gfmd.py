@@ -53,7 +53,7 @@ class Gfmd(Solver):
         self.g[...] = g
         self.p[...] = self.p_cell
         self.d[...] = 0
-        self.elastic.pressure_rows(self.problem.displacement_rows(self.g))
+        self.elastic.pressure_rows(self.problem.displacement_rows(self.g, self.problem.level(self.g)))
         self.elastic.pressure_columns()
         self._measure(self.elastic.use_rows(self._update))
         self._begin()

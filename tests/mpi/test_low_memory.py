@@ -11,7 +11,7 @@ from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import build_surface
 
 pytestmark = pytest.mark.mpi
-P_STAR, RESIDUAL = 0.002, 4e-4
+P_STAR, RESIDUAL = 0.002, 2e-4
 
 
 def solved(comm):
