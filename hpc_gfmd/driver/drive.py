@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from .certificate import Certificate, certify
 
 if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
+    from .closing import Closing
     from .search import Search
 
     Watch = Callable[[int, Progress], Any]
@@ -29,7 +30,8 @@ UNKNOWN = 1.0
 class Target:
     """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per load; certificate_dtype: precision
     of the certificate; duality: whether it has to give the duality gap; in_turn: whether its transforms take the memory of those of the
-    solver, and of its last step."""
+    solver, and of its last step; closes: whether the load is to be the least that closes the gap: a point that is about to open is no
+    error of the area then, nor of the gap."""
 
     accuracy: float | None = None
     residual: float | None = None
@@ -37,6 +39,7 @@ class Target:
     certificate_dtype: DTypeLike = np.float64
     duality: bool = False
     in_turn: bool = False
+    closes: bool = False
 
     @property
     def tolerance(self) -> float:
@@ -76,10 +79,10 @@ class Outcome:
 
 
 def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: LoopState | None = None,
-          search: Search | None = None) -> Outcome:
+          search: Search | Closing | None = None) -> Outcome:
     """Iterate. watch(iterations, progress), if given, is called after every step and returns a true value to stop.
 
-    search: the search.Search for the load, where that is not given.
+    search: for the load, where that is not given.
 
     loop: the LoopState of this load where its beginning was before a checkpoint; it is kept up to date.
     On return solver.p is the fresh pressure of the certificate, in the solver's precision.
@@ -147,6 +150,8 @@ def certificate_of(solver: Solver, target: Target) -> Certificate:
     if target.in_turn:
         solver.grid.forget_fft(target.certificate_dtype)
         solver.take_room()
+    if target.closes and found.contact == solver.N:
+        found = replace(found, errors=(0.0, 0.0, found.errors[2]))
     return found
 
 
@@ -161,7 +166,9 @@ def _measure(progress: Progress, target: Target) -> float:
 
 def _area_may_be_known(solver: Solver, progress: Progress, target: Target) -> bool:
     """Whether the certificate may find the area as accurate as asked: a look at all points, but no transform."""
-    return target.accuracy is None or progress.estimates is None or solver.expected_area(progress.estimates[1]) < target.accuracy
+    if target.accuracy is None or target.closes or progress.estimates is None:
+        return True
+    return solver.expected_area(progress.estimates[1]) < target.accuracy
 
 
 def _left(target: Target, certificate: Certificate) -> float:

@@ -45,8 +45,7 @@ class LowMemorySweep(Sweep):
         return None, 0.0  # the nested start finds out
 
     def _begin(self, problem: Problem, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None) -> None:
-        near = self.solver is not None and self._near(problem.p0)
-        if arrays is None and near:
+        if arrays is None and self._goes_on_at(problem.p0):
             self._reset_counts()
             self.solver.continue_at(problem.p0)
             self._choose_certificate()
@@ -57,9 +56,7 @@ class LowMemorySweep(Sweep):
         memory = None if self.surface.grid.padded else h
         g, h_rms = memory, problem.root_mean_square
         if arrays is None:
-            # not kept: the transforms of coarser grids go with it
-            g, pairs = Nested(self.surface.grid, self.dtype, self.settings.accuracy).start(problem, self._make, memory, self._search)
-            self._spent += pairs
+            g = self._starting_gap(problem, memory)
             if self._search is not None:
                 problem = replace(problem, p0=self._search.on_next_grid(self._wall))
         if memory is not None:
@@ -77,6 +74,12 @@ class LowMemorySweep(Sweep):
             self.solver.refresh(fresh.uKu)
         else:
             self.solver.start(g)
+
+    def _starting_gap(self, problem: Problem, into: np.ndarray | None) -> np.ndarray:
+        self.nested = Nested(self.surface.grid, self.dtype, self.settings.accuracy)
+        g = super()._starting_gap(problem, into)
+        self.nested = None  # the transforms of coarser grids go with it
+        return g
 
     def _choose_certificate(self) -> None:
         super()._choose_certificate()

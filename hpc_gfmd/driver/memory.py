@@ -91,10 +91,17 @@ def memory_of(scene: Scene, n: tuple[int, int], sizes: tuple[float, ...], ranks:
     if low and itemsize == 4 and with_table == 1 and _in_double(scene, n, cell):
         # in turn with the solver's transforms, half as large, and d
         certificate = step
+    flat = field if any(free) and _closes(scene) else 0.0
     heights, all_heights = (rows * n[1] * kept / GIB for rows in (share.grid.inside[0], n[0]))
     levels += MODES_GIB if all(free) else 0.0
     process = PROCESS_GIB + THREADS_GIB * (threads > 1)
-    return Memory(FIELDS * field + step + levels + max(passing), heights, transforms, certificate, process, all_heights)
+    return Memory(FIELDS * field + step + levels + flat + max(passing), heights, transforms, certificate, process, all_heights)
+
+
+def _closes(scene: Scene) -> bool:
+    """Whether a load is to be full contact, for which a flat surface that ends is solved for and kept."""
+    name, values = scene.load.given
+    return any(value == (name == "a_r") for value in values)
 
 
 def largest_precision(scene: Scene, n: tuple[int, int]) -> np.dtype:

@@ -13,10 +13,12 @@ from numpy.typing import DTypeLike
 from ..bodies.halfspace import HALF_SPACE
 from ..contact import Contact
 from ..errors import SceneError
+from ..parallel import interrupt
 from ..problem import Problem
 from ..registry import solver_class
 from ..units import require_range, single_solves
 from .certificate import Certificate, certify, unseen_error
+from .closing import CLOSED, Closing
 from .curve import Curve
 from .drive import LoopState, Outcome, Target, drive
 from .nested import Nested, cold_gap
@@ -40,7 +42,6 @@ WARM_UP, WARM_DOWN = 1.45, 1.26  # a load up to so much larger or smaller starts
 # (not round numbers, nor the next one: p* has rounding errors)
 SAME_LOAD = 1e-9  # relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
-CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
 FEW_POINTS = 6  # points on the wrong side that single precision may have
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
@@ -99,6 +100,8 @@ class Sweep:
         self.solver_class = solver_class(settings.name)
         self.target = Target(settings.accuracy, settings.residual, settings.max_iterations, duality=duality)
         self._search: Search | None = None
+        self._closing: Closing | None = None
+        self._punch: np.ndarray | None = None  # see _flat_solution
         self._curve = Curve()
         self._set_precision(first_precision(settings))
 
@@ -130,12 +133,13 @@ class Sweep:
         if self._is_flat:
             assert not isinstance(load, Prescribed)  # refused by `pressures`
             return self._flat(load)
-        if midway and isinstance(load, Prescribed) and self._search is None:
+        if midway and isinstance(load, Prescribed) and not (self._search or self._closing):
             load = self.solver.p0 * self.E_star * self.surface.slope
         if not midway:
-            self._spent, self._search = 0.0, None
-            if isinstance(load, Prescribed) and load.closes and self.closes:
-                load = self._closing_pressure()
+            self._spent, self._search, self._closing = 0.0, None, None
+            if isinstance(load, Prescribed) and load.closes and (self.closes or self.solver_class.holds_tension):
+                self._closing = Closing(self.settings.tolerance, self._flat_solution())
+                load = self._closing_pressure() if self.closes else load
             elif isinstance(load, Prescribed):
                 self._search = self._curve.search(load, self.surface, self._wall, self.settings.tolerance)
         promote = self.settings.precision == "auto" and self.dtype == np.float32
@@ -168,7 +172,7 @@ class Sweep:
             numbers |= {"p0": self.solver.p0, "own": own}
         if upcoming is None:
             numbers |= {"loop": asdict(self.loop), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs,
-                        "search": self._search and asdict(self._search)}
+                        "search": self._search and asdict(self._search), "closing": self._closing is not None}
         return arrays, numbers
 
     def restore(self, arrays: Slabs, numbers: dict[str, Any], load: float | Prescribed) -> None:
@@ -176,11 +180,13 @@ class Sweep:
 
         Collective. arrays: function of the grid, gives local slabs. Raises SceneError for the state of another load or version.
         """
+        self._spent = 0.0
         if numbers["dtype"] != self.dtype:
             self._set_precision(numbers["dtype"])
         try:
             self._curve = Curve(**numbers["curve"])
             self._search = Search.restored(numbers["search"]) if numbers.get("search") else None
+            self._closing = Closing(self.settings.tolerance, self._flat_solution()) if numbers.get("closing") else None
         except (KeyError, TypeError):
             raise SceneError(OTHER_VERSION) from None
         if "p0" in numbers:
@@ -205,8 +211,9 @@ class Sweep:
     def _p_star(self, load: float | Prescribed) -> float:
         if not isinstance(load, Prescribed):
             return load / (self.E_star * self.surface.slope)
-        assert self._search is not None
-        return self._search.p0
+        found = self._closing or self._search
+        assert found is not None
+        return found.p0
 
     def _solve(self, load: float | Prescribed, watch: Watch | None, midway: bool, promote: bool = False) -> Step | None:
         """promote: give None back where the search on coarser grids finds that single precision is too little."""
@@ -221,7 +228,7 @@ class Sweep:
             if promote and self._search is not None and self._too_little(self._search.p0):
                 return None
         solver = self.solver
-        outcome = drive(solver, self.target, watch, self.loop, self._search)
+        outcome = drive(solver, self.target, watch, self.loop, self._closing or self._search)
         pairs = self._spent + (solver.pairs - self._first_pairs) + outcome.check_pairs
         p_mean = solver.p0 * self.E_star * self.surface.slope if isinstance(load, Prescribed) else load
         return self._step(p_mean, solver.g, solver.p, outcome, solver.iterations, pairs)
@@ -234,7 +241,7 @@ class Sweep:
 
     def _begin(self, problem: Problem, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None) -> None:
         """Make or reuse the solver and give it a start: a state, the load before, coarser grids, or a flat plane."""
-        warm = arrays is None and self.solver is not None and self._near(problem.p0)
+        warm = arrays is None and self._goes_on_at(problem.p0)
         g = None
         if arrays is None and not warm:
             g = self._starting_gap(problem, self.solver.g if self.solver is not None else None)
@@ -264,7 +271,8 @@ class Sweep:
     def _choose_certificate(self) -> None:
         """Its precision, and that of the first pressure: double where rounding errors would count."""
         double = self._rounding_counts(self.solver.problem_now)
-        self.target = replace(self.target, certificate_dtype=np.float64 if double else self.dtype.type)
+        dtype = np.float64 if double else self.dtype.type
+        self.target = replace(self.target, certificate_dtype=dtype, closes=self._closing is not None)
 
     def _rounding_counts(self, problem: Problem) -> bool:
         """Whether rounding errors of the pressure may, which the certificate cannot tell from pressure out of contact: those of single
@@ -288,6 +296,10 @@ class Sweep:
         self._first_pairs -= numbers.get("pairs", 0.0)
 
     def _starting_gap(self, problem: Problem, into: np.ndarray | None) -> np.ndarray:
+        if self._closing is not None:
+            g = self.surface.grid.empty(self.dtype) if into is None else into
+            g[...] = 0
+            return g
         if self.nested is None:
             if self._search is not None:
                 self._search.on_coarsest_grid()
@@ -300,6 +312,10 @@ class Sweep:
         """A solver; g: memory for its gap, which it may take over."""
         taken = {"g": g} if g is not None and self.solver_class.takes_gap else {}
         return self.solver_class(problem, self.settings.options, **taken)
+
+    def _goes_on_at(self, p_star: float) -> bool:
+        """Whether a load starts from the present state."""
+        return self.solver is not None and self._closing is None and self._near(p_star)
 
     def _near(self, p_star: float) -> bool:
         ratio = p_star / self.solver.p0
@@ -318,13 +334,30 @@ class Sweep:
         tension, largest = problem.grid.comm.max([-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))])
         return (1 + tension + CLOSED * float(np.finfo(p.dtype).eps) * largest) * self.E_star * self.surface.slope
 
+    def _flat_solution(self) -> np.ndarray | None:
+        """What a Closing needs, solved for once: None where the surface does not end. Collective."""
+        if self.surface.grid.padded and self._punch is None:
+            self.solver = None  # its memory is needed now
+            comm, (rows, points) = self.surface.grid.comm, self.surface.grid.inside
+
+            def flat(dtype: np.dtype) -> Surface:
+                return replace(self.surface, h=np.zeros((rows, points), dtype), h_rms=0.0, g_rms=0.0, checksum=None)
+
+            step = type(self)(flat, self.settings, body=self.body).solve(1.0, lambda *_: interrupt.check(comm))
+            self._spent += step.pairs
+            self._punch = step.contact.g
+            self._punch[:rows, :points] = step.contact.p[:rows, :points]
+        return self._punch
+
     def _full_contact(self, problem: Problem) -> tuple[tuple[np.ndarray, np.ndarray, Outcome] | None, float]:
         """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and the pairs spent on finding out."""
-        if problem.p0 < self.body.full_p_star:
-            return None, 0.0
-        likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
-        if not likely:
-            return None, pairs
+        pairs = 0.0
+        if self._closing is None:
+            if problem.p0 < self.body.full_p_star:
+                return None, 0.0
+            likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
+            if not likely:
+                return None, pairs
         g, p = np.zeros_like(problem.h), np.empty_like(problem.h)
         certificate = certify(problem, g, p, dual=self.target.duality)
         pairs += certificate.pairs

@@ -33,6 +33,7 @@ class Ccg(Solver):
     nests = False  # a pressure from a coarser grid is a bad start
     state_names = ("g", "p", "iterate", "gap0", "t")
     scalar_names = ("offset", "shift", "ee", "below", "contact", "gap", "previous", "fresh", "iterations")
+    holds_tension = False
     allowed = {"preconditioned": (0, 1)}
 
     def __init__(self, problem: Problem, options: dict[str, float] | None = None):

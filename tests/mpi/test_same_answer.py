@@ -68,6 +68,15 @@ def test_prescribed(comm, quantity, value, low_memory):
 
 
 @pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
+def test_a_gap_that_closes(comm, boundary):
+    found, wanted = (sweep_of(rough((2, 16, 2), boundary=boundary), comm=world, accuracy=1e-6) for world in (comm, SerialComm()))
+    steps = [sweep.solve(Prescribed("a_r", 1.0)) for sweep in (found, wanted)]
+    assert steps[0].contact.contact_points == steps[0].contact.N
+    assert steps[0].contact.p_mean == pytest.approx(steps[1].contact.p_mean, rel=1e-6)
+    assert_same(comm, *steps, tolerance=1e-5)
+
+
+@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
 @pytest.mark.parametrize("surface", [rough((2, 16, 2)), rough((1, 31, 2.0), seed=3), {"kind": "sphere", "radius": 3.0, "n": [5, 33]}],
                          ids=["64x64", "62x62", "5x33"])
 def test_surfaces_that_end(comm, surface, boundary):

@@ -46,6 +46,27 @@ def test_the_state_of_another_version_is_refused():
     assert again.solve(load, midway=True).contact.outcome.status == "converged"
 
 
+@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"]], ids=str)
+def test_full_contact_goes_on_where_it_was(boundary):
+    surface, load = rough((2, 8, 2), boundary=boundary), Prescribed("a_r", 1.0)
+    whole, sweep, again = (sweep_of(surface, accuracy=1e-6) for _ in range(3))
+    states = []
+
+    def watch(iterations, _):
+        arrays, numbers = sweep.state()
+        states.append(({name: np.array(data) for name, data in arrays.items()}, numbers))
+        return iterations == 5
+
+    sweep.solve(load, watch)
+    held, numbers = states[-1]
+    again.restore(lambda _: held, numbers, load)
+    wanted, found = whole.solve(load), again.solve(load, midway=True)
+    assert found.contact.outcome.status == "converged"
+    assert found.contact.contact_points == found.contact.N
+    assert found.contact.p_mean == pytest.approx(wanted.contact.p_mean, rel=1e-12)
+    assert (found.iterations, found.pairs) == (wanted.iterations, wanted.pairs)
+
+
 def test_heights_that_change_while_a_run_goes_on(tmp_path):
     """They are read again where a load needs more than single precision."""
     path, z = tmp_path / "z.npy", random_heights((32, 32))
