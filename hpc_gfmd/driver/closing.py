@@ -11,12 +11,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .certificate import certify
+
 if TYPE_CHECKING:
+    from ..problem import Problem
     from ..solvers.base import Progress, Solver
     from .certificate import Certificate
 
 ROWS = 64  # looked at at a time
 CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
+
+
+def closing_pressure(problem: Problem) -> tuple[float, float]:
+    """The load of a surface that does not end, and the FFT pairs that this took. problem: at any load. Collective."""
+    g, p = np.zeros_like(problem.heights), np.empty_like(problem.heights)
+    pairs = certify(problem, g, p).pairs
+    tension, largest = problem.grid.comm.max([-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))])
+    return float(problem.p0 + tension + CLOSED * float(np.finfo(p.dtype).eps) * largest), pairs
 
 
 class Closing:

@@ -18,7 +18,7 @@ from ..problem import Problem
 from ..registry import solver_class
 from ..units import require_range, single_solves
 from .certificate import Certificate, certify, unseen_error
-from .closing import CLOSED, Closing
+from .closing import Closing, closing_pressure
 from .curve import Curve
 from .drive import LoopState, Outcome, Target, drive
 from .nested import Nested, cold_gap
@@ -327,12 +327,10 @@ class Sweep:
         return not self.surface.grid.padded
 
     def _closing_pressure(self) -> float:
-        """The least mean pressure (unit of E_star) at which u = -h is the solution: none is in tension. One FFT pair."""
-        problem = self._problem(1.0)
-        g, p = np.zeros_like(problem.h), np.empty_like(problem.h)
-        self._spent += certify(problem, g, p).pairs
-        tension, largest = problem.grid.comm.max([-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))])
-        return (1 + tension + CLOSED * float(np.finfo(p.dtype).eps) * largest) * self.E_star * self.surface.slope
+        """The least mean pressure (unit of E_star) at which u = -h is the solution."""
+        p0, pairs = closing_pressure(self._problem(1.0))
+        self._spent += pairs
+        return p0 * self.E_star * self.surface.slope
 
     def _flat_solution(self) -> np.ndarray | None:
         """What a Closing needs, solved for once: None where the surface does not end. Collective."""
