@@ -63,16 +63,19 @@ class State(NamedTuple):
     error: float
 
 
-def gap_error(state: State, gap: float, response: float, aligned: float, surface: float) -> float:
-    """Relative error of the mean gap.
+def gap_error(state: State, gap: float, response: float, aligned: float, surface: float) -> tuple[float, float]:
+    """Relative error of the mean gap, and of it what no iteration makes smaller, from S.
 
     gap: sum over all points; response: |v|_S, aligned: <v, S (p - p^)>, both by sums over levels; surface: Problem.self_energy.
     """
     e = state.e
     shift = min(e * ((state.norm + e) / state.p0 + surface), UNKNOWN * response * e + ALIGNED * abs(aligned))
-    if state.contact < state.N:
-        wide = np.sqrt(state.N - state.contact)
-        shift += state.error * state.p0 * min(LOADED * response**2, CORNER * np.sqrt(state.N) * wide * max(1, POCKET * wide))
+    wide = np.sqrt(state.N - state.contact)
+    unseen = state.error * state.p0 * min(LOADED * response**2, CORNER * np.sqrt(state.N) * wide * max(1, POCKET * wide))
+    return _relative(shift + unseen, gap), _relative(unseen, gap)
+
+
+def _relative(shift: float, gap: float) -> float:
     return float(shift / (gap - shift)) if shift < gap else (0.0 if shift == 0 else np.inf)
 
 

@@ -133,6 +133,8 @@ class Contact:
         if self.gap_mean < ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms:
             precision = "single" if self.g.dtype == np.float32 else "double"
             return f"the gap is all rounding at this load in {precision} precision"
+        if self.accuracy < self.certificate.unseen < np.inf:
+            return f"the mean gap is known to {self.certificate.unseen:.1g} at best: rounding errors, and of free edges"
         return None
 
     @cached_property

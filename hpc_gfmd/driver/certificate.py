@@ -37,7 +37,8 @@ class Certificate:
     """Relative violations. penetration: largest -g (problem's unit); tension: largest -p on closed points over p0; complementarity:
     mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact - p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for;
     residual: rms of p out of contact over p0.
-    errors: relative, estimated, of (area, mean gap, pressure field), nan if not asked for.
+    errors: relative, estimated, of (area, mean gap, pressure field), nan if not asked for; unseen: of the mean gap, what no iteration
+    makes smaller.
     energy: elastic energy per area, and approach: how far the bodies have come together since they touched, without any deformation,
     both in the problem's unit; a half-space that is periodic gives way to a uniform pressure without end: it has no approach (nan),
     nor, periodic along one axis only, an energy (its own part is left out where it is periodic along both); uKu: <u, K u>;
@@ -50,6 +51,7 @@ class Certificate:
     duality_gap: float | None = None
     residual: float = 0.0
     errors: tuple[float, float, float] = (np.nan, np.nan, np.nan)
+    unseen: float = 0.0
     energy: float = 0.0
     approach: float = np.nan
     uKu: float = 0.0
@@ -102,24 +104,24 @@ def certify(problem: Problem, g: np.ndarray, p: np.ndarray, levels: Multilevel |
     uniform = elastic.multipliers.uniform
     rest = 0.5 * p0 * problem.p_cell / uniform if uniform else 0.0
     with np.errstate(invalid="ignore", over="ignore"):
-        errors = Certificate.errors if levels is None else _errors(problem, levels, g, p, sums, uKu)
+        errors, unseen = (Certificate.errors, 0.0) if levels is None else _errors(problem, levels, g, p, sums, uKu)
         return Certificate(
             penetration=float(extremes.penetration), tension=float(extremes.tension / p0),
             complementarity=float(sums.pg / work) if gap > 0 else 0.0,
             load_balance=float(abs(closed_p / N - p0) / p0), duality_gap=duality_gap, residual=float(np.sqrt(sums.open_pp / N) / p0),
-            errors=errors, energy=float(0.5 * uKu / N + rest), uKu=float(uKu),
+            errors=errors, unseen=unseen, energy=float(0.5 * uKu / N + rest), uKu=float(uKu),
             approach=float(problem.p_cell / uniform - mean - level) if uniform else np.nan,
             contact=int(contact) if np.isfinite(contact) else 0, gap_mean=float(gap / N), pairs=elastic.pairs,
             precision=np.dtype(dtype).name)
 
 
 def _errors(problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, sums: KktSums,
-            uKu: float) -> tuple[float, float, float]:
-    """Relative errors of area, mean gap and pressure field; sums: KktSums of all ranks."""
+            uKu: float) -> tuple[tuple[float, float, float], float]:
+    """Relative errors of area, mean gap and pressure field, and `unseen`; sums: KktSums of all ranks."""
     grid, N, p0 = problem.grid, problem.grid.N, float(problem.p0)
     contact, gap, closed_pp = sums.contact, sums.gap, sums.closed_pp
     if not (contact > 0 and np.isfinite([sums.open_pp, closed_pp, gap, uKu]).all()):
-        return np.inf, np.inf, np.inf
+        return (np.inf, np.inf, np.inf), 0.0
     compliance = 1.0 / problem.body.scale(grid)
     excess = 1 - N * p0 / sums.closed_p  # p - p^ is p out of contact, and so much of it in contact
     levels.restrict(g, p, excess)
@@ -129,17 +131,18 @@ def _errors(problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, 
     norm, product = levels.response(contact, tt, ts, excess * sums.closed_p + rt, rs, 0.0)
     response, aligned = np.sqrt(compliance * norm) / share, compliance * product / share
     state = State(np.sqrt(energy), np.sqrt(max(uKu, 0.0)), p0, contact, N, problem.body.error)
-    mean_gap = gap_error(state, gap, response, aligned, problem.self_energy)
+    mean_gap, unseen = gap_error(state, gap, response, aligned, problem.self_energy)
     pressure = pressure_error(state, 1.0 / problem.body.typical(grid), closed_pp)
 
     pattern = error_pattern(N * p0 - sums.closed_p, sums.open_pp, sums.open_p4, contact, N)
     wrong = misclassified_points(problem, g, p, compliance, pressure**2 * closed_pp, pattern)
     if contact == N and wrong == 0:
-        mean_gap = 0.0  # nothing is open, nor could be
+        mean_gap = unseen = 0.0  # nothing is open, nor could be
     elif gap > 0:
-        mean_gap += problem.rounding * (N - contact) / gap + STORED * float(np.finfo(problem.dtype).eps)
+        stored = problem.rounding * (N - contact) / gap + STORED * float(np.finfo(problem.dtype).eps)
+        mean_gap, unseen = mean_gap + stored, unseen + stored
     pressure = np.hypot(pressure, unseen_error(problem, contact, np.sqrt(closed_pp / contact)))
-    return relative_area(wrong, contact), float(mean_gap), float(pressure)
+    return (relative_area(wrong, contact), float(mean_gap), float(pressure)), float(unseen)
 
 
 def unseen_error(problem: Problem, contact: float, p_rms: float) -> float:

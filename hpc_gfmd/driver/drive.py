@@ -23,6 +23,7 @@ REFUSALS = 5  # times that the certificate may refuse without having come nearer
 AGAIN = 0.9  # a solver that was refused is certified again where its own numbers promise so much of what is asked
 DRIFT = 0.01  # of the residual, relative: above, the solver goes on from the fresh pressure
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
+ATTAINED = 1.5  # of the mean gap's error that no iteration makes smaller: there it is no use to go on
 UNKNOWN = 1.0
 
 
@@ -109,7 +110,7 @@ def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: Loop
             left = _left(target, certificate)
             met = search is None or search.met(solver, certificate)
             if left < 1 and met:
-                return Outcome("converged", certificate, loop.checks)
+                return Outcome(_status(target, certificate), certificate, loop.checks)
             if not left < 1 and measure < loop.threshold:
                 error = certificate.errors[2] if target.residual is None else certificate.residual
                 loop.refusals = loop.refusals + 1 if not error < IMPROVEMENT * loop.refused else 0
@@ -136,7 +137,7 @@ def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: Loop
             certificate = certificate_of(solver, target)
             met = search is None or search.met(solver, certificate)
             if status not in ("nonfinite", "interrupted") and met and _left(target, certificate) < 1:
-                status = "converged"
+                status = _status(target, certificate)
             return Outcome(status, certificate, loop.checks + certificate.pairs)
         solver.step()
         progress = solver.progress()
@@ -161,7 +162,8 @@ def _measure(progress: Progress, target: Target) -> float:
         return progress.residual / target.residual
     if progress.estimates is None:
         return UNKNOWN
-    return max(progress.estimates) / target.tolerance
+    gap, pressure = progress.estimates
+    return max(gap / _attainable(target, progress.unseen), pressure / target.tolerance)
 
 
 def _area_may_be_known(solver: Solver, progress: Progress, target: Target) -> bool:
@@ -177,4 +179,16 @@ def _left(target: Target, certificate: Certificate) -> float:
         return np.inf
     if target.residual is not None:
         return certificate.residual / target.residual
-    return max(certificate.errors) / target.tolerance
+    area, gap, pressure = certificate.errors
+    return max(area / target.tolerance, gap / _attainable(target, certificate.unseen), pressure / target.tolerance)
+
+
+def _attainable(target: Target, unseen: float) -> float:
+    """The error of the mean gap that is asked for, or that can be had."""
+    return max(target.tolerance, ATTAINED * unseen)
+
+
+def _status(target: Target, certificate: Certificate) -> str:
+    """Of what is as accurate as it will be."""
+    asked = target.residual is not None or max(certificate.errors) < target.tolerance
+    return "converged" if asked else "stagnated"

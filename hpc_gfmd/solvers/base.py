@@ -47,6 +47,8 @@ class Progress:
         Whether all numbers are.
     outlook : Outlook, or None
         None where the solver does not know.
+    unseen : float
+        As the certificate has it.
     """
 
     residual: float
@@ -55,6 +57,7 @@ class Progress:
     estimates: tuple[float, float] | None
     finite: bool = True
     outlook: Outlook | None = None
+    unseen: float = 0.0
 
 
 class Solver:

@@ -39,6 +39,8 @@ ALIKE = 1.35  # <v, S p> of the pressure in contact over p0 <v, S v>, v as in bo
 # surface ends, of the first for the mean of the displacement
 CLOSING, SHORTENED, SHIFT, LIFT = 0.03, 0.25, 0.62, 0.9
 
+NOTHING_KNOWN = (np.inf, np.inf), 0.0
+
 
 class Bpx(Solver):
     """The default solver. options: none. g: memory for the gap, taken over."""
@@ -221,10 +223,10 @@ class Bpx(Solver):
     def progress(self) -> Progress:
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         residual = np.sqrt(self.rr / self.N) / self.p0
-        estimates = self._estimates() if finite else (np.inf, np.inf)
-        return Progress(float(residual), self.contact, self.gap_mean, estimates, finite, self._outlook() if finite else None)
+        estimates, unseen = self._estimates() if finite else NOTHING_KNOWN
+        return Progress(float(residual), self.contact, self.gap_mean, estimates, finite, self._outlook() if finite else None, unseen)
 
-    def _estimates(self) -> tuple[float, float]:
+    def _estimates(self) -> tuple[tuple[float, float], float]:
         """What the certificate is expected to say: its bound from p on F alone, whose mean and scale are not yet put right.
 
         With r = p on F and the contact's load too small by the factor 1 + off: p^ - p = -r + off (p - r), and |p|_S = |u|_K.
@@ -232,7 +234,7 @@ class Bpx(Solver):
         closed = self.pp - self.rr
         load = self.p_cell - self.mean
         if self.contact == 0 or closed <= 0 or load <= 0:
-            return np.inf, np.inf
+            return NOTHING_KNOWN
         off = self.p_cell / load - 1
         norm = np.sqrt(max(self.uKu, 0.0))
         e = EXPECTED * (np.sqrt(EQUIVALENCE * self.compliance * self.r_norm) * (1 + abs(off)) + abs(off) * norm)
@@ -240,8 +242,9 @@ class Bpx(Solver):
         response, aligned = self._shift(off)
         pressure = pressure_error(state, self.typical_compliance, closed)
         if self.contact == self.N:  # the certificate says whether a point could open
-            return 0.0, pressure
-        return gap_error(state, self.gap_mean * self.N, response, aligned, self.problem.self_energy), pressure
+            return (0.0, pressure), 0.0
+        gap, unseen = gap_error(state, self.gap_mean * self.N, response, aligned, self.problem.self_energy)
+        return (gap, pressure), unseen
 
     def _shift(self, off: float) -> tuple[float, float]:
         """|v|_S and <v, S (p - p^)>, v as in bounds.py: what the mean gap is wrong by."""

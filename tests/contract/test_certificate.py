@@ -39,7 +39,7 @@ def in_contact(g, p):
 @pytest.mark.parametrize("wrong", [1e-9, 0.0])
 def test_a_wrong_estimate_is_vetoed(surface, monkeypatch, wrong):
     """A solver that believes from the first iteration on that it is there goes on until it is."""
-    monkeypatch.setattr(Bpx, "_estimates", lambda self: (wrong, wrong))
+    monkeypatch.setattr(Bpx, "_estimates", lambda self: ((wrong, wrong), 0.0))
     monkeypatch.setattr(Bpx, "expected_area", lambda self, pressure: wrong)
     outcome = drive(started(surface, 0.05), Target(accuracy=1e-4))
     exact = drive(started(surface, 0.05), Target(residual=1e-12)).certificate
