@@ -12,6 +12,7 @@ from .driver.sweep import Step, Sweep
 from .errors import SceneError
 from .fields import STORABLE
 from .observables.area import a_r_discretisation
+from .quantity import said
 from .registry import (
     all_distributions,
     body_of,
@@ -62,7 +63,7 @@ def _require_like_units(scene: Scene, surface: Surface) -> None:
         for number in (value if isinstance(value, tuple) else (value,)):
             if number and has_unit(number) != bool(surface.unit):
                 found, allowed = ("plain", f'"{example}"') if surface.unit else ("with a unit", "a plain number, as in the height map")
-                raise SceneError(f"{key}: found {number:g}, {found}, allowed with this height map: {allowed}")
+                raise SceneError(f"{key}: found {said(number)}, {found}, allowed with this height map: {allowed}")
 
 
 def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:

@@ -8,7 +8,7 @@ STEMS = (
     "adh", "cohes", "jkr ", "dmt ", "tabor", "maugis", "hamaker", "lennard", "van der waals", "surface energ", "surface tension",
     "interfacial", "capillar", "menisc", "gamma ", "friction", "coulomb", "cof ", "mu ", "stick ", "slip", "sliding", "shear",
     "tangential", "velocity ", "speed ", "plastic", "elastoplastic", "yield", "hardness", "hardening", "fracture", "crack", "fatigue",
-    "visco", "creep", "relaxation time", "prony ", "loss modul", "storage modul", "hystere", "dissipat", "lubric", "fluid", "oil ",
+    "visco", "creep", "relaxation time", "prony ", "loss ", "storage modul", "hystere", "dissipat", "lubric", "fluid", "oil ",
     "wear ", "archard", "temperature", "thermal", "thermo", "heat ", "pull off", "stiction", "humid", "electro",
 )
 

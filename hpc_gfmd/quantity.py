@@ -37,6 +37,17 @@ def parse(text: str, dimension: str) -> Quantity:
     return Quantity(float(found[1]) * factor(found[2], dimension), text)
 
 
+def said(given: float | None) -> str:
+    """What was given, as messages say it."""
+    return given.text if isinstance(given, Quantity) else f"{given:g}"
+
+
+def like(given: float, length: float) -> str:
+    """Another length, in the unit of the one that was given."""
+    found = _QUANTITY.fullmatch(given.text) if isinstance(given, Quantity) else None
+    return f"{length / factor(found[2]):.6g} {found[2]}" if found else f"{length:.6g}"
+
+
 @cache
 def factor(unit: str, dimension: str = "length") -> float:
     """One `unit` in the SI unit of a dimension. Raises ValueError for what is no unit of it."""

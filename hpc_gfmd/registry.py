@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import bodies, observables, solvers
 from .errors import SceneError
+from .quantity import said
 
 if TYPE_CHECKING:
     from .bodies.base import Body
@@ -52,7 +53,8 @@ def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Bod
     wanted = material.thickness, material.nu1, material.base, tuple(free)
     bodies_ = [body for cls in body_classes().values() if (body := cls.of(*wanted)) is not None]
     if not bodies_:
-        raise SceneError(f"material.thickness: found {material.thickness:g} with a free boundary, allowed: with periodic boundaries")
+        thickness = said(material.thickness)
+        raise SceneError(f"material.thickness: found {thickness} with a free boundary, allowed: with periodic boundaries")
     return bodies_[0]
 
 

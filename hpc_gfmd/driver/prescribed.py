@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..errors import SceneError
+from ..quantity import like, said
 
 if TYPE_CHECKING:
     from ..surface import Surface
@@ -39,7 +40,8 @@ def prescribed(name: str, values: Sequence[float], surface: Surface, wall: Wall,
     largest, gap = wall.top * surface.slope / unit, name != "approach"
     for value in values:
         if gap and not value < largest:
-            raise SceneError(f"load.{name}: found {value:g}, allowed: below {largest:.6g}, where the highest peak touches")
+            raise SceneError(f"load.{name}: found {said(value)}, allowed: below {like(value, largest)}, where the highest peak touches")
         if 0 < value < resolution * largest:
-            raise SceneError(f"load.{name}: found {value:g}, allowed: above {resolution * largest:.3g}, what rounding errors leave")
+            raise SceneError(f"load.{name}: found {said(value)}, allowed: above {like(value, resolution * largest)}, "
+                             "what rounding errors leave")
     return tuple(Prescribed("gap_mean" if gap else name, float(value) * unit) if value else Prescribed("a_r", 1.0) for value in values)

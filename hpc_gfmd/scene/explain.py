@@ -65,7 +65,8 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
         model = kinds[rest.pop(0)]
     path, key = printable(name), (name, *rest[:1])
     if item["type"] == "extra_forbidden":
-        return key, _unknown(rest[-1] if rest else name, model if rest else None, path, scene, kinds)
+        inner = item["input"] if not rest and isinstance(item["input"], dict) else ()
+        return key, _unknown(rest[-1] if rest else name, model if rest else None, path, scene, kinds, inner)
     if item["type"].startswith("union_tag"):
         return key, _kind(data[name].get("kind"), kinds)
     if not rest:
@@ -98,14 +99,15 @@ def _model(scene: Model, table: str) -> Model | None:
     return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
 
 
-def _unknown(name: str, model: Model | None, table: str, scene: Model, kinds: Mapping[str, Model]) -> str:
-    """An unknown key: the most similar one of the same table, and where the same name is a key of another one, that, too."""
+def _unknown(name: str, model: Model | None, table: str, scene: Model, kinds: Mapping[str, Model], inner: Iterable[str]) -> str:
+    """An unknown key: the most similar one of the same table, and where the same name is a key of another one, that, too. inner: its
+    own keys, if it is a table."""
     here = list((model or scene).model_fields)
     tables = {key: _model(scene, key) for key in scene.model_fields}
     elsewhere = {field: f"{key}.{field}" for key, other in tables.items() if other is not None for field in other.model_fields}
     elsewhere |= {field: f"surface.{field}" for kind in kinds.values() for field in kind.model_fields}
     path, prefix = (f"{table}.{printable(name)}", f"{table}.") if model else (table, "")
-    if is_not_modelled(name):
+    if any(map(is_not_modelled, (name, *inner))):
         return f"{path}: {ONLY}, allowed: {', '.join(here)}"
     guess = prefix + nearest(name, here)
     other = name if name in scene.model_fields else elsewhere.get(name, path)

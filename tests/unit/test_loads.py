@@ -1,6 +1,7 @@
 """Loads that are given by what they do: in scenes, in calls, in results."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -117,6 +118,8 @@ def test_units_of_a_height_map(tmp_path, monkeypatch, capsys):
     assert step["gap_mean"] == pytest.approx(2e-9, rel=1e-3)
     assert main(["run", "s.toml", "-q", "--force", "--set", "load={gap_mean = 2.0}"]) == 2
     assert 'load.gap_mean: found 2, plain, allowed with this height map: "50 nm"' in capsys.readouterr().err
+    assert main(["run", "s.toml", "-q", "--force", "--set", 'load={gap_mean = "50 um"}']) == 2
+    assert re.search(r"load.gap_mean: found 50 um, allowed: below 0.00\d+ um,", capsys.readouterr().err)
     assert main(["run", "s.toml", "-q", "--force", "--set", 'load={force = "1 uN"}']) == 0
     step, = read_result("contact.h5").steps
     assert (step["target_force"], step["p"]) == pytest.approx((1e-6, 1e6))

@@ -134,6 +134,7 @@ def test_what_is_not_modelled_is_said(name):
         assert message.startswith(f"{table}.{name}: not modelled (elastic, frictionless, non-adhesive contact only), allowed: ")
     for table in (1, {"coefficient": 0.3}):
         assert refusal(tables(**{name: table})).startswith(f"{name}: not modelled (elastic")
+    assert refusal(tables(physics={name: 1})).startswith("physics: not modelled (elastic")
     with pytest.raises(SceneError, match=r"solver.options: found .*, not modelled .* allowed for the solver 'gfmd': "):
         read_options("gfmd", {name: 1.0}, {"mass": (0, 1)})
 
