@@ -89,7 +89,7 @@ class Grid:
         """Physical grid spacings (a_x, a_y)."""
         return self.sizes[0] / self.n[0], self.sizes[1] / self.n[1]
 
-    @property
+    @cached_property
     def a(self) -> float:
         """The unit of in-plane length, sqrt(a_x a_y)."""
         return float(np.sqrt(self.spacings[0] * self.spacings[1]))

@@ -84,7 +84,7 @@ class Problem:
         """The mean pressure over the whole grid."""
         return self.p0 * (self.grid.N / self.grid.cell_points)
 
-    @property
+    @cached_property
     def self_energy(self) -> float:
         """sqrt(<v, S v>) of v = 1 on a surface that ends, 0 beyond, less its mean, at most; 0 where the surface is all there is.
 

@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
     MakeSolver = Callable[[Problem], Solver]
 
-COARSEST = 32  # points along an axis below which there is no coarser grid
+# Points along an axis below which there is no coarser grid, and twice as many where so many grids are finer: what they take counts less
+COARSEST, FINER = 32, 2
 # Residual of a coarse solution, of what its own start had (at most LARGE): so much less for each grid finer than it. What a finer grid
 # adds is about what this one added to the coarser: to solve it better than that is no use, but the coarser, the cheaper it is.
 # An accuracy that takes a few iterations needs a start without errors in long waves; where there are more iterations, they see to them.
@@ -74,11 +75,11 @@ class Decimation:
     starts: np.ndarray
 
     @classmethod
-    def of(cls, grid: Grid) -> Decimation | None:
-        """Of a grid, or None where that is coarse already. No memory, but communicators: collective."""
+    def of(cls, grid: Grid, finer: int = 0) -> Decimation | None:
+        """Of a grid than which so many are finer, or None where it is coarse already. No memory, but communicators: collective."""
         n = levels(grid)[1].n if grid.cell_points > 1 else (1, 1)
         coarsened = [a != b for a, b in zip(n, grid.n)]
-        if min((k for k, c in zip(n, coarsened) if c), default=0) < COARSEST:
+        if min((k for k, c in zip(n, coarsened) if c), default=0) < COARSEST * (2 if finer >= FINER else 1):
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
@@ -124,7 +125,7 @@ class Nested:
 
     def __init__(self, grid: Grid, dtype: DTypeLike, accuracy: float | None = None, finer: int = 0):
         """accuracy: that is asked for on the finest grid, None where it is a residual; finer: number of grids that are finer."""
-        self.grid, self.step = grid, Decimation.of(grid)
+        self.grid, self.step = grid, Decimation.of(grid, finer)
         self.coarser: Nested | None = None
         self.reduction = (REDUCTION if accuracy is None or accuracy < FEW else FEW_REDUCTION) ** (finer + 1)
         if self.step is not None and self.step.coarse is not None:
@@ -187,14 +188,15 @@ def _roughly_solved(problem: Problem, make_solver: MakeSolver, g: np.ndarray, re
     """A solver that has come from the gap g to a residual that is so much smaller, and to the load that `search`, if any, is after."""
     solver = make_solver(problem)
     solver.start(g)
-    enough = reduction * min(solver.progress().residual, LARGE)
+    progress = solver.progress()
+    enough = reduction * min(progress.residual, LARGE)
     for _ in range(ITERATIONS):
         interrupt.check(problem.grid.comm)
-        progress = solver.progress()
         near = search is None or search.near(solver, progress)
-        if not progress.finite or (near and solver.progress().residual <= enough):
+        if not progress.finite or (near and progress.residual <= enough):
             break
         solver.step()
+        progress = solver.progress()
     return solver
 
 

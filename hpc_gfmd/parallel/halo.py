@@ -7,6 +7,7 @@ gathered on fewer ranks. A rank talks to those alone whose rows or windows meet 
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -105,8 +106,14 @@ def _parts(pieces: Sequence[Piece], rows: np.ndarray) -> list[np.ndarray]:
 def rows_of(comm: Any, a: np.ndarray, starts: ArrayLike, lo: np.ndarray, hi: np.ndarray, n: int | None = None) -> np.ndarray:
     """The rows lo[rank] <= i < hi[rank] of the field of which this rank's part is a; rows that belong to nobody are 0. Collective."""
     window = np.zeros((*a.shape[:-2], int(hi[comm.rank] - lo[comm.rank]), a.shape[-1]), a.dtype)
-    Windows(comm.rank, starts, lo, hi, n).fill(comm, a, window)
+    _windows(comm.rank, n, *(np.asarray(rows, np.int64).tobytes() for rows in (starts, lo, hi))).fill(comm, a, window)
     return window
+
+
+@lru_cache(maxsize=64)
+def _windows(rank: int, n: int | None, *rows: bytes) -> Windows:
+    starts, lo, hi = (np.frombuffer(one, np.int64) for one in rows)
+    return Windows(rank, starts, lo, hi, n)
 
 
 def neighbours(comm: Any, a: np.ndarray, starts: np.ndarray, width: int,

@@ -10,6 +10,7 @@ One iteration is three passes over memory: `projected_step` + row transforms, co
 The displacement itself never appears: with the gap g = u + h and p = p0 + K u, steps change both by the same d and K d.
 """
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -64,8 +65,12 @@ class Bpx(Solver):
         self.closing = 0.0
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
         self.typical_compliance = 1.0 / body.typical(grid)
-        self.gradient = 1.0 / (GRADIENT * self.compliance * body.bounds(grid)[1])
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
+
+    @cached_property
+    def gradient(self) -> float:
+        """The length of a projected gradient step."""
+        return 1.0 / (GRADIENT * self.compliance * self.problem.body.bounds(self.grid)[1])
 
     def _make_scratch(self) -> None:
         """Rows for each thread."""
