@@ -116,9 +116,8 @@ def misclassified_points(problem: Problem, g: np.ndarray, p: np.ndarray, complia
         return 0.0
     bins = np.zeros((2, BINS))
     grid = problem.grid
-    g, p = (x[:grid.inside[0], :grid.inside[1]] for x in (g, p))
-    below = next_row(grid.comm, g[:1], np.minimum(grid.starts, grid.nominal[0]))
-    found = count_uncertain(g, p, below, compliance, TIE * rounding if double else 0.0, sure, largest, bins)
+    below = next_row(grid.comm, g[:min(grid.inside[0], 1)], np.minimum(grid.starts, grid.nominal[0]))
+    found = count_uncertain(g, p, grid.inside, below, compliance, TIE * rounding if double else 0.0, sure, largest, bins)
     *counts, contact, along, across = grid.comm.sum([*bins.ravel(), *found])
     edges = min(along, across)  # of the longer chords
     together = max(pattern.coherence, 2 * contact > LONG * edges) if pattern.spread > FEW * contact else 0.0

@@ -201,13 +201,12 @@ class Contact:
         grid = self.surface.grid
         if grid.N == 1:
             return 0, 0
-        rows, points = grid.inside
-        g, p = self.g[:rows, :points], self.p[:rows, :points]
-        below = halo.next_row(grid.comm, np.stack([g[:1], p[:1]]), np.minimum(grid.starts, grid.nominal[0]))
+        g, p, rows = self.g, self.p, grid.inside[0]
+        below = halo.next_row(grid.comm, np.stack([g[:min(rows, 1)], p[:min(rows, 1)]]), np.minimum(grid.starts, grid.nominal[0]))
         around_x, around_y = self.periodic
         if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
-            below = np.stack([g[-1], p[-1]])
-        along_x, along_y = grid.comm.sum(contact_edges(g, p, below[0], below[1], around_y))
+            below = np.stack([g[rows - 1], p[rows - 1]])
+        along_x, along_y = grid.comm.sum(contact_edges(g, p, grid.inside, below[0], below[1], around_y))
         return int(along_x), int(along_y)
 
     @property

@@ -70,7 +70,7 @@ class Problem:
         """sqrt(mean h^2). Collective where it is first asked for."""
         if self.h_rms is not None or self.h is None:
             return self.h_rms or 0.0
-        squares = np.einsum("ij,ij->", self.h, self.h, dtype=np.dtype(np.float64))
+        squares = np.einsum("ij,ij->i", self.h, self.h).sum(dtype=float)  # rows: sums that long would lose digits
         return float(np.sqrt(self.grid.comm.sum([squares])[0] / self.grid.N))
 
     @property

@@ -11,7 +11,7 @@ GROUP, ROUNDED = 32, 1.00001  # points that are looked at together; more than ro
 
 # Fields are local slabs (n_loc, n_y), x scratch (>= i1 - i0, n_y) that begins with row i0, h its part of the
 # nominal area. Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a
-# slab); beyond it g is the displacement u itself, and nothing is closed. `contact_edges` and `count_uncertain` get that part alone.
+# slab); beyond it g is the displacement u itself, and nothing is closed. Not a part of an array: its rows would not use vectors.
 
 
 class KktSums(NamedTuple):
@@ -78,11 +78,11 @@ def kkt_residuals(g, p, x, p0, inside, i0, i1):
 
 
 @kernel
-def open_moments(g, p):
+def open_moments(g, p, inside):
     """Sums of p^2 and p^4 off contact."""
     squares = fourth = 0.0
-    for i in range(g.shape[0]):
-        for j in range(g.shape[1]):
+    for i in range(inside[0]):
+        for j in range(inside[1]):
             p_open = 0.0 if g[i, j] <= 0 and p[i, j] > 0 else 1.0 * p[i, j]
             squares += p_open * p_open
             fourth += (p_open * p_open) * (p_open * p_open)
@@ -90,7 +90,7 @@ def open_moments(g, p):
 
 
 @kernel
-def count_uncertain(g, p, below, compliance, tie, sure, largest, counts):
+def count_uncertain(g, p, inside, below, compliance, tie, sure, largest, counts):
     """Count the points that errors of the pressure might move into contact or out of it, by the square of what that takes.
 
     It takes |p| where g <= 0, g/compliance elsewhere. counts (2, BINS), points in contact and out of it: bin k holds squares from
@@ -101,13 +101,14 @@ def count_uncertain(g, p, below, compliance, tie, sure, largest, counts):
     real = g.dtype.type
     reach, stiffness = real(ROUNDED * np.sqrt(largest)), real(1 / compliance)
     closed = along = across = 0
-    for i in range(g.shape[0]):
-        after = g[i + 1] if i + 1 < g.shape[0] else below
-        for j in range(g.shape[1]):
-            across += (g[i, j] <= 0) != (after[j] <= 0)
-        along += (g[i, 0] <= 0) != (g[i, -1] <= 0)
-        for j0 in range(0, g.shape[1], GROUP):
-            here, pressure, right = g[i, j0:j0 + GROUP], p[i, j0:j0 + GROUP], g[i, j0 + 1:j0 + GROUP + 1]
+    rows, n = inside
+    for i in range(rows):
+        row, after = g[i, :n], g[i + 1] if i + 1 < rows else below
+        for j in range(n):
+            across += (row[j] <= 0) != (after[j] <= 0)
+        along += (row[0] <= 0) != (row[-1] <= 0)
+        for j0 in range(0, n, GROUP):
+            here, pressure, right = row[j0:j0 + GROUP], p[i, j0:j0 + GROUP], row[j0 + 1:j0 + GROUP + 1]
             for j in range(here.shape[0]):
                 closed += here[j] <= 0
             for j in range(right.shape[0]):
@@ -145,12 +146,12 @@ def dual_rows(g, p, x, scale, inside, i0, i1):
 
 
 @kernel
-def contact_edges(g, p, below_g, below_p, around):
+def contact_edges(g, p, inside, below_g, below_p, around):
     """Segments between a contact point and a point out of contact, in this slab: those along x and those along y.
 
     below: the first row after the slab; around: whether the last point of a row is beside the first.
     """
-    rows, n = g.shape
+    rows, n = inside
     along_x = along_y = 0
     for i in range(rows):
         for j in range(n):

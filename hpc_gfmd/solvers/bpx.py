@@ -271,8 +271,7 @@ class Bpx(Solver):
         return Outlook(contact, self.gap_mean + rise, -LIFT * off * self.uKu / (self.N * self.p0) if self.grid.padded else rise)
 
     def expected_area(self, pressure: float) -> float:
-        rows, m = self.grid.inside
-        squares, fourth = self.grid.comm.sum(open_moments(self.g[:rows, :m], self.p[:rows, :m]))
+        squares, fourth = self.grid.comm.sum(open_moments(self.g, self.p, self.grid.inside))
         pattern = error_pattern(self.mean / self.p_cell * self.p0 * self.N, squares, fourth, self.contact, self.N)
         wrong = misclassified_points(self.problem, self.g, self.p, self.compliance, pressure**2 * (self.pp - self.rr), pattern)
         return EXPECTED * relative_area(max(wrong, self.changing), self.contact)

@@ -18,14 +18,14 @@ def test_kkt_residuals(random):
     assert np.array_equal(p, fresh)
     assert sums == pytest.approx(wanted, rel=1e-13)
     assert extremes == pytest.approx((max(-g.min(), 0), max((-fresh[g <= 0]).max(initial=0), 0)), rel=1e-13)
-    assert certify.open_moments(g, p) == pytest.approx(wanted[:2], rel=1e-13)
+    assert certify.open_moments(g, p, g.shape) == pytest.approx(wanted[:2], rel=1e-13)
 
 
 def test_uncertain_points(random):
     g, p = np.maximum(random.standard_normal((40, 50)), 0), random.standard_normal((40, 50))
     takes, contact = np.where(g > 0, g / 0.7, np.abs(p)) ** 2, (g <= 0) & (p > 0)
     counts = np.zeros((2, certify.BINS))
-    closed, *changes = certify.count_uncertain(g, p, g[0].copy(), 0.7, 0.05, 0.1, 0.5, counts)
+    closed, *changes = certify.count_uncertain(g, p, g.shape, g[0].copy(), 0.7, 0.05, 0.1, 0.5, counts)
     assert closed == np.sum(g <= 0)
     assert changes == [np.sum((g <= 0) != np.roll(g <= 0, 1, axis)) for axis in (1, 0)]
     edges = 0.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)
@@ -50,6 +50,7 @@ def test_contact_edges(random):
     closed = random.random((7, 6)) < 0.5
     g, p = np.where(closed, 0.0, 1.0), np.ones((7, 6))
     wanted = tuple(np.sum(closed != np.roll(closed, 1, axis)) for axis in (1, 0))
-    assert certify.contact_edges(g, p, g[0], p[0], True) == wanted
-    parts = certify.contact_edges(g[:3], p[:3], g[3], p[3], True), certify.contact_edges(g[3:], p[3:], g[0], p[0], True)
+    assert certify.contact_edges(g, p, g.shape, g[0], p[0], True) == wanted
+    parts = (certify.contact_edges(g[:3], p[:3], (3, 6), g[3], p[3], True),
+             certify.contact_edges(g[3:], p[3:], (4, 6), g[0], p[0], True))
     assert tuple(map(sum, zip(*parts, strict=True))) == wanted
