@@ -48,6 +48,7 @@ FAR, NEAR, CLOSE, TOGETHER, EDGE = 12.0, 1.8, 0.5, 1.5, 3
 # chords of the contact are LONG (points), but not where the error is one of single asperities (FEW: share of the contact's points).
 ANY_SIGN, ONE_SIGN, LONG, FEW = 0.2, 0.4, 16, 0.02
 SHARE, ASPERITY = 0.08, 10
+ALIKE = 0.75  # of all that take as little or less: so many within an octave of squares are alike (at an edge 0.2 to 0.5 are)
 SURE = 3.0  # times the same in single precision: the heights that were rounded might be on either side
 
 
@@ -129,10 +130,18 @@ def misclassified_points(problem: Problem, g: np.ndarray, p: np.ndarray, complia
     for points in np.reshape(counts, (2, BINS)):
         affordable = np.floor(np.interp(squares, np.cumsum((points * takes)[::-1]), np.cumsum(points[::-1])))
         easy = points * near
-        at_once = max((easy[1:] + easy[:-1]).max(), min(easy.sum(), ASPERITY), min(points.sum(), EDGE))
+        at_once = max((easy[1:] + easy[:-1]).max(), min(easy.sum(), ASPERITY), min(points.sum(), EDGE), _alike(points, takes, squares))
         likely = max(SHARE * easy.sum() + at_once, easy[takes < mean_square * moved**2].sum())
         wrong = max(wrong, min(likely, affordable))
     return wrong
+
+
+def _alike(points: np.ndarray, takes: np.ndarray, squares: float) -> float:
+    """The most points that take about the same while hardly any take less, as in ordered walls, if `squares` is enough for them."""
+    octave = np.ones(PER_OCTAVE)
+    alike, spent = (np.convolve(x, octave)[PER_OCTAVE - 1:] for x in (points, points * takes))
+    easier = np.cumsum(points[::-1])[::-1]
+    return float(alike[(alike > ALIKE * easier) & (spent <= squares)].max(initial=0.0))
 
 
 def relative_area(wrong: float, contact: float) -> float:
