@@ -1,5 +1,7 @@
 """Loads that are given by what they do: gap, area, approach, force; what they cost, and what cannot be had."""
 
+import re
+
 import numpy as np
 import pytest
 from contacts import EXACT, field, random_heights, relative, rough, sweep_of
@@ -31,6 +33,19 @@ def sweep_over(z, free=(False, False), body=None, **solver):
         return surface_from_rows(z.shape, (1.0, 1.0), lambda a, b: z[a:b], SerialComm(), dtype, 1, free)
 
     return Sweep(make, Solver(**solver or EXACT), body=body or body_of(Material(), free))
+
+
+def is_as_near_as_can_be(found, plain, wanted, accuracy):
+    """Whether the area, if it is not the one that is wanted, is on a side of the jump that its note tells of, and no other pressure of
+    the neighbourhood gives a nearer one."""
+    area = quantity_of(found, "a_r")
+    missed, points = abs(area - wanted), max(accuracy * wanted, 1 / found.contact.N)
+    if missed <= accuracy * wanted:
+        return True
+    before, after = map(float, re.search(r"a_r jumps from ([\d.]+) to ([\d.]+)", found.contact.note).groups())
+    areas = [quantity_of(plain.solve(found.contact.p_mean * factor), "a_r") for factor in np.geomspace(0.8, 1.25, 24)]
+    return (before < wanted < after and min(abs(area - before), abs(area - after)) <= points
+            and min(areas) < wanted < max(areas) and min(abs(a - wanted) for a in areas) > missed - points)
 
 
 @pytest.mark.parametrize(("wall", "quantity"), CASES)
@@ -260,9 +275,10 @@ def test_areas_that_no_load_has():
 def test_an_area_that_comes_from_full_contact():
     """All points of a small surface touch on the way to an area."""
     high = np.arange(50) % 12 < 6
-    step = sweep_over(0.01 * np.outer(high, high), accuracy=3e-2).solve(Prescribed("a_r", 0.95))
-    assert step.contact.outcome.status == "converged"
-    assert abs(quantity_of(step, "a_r") / 0.95 - 1) < 3e-2 or "a_r jumps" in step.contact.note
+    sweep, plain = (sweep_over(0.01 * np.outer(high, high), accuracy=3e-2) for _ in range(2))
+    found = sweep.solve(Prescribed("a_r", 0.95))
+    assert found.contact.outcome.status == "converged"
+    assert is_as_near_as_can_be(found, plain, 0.95, 3e-2)
 
 
 @pytest.mark.parametrize("wanted", [0.3, 0.6, 0.9])
@@ -273,24 +289,18 @@ def test_an_area_between_flat_tops(wanted):
     found = sweep.solve(Prescribed("a_r", wanted))
     assert found.contact.outcome.status == "converged"
     assert found.pairs < 10 * plain.solve(found.contact.p_mean).pairs
-    assert abs(quantity_of(found, "a_r") - wanted) < 1e-3 * wanted or "a_r jumps" in found.contact.note
+    assert is_as_near_as_can_be(found, plain, wanted, 1e-3)
 
 
 @pytest.mark.parametrize(("free", "wanted"), [((False, False), 0.05), ((True, True), 0.01)], ids=str)
 def test_an_area_of_an_ordered_wall(free, wanted):
     """Coarse grids have a few points on each of its equal peaks, and do not tell the load; what is found is as near as can be."""
     wave = np.cos(2 * np.pi * np.arange(128) / 32)
-    plain = sweep_over(0.01 * np.outer(wave, wave), free, accuracy=1e-2)
-    sweep = sweep_over(0.01 * np.outer(wave, wave), free, accuracy=1e-2)
+    sweep, plain = (sweep_over(0.01 * np.outer(wave, wave), free, accuracy=1e-2) for _ in range(2))
     found = sweep.solve(Prescribed("a_r", wanted))
     assert found.contact.outcome.status == "converged"
     assert found.pairs < 60
-    missed = abs(quantity_of(found, "a_r") - wanted)
-    if missed > 1e-2 * wanted:
-        assert "a_r jumps" in found.contact.note
-        areas = [quantity_of(plain.solve(found.contact.p_mean * factor), "a_r") for factor in np.geomspace(0.8, 1.25, 24)]
-        assert min(areas) < wanted < max(areas)
-        assert min(abs(a - wanted) for a in areas) > missed - max(1e-2 * wanted, 1 / 128**2)
+    assert is_as_near_as_can_be(found, plain, wanted, 1e-2)
 
 
 @pytest.mark.parametrize("free", [(False, False), (True, True)], ids=str)
