@@ -3,6 +3,7 @@
 import numpy as np
 import tomli_w
 
+from hpc_gfmd.driver.lowmemory import LowMemorySweep
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import body_of
@@ -29,8 +30,9 @@ def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver
     scene = Scene.from_dict({"surface": surface, "load": {"pressure": 1.0}, "solver": solver or EXACT, "material": layer or {}})
     comm = comm or SerialComm()
     lam_s = getattr(scene.surface, "lam_s", None)
-    return Sweep(lambda dtype: build_surface(scene.surface, comm, dtype), scene.solver, E_star, lam_s, duality,
-                 body_of(scene.material, scene.surface.free))
+    kind = LowMemorySweep if scene.solver.low_memory else Sweep
+    return kind(lambda dtype: build_surface(scene.surface, comm, dtype), scene.solver, E_star, lam_s, duality,
+                body_of(scene.material, scene.surface.free))
 
 
 def surface_over(z, sizes=(1.0, 1.0), dtype=np.float64, comm=None, free=(False, False)):

@@ -55,10 +55,11 @@ class LowMemorySweep(Sweep):
         problem = replace(problem, h=h)
         memory = None if self.surface.grid.padded else h
         g, h_rms = memory, problem.root_mean_square
+        wall = self._wall if self._search is not None else None  # of the heights, as long as they are there
         if arrays is None:
             g = self._starting_gap(problem, memory)
-            if self._search is not None:
-                problem = replace(problem, p0=self._search.on_next_grid(self._wall))
+            if self._search is not None and wall is not None:
+                problem = replace(problem, p0=self._search.on_next_grid(wall))
         if memory is not None:
             self.surface = replace(self.surface, h=None)
             problem = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)

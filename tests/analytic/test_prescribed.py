@@ -156,11 +156,12 @@ def test_every_solver(name, quantity):
     assert found.contact.p_mean == pytest.approx(0.1, rel=2e-3 if quantity == "gap_mean" else 2e-2)  # a point more or less
 
 
-@pytest.mark.parametrize("solver", [{"precision": "single"}, {"precision": "single", "low_memory": True}, {"residual": 1e-9}], ids=str)
+@pytest.mark.parametrize("solver", [{"precision": "single"}, {"precision": "single", "low_memory": True}, {"residual": 1e-9},
+                                    {"low_memory": True, "accuracy": 1e-3}], ids=str)  # the last one begins in single precision
 @pytest.mark.parametrize("quantity", ["gap_mean", "a_r"])
 def test_every_way(solver, quantity):
     surface = rough((2, 16, 4))
-    accuracy = {} if "residual" in solver else {"accuracy": 2e-3}
+    accuracy = {} if "residual" in solver or "accuracy" in solver else {"accuracy": 2e-3}
     wanted = sweep_of(surface, accuracy=1e-5, precision="double").solve(0.1)
     value = quantity_of(wanted, quantity)
     sweep = sweep_of(surface, **accuracy, **solver)
