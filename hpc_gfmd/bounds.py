@@ -15,8 +15,9 @@ on the surface out of contact, constant in contact and 0 beyond: on every level 
 in contact and of the surface.
 
 An error dS of S itself (Body.error) acts as heights wrong by dS p, smooth ones: the pressure is wrong by about -K dS p where all is
-closed, elsewhere by less. The mean gap follows it as it follows the load, by |v|_S^2 with the second v. Much of that error may be
-where the last m points are open, as in corners: it opens them by the root of m times its norm, times the compliance of m points.
+closed, elsewhere by less. The mean gap follows it as it follows the load, by |v|_S^2 with the second v: of the open points alone by
+less than that, unless they are at the edges of the surface, where most of that error is. All of it may be where the last m points are
+open, as in corners: it opens them by the root of m times its norm, times the compliance of m points.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from .kernels.certify import BINS, PER_OCTAVE, count_uncertain
 from .parallel.halo import next_row
 
 if TYPE_CHECKING:
+    from .grid import Grid
     from .problem import Problem
 
 # The error of the pressure over the bound with the compliance in place of 1/K_max; more on small grids, by TINY over the root of their
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
 PRESSURE, TINY, LONE = 0.55, 5.0, 1.0
 LOADED = 0.05  # of the relative error of the pressure by S: one of the load that changes the mean gap as much (0.04 was seen)
 CORNER = 0.3  # of the norm of that error: where the last points are open (0.22 was seen)
+MOST = 0.5  # share of the surface in contact from which on it counts whether all of its edges are
 POCKET = 0.5  # times the root of m: the compliance of m points with contact all around them, 8/(3 pi^1.5) for a disc; of one it is 1
 UNKNOWN, ALIGNED = 0.3, 1.2  # in the second expression for the mean gap: share of the bound; S over the sum over levels for long waves
 
@@ -54,7 +57,7 @@ SURE = 3.0  # times the same in single precision: the heights that were rounded 
 
 class State(NamedTuple):
     """What is known of a state. e: |e|_K = sqrt(2 G), how far the solution is; norm: |u|_K; p0: mean pressure; contact: points in
-    contact; N: all points; error: Body.error."""
+    contact; N: all points; error: Body.error; inner: |v|_S^2 of the open points alone, where none of them is at an edge, else inf."""
 
     e: float
     norm: float
@@ -62,6 +65,7 @@ class State(NamedTuple):
     contact: float
     N: int
     error: float
+    inner: float
 
 
 def gap_error(state: State, gap: float, response: float, aligned: float, surface: float) -> tuple[float, float]:
@@ -72,8 +76,22 @@ def gap_error(state: State, gap: float, response: float, aligned: float, surface
     e = state.e
     shift = min(e * ((state.norm + e) / state.p0 + surface), UNKNOWN * response * e + ALIGNED * abs(aligned))
     wide = np.sqrt(state.N - state.contact)
-    unseen = state.error * state.p0 * min(LOADED * response**2, CORNER * np.sqrt(state.N) * wide * max(1, POCKET * wide))
+    last = CORNER * np.sqrt(state.N) * wide * max(1, POCKET * wide)
+    unseen = state.error * state.p0 * min(LOADED * response**2, state.inner, last)
     return _relative(shift + unseen, gap), _relative(unseen, gap)
+
+
+def off_edges(grid: Grid, g: np.ndarray, response: float, compliance: float, contact: float) -> float:
+    """State.inner: `response` is |v|_S with no s on the finest level. Collective."""
+    if not grid.padded or contact < MOST * grid.N:
+        return np.inf
+    (rows, points), start = grid.inside, grid.nominal_rows[0]
+    along_y, along_x = (m != n for m, n in zip(grid.nominal, grid.n))
+    ends = [g[i, :points] for i in {0, rows - 1} if along_y and rows and start + i in (0, grid.nominal[0] - 1)]
+    ends += [g[:rows, 0], g[:rows, points - 1]] if along_x else []
+    if grid.comm.max([any((x > 0).any() for x in ends)])[0]:
+        return np.inf
+    return float(max(response**2 - compliance * grid.N, compliance * (grid.N - contact)))
 
 
 def _relative(shift: float, gap: float) -> float:

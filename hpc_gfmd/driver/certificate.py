@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..bounds import State, error_pattern, gap_error, misclassified_points, pressure_error, relative_area
+from ..bounds import State, error_pattern, gap_error, misclassified_points, off_edges, pressure_error, relative_area
 from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import EQUIVALENCE, Multilevel
@@ -130,7 +130,8 @@ def _errors(problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, 
     energy = EQUIVALENCE * compliance * (sums.open_pp + excess**2 * closed_pp + rr)
     norm, product = levels.response(contact, tt, ts, excess * sums.closed_p + rt, rs, 0.0)
     response, aligned = np.sqrt(compliance * norm) / share, compliance * product / share
-    state = State(np.sqrt(energy), np.sqrt(max(uKu, 0.0)), p0, contact, N, problem.body.error)
+    inner = off_edges(grid, g, response, compliance, contact)
+    state = State(np.sqrt(energy), np.sqrt(max(uKu, 0.0)), p0, contact, N, problem.body.error, inner)
     mean_gap, unseen = gap_error(state, gap, response, aligned, problem.self_energy)
     pressure = pressure_error(state, 1.0 / problem.body.typical(grid), closed_pp)
 

@@ -185,7 +185,7 @@ def _left(target: Target, certificate: Certificate) -> float:
 
 def _attainable(target: Target, unseen: float) -> float:
     """The error of the mean gap that is asked for, or that can be had."""
-    return max(target.tolerance, ATTAINED * unseen)
+    return target.tolerance if unseen < target.tolerance else ATTAINED * unseen
 
 
 def _status(target: Target, certificate: Certificate) -> str:

@@ -15,7 +15,7 @@ from functools import lru_cache
 
 import numpy as np
 
-NEEDED, ALONE = 20 / 3, 10  # modes along an axis, times the free part of the cell over its length; where the other axis is periodic
+NEEDED, ALONE = 20 / 3, 11  # modes along an axis, times the free part of the cell over its length; where the other axis is periodic
 NODES = 6.0  # points of the surface at which c is met, over the modes
 LEAST = 1e-12  # product of two singular values, over the largest, that counts
 SOFTEST = 0.65  # the least of S + T over S, about: of the modes that the constant is chosen by

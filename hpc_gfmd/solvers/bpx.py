@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
-from ..bounds import State, error_pattern, gap_error, misclassified_points, pressure_error, relative_area
+from ..bounds import State, error_pattern, gap_error, misclassified_points, off_edges, pressure_error, relative_area
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
 from ..kernels.halfwidth import Widened, half, narrowed
@@ -243,8 +243,9 @@ class Bpx(Solver):
         off = self.p_cell / load - 1
         norm = np.sqrt(max(self.uKu, 0.0))
         e = EXPECTED * (np.sqrt(EQUIVALENCE * self.compliance * self.r_norm) * (1 + abs(off)) + abs(off) * norm)
-        state = State(e, norm, self.p0, self.contact, self.N, self.problem.body.error)
         response, aligned = self._shift(off)
+        inner = off_edges(self.grid, self.g, response, self.compliance, self.contact)
+        state = State(e, norm, self.p0, self.contact, self.N, self.problem.body.error, inner)
         pressure = pressure_error(state, self.typical_compliance, closed)
         if self.contact == self.N:  # the certificate says whether a point could open
             return (0.0, pressure), 0.0
