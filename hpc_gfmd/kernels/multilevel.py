@@ -218,14 +218,14 @@ def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling, 
         n_x, n_y = shapes[k]
         a = offsets[k]
         weight = weights[k]
+        here, contact = r[a:a + n_x * n_y], t[a:a + n_x * n_y]
+        mean = here.mean() if k == levels - 1 else mean
         s = u = v = 0.0
-        for i in range(a, a + n_x * n_y):
-            s += r[i] * r[i]
-            u += t[i] * t[i]
-            v += r[i] * t[i]
-            if k == levels - 1:
-                mean += r[i] / (n_x * n_y)
-            r[i] = r[i] / (weight + damping * t[i])
+        for i in range(here.shape[0]):
+            s += here[i] * here[i]
+            u += contact[i] * contact[i]
+            v += here[i] * contact[i]
+            here[i] = here[i] / (weight + damping * contact[i])
         share = N / (n_x * n_y) * softness[k]
         rr += s * share
         tt += u * share

@@ -285,9 +285,11 @@ class Multilevel:
     def _find_mode(self, coarsest: CoarsestLevels, t: np.ndarray) -> None:
         coarsest.mode = coarsest.mode[:0]
         if self.gap_mode.wanted(t.mean()):
-            coarsest.sweep(t, t)
             coarsest.at = self.gap_mode.at or 0
-            coarsest.mode = self.gap_mode.find(coarsest.contact(coarsest.at)).ravel()
+            if coarsest.at > 0:
+                coarsest.sweep(t, t)
+                t = coarsest.contact(coarsest.at)
+            coarsest.mode = self.gap_mode.find(t).ravel()
 
     def _smooth(self, k: int) -> tuple[float, ...]:
         a, z = self.owned[k], self.fields[k + 1][0]
