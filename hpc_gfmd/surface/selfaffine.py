@@ -16,7 +16,7 @@ def self_affine_gap(spec: Any, grid: Grid, dtype: DTypeLike, made_in: DTypeLike)
     """z_max - z (local slab, dtype) with g_rms = 1 per grid spacing, its rms, and `add_spectrum`; spec: scene.SelfAffine.
 
     made_in: precision of the transforms; errors of single ones are several times those of storing the gap.
-    add_spectrum(fft) returns a function (block, m) that adds the transform of the heights (as the transforms here leave it, without
+    add_spectrum(fft) returns a function (block, m) that adds the transform of minus that (as the transforms here leave it, without
     1/N) to a block of columns: who has it can do without the heights.
     """
     fft = grid.fft(made_in)
@@ -24,10 +24,12 @@ def self_affine_gap(spec: Any, grid: Grid, dtype: DTypeLike, made_in: DTypeLike)
     high = low * float(spec.lam_l_over_lam_s)
     spectrum = (np.uint64(spec.seed), float(spec.aspect), low, high, low * float(spec.lam_l_over_lam_r), 1.0 + spec.hurst)
 
-    def adder(fft: Any, keep: float, factor: float) -> Callable:
+    def adder(fft: Any, keep: float, factor: float, mean: float = 0.0) -> Callable:
         def add(block: np.ndarray, m: int) -> None:
             j0, j1 = fft.columns_of(m)
             self_affine(block, fft.dtype.type(keep), fft.dtype.type(factor), j0, j1 - j0, grid.n[1], spectrum)
+            if j0 == 0 < j1:
+                block[0, 0] += fft.dtype.type(factor * mean)
 
         return add
 
@@ -46,4 +48,4 @@ def self_affine_gap(spec: Any, grid: Grid, dtype: DTypeLike, made_in: DTypeLike)
     check(grid.comm)
     fft.backward_rows(use)
     check(grid.comm)
-    return h, h_rms / g_rms, lambda fft: adder(fft, 1.0, grid.N / g_rms)
+    return h, h_rms / g_rms, lambda fft: adder(fft, 1.0, grid.N / g_rms, -float(top))

@@ -91,6 +91,13 @@ def test_thick_layers_are_half_spaces(nu, base):
     assert relative(field(found, "pressure"), field(wanted, "pressure")) < 1e-9
 
 
+def test_the_approach_in_low_memory():
+    """Their mean is part of it when the heights themselves are not kept."""
+    ways = ({"low_memory": low, "accuracy": 1e-5, "precision": "double"} for low in (True, False))
+    low, plain = (sweep_of(rough((2, 16, 4)), layer={"thickness": 0.05, "nu1": 0.3}, **way).solve(0.1).contact for way in ways)
+    assert low.approach == pytest.approx(plain.approach, rel=1e-5)
+
+
 @pytest.mark.parametrize(("thickness", "nu", "base"), [(0.01, 0.45, "bonded"), (0.01, 0.3, "frictionless"), (0.03, 0.45, "bonded"),
                                                        (0.05, 0.3, "bonded"), (0.2, 0.45, "bonded")])
 def test_iterations(thickness, nu, base):
