@@ -7,16 +7,20 @@ max(-p_h/p1), which just leaves no point in tension. A surface that does not end
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..parallel import interrupt
 from .certificate import certify
 
 if TYPE_CHECKING:
     from ..problem import Problem
     from ..solvers.base import Progress, Solver
+    from ..surface import Surface
     from .certificate import Certificate
+    from .sweep import Sweep
 
 ROWS = 64  # looked at at a time
 CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
@@ -28,6 +32,19 @@ def closing_pressure(problem: Problem) -> tuple[float, float]:
     pairs = certify(problem, g, p).pairs
     tension, largest = problem.grid.comm.max([-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))])
     return float(problem.p0 + tension + CLOSED * float(np.finfo(p.dtype).eps) * largest), pairs
+
+
+def flat_solution(sweep: Sweep) -> tuple[np.ndarray, float]:
+    """What a Closing needs of a surface that ends, solved for in its place, and the FFT pairs that this took. Collective."""
+    surface, (rows, points) = sweep.surface, sweep.surface.grid.inside
+
+    def flat(dtype: np.dtype) -> Surface:
+        return replace(surface, h=np.zeros((rows, points), dtype), h_rms=0.0, g_rms=0.0, checksum=None)
+
+    step = type(sweep)(flat, sweep.settings, body=sweep.body).solve(1.0, lambda *_: interrupt.check(surface.grid.comm))
+    unit = step.contact.g
+    unit[:rows, :points] = step.contact.p[:rows, :points]
+    return unit, step.pairs
 
 
 class Closing:

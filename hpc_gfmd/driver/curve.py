@@ -7,6 +7,7 @@ from math import isfinite, log
 from typing import TYPE_CHECKING
 
 from .line import SLOPES, UNKNOWN, Line
+from .opening import Opening
 from .search import Search
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class Curve:
         certificate, a = contact.certificate, contact.surface.grid.a
         self.points = [*self.points[-2:], {"x": float(x), "a_r": contact.contact_points / contact.N,
                                            "gap_mean": certificate.gap_mean * a, "approach": certificate.approach * a}]
-        if search is not None:
+        if search is not None and not isinstance(search, Opening):
             self.slopes[search.quantity] = search.line.slope
             if search.ends:
                 self.offsets[search.quantity] = search.found_offsets

@@ -18,10 +18,11 @@ from ..problem import Problem
 from ..registry import solver_class
 from ..units import require_range, single_solves
 from .certificate import Certificate, certify, unseen_error
-from .closing import Closing, closing_pressure
+from .closing import Closing, closing_pressure, flat_solution
 from .curve import Curve
 from .drive import LoopState, Outcome, Target, drive
 from .nested import Nested, cold_gap
+from .opening import Opening, nearly_closes, restored
 from .prescribed import Prescribed, prescribed
 from .search import Search
 from .wall import Wall
@@ -140,6 +141,10 @@ class Sweep:
             if isinstance(load, Prescribed) and load.closes and (self.closes or self.solver_class.holds_tension):
                 self._closing = Closing(self.settings.tolerance, self._flat_solution())
                 load = self._closing_pressure() if self.closes else load
+            elif isinstance(load, Prescribed) and nearly_closes(load, self.surface, self.body) and self.solver_class.holds_tension:
+                closed = self.solve(Prescribed("a_r", 1.0), lambda *_: interrupt.check(self.surface.grid.comm))
+                self._spent, self._closing = closed.pairs, None
+                self._search = Opening.of(load, closed.contact, self._wall)
             elif isinstance(load, Prescribed):
                 self._search = self._curve.search(load, self.surface, self._wall, self.settings.tolerance)
         promote = self.settings.precision == "auto" and self.dtype == np.float32
@@ -185,7 +190,7 @@ class Sweep:
             self._set_precision(numbers["dtype"])
         try:
             self._curve = Curve(**numbers["curve"])
-            self._search = Search.restored(numbers["search"]) if numbers.get("search") else None
+            self._search = restored(numbers["search"]) if numbers.get("search") else None
             self._closing = Closing(self.settings.tolerance, self._flat_solution()) if numbers.get("closing") else None
         except (KeyError, TypeError):
             raise SceneError(OTHER_VERSION) from None
@@ -296,7 +301,7 @@ class Sweep:
         self._first_pairs -= numbers.get("pairs", 0.0)
 
     def _starting_gap(self, problem: Problem, into: np.ndarray | None) -> np.ndarray:
-        if self._closing is not None:
+        if self._closing is not None or isinstance(self._search, Opening):
             g = self.surface.grid.empty(self.dtype) if into is None else into
             g[...] = 0
             return g
@@ -336,15 +341,8 @@ class Sweep:
         """What a Closing needs, solved for once: None where the surface does not end. Collective."""
         if self.surface.grid.padded and self._punch is None:
             self.solver = None  # its memory is needed now
-            comm, (rows, points) = self.surface.grid.comm, self.surface.grid.inside
-
-            def flat(dtype: np.dtype) -> Surface:
-                return replace(self.surface, h=np.zeros((rows, points), dtype), h_rms=0.0, g_rms=0.0, checksum=None)
-
-            step = type(self)(flat, self.settings, body=self.body).solve(1.0, lambda *_: interrupt.check(comm))
-            self._spent += step.pairs
-            self._punch = step.contact.g
-            self._punch[:rows, :points] = step.contact.p[:rows, :points]
+            self._punch, pairs = flat_solution(self)
+            self._spent += pairs
         return self._punch
 
     def _full_contact(self, problem: Problem) -> tuple[tuple[np.ndarray, np.ndarray, Outcome] | None, float]:

@@ -212,6 +212,26 @@ def test_a_gap_that_closes_to_its_edges(free, load, solver):
     assert step.pairs <= 2.5 * sweep_over(z, free, **solver).solve(contact.p_mean).pairs
 
 
+@pytest.mark.parametrize("layer", [None, LAYER], ids=["half-space", "layer"])
+@pytest.mark.parametrize("gap", [1e-4, 1e-6, 1e-8])
+def test_a_gap_that_nearly_closes(gap, layer):
+    """A single point is open; the load is looked for from the one that closes it, too."""
+    surface = rough((2, 4, 2))
+    sweep, plain = (sweep_of(surface, layer=layer, accuracy=1e-4) for _ in range(2))
+    step = sweep.solve(*sweep.pressures(Load(gap_over_h_rms=gap)))
+    assert step.contact.outcome.status == "converged"
+    assert step.contact.gap_mean == pytest.approx(gap * sweep.surface.h_rms, rel=1e-4)
+    assert step.pairs <= 2.5 * plain.solve(step.contact.p_mean).pairs
+
+
+@pytest.mark.parametrize("free", [(True, True), (True, False)], ids=str)
+def test_a_gap_that_nearly_closes_to_its_edges(free):
+    sweep = sweep_over(0.01 * random_heights((16, 12), seed=3), free, accuracy=1e-3)
+    step = sweep.solve(*sweep.pressures(Load(gap_over_h_rms=1e-4)))
+    assert step.contact.outcome.status == "converged"
+    assert step.contact.gap_mean == pytest.approx(1e-4 * sweep.surface.h_rms, rel=1e-3)
+
+
 def test_a_gap_that_nothing_makes_more_accurate():
     """Next to full contact the error of free edges counts for more than is asked: that is said, and not tried for long."""
     z = 0.01 * random_heights((16, 12), seed=3)
