@@ -85,7 +85,7 @@ class Decimation:
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
         starts = gathered(beside, n[0] * n[1], RANK_POINTS)
         ranks = np.flatnonzero(np.diff(starts)).tolist()
-        comm = grid.comm.among(ranks)
+        comm = grid.comm.subcomm(ranks)
         coarse = Grid(n, grid.sizes, comm, grid.threads, np.append(starts[ranks], n[0]), (n_x, n_y)) if comm is not None else None
         return cls(grid, coarse, n, (n_x, n_y), beside, starts)
 
@@ -163,7 +163,7 @@ class Nested:
                 full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
             except interrupt.Stopped as found:
                 stopped = found.number
-        full, pairs, stopped = problem.grid.comm.share([full, pairs, stopped])  # rank 0 has a part in all grids
+        full, pairs, stopped = problem.grid.comm.bcast_float([full, pairs, stopped])  # rank 0 has a part in all grids
         if stopped:
             interrupt.stop(int(stopped))
         if search is not None and problem.grid.comm.size > 1:
@@ -180,7 +180,7 @@ class Nested:
             certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
             pairs = certificate.pairs * (coarse.grid.N / problem.grid.N)
             likely = certificate.contact >= (1 - TENSION) * coarse.grid.N
-        likely, pairs = problem.grid.comm.share([likely, pairs])
+        likely, pairs = problem.grid.comm.bcast_float([likely, pairs])
         return bool(likely), float(pairs)
 
 

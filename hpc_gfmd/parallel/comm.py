@@ -48,7 +48,7 @@ class SerialComm:
         """The array of every rank's whole number, which is not pickled."""
         return np.array([number])
 
-    def share(self, values: ArrayLike) -> np.ndarray:
+    def bcast_float(self, values: ArrayLike) -> np.ndarray:
         """Rank 0's numbers, an array of float64; the others give as many."""
         return np.asarray(values, dtype=np.float64)
 
@@ -66,7 +66,7 @@ class SerialComm:
         """The objects of all ranks in their order, joined two at a time by join(one, next one), on rank 0; None on the others."""
         return obj
 
-    def among(self, ranks: Sequence[int]) -> "Comm | None":
+    def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
         """The communicator of these ranks alone, rank 0 first; None on others."""
         return self
 
@@ -152,7 +152,7 @@ class MpiComm:
         self.mpi.Allgather(np.array([number], np.int64), found)
         return found
 
-    def share(self, values: ArrayLike) -> np.ndarray:
+    def bcast_float(self, values: ArrayLike) -> np.ndarray:
         values = np.array(values, dtype=np.float64)
         self.mpi.Bcast(values, root=0)
         return values
@@ -191,7 +191,7 @@ class MpiComm:
             step *= 2
         return obj
 
-    def among(self, ranks: Sequence[int]) -> "Comm | None":
+    def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
         """The communicator of these ranks alone, rank 0 first; None on others. Made once: MPI has few of them. Collective."""
         from mpi4py import MPI
 

@@ -21,7 +21,7 @@ class Imagined:
         """The ranks on the same node."""
         return np.flatnonzero(self._nodes == self._nodes[self.rank])
 
-    def among(self, ranks: Any) -> "Imagined | None":
+    def subcomm(self, ranks: Any) -> "Imagined | None":
         """The communicator of these ranks alone, None where this rank is not one of them."""
         place = int(np.searchsorted(ranks, self.rank))
         return Imagined(place, len(ranks), self._nodes[ranks]) if place < len(ranks) and ranks[place] == self.rank else None

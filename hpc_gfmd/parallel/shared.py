@@ -27,7 +27,7 @@ def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
             os.ftruncate(made, total)
         except OSError as found:
             error = found
-    pid, there, token = (int(number) for number in comm.share([os.getpid(), -1 if error else made, token]))
+    pid, there, token = (int(number) for number in comm.bcast_float([os.getpid(), -1 if error else made, token]))
     try:
         if there >= 0:
             memory = _mapped(f"/proc/{pid}/fd/{there}", token, total)

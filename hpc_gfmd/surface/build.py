@@ -201,7 +201,7 @@ def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarra
     if 1 in n:
         axis = None
     else:
-        first = comm.share(z[0] if comm.rank == 0 else np.empty(n[1]))
+        first = comm.bcast_float(z[0] if comm.rank == 0 else np.empty(n[1]))
         along_y = not np.any(z != first)
         along_x = not np.any(z != z[:, :1])
         different = comm.max([not along_y, not along_x])
