@@ -28,7 +28,7 @@ def assert_same(comm, step, serial, tolerance=TOLERANCE):
     assert step.contact.outcome.status == serial.contact.outcome.status
     assert step.iterations == serial.iterations
     mine = slice(*step.contact.surface.rows)
-    for name in ("pressure", "gap", "displacement"):
+    for name in ("pressure", "gap", "displacement")[:2 if serial.contact.surface.h is None else 3]:  # in low memory there is none
         found, wanted = field(step, name), field(serial, name)
         assert found.shape == wanted[mine].shape
         assert np.abs(found - wanted[mine]).max(initial=0) <= tolerance * np.abs(wanted).max()
