@@ -7,6 +7,7 @@ from math import isfinite, log
 from typing import TYPE_CHECKING
 
 from .line import SLOPES, UNKNOWN, Line
+from .offsets import Offsets
 from .opening import Opening
 from .search import Search
 
@@ -25,7 +26,7 @@ DOUBT, KNOWN = 1.0, 0.08  # standard deviation of a first guess of log p0; of th
 
 class Curve:
     """What a sweep knows of the loads before, for a first guess: points, the last three of {"x": log p0, quantity: value}; slopes and
-    offsets, {quantity: slope of the Search's line and its found_offsets}."""
+    offsets, {quantity: slope of the Search's line, and offsets that it found}."""
 
     def __init__(self, points: Sequence[dict[str, float]] = (), slopes: dict[str, float] | None = None,
                  offsets: dict[str, list[float]] | None = None):
@@ -38,15 +39,15 @@ class Curve:
                                            "gap_mean": certificate.gap_mean * a, "approach": certificate.approach * a}]
         if search is not None and not isinstance(search, Opening):
             self.slopes[search.quantity] = search.line.slope
-            if search.ends:
-                self.offsets[search.quantity] = search.found_offsets
+            if search.offsets.ends:
+                self.offsets[search.quantity] = search.offsets.found(search.x)
 
     def search(self, load: Prescribed, surface: Surface, wall: Wall, tolerance: float) -> Search:
         """The Search for a load on a surface; wall: of its grid."""
         kind, area = load.quantity, load.quantity == "a_r"
         target = load.value if area else load.value / surface.slope
         slope = self.slopes.get(kind, SLOPE[kind])
-        search = Search(kind, target, tolerance, 0.0, slope, DOUBT, wall, list(self.offsets.get(kind, ())))
+        search = Search(kind, target, tolerance, 0.0, slope, DOUBT, wall, Offsets(wall, list(self.offsets.get(kind, ()))))
         known = [(point["x"], f) for point in self.points if isfinite(f := search.straight(point[kind]))]
         if known:
             self._extrapolate(search, known)

@@ -19,7 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .bracket import Bracket
 from .line import Line
+from .offsets import Offsets
 from .staircase import Jump, Staircase
 from .wall import Wall
 
@@ -28,26 +30,24 @@ if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
     from .certificate import Certificate
 
-    Bound = tuple[float, float, float]
-
 NOISE = {"gap_mean": 0.12, "a_r": 0.1, "approach": 0.2}  # standard deviation of the outlook, over the estimated error of the quantity
-CHANGE = {"gap_mean": 0.15, "a_r": 0.6, "approach": 0.1}  # beside it, of what it changed by in an iteration, if not with the load
+CHANGE = {"gap_mean": 0.15, "a_r": 0.3, "approach": 0.1}  # beside it, of what it changed by in an iteration, if not with the load
 PRESENT = 3.0  # times as much: of what is there already
 FIELD = 0.1  # of the error of the pressure field, beside that of the mean gap: the error of the approach
 VAGUE = 0.7  # error of the pressure field, or of the quantity, of what is not read
-SHARE, WORTH = 0.8, 0.1  # of the tolerance, and of the estimated error: what is expected to be missed by less is left
+SHARE = 0.8  # of the tolerance: what is expected to be missed by less is left
+WORTH = {"gap_mean": 0.1, "a_r": 0.05, "approach": 0.1}  # the same of the estimated error
 BEYOND = 0.1  # noise of a quantity that is as small or large as can be
 ROUNDING = 1e-13  # of straightened quantities
 ENOUGH = 0.5  # of what may be missed: so near is near enough
 SETTLED = 0.3  # of the tolerance: with such an error the points that touch are those that will
 STEP, RANGE = log(2.0), (log(1e-99), log(1e99))  # the longest in log p0, and where that is
-COARSE, FEW = 0.03, 8  # standard deviation of log p0 with which a coarser grid is left; corrections there, at most
+COARSE, FEW = 0.02, 8  # log p0, and its standard deviation, with which a coarser grid is left; corrections there, at most
 GRID = 0.1  # the same, which that adds on the next grid
-TREND = {"gap_mean": 0.3, "a_r": 0.5, "approach": 0.3}  # of what a grid changed log p0 by, beside what its slopes tell: the next one
 TRIALS, MOST = 5, 100  # corrections on a grid: from then on only by what is known for sure, between bounds, and at most
 SURE = 3.0  # times the estimated error: what is missed by more is surely on the wrong side of the target
 SHARP = 1e-6  # times the tolerance: no curve rises within such an interval of log p0
-STEEP, STEEPER, NARROW = 2.0, 4.0, 0.01  # times the usual slope of an area: it may jump; it jumps, within such an interval
+STEEP, STEEPER, NARROW = 2.0, 4.0, 1e-3  # times the usual slope of an area: it may jump; it jumps, within the tolerance, or this
 SOLVED = 0.01  # error with which a bound is one: where much touches all at once, estimates of what changes do not know of it
 SEEN, LARGE = 0.03, 3.0  # error of the pressure field at which a jump is seen; times what may be missed, a large one
 USUAL = 0.4, 2.5  # slopes of an area without jumps
@@ -60,12 +60,10 @@ class Search:
     """The state of a search: plain numbers, which make a checkpoint.
 
     quantity: "gap_mean", "a_r" or "approach"; target: an area, or a length over the unit of slopes; tolerance: relative; x: log p0;
-    slope: of the straightened curve, before anything was read; doubt: standard deviation of the x that the target takes; wall: of this
-    grid; offsets: of x from every grid to the next finer one, coarsest first, as they were found at another load; grids: how many so
-    far, ends: x at the end of those before, step: what slopes told of the last offset; line: the straightened curve about x; low, high:
-    (x, quantity, relative error) that are surely too small and too large; last: x and what was read there; corrections: on this grid;
-    looked: last iteration looked at; missed: the target, by how much; side, jump: where the area jumps, the side that is taken, and by
-    how much.
+    slope: of the straightened curve, before anything was read; doubt: standard deviation of the x that the target takes; wall: of
+    this grid; offsets: of the x that takes the target, from grid to grid; grids: how many so far; line: the straightened curve
+    about x; last: x and what was read there; corrections: on this grid; looked: last iteration looked at; missed: the target, by
+    how much; side, jump: where the area jumps, the side that is taken, and by how much.
     """
 
     quantity: str
@@ -75,13 +73,10 @@ class Search:
     slope: float
     doubt: float
     wall: Wall
-    offsets: list[float] = field(default_factory=list)
+    offsets: Offsets
     grids: int = 0
-    ends: list[float] = field(default_factory=list)
-    step: float = 0.0
     line: Line = field(default_factory=lambda: Line(0.0, 1.0, (0.0, 0.0, 0.0)))
-    low: Bound | None = None
-    high: Bound | None = None
+    bracket: Bracket = field(default_factory=Bracket)
     last: tuple[float, float] | None = None
     corrections: int = 0
     looked: int = -1
@@ -93,7 +88,10 @@ class Search:
     @classmethod
     def restored(cls, numbers: dict[str, Any]) -> Search:
         """From the numbers of a checkpoint."""
-        return cls(**numbers | {"wall": Wall(*numbers["wall"]), "line": Line(**numbers["line"])})
+        wall, offsets = Wall(*numbers["wall"]), numbers["offsets"]
+        parts = {"wall": wall, "offsets": Offsets(**offsets | {"finest": Wall(*offsets["finest"])}), "line": Line(**numbers["line"]),
+                 "bracket": Bracket(**numbers["bracket"])}
+        return cls(**numbers | parts)
 
     @property
     def p0(self) -> float:
@@ -114,39 +112,30 @@ class Search:
 
     def on_coarsest_grid(self) -> None:
         """A start on coarser grids begins, or one without any."""
-        self.grids, self.ends, self.step = 0, [], 0.0
-        self.x -= sum(self.offsets)
+        self.grids = 0
+        self.offsets.begin()
 
     def on_next_grid(self, wall: Wall) -> float:
-        """Go on on the next finer grid. Returns p0 to begin with."""
+        """Go on on the next finer grid. Returns p0 to begin with.
+
+        All grids have about the load of the finest one, where a coarser grid has another area or gap: so the contact is that of the
+        load to begin with.
+        """
         if self.grids:
             self.doubt, self.slope = hypot(GRID, self.line.doubt(self._way)), self.line.slope
-            self.x += self._way
-            self.ends.append(self.x)
-            self.x += self._next_offset(wall)
+            self.offsets.ends.append(self.x + self._way - self.offsets.ahead)
+        offset = self.offsets.next(self.quantity, self.wall, wall)
+        if self.grids:
+            self.x = self.offsets.ends[-1] + offset + self.offsets.ahead
         self.grids, self.wall = self.grids + 1, wall
-        self.low = self.high = self.last = self.note = None
+        self.bracket, self.last, self.note = Bracket(), None, None
         self.corrections, self.looked = 0, -1
         self.forget()
         return self.p0
 
     def forget(self) -> None:
         """Nothing was read on this grid yet."""
-        self.line = Line.guessed(self.straight(self.aim), self.slope, self.doubt)
-
-    def _next_offset(self, wall: Wall) -> float:
-        """By how much x is likely to change now: as at another load, or as slopes do, for the area goes with p0 over these."""
-        last = self.ends[-1] - self.ends[-2] - self.step if len(self.ends) > 1 else 0.0
-        known = self.quantity == "a_r" and min(wall.steepness, self.wall.steepness) > 0
-        self.step = log(wall.steepness / self.wall.steepness) if known else 0.0
-        if len(self.ends) <= len(self.offsets):
-            return self.offsets[len(self.ends) - 1]
-        return self.step + min(max(TREND[self.quantity] * last, -STEP), STEP)
-
-    @property
-    def found_offsets(self) -> list[float]:
-        """Of x from every grid to the next finer one."""
-        return [b - a for a, b in zip(self.ends, [*self.ends[1:], self.x])]
+        self.line = Line.guessed(self._wanted, self.slope, self.doubt)
 
     def agree(self, comm: Comm) -> None:
         """All ranks go on with what rank 0 has found."""
@@ -158,7 +147,7 @@ class Search:
         """Whether the load of a solution on a coarser grid is as near as it need be; if not, it may be changed."""
         if not isfinite(self.straight(self.aim)) or self.corrections == FEW:
             return True
-        self._read(*self._outlook(solver, progress), coarse=True)
+        self._read(*self._outlook(solver, progress))
         if abs(self._way) < COARSE:
             return self.line.doubt(self._way) < COARSE
         self._go_to(self.x + self._way, solver)
@@ -170,10 +159,10 @@ class Search:
         if solver.iterations == self.looked:  # before a checkpoint
             return False
         self.looked = solver.iterations
-        y, error = self._outlook(solver, progress)
+        y, error, noise = self._outlook(solver, progress)
         now = {"a_r": progress.contact / solver.N, "gap_mean": progress.gap_mean * solver.grid.a}.get(self.quantity, y)
         self.missed = self._miss(now)
-        return not (known and self.missed <= self.tolerance) and self._correct(solver, y, error, now)
+        return not (known and self.missed <= self.tolerance) and self._correct(solver, y, error, noise, now)
 
     @property
     def may_be_met(self) -> bool:
@@ -185,7 +174,7 @@ class Search:
         y = self._of(solver, certificate)
         met = self._miss(y) <= self.tolerance
         if self.note is not None and not met and abs(y - self.side) > max(POINT / self.wall.points, SAME * self.jump):
-            self.note = self.low = self.high = None  # there was no jump
+            self.note, self.bracket = None, Bracket()  # there was no jump
         if met and self._too_small:
             self.note = f"a_r jumps from 0 to {self.aim:.4g}: the least at any load"
         return met or self.note is not None
@@ -194,7 +183,7 @@ class Search:
         """Change the load of the solver where the certificate says that it is wrong; returns whether. sure: whatever its errors."""
         y = self._of(solver, certificate)
         error = 0.0 if sure else PRESENT * self._error(y, certificate.gap_mean * solver.grid.a, *certificate.errors)
-        return self._correct(solver, y, error, y)
+        return self._correct(solver, y, error, self._noise(y, error), y)
 
     # -- what is known ---------------------------------------------------------------------------------------------------------
 
@@ -225,11 +214,11 @@ class Search:
         miss = max(y / self.aim - 1, 0.0) if self._too_small else abs(y / self.aim - 1)
         return miss if miss > self._point else 0.0
 
-    def _outlook(self, solver: Solver, progress: Progress) -> tuple[float, float]:
-        """The quantity by the numbers of the solver, and its estimated relative error; inf where it is not known."""
+    def _outlook(self, solver: Solver, progress: Progress) -> tuple[float, float, float]:
+        """The quantity by the numbers of the solver, its estimated relative error, inf where it is not known, and its noise."""
         outlook, grid = progress.outlook, solver.grid
         if outlook is None or progress.estimates is None or not (progress.finite and progress.estimates[1] < VAGUE):
-            return self.aim, inf
+            return self.aim, inf, inf
         gap = outlook.gap_mean * grid.a
         y = outlook.contact / solver.N if self.quantity == "a_r" else gap
         if self.quantity == "approach":
@@ -238,7 +227,13 @@ class Search:
             y += self.wall.top * share - self.wall.lowest * (1 - share)
         gap_error, pressure_error = progress.estimates
         gap_error = max(gap_error, pressure_error) if progress.contact == solver.N else gap_error  # nothing is open yet
-        return y, self._error(y, gap, pressure_error, gap_error, pressure_error)
+        error = self._error(y, gap, pressure_error, gap_error, pressure_error)
+        return y, error, outlook.doubt / outlook.contact if self.quantity == "a_r" else self._noise(y, error)
+
+    def _noise(self, y: float, error: float) -> float:
+        """The standard deviation of a reading with that error, relative."""
+        settled = self.quantity != "a_r" or error < SETTLED * self.least_miss
+        return NOISE[self.quantity] * error + (0.0 if settled else 0.5 / max(y * self.wall.points, 0.5))
 
     def _of(self, solver: Solver, certificate: Certificate) -> float:
         """The quantity, as the certificate finds it."""
@@ -255,19 +250,22 @@ class Search:
     # -- corrections -----------------------------------------------------------------------------------------------------------
 
     @property
+    def _wanted(self) -> float:
+        """What the straightened quantity is to be on this grid, at about the finest grid's load."""
+        return self.straight(self.aim) + self.slope * self.offsets.ahead
+
+    @property
     def _way(self) -> float:
         """By how much x is to change: not at all where this grid cannot have the target."""
         wanted = self.straight(self.aim)
-        return min(max(self.line.way_to(wanted), -STEP), STEP) if isfinite(wanted) else 0.0
+        return min(max(self.line.way_to(wanted) + self.offsets.ahead, -STEP), STEP) if isfinite(wanted) else 0.0
 
-    def _read(self, y: float, error: float, coarse: bool = False) -> None:
-        """Learn that the quantity is about y at x, with that relative error."""
+    def _read(self, y: float, error: float, noise: float) -> None:
+        """Learn that the quantity is about y at x, with that relative error; noise: its standard deviation, relative."""
         if not error < VAGUE:
             return
-        f, wanted, farthest = self.straight(y), self.straight(self.aim), 2 * STEP
-        settled = self.quantity != "a_r" or (not coarse and error < SETTLED * self.least_miss)
-        points = 0.0 if settled else 0.5 / max(y * self.wall.points, 0.5)
-        noise = abs(f - self.straight(y / (1 + NOISE[self.quantity] * error + points))) if isfinite(f) else BEYOND
+        f, wanted, farthest = self.straight(y), self._wanted, 2 * STEP
+        noise = abs(f - self.straight(y / (1 + noise))) if isfinite(f) else BEYOND
         f = min(max(f, wanted - farthest), wanted + farthest)
         if self.last is not None:
             noise = hypot(noise, CHANGE[self.quantity] * (f - self.last[1] - self.line.slope * (self.x - self.last[0])))
@@ -282,14 +280,15 @@ class Search:
         solver.correct_load(self.p0)
         return True
 
-    def _correct(self, solver: Solver, y: float, error: float, now: float) -> bool:
+    def _correct(self, solver: Solver, y: float, error: float, noise: float, now: float) -> bool:
         """y: the quantity as it will be; now: as it is."""
-        self._read(y, error)
+        self._read(y, error, noise)
         if self.corrections == MOST or not isfinite(error):
             return False
+        missed = min(self._miss(y), self._miss(now))
         if self._too_small:
-            return min(self._miss(y), self._miss(now)) > self.tolerance and self._go_to(self.x - STEP, solver)
-        sure = error < SOLVED and min(self._miss(y), self._miss(now)) > SURE * error
+            return missed > self.tolerance and self._go_to(self.x - STEP, solver)
+        sure = error < SOLVED and missed > SURE * error
         stairs, wanted = None, (self.aim - now) * self.wall.points
         if self.quantity == "a_r" and error < SEEN and self._miss(now) > self.tolerance and not solver.closing:
             stairs = Staircase.of(solver, round(now * self.wall.points), wanted, self._usual_rate(now))
@@ -303,15 +302,22 @@ class Search:
             self.note = None
         if self.note is not None:
             return False
-        if self.corrections > TRIALS:
-            way = np.copysign(stairs.way_to(abs(wanted)), wanted) if stairs else self._way
-            return sure and self._go_between(solver, now, error, float(way))
-        if error < SETTLED * self.least_miss:  # what is changed by less is solved again sooner
-            enough = self.straight(self.aim * (1 + np.copysign(ENOUGH * self.least_miss, -wanted)))
-            return self._miss(now) > self.tolerance and self._go_to(self.x + self.line.way_to(enough), solver)
-        level, least = self.straight(self.aim), hypot(SHARE * self.least_miss, WORTH * error)
-        due = abs(level - self.line.level) > abs(level - self.straight(self.aim / (1 + least)))
-        return due and self._go_to(self.x + self._way, solver)
+        settled = error < SETTLED * self.least_miss
+        if not settled and self.corrections <= TRIALS:
+            level, least = self.straight(self.aim), hypot(SHARE * self.least_miss, WORTH[self.quantity] * error)
+            due = abs(level - self.line.level) > abs(level - self.straight(self.aim / (1 + least)))
+            return due and self._go_to(self.x + self._way, solver)
+        if not (missed > self.tolerance if settled else sure):
+            return False
+        way = self._way_back(now, stairs)
+        return self._go_between(solver, now, error, way) if sure else self._go_to(self.x + way, solver)
+
+    def _way_back(self, y: float, stairs: Staircase | None) -> float:
+        """From where the quantity is y for sure to where it is near enough: what is changed by less is solved again sooner."""
+        wanted, allowed = (self.aim - y) * self.wall.points, self.least_miss * self.aim * self.wall.points
+        if stairs:
+            return float(np.copysign(stairs.way_between(abs(wanted) - allowed, abs(wanted) + allowed), wanted))
+        return self.line.way_to(self.straight(self.aim * (1 + np.copysign(ENOUGH * self.least_miss, -wanted))))
 
     def _usual_rate(self, y: float) -> float:
         """Points per log p0 that touch, beside jumps."""
@@ -339,51 +345,41 @@ class Search:
             self.side, self.jump = now, high - low
             self.note = f"a_r jumps from {low:.4g} to {high:.4g}: the nearer to what was asked for"
             return False
-        x = self.x + sign * min(jump.to_before if stay else jump.to_after, STEP)
-        if self.low and self.high and not self.low[0] < x < self.high[0]:
-            x = 0.5 * (self.low[0] + self.high[0])
-        return self._go_to(x, solver)
+        return self._go_to(self.bracket.within(self.x + sign * min(jump.to_before if stay else jump.to_after, STEP)), solver)
 
     def _go_between(self, solver: Solver, y: float, error: float, way: float) -> bool:
-        """A correction by what is known for sure. way: to the target, by what seems so."""
-        self._enclose(y, error)
+        """A correction by what is known for sure. way: to the target, by what seems so; where nothing changes it is doubled."""
+        way = float(np.copysign(max(abs(way), 2 * self._enclose(y, error)), way))
+        if self._enclosed:
+            return self._jump(solver)
         x = self.x + min(max(way, -STEP), STEP)
-        if self.low and self.high:
-            low, high = self.low[0], self.high[0]
-            if self._enclosed:
-                return self._jump(solver)
-            if self._rise(self.low, self.high) > STEEP or not low < x < high:
-                x = 0.5 * (low + high)
-        return self._go_to(x, solver)
+        steep = self._rise() > STEEP
+        return self._go_to(self.bracket.within(inf if steep else x), solver)
 
-    def _enclose(self, y: float, error: float) -> None:
-        """x is surely too small or too large. A bound on the other side that this contradicts was none."""
-        here = (self.x, y, error)
-        if self.straight(y) > self.straight(self.aim):
-            self.high, self.low = here, self.low if self.low and self.low[0] < self.x else None
-        else:
-            self.low, self.high = here, self.high if self.high and self.high[0] > self.x else None
-        if self.low and self.high and self.high[0] - self.low[0] < SHARP * self.tolerance:
-            self.low = self.high = None
+    def _enclose(self, y: float, error: float) -> float:
+        """x is surely too small or too large. Returns how far it is from the last such x, 0 if y has changed since."""
+        here, large = (self.x, y, error), self.straight(y) > self.straight(self.aim)
+        stands = self.bracket.stands(here, large, 0.5 / self.wall.points) if self.quantity == "a_r" else 0.0
+        self.bracket.add(here, large, SHARP * self.tolerance)
+        return stands
 
-    def _rise(self, low: Bound, high: Bound) -> float:
-        """The slope that an area has between two bounds, at least."""
-        if self.quantity != "a_r" or (high[1] - low[1]) * self.wall.points < 2 * POINT:
+    def _rise(self) -> float:
+        """The slope that an area has between the bounds, at least; 0 where it may not rise."""
+        low, high = self.bracket.low, self.bracket.high
+        if self.quantity != "a_r" or low is None or high is None or (high[1] - low[1]) * self.wall.points < 2 * POINT:
             return 0.0
-        return (self.straight(high[1] / (1 + high[2])) - self.straight(low[1] * (1 + low[2]))) / (high[0] - low[0])
+        return (self.straight(high[1] / (1 + high[2])) - self.straight(low[1] * (1 + low[2]))) / self.bracket.width
 
     @property
     def _enclosed(self) -> bool:
         """Whether there is nothing but a jump between the bounds."""
-        if self.low is None or self.high is None or self.high[0] - self.low[0] > NARROW:
-            return False
-        return self._rise(self.low, self.high) > STEEPER
+        return self.bracket.width <= max(NARROW, self.tolerance) and self._rise() > STEEPER
 
     def _jump(self, solver: Solver) -> bool:
         """Take the nearer side of a jump."""
-        assert self.low is not None
-        assert self.high is not None
-        low, high = self.low, self.high
+        low, high = self.bracket.low, self.bracket.high
+        assert low is not None
+        assert high is not None
         x, self.side, _ = min(low, high, key=lambda bound: abs(bound[1] - self.aim))
         self.jump = high[1] - low[1]
         self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g}: the nearer to what was asked for"

@@ -2,9 +2,10 @@
 
 An area is a number of points. When the load rises the points of the smallest gap come into contact, when it falls those of the least
 pressure leave it. How many of them are about alike tells where the area jumps, as in ordered walls whose asperities touch all at once,
-before anything was solved on the other side. At the edge of a contact the distance of a point from it goes as the square of its
-pressure, or as the gap to the power of 2/3, and the edge moves in proportion to the load. A point has a pressure in proportion to the
-load as soon as it touches, which counts for those next to the edge.
+before anything was solved on the other side. While the edge of a contact stands still the gap of a point beyond it falls in proportion
+to the load, and that it moves by points tells more than how fast it moves. Within, the distance of a point from the edge goes as the
+square of its pressure, and the edge moves in proportion to the load; a point has a pressure in proportion to the load as soon as it
+touches, which counts for those next to the edge.
 """
 
 from __future__ import annotations
@@ -18,11 +19,10 @@ from ..kernels.margins import NUMBERS, count_margins, number_of
 if TYPE_CHECKING:
     from ..solvers.base import Solver
 
-EDGE = 0.25  # share of the contact within which its edge is, about
+EDGE, NEXT = 0.25, 2.0  # share of the contact within which its edge is, about; times its pressure: next to the edge
 NEAR, FEW = 0.05, 16.0  # share of the contact, and points, at least, that leave it at the usual rate
 ALIKE = 0.003  # of the way, and once the error of the pressure: points whose ways differ by less go together
 INTO = 0.3  # of the way from a jump to the next points: where its other side is looked for
-STUCK = 2 / 3  # of the usual way to a point beyond the edge: while the edge stands still its gap falls in proportion to the load
 CONTRAST = 2.5  # times as many as usually go within such a way: a jump
 
 
@@ -56,11 +56,11 @@ class Staircase(NamedTuple):
         gone, margin = np.cumsum(total[there]), number_of(there)
         if not len(gone) or gone[-1] < wanted + 1:
             return None
-        way = margin**2 + margin * margin[np.searchsorted(gone, EDGE * gone[-1])] if less else margin ** (2 / 3)
+        way = margin**2 + NEXT * margin * margin[np.searchsorted(gone, EDGE * gone[-1])] if less else margin
         usual = np.searchsorted(gone, min(max(2 * wanted, NEAR * contact, FEW), gone[-1] / 2))
         if not way[usual] > 0:
             return None
-        return cls(gone, way * gone[usual] / (way[usual] * rate) * (1.0 if less else STUCK), rate)
+        return cls(gone, way * gone[usual] / (way[usual] * rate), rate)
 
     def jump(self, wanted: float, error: float) -> Jump | None:
         """The jump at which so many points go, None where they go on smoothly. error: relative, of the pressure field."""
@@ -78,3 +78,10 @@ class Staircase(NamedTuple):
         k = int(np.searchsorted(self.gone, np.floor(points), "right"))
         before = self.way[k - 1] if k else 0.0
         return float(before + INTO * (self.way[min(k, len(self.way) - 1)] - before)) if points >= 1 else 0.0
+
+    def way_between(self, enough: float, most: float) -> float:
+        """How far it is to where at least so many have gone, and no more than so many."""
+        last = len(self.way) - 1
+        there = min(int(np.searchsorted(self.gone, enough)), last)
+        beyond = min(int(np.searchsorted(self.gone, most, "right")), last)
+        return float(self.way[there] + INTO * (self.way[beyond] - self.way[there]))

@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 
 
 class Outlook(NamedTuple):
-    """What a solution that goes on at its load is expected to come to. contact: points; gap_mean: in the problem's units; rise: by how
-    much the mean of the displacement over the whole grid will change, in these units."""
+    """What a solution that goes on at its load is expected to come to. contact: points; doubt: their standard deviation; gap_mean: in
+    the problem's units; rise: by how much the mean of the displacement over the whole grid will change, in these units."""
 
     contact: float
     gap_mean: float
     rise: float
+    doubt: float
 
 
 @dataclass(frozen=True)

@@ -93,22 +93,43 @@ def test_an_area_is_not_turned_around(surface, loads):
 
 
 def test_a_sweep_knows_its_grids():
-    """By how much the pressure changes from grid to grid is found once: later searches begin on every grid where they end."""
+    """By how much the pressure changes from grid to grid is found once: later searches have the finest grid's load on all of them."""
     sweep = sweep_of(rough((2, 32, 2)), accuracy=2e-3, precision="double")
     ends = []
     for area in (0.1, 0.2):
         sweep.solve(Prescribed("a_r", area))
         search = sweep._search
-        ends.append([end - search.x for end in search.ends])
-        assert search.found_offsets == sweep._curve.offsets["a_r"]
-        assert search.x == pytest.approx(search.ends[0] + sum(search.found_offsets))
+        ends.append([end - search.x for end in search.offsets.ends])
+        found = sweep._curve.offsets["a_r"]
+        assert search.x == pytest.approx(search.offsets.ends[0] + sum(found))
     assert len(ends[0]) == 2
     begun = sweep._curve.search(Prescribed("a_r", 0.3), sweep.surface, sweep._wall, 1e-3)
     x = begun.x
     begun.on_coarsest_grid()
     for end in [*ends[1], 0.0]:
         begun.on_next_grid(sweep._wall)
-        assert begun.x - x == pytest.approx(end)
+        assert (begun.x, begun.offsets.ahead) == pytest.approx((x, -end))
+
+
+def first_error(solve, *args):
+    """Estimated, of the pressure, where the finest grid begins."""
+    errors = []
+    solve(*args, lambda iterations, progress: errors.append(progress.estimates[1]) and False)
+    return errors[0]
+
+
+@pytest.mark.parametrize("wall", ["periodic", "free"])
+def test_a_search_starts_as_a_given_load_does(wall):
+    """Coarser grids hand on the contact of the load that the finest one takes, not of that which gives them the same area."""
+    given = found = 0.0
+    for seed in (1, 2, 3):
+        plain, sweep = (sweep_of(WALLS[wall][0] | {"seed": seed}, accuracy=1e-3) for _ in range(2))
+        areas = [quantity_of(plain.solve(p), "a_r") for p in (0.05, 0.15)]
+        sweep.solve(Prescribed("a_r", areas[0]))
+        plain.solver = None
+        given += first_error(plain.solve, 0.15)
+        found += first_error(sweep.solve, Prescribed("a_r", areas[1]))
+    assert found < 1.5 * given
 
 
 def test_a_corrected_load_keeps_the_last_step():
