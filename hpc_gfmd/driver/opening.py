@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import exp, inf, log
 from typing import TYPE_CHECKING, Any
 
+from .offsets import Offsets
 from .search import Search
 
 if TYPE_CHECKING:
@@ -50,7 +51,8 @@ class Opening(Search):
         """closed: at the load that closes the gap. It begins where a single point would open so far."""
         closes_at = closed.p_mean / closed.pressure_unit
         x = log(max(closes_at / _single(load, closed.surface, closed.body) - 1, 1.0))
-        search = cls("gap_mean", load.value / closed.surface.slope, closed.accuracy, x, SLOPE, DOUBT, wall, closes_at=closes_at)
+        target, offsets = load.value / closed.surface.slope, Offsets(wall)
+        search = cls("gap_mean", target, closed.accuracy, x, SLOPE, DOUBT, wall, offsets, closes_at=closes_at)
         search.forget()
         return search
 
