@@ -29,7 +29,7 @@ from ..operators.multilevel import EQUIVALENCE, Multilevel
 if TYPE_CHECKING:
     from ..problem import Problem
 
-STORED = 0.5  # rounding error of a number that is stored, in units of the precision
+STORED = 1.0  # rounding errors of a number that is stored, and of the uniform part added to it before, in units of the precision
 
 
 @dataclass(frozen=True, kw_only=True)

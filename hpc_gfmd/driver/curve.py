@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite, log
+from math import copysign, isfinite, log
 from typing import TYPE_CHECKING
 
 from .line import SLOPES, UNKNOWN, Line
@@ -69,7 +69,11 @@ class Curve:
             bend = (search.slope - secants[0][1]) / (middle - secants[0][0]) if len(secants) > 1 and middle != secants[0][0] else 0.0
             change = BENT[kind] * bend * (x + 0.5 * (wanted - f) / search.slope - middle)
             search.slope *= 1 + min(max(change / search.slope, -BEND), BEND)
-        search.x = x + (wanted - f) / search.slope
+        way = (wanted - f) / search.slope
+        if abs(way) > FAR:  # what is known here says nothing of there
+            near_end = copysign(FAR, way)
+            way = near_end + (wanted - f - near_end * search.slope) / SLOPE[kind]
+        search.x = x + way
         search.line = Line.guessed(f, search.slope, search.least_miss, KNOWN if secants else UNKNOWN)
         search.line.move(search.x - x)
         search.doubt = search.line.doubt(0.0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from contacts import EXACT, field, random_heights, relative, rough, sweep_of
 
+from hpc_gfmd.driver.curve import Curve
 from hpc_gfmd.driver.lowmemory import LowMemorySweep
 from hpc_gfmd.driver.prescribed import Prescribed
 from hpc_gfmd.driver.sweep import Sweep
@@ -399,3 +400,11 @@ def test_what_cannot_be_had(load, words):
 def test_nor_on_such_a_surface(z, free, load, words):
     with pytest.raises(SceneError, match=words):
         sweep_over(z, free).pressures(Load(**load))
+
+
+def test_an_area_far_from_those_before():
+    """What two loads near to each other tell of the curve says nothing of its other end: there the area is about twice p*."""
+    sweep = sweep_over(random_heights((100, 100), seed=4), accuracy=1e-3)
+    near = [{"x": x, "a_r": area, "gap_mean": 1.0, "approach": 1.0} for x, area in ((0.40, 0.9990), (0.44, 0.9991))]
+    search = Curve(near).search(Prescribed("a_r", 4e-5), sweep.surface, sweep._wall, 1e-3)
+    assert abs(search.x - np.log(2e-5)) < 3
