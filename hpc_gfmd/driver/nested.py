@@ -40,7 +40,7 @@ REDUCTION, FEW_REDUCTION, FEW, LARGE = 0.6, 0.2, 3e-3, 1.0
 ITERATIONS = 60  # at most, on a coarse grid
 RANK_POINTS = 2**13  # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
 TENSION = 0.02  # share of points under tension in a closed coarse contact up to which the fine one may be without any
-FLAT_START = 0.099  # p* below which the flat start rests on the heights above mean + rms; not a round number: p* has rounding errors
+FLAT_START = 0.049  # p* below which the flat start rests on the heights above mean + rms; not a round number: p* has rounding errors
 
 
 def cold_gap(problem: Problem) -> np.ndarray:
