@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-LIMIT = 2**20  # bytes beyond which what a file or this process knows is left, and begun anew
+LIMIT = 2**20  # bytes beyond which a file is left, and begun anew; this process forgets beyond twice that, not in the middle of a run
 
 
 def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashable) -> T:
@@ -43,7 +43,7 @@ def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashabl
     wisdom.made.add(shapes)
     wisdom.version = wisdom.version if comm.size > 1 else None
     if comm.rank == 0:
-        if len(wisdom.text()) > LIMIT:
+        if len(wisdom.text()) > 2 * LIMIT:
             wisdom.replace(b"")
         known = wisdom.read()
         plans = make()

@@ -63,6 +63,15 @@ def test_a_campaign_of_many_grids_is_bounded(memory, tmp_path, monkeypatch):
         assert wisdom._lines(memory.text()) <= wisdom._lines(path.read_bytes()) | {b""}
 
 
+def test_what_a_run_has_planned_is_not_forgotten_in_its_middle(memory, monkeypatch):
+    """Though the file it began with was nearly full: its checkpoints need all of its plans."""
+    plan()
+    first = memory.text()
+    monkeypatch.setattr(wisdom, "LIMIT", len(first) - 1)
+    plan((60, 84))
+    assert wisdom._lines(first) < wisdom._lines(memory.text())
+
+
 def test_nobody_is_waited_for(memory, tmp_path, monkeypatch):
     """Not for one who keeps the file locked, not for one who cannot write; and no lock is asked for."""
     monkeypatch.setattr(fcntl, "flock", lambda *_: pytest.fail("a lock"))
