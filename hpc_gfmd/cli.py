@@ -2,7 +2,6 @@
 
 import argparse
 import importlib
-import importlib.util
 import sys
 import traceback
 from collections.abc import Sequence
@@ -30,14 +29,13 @@ class _Parser(argparse.ArgumentParser):
 
 
 def build_parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
-    """The parser with these commands, as far as they are there."""
+    """The parser with these commands."""
     parser = _Parser(prog="hpc-gfmd", description=DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {__version__}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_Parser)
     for name in commands:
-        module = f"{__package__}.commands.{name}"
-        if importlib.util.find_spec(module):
-            importlib.import_module(module).add_parser(subparsers)
+        command = importlib.import_module(f".commands.{name}", __package__)
+        command.add_parser(subparsers).set_defaults(main=command.main)
     return parser
 
 

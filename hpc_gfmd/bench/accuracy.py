@@ -17,6 +17,7 @@ from .cases import Case
 from .ours import Ours, Solved
 from .reference import Reference, reference
 from .report import Report, one_of
+from .timing import in_turn
 
 WITH_ESTIMATES = ("bpx",)
 LONG = 0.5  # seconds: who takes longer than this is timed at once, others once more when all caches are warm
@@ -68,11 +69,9 @@ def _one_case(case: Case, precision: Literal["single", "double"], known: Referen
                     over.add(key)
                 if slow or solved.status != "converged":
                     break
-    again = [key for key in runs if key not in over]
-    for k in range(args.repeats):
-        for solver, start, accuracy in again[:: 1 if k % 2 == 0 else -1]:
-            if len(runs[solver, start, accuracy]) <= k:
-                runs[solver, start, accuracy].append(_solve(ours, solver, start, accuracy, args))
+    for key in in_turn([key for key in runs if key not in over], args.repeats):
+        if len(runs[key]) < args.repeats:
+            runs[key].append(_solve(ours, *key, args))
     for (solver, start, accuracy), taken in runs.items():
         seconds = [s.seconds for s in taken]
         report.add(**case.label, precision=precision, solver=solver, start=start, accuracy=accuracy, repeats=len(taken),

@@ -20,7 +20,7 @@ from .model import Machine
 from .passes import COPY, field_passes
 from .report import Report
 from .timing import Sample, ratio
-from .workers import Worker, in_turn
+from .workers import measured
 
 COLUMNS = {"n": ("n", "5d"), "precision": ("precision", "9"), "what": ("pass", "16"), "cores": ("cores", "d"),
            "ms_min": ("ms (min)", "9.3f"), "ms_median": ("ms (median)", "11.3f"), "bytes_per_point": ("bytes/point", "11.1f"),
@@ -38,14 +38,8 @@ def bench_kernels(args: Namespace) -> None:
     report.say(f"# node: at least, with {Machine.cores} cores like this one and {Machine.bandwidth / 1e9:g} GB/s of memory")
     for n in args.n:
         for precision in args.precision:
-            workers = {}
-            try:
-                for k in args.ranks:
-                    workers[k] = Worker("kernels_worker", k, n, precision, args.p_star, "cpu" if args.cpu else "wall")
-                found = in_turn(workers, args.repeats)
-            finally:
-                for worker in workers.values():
-                    worker.close()
+            clock = "cpu" if args.cpu else "wall"
+            found = measured({k: ("kernels_worker", k, n, precision, args.p_star, clock) for k in args.ranks}, args.repeats)
             for cores, rounds in found.items():
                 samples = {name: Sample(tuple(row[name] for row in rounds)) for name in rounds[0]}
                 _add(report, samples, n, precision, cores, Machine, p_star=args.p_star, repeats=args.repeats)

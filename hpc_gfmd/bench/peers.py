@@ -27,6 +27,7 @@ from .loosest import PATIENCE, loosest
 from .ours import Ours
 from .reference import Reference, reference
 from .report import Report, one_of
+from .timing import in_turn
 
 NAMES = {"periodic": ("aspher", "aspher-float", "aspher-mixed", "tamaas", "contactmechanics-pk", "contactmechanics-ccg"),
          "free": ("aspher-fft", "aspher-fft-mixed", "aspher-h2", "aspher-h2-active", "aspher-h2-active-float", "aspher-h2-active-q8",
@@ -163,10 +164,9 @@ def _one_case(case: Case, makers: Sequence[Maker], args: Namespace, report: Repo
             else:
                 tolerances[codes[-1]] = tolerance
         slow = {code for code in codes if taken[code]}
-        for k in range(args.repeats):
-            for code in codes[:: 1 if k % 2 == 0 else -1]:
-                if code not in slow and sum(run["seconds"] for run in taken[code]) < args.budget:
-                    taken[code].append(_solved(code, tolerances[code]))
+        for code in in_turn(codes, args.repeats):
+            if code not in slow and sum(run["seconds"] for run in taken[code]) < args.budget:
+                taken[code].append(_solved(code, tolerances[code]))
     finally:
         for code in codes:
             code.close()

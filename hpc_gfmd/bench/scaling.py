@@ -11,7 +11,7 @@ from ..parallel.comm import stages
 from .model import Machine, Network, predict
 from .report import Report
 from .scaling_worker import PARTS
-from .workers import Worker, in_turn
+from .workers import measured
 
 COLUMNS = {"kind": ("kind", "8s"), "n": ("n", "6d"), "ranks": ("ranks", "d"), "threads": ("threads", "d"),
            "precision": ("precision", "s"), "p_star": ("p*", "6.3g"),
@@ -39,15 +39,15 @@ def bench_scaling(args: Namespace) -> None:
     for precision in args.precision:
         for n in args.n:
             several = [t for t in args.threads if t > 1 and 1 in args.ranks]
-            rows = measure([(n, k, precision, 1) for k in args.ranks] + [(n, 1, precision, t) for t in several], args)
+            rows = fastest([(n, k, precision, 1) for k in args.ranks] + [(n, 1, precision, t) for t in several], args)
             cores = [row["seconds"] * row["ranks"] * row["threads"] for row in rows]
             for row, spent in zip(rows, cores, strict=True):
                 _add(report, "threads" if row["threads"] > 1 else "strong", row, cores[0] / spent)
-        rows = measure([(_grown(min(args.n), k), k, precision, 1) for k in args.ranks], args)
+        rows = fastest([(_grown(min(args.n), k), k, precision, 1) for k in args.ranks], args)
         per_pair = [row["seconds"] * row["ranks"] / (row["n"]**2 * row["fft_pairs"]) for row in rows]
         for row, one in zip(rows, per_pair, strict=True):
             _add(report, "weak", row, per_pair[0] / one)
-    small = measure([(SMALL, 1, args.precision[0], 1)], args)[0]
+    small = fastest([(SMALL, 1, args.precision[0], 1)], args)[0]
     model = _predict(report, small, _messages(args), args.out)
     if args.out:
         from .pictures import scaling_picture
@@ -67,18 +67,12 @@ def _grown(n: int, ranks: int) -> int:
     return m
 
 
-def measure(cases: Sequence[tuple[int, int, str, int]], args: Namespace) -> list[dict]:
+def fastest(cases: Sequence[tuple[int, int, str, int]], args: Namespace) -> list[dict]:
     """The fastest row of scaling_worker.py for each (n, ranks, precision, threads), with the median time; all are measured in turn.
 
     Raises GfmdError if one fails."""
-    workers = {}
-    try:
-        for n, ranks, precision, threads in cases:
-            workers[n, ranks, threads] = Worker("scaling_worker", ranks, n, precision, args.p_star, ACCURACY, threads)
-        found = in_turn(workers, args.repeats)
-    finally:
-        for worker in workers.values():
-            worker.close()
+    found = measured({(n, ranks, threads): ("scaling_worker", ranks, n, precision, args.p_star, ACCURACY, threads)
+                      for n, ranks, precision, threads in cases}, args.repeats)
     return [min(rows, key=lambda row: row["seconds"]) | {"median_seconds": float(np.median([row["seconds"] for row in rows]))}
             for rows in found.values()]
 
@@ -94,11 +88,7 @@ def _messages(args: Namespace) -> dict[int, dict[str, float]]:
     report = Report("messages", columns, args.out)
     found = {}
     for ranks in args.ranks:
-        worker = Worker("messages", ranks)
-        try:
-            rows = [worker.measure() for _ in range(args.repeats)]
-        finally:
-            worker.close()
+        rows = measured({ranks: ("messages", ranks)}, args.repeats)[ranks]
         found[ranks] = {name: (max if "bandwidth" in name else min)(row[name] for row in rows)
                         for name in MESSAGES if name in rows[0]}
         report.add(ranks=ranks, **{name: value * MESSAGES[name][1] for name, value in found[ranks].items()})

@@ -60,13 +60,11 @@ def _measure(comm: Comm, clock: Clock, place: Path, n: int, repeats: int) -> dic
         return write_file(comm, result, (n, n), (start, stop), {"field": data})
 
     runs = {"raw": lambda: write_raw(own, 0), ONE: lambda: write_raw(one, 4 * n * start), f"result file, {io_way(comm)}": write}
-    seconds: dict[str, list[float]] = {way: [] for way in runs}
-    for k in range(repeats + 1):
-        for way in list(runs)[:: 1 if k % 2 else -1]:
-            for path in (own, one, result):
-                path.unlink(missing_ok=True)
-            taken = clock.measure(runs[way])
-            seconds[way] += [taken] * (k > 0)
+
+    def remove() -> None:
+        for path in (own, one, result):
+            path.unlink(missing_ok=True)
+
+    samples = clock.alternate(runs, repeats, before=remove)
     stored = write()["field"]
-    samples = {way: Sample(tuple(taken)) for way, taken in seconds.items()}
     return samples | clock.alternate({READ: lambda: stored.slab(comm, (start, stop))}, repeats)

@@ -1,12 +1,15 @@
 """Times that can be compared: warmed up, alternating within one run, minimum and median of the repeats."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from ..parallel.comm import Comm
+
+K = TypeVar("K")
 
 
 @dataclass(frozen=True)
@@ -24,6 +27,12 @@ class Sample:
     def median(self) -> float:
         """The median."""
         return float(np.median(self.seconds))
+
+
+def in_turn(names: Iterable[K], repeats: int) -> Iterator[K]:
+    """All names in so many rounds, every other one backwards (A B B A), so that a drift of the machine's speed hits all alike."""
+    for k in range(repeats):
+        yield from list(names)[:: 1 if k % 2 == 0 else -1]
 
 
 class Clock:
@@ -45,16 +54,17 @@ class Clock:
         run()
         return self.slowest(self.now() - begun)
 
-    def alternate(self, runs: Mapping[str, Callable[[], object]], repeats: int, warmup: int = 1) -> dict[str, Sample]:
-        """{name: Sample} of {name: function}: all in turn, every other round backwards (A B B A), so that a drift of the machine's
-        speed hits all alike. The warm-up rounds are not timed."""
+    def alternate(self, runs: Mapping[str, Callable[[], object]], repeats: int, warmup: int = 1,
+                  before: Callable[[], object] = lambda: None) -> dict[str, Sample]:
+        """{name: Sample} of {name: function}: all in turn; not timed: rounds of warm-up, and `before`, which is called before each."""
         seconds: dict[str, list[float]] = {name: [] for name in runs}
         for _ in range(warmup):
             for run in runs.values():
+                before()
                 run()
-        for k in range(repeats):
-            for name in list(runs)[:: 1 if k % 2 == 0 else -1]:
-                seconds[name].append(self.measure(runs[name]))
+        for name in in_turn(runs, repeats):
+            before()
+            seconds[name].append(self.measure(runs[name]))
         return {name: Sample(tuple(s)) for name, s in seconds.items()}
 
 

@@ -6,13 +6,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, closing
+from typing import Any
 
 from ..errors import GfmdError
 from ..parallel.comm import Comm
-
-K = TypeVar("K")
+from .timing import K, in_turn
 
 PAUSE = 2e-2  # seconds between two looks of a rank that waits: those that measure wait for the one whose core it takes
 
@@ -55,11 +55,12 @@ class Worker:
         raise GfmdError(f"{self.what} failed: {what_failed(self._errors.read())}")
 
 
-def in_turn(workers: Mapping[K, Any], repeats: int) -> dict[K, list]:
-    """Everything that every worker finds in so many rounds, every other one backwards (A B B A)."""
-    found: dict[K, list] = {name: [] for name in workers}
-    for k in range(repeats):
-        for name in list(workers)[::1 if k % 2 == 0 else -1]:
+def measured(jobs: Mapping[K, Sequence], repeats: int) -> dict[K, list[dict[str, Any]]]:
+    """All that workers find who take turns so many times; jobs: what each Worker is made of. Raises GfmdError if one fails."""
+    found: dict[K, list] = {name: [] for name in jobs}
+    with ExitStack() as stack:
+        workers = {name: stack.enter_context(closing(Worker(*job))) for name, job in jobs.items()}
+        for name in in_turn(jobs, repeats):
             found[name].append(workers[name].measure())
     return found
 

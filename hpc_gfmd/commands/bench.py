@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
+from ..errors import SceneError
 from .number import number
 
 PRECISIONS = ("single", "double")
@@ -63,13 +64,12 @@ def _part(parts: Any, what: str, text: str, sizes: Iterable[int], repeats: int) 
     parser.add_argument("--cpu", action="store_true", help="time by the processor's clock: for a machine that others use too")
     parser.add_argument("--quick", action="store_true", help="the smallest n only, 3 repeats at most")
     parser.add_argument("-o", "--out", metavar="DIR", help="write tables, JSON lines and pictures here")
-    parser.set_defaults(main=main, what=what)
+    parser.set_defaults(what=what)
     return parser
 
 
 def main(args: Namespace) -> int:
     """Run one benchmark, bench_WHAT(args) of bench/WHAT.py. Raises SceneError for arguments that make no sense."""
-    from ..errors import SceneError
     from ..parallel.world import world
 
     if min(args.n) < 8 or any(n % 4 for n in args.n):

@@ -26,7 +26,6 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     parser.add_argument("file", metavar="OUT.h5", help="result file")
     parser.add_argument("--to", required=True, choices=FORMATS, help="what to write")
     parser.add_argument("-o", "--output", metavar="FILE", help="where (default: beside the result)")
-    parser.set_defaults(main=main)
     return parser
 
 

@@ -14,7 +14,6 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     parser.add_argument("topic", metavar="scene|COMMAND", nargs="?", help="what about (default: the commands)")
     parser.add_argument("key", metavar="KEY", nargs="?", help="a table or a key of a scene")
     parser.add_argument("--markdown", action="store_true", help="all keys of a scene as a page in Markdown")
-    parser.set_defaults(main=main)
     return parser
 
 

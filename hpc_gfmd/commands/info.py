@@ -6,9 +6,7 @@ from typing import Any
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
-    parser = subparsers.add_parser("info", help="versions, MPI, parallel HDF5, FFT, threads")
-    parser.set_defaults(main=main)
-    return parser
+    return subparsers.add_parser("info", help="versions, MPI, parallel HDF5, FFT, threads")
 
 
 def main(args: Namespace) -> int:

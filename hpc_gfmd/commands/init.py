@@ -21,7 +21,6 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     parser.add_argument("-o", "--output", metavar="SCENE.toml", default="scene.toml", help="scene file (default: %(default)s)")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="what the scene is to say: table.key=value")
     parser.add_argument("--force", action="store_true", help="overwrite a scene that is there")
-    parser.set_defaults(main=main)
     return parser
 
 

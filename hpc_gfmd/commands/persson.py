@@ -31,7 +31,6 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     parser.add_argument("--printed", action="store_true",
                         help="the mean gap as published in 2014, where a factor of 2 is missing in one term")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
-    parser.set_defaults(main=main)
     return parser
 
 

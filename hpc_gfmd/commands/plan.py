@@ -5,6 +5,8 @@ import os
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
+from ..errors import SceneError
+
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
@@ -17,7 +19,6 @@ def add_parser(subparsers: Any) -> ArgumentParser:
                         help="ranks on each node, which share memory (default: what Slurm says, else what this machine's cores take)")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the scene: table.key=value")
     parser.add_argument("--json", action="store_true")
-    parser.set_defaults(main=main)
     return parser
 
 
@@ -27,7 +28,6 @@ def main(args: Namespace) -> int:
     from ..driver.decomposition import busiest
     from ..driver.memory import GIB, available_gib, largest_precision, memory_of
     from ..driver.timing import expected_seconds
-    from ..errors import SceneError
     from ..parallel.world import ranks_per_node
     from ..scene import load_scene
     from ..surface import cell_of, surface_size

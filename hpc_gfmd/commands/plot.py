@@ -27,7 +27,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
                         help='part of the cell that maps show, plain in the unit of its sizes or as "2um"')
     parser.add_argument("--dpi", type=int, help="dots per inch of maps and of .png (default: 200)")
     parser.add_argument("--dimensionless", action="store_true", help="p/(E* g_rms) and gap/h_rms though the scene has units")
-    parser.set_defaults(main=main, saves=True)
+    parser.set_defaults(saves=True)
     return parser
 
 

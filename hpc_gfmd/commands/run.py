@@ -13,7 +13,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the scene: table.key=value")
     parser.add_argument("--force", action="store_true", help="overwrite the result of another scene")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
-    parser.set_defaults(main=main, saves=True)
+    parser.set_defaults(saves=True)
 
     again = subparsers.add_parser("restart", help="continue an interrupted run",
                                   description="Continue the interrupted run of a result file, on any number of ranks.")

@@ -21,7 +21,6 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     parser.add_argument("--tfc", metavar="TABLE", nargs="?", const="",
                         help="take kappa and gap/h_rms to the thermodynamic, fractal and continuum limits, with the coefficients "
                         "of TABLE: paper, ours or a JSON file (default: ours where they are installed, otherwise the paper's)")
-    parser.set_defaults(main=main)
     return parser
 
 

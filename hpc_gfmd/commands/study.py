@@ -4,6 +4,8 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import Any
 
+from ..errors import SceneError
+
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
@@ -25,13 +27,12 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     parser.add_argument("--reference", metavar="FILE.json", help="write the data file of hpc_gfmd.reference from the stored sweeps")
     parser.add_argument("--coefficients", metavar="FILE.json", help="write our coefficients of eq. tfc, for `hpc-gfmd tfc --table`")
     parser.add_argument("--threads", default="1", metavar="T", help='threads of each rank: a number or "auto" (default 1)')
-    parser.set_defaults(main=main, saves=True)
+    parser.set_defaults(saves=True)
     return parser
 
 
 def main(args: Namespace) -> int:
     """Solve, tabulate and draw. Raises SceneError for names, levels and shares that do not exist."""
-    from ..errors import SceneError
     from ..parallel.world import world
     from ..study import catalogue
     from ..study.levels import REFERENCE, at_level
@@ -98,7 +99,6 @@ def _publish(args: Namespace, studies: Sequence, folder: str, comm: Any) -> None
 
 
 def _names(given: Sequence[str]) -> list[str]:
-    from ..errors import SceneError
     from ..study import catalogue
 
     if not given:
@@ -107,8 +107,6 @@ def _names(given: Sequence[str]) -> list[str]:
 
 
 def _part(args: Namespace) -> tuple[int, int] | None:
-    from ..errors import SceneError
-
     if args.part is None:
         return None
     part, _, parts = args.part.partition("/")
@@ -120,8 +118,6 @@ def _part(args: Namespace) -> tuple[int, int] | None:
 
 
 def _threads(text: str) -> str:
-    from ..errors import SceneError
-
     if text != "auto" and not (text.isdecimal() and 1 <= int(text) <= 65536):
         raise SceneError(f'--threads: found {text!r}, allowed: a whole number from 1, or "auto"')
     return text

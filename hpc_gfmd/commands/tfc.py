@@ -27,7 +27,6 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     parser.add_argument("--terms", default="tfc", help="terms to fit, any of t, f, c (default: tfc)")
     parser.add_argument("--free", default="", metavar="TERMS", help="terms whose exponent is fitted too (default: none)")
     parser.add_argument("--json", action="store_true", help="print JSON instead of text")
-    parser.set_defaults(main=main)
     return parser
 
 

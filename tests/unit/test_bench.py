@@ -11,7 +11,7 @@ import mpi_harness
 import numpy as np
 import pytest
 
-from hpc_gfmd.bench import peers, scaling
+from hpc_gfmd.bench import peers, scaling, workers
 from hpc_gfmd.bench.cases import Case
 from hpc_gfmd.bench.cells import Cells
 from hpc_gfmd.bench.loosest import loosest
@@ -21,7 +21,7 @@ from hpc_gfmd.bench.ours import Ours
 from hpc_gfmd.bench.passes import field_passes
 from hpc_gfmd.bench.reference import reference
 from hpc_gfmd.bench.timing import Clock, Sample, ratio
-from hpc_gfmd.bench.workers import Worker, in_turn, what_failed
+from hpc_gfmd.bench.workers import Worker, what_failed
 from hpc_gfmd.cli import main
 from hpc_gfmd.errors import GfmdError
 from hpc_gfmd.grid import Grid
@@ -266,11 +266,15 @@ def test_a_failing_launcher_is_quoted_by_the_line_that_says_most():
         Worker("nonsense", 1)
 
 
-def test_workers_take_turns():
+def test_workers_take_turns_and_are_closed(monkeypatch):
     calls = []
-    workers = {name: SimpleNamespace(measure=lambda name=name: calls.append(name) or len(calls)) for name in "ABC"}
-    assert in_turn(workers, 3) == {"A": [1, 6, 7], "B": [2, 5, 8], "C": [3, 4, 9]}
-    assert "".join(calls) == "ABC" + "CBA" + "ABC"
+
+    def worker(name):
+        return SimpleNamespace(measure=lambda: calls.append(name) or len(calls), close=lambda: calls.append(name.lower()))
+
+    monkeypatch.setattr(workers, "Worker", worker)
+    assert workers.measured({1: "A", 2: "B", 3: "C"}, 3) == {1: [1, 6, 7], 2: [2, 5, 8], 3: [3, 4, 9]}
+    assert "".join(calls) == "ABC" + "CBA" + "ABC" + "cba"
 
 
 def test_messages_of_this_machine(monkeypatch):
