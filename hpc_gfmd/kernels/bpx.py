@@ -94,7 +94,7 @@ def update_state(state, x, s, excess, rows, coarse, edges, transfer, inside, scr
     UpdateSums. d begins with row i0, as x.
 
     Restricts p on F and excess p on A, the indicator of A, and x on F to the coarser grid: coarse (3, coarse rows + 2, m) with halo
-    gets the rows that belong to this pass alone, edges (2, 3, m) the first and the last, which it shares. scratch: (7, n_y).
+    gets the rows that belong to this pass alone, edges (2, 3, m) the first and the last, which it shares. scratch: (6, n_y).
     """
     g, p, _ = state
     i0, i1 = rows
@@ -230,4 +230,4 @@ def _scatter_row(rows, c0, n, K, ends, edges, coarse, transfer):
     _, _, mode, j0, f, factor = transfer
     for c in range(3):
         target = edges[0, c] if K == ends[0] else (edges[1, c] if K == ends[1] else coarse[c, K])
-        restrict_row(rows[c0 + c, :n], target, factor, mode, j0, f, rows[6])
+        restrict_row(rows[c0 + c, :n], target, factor, mode, j0, f)

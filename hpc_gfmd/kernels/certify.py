@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .jit import kernel, points_inside
+from .jit import kernel, making_arrays, points_inside
 
 BINS, PER_OCTAVE = 160, 4  # of squares: down to 2^-40 of the largest
 GROUP, ROUNDED = 32, 1.00001  # points that are looked at together; more than rounding in single precision makes of a number
@@ -44,7 +44,7 @@ def displacement_rows(g, h, x, i0, i1, level):
             x[i - i0, j] = 1.0 * g[i, j] - level
 
 
-@kernel
+@making_arrays
 def kkt_residuals(g, p, x, p0, inside, i0, i1):
     """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0; returns KktSums and KktExtremes."""
     open_pp = open_p4 = closed_pp = closed_p = pg = gap = contact = 0.0

@@ -1,6 +1,7 @@
 """The one decorator of all kernels."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numba
@@ -12,13 +13,17 @@ from .cache import cached
 FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
 
 
-def kernel(function: Callable[..., Any]) -> Any:
-    """Compile on first use, keep in the cache, release the GIL."""
+def kernel(function: Callable[..., Any], makes_arrays: bool = False) -> Any:
+    """Compile on first use, keep in the cache, release the GIL.
+
+    makes_arrays: or returns some. Only then references to arrays are counted, to every row that a loop takes, which is slow.
+    """
     with cached() as possible:
-        return numba.njit(nogil=True, error_model="numpy", fastmath=FASTMATH, cache=possible)(function)
+        return numba.njit(nogil=True, error_model="numpy", fastmath=FASTMATH, cache=possible, _nrt=makes_arrays)(function)
 
 
 inline = kernel  # a piece of a kernel; LLVM inlines it where it is used
+making_arrays = partial(kernel, makes_arrays=True)
 
 
 @inline

@@ -10,27 +10,22 @@ Arrays with halo rows have one row before and one after the rank's own rows.
 
 import numpy as np
 
-from .jit import inline, kernel
+from .jit import inline, kernel, making_arrays
 
 
 @inline
-def restrict_row(fine, coarse, factor, mode, j0, f, odd):
-    """coarse = factor P^T fine along one row. odd: scratch of at least as many points as coarse.
-
-    With two loops no even or odd points are read without the others: vectors of every second point alone would be gathered.
-    """
+def restrict_row(fine, coarse, factor, mode, j0, f):
+    """coarse = factor P^T fine along one row."""
     one = fine.dtype.type(1)
     n = fine.shape[0]
     m = coarse.shape[0]
     if mode == 1:
         half = factor * fine.dtype.type(0.5)
-        for J in range(m):
-            o = half * fine[2 * J + 1]
-            coarse[J] = factor * fine[2 * J] + o
-            odd[J] = o
-        coarse[0] += odd[m - 1]
-        for J in range(1, m):
-            coarse[J] += odd[J - 1]
+        before = half * fine[n - 1]
+        for J in range(m):  # even and odd points are read together: vectors of every second point alone would be gathered
+            after = half * fine[2 * J + 1]
+            coarse[J] = factor * fine[2 * J] + after + before
+            before = after
     elif mode == 0:
         for J in range(m):
             coarse[J] = factor * fine[J]
@@ -100,7 +95,7 @@ def join_edges(coarse, edges, lo, hi, shared):
             coarse[k, hi, J] = edges[1, k, J]
 
 
-@kernel
+@making_arrays
 def restrict_level(fine, coarse, transfer):
     """coarse = factor P^T fine for all fields: fine (c, rows + 2, n) with valid own rows; coarse (c, rows' + 2, m), halo included.
 
@@ -111,16 +106,15 @@ def restrict_level(fine, coarse, transfer):
     coarse[...] = 0
     here = np.empty(n, fine.dtype)
     after = np.empty(n, fine.dtype)
-    odd = np.empty(coarse.shape[2], fine.dtype)
     for k in range(c):
         after[:] = 0
         i = 0
         while i < rows - 2:
             K = k0[i]
             i = gather_rows(fine[k, 1:rows - 1], k0, f_x, i, here, after)
-            restrict_row(here, coarse[k, K], factor, mode, j0, f, odd)
+            restrict_row(here, coarse[k, K], factor, mode, j0, f)
             if i == rows - 2:
-                restrict_row(after, coarse[k, K + 1], factor, mode, j0, f, odd)
+                restrict_row(after, coarse[k, K + 1], factor, mode, j0, f)
 
 
 @inline
@@ -152,7 +146,7 @@ def gather_rows(fine, k0, f_x, i, here, after):
     return end
 
 
-@kernel
+@making_arrays
 def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer):
     """out = r/(weight + damping t) + coupling P z_coarse on own rows; rt: (>=2, rows + 2, n). Returns <r, out>, <x, out>, <r, r>,
     <t, t> and <r, t>.
@@ -193,7 +187,7 @@ def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer):
     return rz, xz, rr, tt, cross
 
 
-@kernel
+@making_arrays
 def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling, mode, at):
     """The sweep over the levels that one rank holds completely, in place: r of the finest of them becomes z.
 
@@ -240,7 +234,7 @@ def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling, 
     return rr, tt, rt, mean
 
 
-@inline
+@making_arrays
 def _axis(n, m, dtype_of):
     """Mode and tables of one axis of a level that one rank holds completely."""
     mode = 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
@@ -252,7 +246,7 @@ def _axis(n, m, dtype_of):
     return mode, j0, f
 
 
-@inline
+@making_arrays
 def _restrict(fine, coarse):
     n_x, n_y = fine.shape
     m_x, m_y = coarse.shape
@@ -261,20 +255,19 @@ def _restrict(fine, coarse):
     factor = fine.dtype.type((m_x / n_x) * (m_y / n_y))
     here = np.empty(n_y, fine.dtype)
     after = np.zeros(n_y, fine.dtype)
-    odd = np.empty(m_y, fine.dtype)
     i = 0
     while i < n_x:
         K = k0[i]
         i = gather_rows(fine, k0, g, i, here, after)
-        restrict_row(here, coarse[K], factor, mode, j0, f, odd)
+        restrict_row(here, coarse[K], factor, mode, j0, f)
     if g[n_x - 1] > 0:  # the last row lies between the last coarse row and the first
         line = np.empty(m_y, fine.dtype)
-        restrict_row(after, line, factor, mode, j0, f, odd)
+        restrict_row(after, line, factor, mode, j0, f)
         for J in range(m_y):
             coarse[0, J] += line[J]
 
 
-@inline
+@making_arrays
 def _interpolate(coarse, fine, coupling):
     """fine += coupling P coarse."""
     one = fine.dtype.type(1)

@@ -11,14 +11,14 @@ bounded.
 
 import numpy as np
 
-from .jit import inline, kernel
+from .jit import inline, making_arrays
 
 SWEEPS = 3  # gradient steps; each widens the halo by a row
 HALO = max(SWEEPS, SWEEPS // 2 + 2)  # coarse rows needed beyond a rank's own: an axis may not be coarsened, or take a cubic
 RING = SWEEPS + 1  # rows of every quantity that are kept
 
 
-@kernel
+@making_arrays
 def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil, nominal):
     """The gap g on this rank's rows; fine_rows: the first of them and how many there are on all ranks, coarse_rows: likewise.
 
@@ -93,7 +93,7 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
                 g[i, j] = t[v, j + 1] - t[lowest, j + 1]
 
 
-@inline
+@making_arrays
 def _row(before, own, after, k):
     """Row k of own rows and those before and after."""
     if k < 0:
@@ -103,7 +103,7 @@ def _row(before, own, after, k):
     return own[k]
 
 
-@inline
+@making_arrays
 def _interpolate_row(line, fine, halve_y, near, far):
     """Interpolate coarse points line[1:-2] along the row, fine[1:-1]."""
     n, m = fine.shape[0] - 2, line.shape[0] - 3

@@ -258,7 +258,7 @@ class Multilevel:
         d. excess: see kernels/bpx.py."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
-        scratch = zeros_aligned((7, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
+        scratch = zeros_aligned((6, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
         none, nowhere = self.dtype.type(0), np.zeros(still.shape, half(self.dtype))
         sums = [self.update_rows(k, g, p, nowhere if d is None else d[i0:i1], still, none, scratch, excess)
                 for k, (i0, i1) in enumerate(self.passes)]

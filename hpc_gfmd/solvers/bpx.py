@@ -78,7 +78,7 @@ class Bpx(Solver):
     def _make_scratch(self) -> None:
         """Rows for each thread."""
         dtype, rows = self.problem.dtype, self.elastic.fft.row_scratch
-        self._scratch = {id(x): zeros_aligned((7, self.grid.n[1] + LINE // dtype.itemsize), dtype) for x in rows}
+        self._scratch = {id(x): zeros_aligned((6, self.grid.n[1] + LINE // dtype.itemsize), dtype) for x in rows}
 
     def make_room(self) -> None:
         del self.d
