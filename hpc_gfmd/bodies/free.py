@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..kernels.lowmodes import join, multiply, project_rows, split
+from ..kernels.lowmodes import join, multiply, split
 from ..operators.images import ALONE, NEEDED, PARITIES, Images, images
 from .base import Body, Multipliers
 from .halfspace import HalfSpace
@@ -139,22 +139,21 @@ class Coupled:
         self.uniform = 1 / (found.constant * length)
         middle = [(m - 1) / 2 * 2 * np.pi / n for m, n in zip(grid.nominal, grid.n)]
         k_x, k_y = (np.arange(k + 1) for k in found.modes)
-        phase = np.outer(k_x, 2 * np.pi / grid.n[0] * np.arange(*grid.rows) - middle[0])
-        self.cos, self.sin = np.cos(phase), np.sin(phase)
         self.shift_x, self.shift_y = np.exp(1j * middle[0] * k_x), np.exp(1j * middle[1] * k_y)
+        self.shift_rows = np.exp(1j * (middle[0] - 2 * np.pi / grid.n[0] * grid.rows[0]) * k_x)  # of this rank's alone
         self.norm = np.outer(*(np.where(k > 0, 2.0, np.sqrt(2)) for k in (k_x, k_y))) / 2
         self.parts, self.scratch = np.zeros((4, *self.norm.shape)), np.zeros(self.norm.size, fft.dtype)
         self.up, self.down, self.energy = np.zeros(self.norm.shape, complex), np.zeros(self.norm.shape, complex)[1:], 0.0
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
         """Prepare `stiffness` (or with inverse=True `compliance`) of what the row spectra hold. Collective."""
-        rows = np.ascontiguousarray(fft.first_columns(self.norm.shape[1]))
-        sums = np.zeros((2, len(self.cos), 2 * self.norm.shape[1]))
-        project_rows(rows.view(fft.dtype), self.cos, self.sin, sums)
-        sums = np.reshape(self.comm.sum(sums.ravel()), sums.shape).view(complex)
-        split(sums, self.shift_y, self.norm, self.parts)
+        from scipy.fft import fft as transform
+
+        waves = transform(fft.first_columns(self.norm.shape[1]), fft.n[0], axis=0)
+        split(waves, self.shift_rows, self.shift_y, self.norm, self.parts)
+        parts = self.parts = self.comm.sum(self.parts.ravel()).reshape(self.parts.shape)
         energy, by_columns = 0.0, not self.found.free[1]
-        for part, (a, b) in zip(self.parts, PARITIES):
+        for part, (a, b) in zip(parts, PARITIES):
             energy += multiply(part[int(a < 0):, int(b < 0):], self.matrices[inverse][a, b], by_columns, self.scratch)
         self.energy = energy * self.unit[inverse]
         join(self.parts, self.shift_x, self.shift_y, self.norm, self.unit[inverse], self.up, self.down)

@@ -1,4 +1,4 @@
-"""The lowest modes of a field: from the spectra of its rows to products of cos and sin along both axes, and back.
+"""The lowest modes of a field: from its spectrum to products of cos and sin along both axes, and back.
 
 Parts (4, m_x, m_y) are of cos cos, cos sin, sin cos and sin sin, m_x and m_y counting from wave number 0; norm makes these products
 orthonormal.
@@ -8,23 +8,14 @@ from .jit import kernel
 
 
 @kernel
-def project_rows(rows, cos, sin, sums):
-    """Add cos[k] row to sums[0, k], sin[k] row to sums[1, k], for all rows; rows (n, m), cos and sin (modes, n), sums (2, modes, m) in
-    double precision. Complex numbers are two real ones."""
-    for i in range(rows.shape[0]):
-        for k in range(cos.shape[0]):
-            c, s = cos[k, i], sin[k, i]
-            for j in range(rows.shape[1]):
-                sums[0, k, j] += c * rows[i, j]
-                sums[1, k, j] += s * rows[i, j]
-
-
-@kernel
-def split(sums, shift, norm, parts):
-    """The parts of what `project_rows` added up, (2, m_x, m_y) complex, shifted along y to the middle of the surface."""
+def split(waves, shift_x, shift_y, norm, parts):
+    """The parts of columns (n_x, m_y) that have been transformed, shifted along both axes to the middle of the surface."""
+    n = waves.shape[0]
     for k in range(norm.shape[0]):
         for j in range(norm.shape[1]):
-            even, odd = sums[0, k, j] * shift[j] * norm[k, j], sums[1, k, j] * shift[j] * norm[k, j]
+            here = shift_y[j] * norm[k, j] / 2
+            up, down = waves[k, j] * shift_x[k] * here, waves[(n - k) % n, j] * shift_x[k].conjugate() * here
+            even, odd = up + down, 1j * (up - down)
             parts[0, k, j] = even.real
             parts[1, k, j] = -even.imag
             parts[2, k, j] = odd.real

@@ -147,12 +147,13 @@ def gather_rows(fine, k0, f_x, i, here, after):
 
 
 @making_arrays
-def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer):
+def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer, nominal):
     """out = r/(weight + damping t) + coupling P z_coarse on own rows; rt: (>=2, rows + 2, n). Returns <r, out>, <x, out>, <r, r>,
-    <t, t> and <r, t>.
+    <t, t>, <r, t>, <t, s> and <r, s>.
 
-    x is the third field of rt if there is one. out may be rt[0].
+    x is the third field of rt if there is one; s is the product of nominal = (rows,), (n,). out may be rt[0].
     """
+    s_x, s_y = nominal
     k0, f_x, mode, j0, f, _ = transfer
     n = rt.shape[2]
     has_x = rt.shape[0] > 2
@@ -160,11 +161,11 @@ def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer):
     row = np.empty(m, rt.dtype)
     fine = np.empty(n, rt.dtype)
     zero = rt.dtype.type(0)
-    rz = xz = rr = tt = cross = 0.0
+    rz = xz = rr = tt = cross = ts = rs = 0.0
     for h in range(1, rt.shape[1] - 1):
         combine_rows(z_coarse, k0[h - 1], f_x[h - 1], row)
         interpolate_row(row, fine, mode, j0, f)
-        out_r = r_r = t_t = r_t = zero
+        out_r = r_r = t_t = r_t = t_s = r_s = zero
         for j in range(n):
             r, t = rt[0, h, j], rt[1, h, j]
             z = r / (weight + damping * t) + coupling * fine[j]
@@ -172,11 +173,15 @@ def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer):
             r_r += r * r
             t_t += t * t
             r_t += r * t
+            t_s += t * s_y[j]
+            r_s += r * s_y[j]
             fine[j] = z
         rz += out_r
         rr += r_r
         tt += t_t
         cross += r_t
+        ts += s_x[h - 1] * t_s
+        rs += s_x[h - 1] * r_s
         if has_x:
             out_x = zero
             for j in range(n):
@@ -184,7 +189,7 @@ def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer):
             xz += out_x
         for j in range(n):
             out[h, j] = fine[j]
-    return rz, xz, rr, tt, cross
+    return rz, xz, rr, tt, cross, ts, rs
 
 
 @making_arrays

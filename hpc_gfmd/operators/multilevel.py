@@ -131,6 +131,10 @@ class Multilevel:
         self.fields = [np.zeros((FIELDS[min(k, 1)], step.transfer.window_rows, step.transfer.m[1]), self.dtype)
                        for k, step in enumerate(self.steps)]
         self.owned = [self._owned(step, field) for step, field in zip(self.steps[:-1], self.fields)]
+        starts = [grid.starts, *(step.starts for step in self.steps)]
+        # Of every level: what the indicator of the nominal area is a product of, on this rank's rows.
+        self.nominal = [(x[rows[self.comm.rank]:rows[self.comm.rank + 1]].astype(dtype), y.astype(dtype))
+                        for (x, y), rows in zip(self.surface.s, starts)]
         last = slice(len(self.steps), None)
         self.coarsest = CoarsestLevels(self.levels[last], self.weights[last], self.softness[last]) if self.comm.rank == 0 else None
 
@@ -211,23 +215,18 @@ class Multilevel:
 
     def sweep_levels(self, anew: bool = False) -> tuple[float, ...]:
         """`sweep` of what fields[0] holds, which is still to be added up."""
-        t_s = r_s = 0.0
         for k in range(self.distributed):
             own = self.owned[k]
             self._add_up(k, own[:, 1:-1])
-            if self.grid.padded:
-                r, t = (self.surface.product(k + 1, field, self.steps[k].starts[self.comm.rank]) for field in own[:2, 1:-1])
-                t_s, r_s = t_s + t, r_s + r
             restrict_level(own[:2], self.fields[k + 1], self.transfers[k + 1].tables)
-        rz, xz, *squares, mean, t, r = self._sweep_coarsest(anew)
+        rz, xz, *sums, mean = self._sweep_coarsest(anew)
         for k in reversed(range(self.distributed)):
             rz, xz, *here = self._smooth(k)
-            share = self.softness[k + 1] * self.grid.cell_points / (self.levels[k + 1].n[0] * self.levels[k + 1].n[1])
-            squares = [a + b * share for a, b in zip(squares, here)]
+            sums = [a + b * self.surface.weights[k + 1] for a, b in zip(sums, here)]
             self._hand_out(k, self.owned[k][:1, 1:-1])
         first = self.steps[0].transfer
         ratio = self.grid.cell_points / (first.m[0] * first.m[1])
-        return rz * ratio, xz * ratio, *squares, mean, t_s + t, r_s + r
+        return rz * ratio, xz * ratio, *sums[:3], mean, *sums[3:]
 
     def _add_up(self, k: int, rows: np.ndarray) -> None:
         """The rows of level k + 1 that this rank owns, (fields, rows, m): the sum over all windows."""
@@ -280,7 +279,7 @@ class Multilevel:
         self._hand_out(last, z[None])
         ratio = self.grid.cell_points / (n * m)
         products = (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))  # where level 1 itself is one of them
-        return *products, *(a * ratio for a in squares), mean, t_s, r_s
+        return *products, *(a * ratio for a in squares), t_s, r_s, mean
 
     def _find_mode(self, coarsest: CoarsestLevels, t: np.ndarray) -> None:
         coarsest.mode = coarsest.mode[:0]
@@ -293,7 +292,8 @@ class Multilevel:
 
     def _smooth(self, k: int) -> tuple[float, ...]:
         a, z = self.owned[k], self.fields[k + 1][0]
-        return smooth_level(a, z, a[0], self.weights[k + 1], self.damping, self.coupling, self.transfers[k + 1].tables)
+        return smooth_level(a, z, a[0], self.weights[k + 1], self.damping, self.coupling, self.transfers[k + 1].tables,
+                            self.nominal[k + 1])
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> float:

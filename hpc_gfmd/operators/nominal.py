@@ -28,13 +28,8 @@ class NominalArea:
         """sum over the coarse levels of softness <s, s> N/N_l."""
         return float(sum(weight * np.dot(x, x) * np.dot(y, y) for weight, (x, y) in zip(self.weights[1:], self.s[1:])))
 
-    def product(self, k: int, field: np.ndarray, start: int) -> float:
-        """softness <field, s> N/N_l on level k; field: its rows from `start` on, restricted to that level."""
-        x, y = self.s[k]
-        return float(self.weights[k] * np.dot(x[start:start + len(field)], np.einsum("ij,j->i", field, y.astype(field.dtype))))
-
     def products_of_coarsest(self, field: np.ndarray) -> float:
-        """The sum of that over the levels from `alone` on; field: complete, on the first of them."""
+        """softness <field, s> N/N_l, summed over the levels from `alone` on; field: complete, on the first of them."""
         along_x, along_y = self._tables
         return float(np.vdot(along_x, field @ along_y.astype(field.dtype)))
 

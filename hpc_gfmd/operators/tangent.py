@@ -88,10 +88,11 @@ class _Response:
 
     def _precondition(self) -> float:
         """z = M r; returns <r, z>."""
-        levels, transfer = self.levels, self.levels.transfers[0].tables
+        levels, transfer, nominal = self.levels, self.levels.transfers[0].tables, self.levels.nominal[0]
         restrict_level(self.residual_and_contact, levels.fields[0][:2], transfer)
         levels.sweep_levels()
-        rz, *_ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.damping, levels.coupling, transfer)
+        rz, *_ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.damping, levels.coupling, transfer,
+                              nominal)
         return float(self.comm.sum([rz])[0])
 
     def step(self) -> float:

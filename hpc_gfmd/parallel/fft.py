@@ -60,6 +60,7 @@ class SlabFFT(Layout):
         self._rows = np.stack([self.starts[self.node_ranks], self.starts[self.node_ranks + 1]], axis=1)  # of the node
         self._far_rows = _runs(np.repeat(self.far, np.diff(self.starts)))
         own = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
+        self._own_widths = np.diff(self.edges).reshape(self.K, self.size)[:, self.rank].tolist()
         self._first = first + np.diff(self._rows)[:, 0] * own[:, None]  # where the node's rows of this rank's blocks begin
         self._scratch = []
         for _ in range(threads):
@@ -148,7 +149,7 @@ class SlabFFT(Layout):
                 received = self._scratch[k - first][3] if sends else None
                 return self._one_block(k, scratch[2], received, apply, forward, backward)
 
-            results += self._map(one, [(k, k0) for k in group if np.diff(self.columns_of(k * self.size + self.rank))[0]])
+            results += self._map(one, [(k, k0) for k in group if self._own_widths[k]])
             if backward and sends:
                 self._send_back(group)
         self.comm.node.barrier()  # all columns are back
@@ -173,8 +174,7 @@ class SlabFFT(Layout):
                    backward: bool) -> T:
         """This rank's block number k; received: rows of it that come from other nodes, and go back there."""
         m = k * self.size + self.rank
-        j0, j1 = self.columns_of(m)
-        width = j1 - j0
+        width = self._own_widths[k]
         for_plan = columns[:next(w for w in self.widths if w >= width)]  # as many as there is a plan for
         columns = for_plan[:width]
         pieces = [(_moved(self._memory), self._first[k], self._rows)]

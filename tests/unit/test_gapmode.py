@@ -29,7 +29,8 @@ class Tangent:
         fields[:, 1:-1] = r, self.t
         restrict_level(fields, self.levels.fields[0][:2], self.transfer)
         self.levels.sweep_levels(anew)
-        smooth_level(fields, self.levels.z, z, 1.0, self.levels.damping, self.levels.coupling, self.transfer)
+        smooth_level(fields, self.levels.z, z, 1.0, self.levels.damping, self.levels.coupling, self.transfer,
+                     self.levels.nominal[0])
         return z[1:-1] * (1 - self.t)
 
     def stiffness(self, u):

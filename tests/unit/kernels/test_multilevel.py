@@ -31,7 +31,8 @@ def test_transfers_are_adjoint(random, n):
     assert np.allclose(R, P_x.T @ x @ P_y / ratio, atol=1e-13)
     Py = np.zeros((1, n[0] + 2, n[1]))
     rt = np.zeros((2, n[0] + 2, n[1]))
-    multilevel.smooth_level(rt, y[np.arange(-1, m[0] + 1) % m[0]].copy(), Py[0], 1.0, 4.0, 1.0, t.tables)
+    multilevel.smooth_level(rt, y[np.arange(-1, m[0] + 1) % m[0]].copy(), Py[0], 1.0, 4.0, 1.0, t.tables,
+                            tuple(map(np.ones, n)))
     assert np.allclose(Py[0, 1:-1], P_x @ y @ P_y.T, atol=1e-13)
     assert np.vdot(R, y) * ratio == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)
 
