@@ -93,13 +93,13 @@ def open_moments(g, p, inside):
 def count_uncertain(g, p, inside, below, compliance, tie, sure, largest, counts):
     """Count the points that errors of the pressure might move into contact or out of it, by the square of what that takes.
 
-    It takes |p| where g <= 0, g/compliance elsewhere. counts (2, BINS), points in contact and out of it: bin k holds squares from
-    largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones. Less than tie: on either side right, not counted; less than sure:
-    takes nothing. Returns how many points are closed, and how often rows and columns close or open, the first point being after the
-    last one. below: the row after this slab.
+    It takes |p| where g <= 0, elsewhere g/compliance less the pressure that is left there, which closes the point by itself.
+    counts (2, BINS), points in contact and out of it: bin k holds squares from largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all
+    smaller ones. Less than tie: on either side right, not counted; less than sure: takes nothing. Returns how many points are closed,
+    and how often rows and columns close or open, the first point being after the last one. below: the row after this slab.
     """
     real = g.dtype.type
-    reach, stiffness = real(ROUNDED * np.sqrt(largest)), real(1 / compliance)
+    reach, stiffness, zero = real(ROUNDED * np.sqrt(largest)), real(1 / compliance), real(0)
     closed = along = across = 0
     rows, n = inside
     for i in range(rows):
@@ -115,12 +115,16 @@ def count_uncertain(g, p, inside, below, compliance, tie, sure, largest, counts)
                 along += (here[j] <= 0) != (right[j] <= 0)
             near = 0
             for j in range(here.shape[0]):  # with vectors: few groups have any
-                near += (stiffness * here[j] if here[j] > 0 else abs(pressure[j])) <= reach
+                near += (stiffness * here[j] - max(pressure[j], zero) if here[j] > 0 else abs(pressure[j])) <= reach
             if near == 0:
                 continue
             for j in range(here.shape[0]):
                 t = here[j] / compliance if here[j] > 0 else abs(pressure[j])
-                if t * t <= largest and t >= tie:
+                if t < tie:
+                    continue
+                if here[j] > 0:
+                    t = max(t - max(pressure[j], zero), 0.0)
+                if t * t <= largest:
                     k = BINS - 1
                     if t > sure:
                         k = min(int(-PER_OCTAVE * np.log2(t * t / largest)), k)

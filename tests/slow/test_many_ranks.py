@@ -44,4 +44,4 @@ def test_2048(tmp_path):
     found = check(512, RANKS, tmp_path)
     assert found["n"] == 2048
     assert found["levels"] == 3  # of 1024, 512 and 256 points; rank 0 alone has those up to 128 x 128
-    assert found["grids"] == [16, 16, 8, 2, 1, 1]
+    assert found["grids"] == [16, 16, 8, 2, 1]  # down to 64 x 64
