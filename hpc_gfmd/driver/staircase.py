@@ -49,8 +49,7 @@ class Staircase(NamedTuple):
         so many. Collective."""
         less, wanted = points < 0, abs(points)
         counts = np.zeros(NUMBERS, np.int64)
-        rows, m = solver.grid.inside
-        count_margins(solver.g[:rows, :m], solver.p[:rows, :m], less, counts)
+        count_margins(solver.g, solver.p, solver.grid.inside, less, counts)
         total = solver.grid.comm.sum(counts)
         there = np.flatnonzero(total)
         gone, margin = np.cumsum(total[there]), number_of(there)

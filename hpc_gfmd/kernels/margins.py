@@ -14,10 +14,11 @@ def number_of(k):
 
 
 @kernel
-def count_margins(g, p, closed, counts):
+def count_margins(g, p, inside, closed, counts):
     """Count the points in contact by their pressure, or (closed = False) those out of it by their gap: counts[k] have the kth of
-    NUMBERS. g, p: the nominal area of a slab."""
-    for i in range(g.shape[0]):
-        for j in range(g.shape[1]):
+    NUMBERS. g, p: a slab; inside: shape of its part of the nominal area."""
+    rows, n = inside
+    for i in range(rows):
+        for j in range(n):
             if (g[i, j] <= 0 and p[i, j] > 0) == closed:
                 counts[narrow(abs(np.float32(p[i, j] if closed else max(g[i, j], 0))))] += 1  # a zero may have a sign

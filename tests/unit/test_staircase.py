@@ -26,7 +26,7 @@ def test_numbers(dtype):
     solver = state([*pressures, 0.0], gaps, dtype)
     for closed, there in ((True, pressures), (False, [*gaps, 0.0])):
         counts = np.zeros(NUMBERS, np.int64)
-        count_margins(solver.g, solver.p, closed, counts)
+        count_margins(solver.g, solver.p, solver.grid.inside, closed, counts)
         finite = np.arange(2**15 - 2**7)
         found, there = np.repeat(number_of(finite), counts[finite])[:len(there)], np.sort(there)
         assert counts.sum() == (50 if closed else solver.g.size - 50)
@@ -36,7 +36,7 @@ def test_numbers(dtype):
 def test_a_zero_may_have_a_sign():
     """It is counted as any other, and nothing is counted beside the counts."""
     counts = np.zeros(NUMBERS + 1, np.int64)
-    count_margins(np.array([[-0.0, 0.0, -1.0]]), np.zeros((1, 3)), False, counts[:NUMBERS])
+    count_margins(np.array([[-0.0, 0.0, -1.0, 5.0]]), np.zeros((1, 4)), (1, 3), False, counts[:NUMBERS])
     assert (counts[0], counts[NUMBERS]) == (3, 0)
 
 
