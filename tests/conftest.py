@@ -10,10 +10,13 @@ import signal
 import tempfile
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import mpi_harness
 import pytest
 from hypothesis import settings
+
+from hpc_gfmd.cli import main
 
 settings.register_profile("repeatable", derandomize=True)  # what fails, fails for everybody; HYPOTHESIS_PROFILE=default looks further
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
@@ -77,6 +80,39 @@ def _child_id(item):
     head, _, bracket = item.nodeid.partition("[")
     rest = bracket.removesuffix("]").removeprefix(ranks).removeprefix("-")
     return f"{head}[{rest}]" if rest else head
+
+
+@pytest.fixture
+def path(tmp_path):
+    """Of a result file."""
+    return tmp_path / "out.h5"
+
+
+@pytest.fixture
+def cli(tmp_path, monkeypatch, capfd):
+    """cli(*args): one command in this process (a new one takes seconds), in tmp_path: its exit code `code`, `out` and `err`.
+
+    cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with which one is refused.
+    """
+    monkeypatch.chdir(tmp_path)
+
+    def run(*args):
+        capfd.readouterr()
+        return SimpleNamespace(code=main(list(map(str, args))), **capfd.readouterr()._asdict())
+
+    def prints(*args):
+        done = run(*args)
+        assert done.code == 0, done.err
+        return done.out
+
+    def refused(*args, code=2):
+        done = run(*args)
+        assert (done.code, done.err.count("\n")) == (code, 1), done.err
+        assert done.err.strip().isprintable()
+        return done.err
+
+    run.prints, run.refused = prints, refused
+    return run
 
 
 @pytest.fixture

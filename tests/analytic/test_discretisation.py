@@ -8,7 +8,6 @@ import pytest
 from contacts import heights_of, rough, scene_text, solve_scene, sweep_of, sweep_over
 
 import hpc_gfmd
-from hpc_gfmd.cli import main
 from hpc_gfmd.observables.area import EDGE_CORRECTION, OBSERVABLES, a_r, a_r_corrected, a_r_discretisation
 
 TIGHT = {"accuracy": 1e-5, "precision": "double"}
@@ -90,18 +89,13 @@ def test_nothing_to_estimate():
 SCENE = scene_text((2, 16, 4), [0.35, 1e-4])
 
 
-def test_told_wherever_the_area_is(tmp_path, monkeypatch, capfd):
+def test_told_wherever_the_area_is(tmp_path, cli):
     """With the precision that each load was solved in, which under "auto" is not one for all."""
-    monkeypatch.chdir(tmp_path)
     (tmp_path / "s.toml").write_text(SCENE)
-    assert main(["run", "s.toml"]) == 0
-    table = capfd.readouterr().out
+    table = cli.prints("run", "s.toml")
     headline = next(line for line in table.splitlines() if "points," in line)
     assert "float32 until a load needs float64" in headline
-    assert main(["show", "contact.h5"]) == 0
-    shown = capfd.readouterr().out
-    assert main(["show", "--json", "contact.h5"]) == 0
-    steps = json.loads(capfd.readouterr().out)["steps"]
+    shown, steps = cli.prints("show", "contact.h5"), json.loads(cli.prints("show", "--json", "contact.h5"))["steps"]
     assert [step["precision"] for step in steps] == ["float32", "float64"]
     for text in (table, shown):
         rows = [line for line in text.splitlines() if line.endswith("  converged")]
@@ -119,9 +113,7 @@ def test_told_wherever_the_area_is(tmp_path, monkeypatch, capfd):
 
 
 @pytest.mark.parametrize("precision", ["single", "double"])
-def test_a_precision_that_was_asked_for_stands_in_the_headline(tmp_path, monkeypatch, capfd, precision):
-    monkeypatch.chdir(tmp_path)
+def test_a_precision_that_was_asked_for_stands_in_the_headline(tmp_path, cli, precision):
     (tmp_path / "s.toml").write_text(f'{SCENE}[solver]\nprecision = "{precision}"\naccuracy = 1e-2\n')
-    main(["run", "s.toml"])
-    headline = next(line for line in capfd.readouterr().out.splitlines() if "points," in line)
+    headline = next(line for line in cli("run", "s.toml").out.splitlines() if "points," in line)
     assert {"single": ", float32,", "double": ", float64,"}[precision] in headline

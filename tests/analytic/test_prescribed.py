@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from contacts import EXACT, field, random_heights, relative, rough, sweep_of
+from contacts import EXACT, field, random_heights, relative, rough, sweep_of, sweep_over
 
 from hpc_gfmd.driver.curve import Curve
 from hpc_gfmd.driver.lowmemory import LowMemorySweep
@@ -13,9 +13,8 @@ from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import body_of, solver_names
-from hpc_gfmd.scene import Load, Material, Scene, Solver
+from hpc_gfmd.scene import Load, Material, Scene
 from hpc_gfmd.surface import build_surface
-from hpc_gfmd.surface.build import surface_from_rows
 
 LAYER = {"thickness": 0.05, "nu1": 0.3, "E_star": 1.0}
 WALLS = {"periodic": (rough((2, 16, 4)), None), "free": (rough((2, 32, 2), boundary="free"), None), "layer": (rough((2, 16, 4)), LAYER),
@@ -27,13 +26,6 @@ CASES = [(wall, quantity) for wall in WALLS for quantity in ("gap_mean", "a_r", 
 def quantity_of(step, quantity):
     contact = step.contact
     return {"gap_mean": contact.gap_mean, "a_r": contact.contact_points / contact.N, "approach": contact.approach}[quantity]
-
-
-def sweep_over(z, free=(False, False), body=None, **solver):
-    def make(dtype):
-        return surface_from_rows(z.shape, (1.0, 1.0), lambda a, b: z[a:b], SerialComm(), dtype, 1, free)
-
-    return Sweep(make, Solver(**solver or EXACT), body=body or body_of(Material(), free))
 
 
 def is_as_near_as_can_be(found, plain, wanted, accuracy):
@@ -221,17 +213,17 @@ def test_the_least_pressure_that_closes_the_gap(load, layer):
 def test_a_gap_that_closes_to_its_edges(free, load, solver):
     """At the least load that does; what it costs counts all."""
     z = 0.01 * random_heights((16, 12), seed=3)
-    sweep = sweep_over(z, free, **solver)
+    sweep = sweep_over(z, free=free, **solver)
     step = sweep.solve(*sweep.pressures(Load(**load)))
     contact, p = step.contact, field(step, "pressure")
     assert contact.outcome.status == "converged"
     assert contact.contact_points == contact.N
     assert contact.gap_mean == 0
     assert 0 < p.min() < solver["accuracy"] * contact.p_mean
-    exact = sweep_over(z, free)
+    exact = sweep_over(z, free=free)
     assert exact.solve((1 + solver["accuracy"]) * contact.p_mean).contact.contact_points == contact.N
     assert exact.solve((1 - solver["accuracy"]) * contact.p_mean).contact.contact_points < contact.N
-    assert step.pairs <= 2.5 * sweep_over(z, free, **solver).solve(contact.p_mean).pairs
+    assert step.pairs <= 2.5 * sweep_over(z, free=free, **solver).solve(contact.p_mean).pairs
 
 
 @pytest.mark.parametrize("layer", [None, LAYER], ids=["half-space", "layer"])
@@ -248,7 +240,7 @@ def test_a_gap_that_nearly_closes(gap, layer):
 
 @pytest.mark.parametrize("free", [(True, True), (True, False)], ids=str)
 def test_a_gap_that_nearly_closes_to_its_edges(free):
-    sweep = sweep_over(0.01 * random_heights((16, 12), seed=3), free, accuracy=1e-3)
+    sweep = sweep_over(0.01 * random_heights((16, 12), seed=3), free=free, accuracy=1e-3)
     step = sweep.solve(*sweep.pressures(Load(gap_over_h_rms=1e-4)))
     assert step.contact.outcome.status == "converged"
     assert step.contact.gap_mean == pytest.approx(1e-4 * sweep.surface.h_rms, rel=1e-3)
@@ -257,9 +249,9 @@ def test_a_gap_that_nearly_closes_to_its_edges(free):
 def test_a_gap_that_nothing_makes_more_accurate():
     """Next to full contact the error of free edges counts for more than is asked: that is said, and not tried for long."""
     z = 0.01 * random_heights((16, 12), seed=3)
-    sweep = sweep_over(z, (True, True), accuracy=1e-6)
+    sweep = sweep_over(z, free=(True, True), accuracy=1e-6)
     closed = sweep.solve(Prescribed("a_r", 1.0)).contact.p_mean
-    step = sweep_over(z, (True, True), accuracy=1e-6).solve(0.99 * closed)
+    step = sweep_over(z, free=(True, True), accuracy=1e-6).solve(0.99 * closed)
     area, gap, pressure = step.contact.outcome.errors
     assert step.contact.outcome.status == "stagnated"
     assert area == 0
@@ -299,7 +291,7 @@ def test_an_area_that_jumps():
 def test_an_area_that_no_load_has(free, wanted):
     """Flat tops of equal height touch as a whole at any load: that is the least area, and it is said, at no cost."""
     high = np.arange(64) % 16 < 8
-    step = sweep_over(0.01 * np.outer(high, high), free, accuracy=1e-3).solve(Prescribed("a_r", wanted))
+    step = sweep_over(0.01 * np.outer(high, high), free=free, accuracy=1e-3).solve(Prescribed("a_r", wanted))
     assert step.contact.outcome.status == "converged"
     assert step.contact.contact_points == 1024
     assert step.contact.note == "a_r jumps from 0 to 0.25: the least at any load"
@@ -339,7 +331,7 @@ def test_an_area_between_flat_tops(wanted):
 def test_an_area_of_an_ordered_wall(free, wanted):
     """Coarse grids have a few points on each of its equal peaks, and do not tell the load; what is found is as near as can be."""
     wave = np.cos(2 * np.pi * np.arange(128) / 32)
-    sweep, plain = (sweep_over(0.01 * np.outer(wave, wave), free, accuracy=1e-2) for _ in range(2))
+    sweep, plain = (sweep_over(0.01 * np.outer(wave, wave), free=free, accuracy=1e-2) for _ in range(2))
     found = sweep.solve(Prescribed("a_r", wanted))
     assert found.contact.outcome.status == "converged"
     assert found.pairs < 60
@@ -351,7 +343,7 @@ def test_hardly_touching(free):
     """A mean gap that is but a little less than where the highest peak touches."""
     z = random_heights((16, 16), seed=3)
     gap = (z.max() - z).mean() * (1 - 1e-4)
-    step = sweep_over(z, free, accuracy=1e-6, precision="double").solve(Prescribed("gap_mean", gap))
+    step = sweep_over(z, free=free, accuracy=1e-6, precision="double").solve(Prescribed("gap_mean", gap))
     assert step.contact.gap_mean == pytest.approx(gap, rel=1e-6)
     assert step.contact.outcome.status == "converged"
 
@@ -359,7 +351,7 @@ def test_hardly_touching(free):
 @pytest.mark.parametrize("share", [1e-8, 1e-6, 1e-3])
 def test_an_approach_that_is_next_to_nothing(share):
     """One point touches, whose force is proportional to it; coarse grids are without that point."""
-    sweep = sweep_over(0.1 * random_heights((16, 16), seed=3), (True, True), accuracy=1e-4)
+    sweep = sweep_over(0.1 * random_heights((16, 16), seed=3), free=(True, True), accuracy=1e-4)
     h_rms = sweep.surface.h_rms
     step = sweep.solve(Prescribed("approach", share * h_rms))
     assert step.contact.outcome.status == "converged"
@@ -399,7 +391,7 @@ def test_what_cannot_be_had(load, words):
 ])
 def test_nor_on_such_a_surface(z, free, load, words):
     with pytest.raises(SceneError, match=words):
-        sweep_over(z, free).pressures(Load(**load))
+        sweep_over(z, free=free).pressures(Load(**load))
 
 
 def test_an_area_far_from_those_before():

@@ -4,7 +4,6 @@ import errno
 import json
 import subprocess
 import sys
-from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -12,7 +11,6 @@ import pytest
 from contacts import scene_text
 from mpi_harness import call, environment
 
-from hpc_gfmd.cli import main
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import load_scene
 from hpc_gfmd.surface import build_surface
@@ -21,18 +19,6 @@ SCENE = scene_text(output={"fields": ["pressure", "gap"]})
 STEP = {"p", "p_star", "a_r", "kappa", "gap_mean", "gap_over_h_rms", "iterations", "fft_pairs", "wall_seconds", "status",
         "a_r_error", "gap_error", "pressure_error"}
 SURFACE = {"n", "physical_sizes", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c", "seed"}
-
-
-@pytest.fixture
-def cli(monkeypatch, capfd):
-    """cli(*args, cwd): one command in this process (a new one for each takes seconds); returns its exit code and texts."""
-    def run(*args, cwd):
-        monkeypatch.chdir(cwd)
-        capfd.readouterr()
-        code = main(list(args))
-        return SimpleNamespace(returncode=code, **capfd.readouterr()._asdict(), args=args)
-
-    return run
 
 
 @pytest.fixture
@@ -73,11 +59,9 @@ def test_run(solved):
 
 
 def test_show(cli, solved):
-    folder, _ = solved
-    text = cli("show", "out.h5", cwd=folder)
-    assert text.returncode == 0
-    assert "converged" in text.out
-    shown = json.loads(cli("show", "--json", "out.h5", cwd=folder).out)
+    path = solved[0] / "out.h5"
+    assert "converged" in cli.prints("show", path)
+    shown = json.loads(cli.prints("show", "--json", path))
     assert set(shown) == {"surface", "steps", "status"}
     assert set(shown["surface"]) >= SURFACE
     assert shown["surface"]["n"] == [32, 32]
@@ -97,40 +81,37 @@ def test_imports_are_light(statement, absent):
 
 
 def test_set_changes_the_scene(cli, folder):
-    run = cli("run", "scene.toml", "--set", "load.p_star=[0.2]", "--set", "output.path=other.h5", "--set", "surface.seed=3", cwd=folder)
-    assert run.returncode == 0, run.err
-    shown = json.loads(cli("show", "--json", "other.h5", cwd=folder).out)
+    cli.prints("run", "scene.toml", "--set", "load.p_star=[0.2]", "--set", "output.path=other.h5", "--set", "surface.seed=3")
+    shown = json.loads(cli.prints("show", "--json", "other.h5"))
     assert (len(shown["steps"]), shown["surface"]["seed"]) == (1, 3)
 
 
 def test_residual_mode(cli, folder):
-    run = cli("run", "scene.toml", "--set", "solver.residual=1e-9", "--set", "load.p_star=[0.1]", cwd=folder)
-    assert run.returncode == 0, run.err
+    cli.prints("run", "scene.toml", "--set", "solver.residual=1e-9", "--set", "load.p_star=[0.1]")
     with h5py.File(folder / "contact.h5") as file:
         assert file["steps/0000"].attrs["residual"] < 1e-9
 
 
 def test_not_converged(cli, folder):
     """Exit code 3, results are there and marked."""
-    run = cli("run", "scene.toml", "--set", "solver.max_iterations=2", "--set", "solver.nested=false", cwd=folder)
-    assert run.returncode == 3, run.err
-    shown = json.loads(cli("show", "--json", "contact.h5", cwd=folder).out)
+    run = cli("run", "scene.toml", "--set", "solver.max_iterations=2", "--set", "solver.nested=false")
+    assert run.code == 3, run.err
+    shown = json.loads(cli.prints("show", "--json", "contact.h5"))
     assert shown["status"] == "max_iterations"
     assert "max_iterations" in [step["status"] for step in shown["steps"]]
-    assert "max_iterations" in cli("show", "contact.h5", cwd=folder).out
-    assert cli("plot", "contact.h5", cwd=folder).returncode == 0
+    assert "max_iterations" in cli.prints("show", "contact.h5")
+    assert cli.prints("plot", "contact.h5")
 
 
 def test_interrupted(cli, folder):
     """Exit code 143, then restart."""
-    run = cli("run", "scene.toml", "--set", "machine.wall_seconds=1e-9", cwd=folder)
-    assert run.returncode == 143
+    run = cli("run", "scene.toml", "--set", "machine.wall_seconds=1e-9")
+    assert run.code == 143
     assert "restart" in run.out + run.err
-    assert json.loads(cli("show", "--json", "contact.h5", cwd=folder).out)["status"] == "interrupted"
-    again = cli("restart", "contact.h5", cwd=folder)
-    assert again.returncode == 143  # the time limit is part of the stored scene
+    assert json.loads(cli.prints("show", "--json", "contact.h5"))["status"] == "interrupted"
+    assert cli("restart", "contact.h5").code == 143  # the time limit is part of the stored scene
     (folder / "contact.h5.partial").rename(folder / "kept.h5.partial")
-    assert cli("restart", "contact.h5", cwd=folder).returncode == 2
+    assert cli("restart", "contact.h5").code == 2
 
 
 @pytest.mark.parametrize(("args", "named"), [
@@ -144,21 +125,16 @@ def test_interrupted(cli, folder):
     (["run", "scene.toml", "--set", "machine.memory_gib=1e-6"], "GiB"), ([], "COMMAND")], ids=lambda x: " ".join(x)[:40])
 def test_wrong_input(cli, folder, args, named):
     """Exit code 2 and one line on stderr that names the key; nothing is written."""
-    run = cli(*args, cwd=folder)
-    assert run.returncode == 2, run.err
-    assert len(run.err.strip().splitlines()) == 1, run.err
-    assert named in run.err
+    assert named in cli.refused(*args)
     assert [p.name for p in folder.iterdir()] == ["scene.toml"]
 
 
 def test_plan(cli, folder):
-    run = cli("plan", "scene.toml", "--ranks", "3", "--json", cwd=folder)
-    plan = json.loads(run.out)
-    assert run.returncode == 0
+    plan = json.loads(cli.prints("plan", "scene.toml", "--ranks", "3", "--json"))
     assert (plan["n"], plan["ranks"], plan["idle_ranks"]) == ([32, 32], 3, 0)
     assert plan["gib_per_rank"] > 0
     assert plan["seconds"] > 0
-    assert "GiB per rank" in cli("plan", "scene.toml", cwd=folder).out
+    assert "GiB per rank" in cli.prints("plan", "scene.toml")
     assert [p.name for p in folder.iterdir()] == ["scene.toml"]
 
 
@@ -168,16 +144,14 @@ def test_plan_of_a_map_that_ends(cli, tmp_path, keys):
     np.savez(tmp_path / "z.npz", surface=np.random.default_rng(0).random((40, 20)), physical_sizes=[1.0, 3.0])
     scene = f'[surface]\nkind = "file"\npath = "z.npz"\nboundary = "free"\n{keys}\n[load]\np_star = 0.1\n'
     (tmp_path / "scene.toml").write_text(scene)
-    plan = json.loads(cli("plan", "scene.toml", "--json", cwd=tmp_path).out)
+    plan = json.loads(cli.prints("plan", "scene.toml", "--json"))
     made = build_surface(load_scene("scene.toml").surface, SerialComm(), np.float64)
     assert (plan["n"], plan["cell"]) == (list(made.n), list(made.grid.n))
 
 
-def test_info(cli, folder):
-    run = cli("info", cwd=folder)
-    assert run.returncode == 0, run.err
-    for word in ("numpy", "FFT", "MPI", "HDF5", "cores"):
-        assert word in run.out
+def test_info(cli):
+    told = cli.prints("info")
+    assert all(word in told for word in ("numpy", "FFT", "MPI", "HDF5", "cores"))
 
 
 def test_python_interface(folder, monkeypatch):
@@ -194,13 +168,10 @@ def test_python_interface(folder, monkeypatch):
 
 
 @pytest.mark.parametrize("error", [MemoryError("Unable to allocate 7 TiB"), OSError(errno.ENOMEM, "Cannot allocate memory")])
-def test_too_little_memory_is_no_mistake_of_the_program(error, monkeypatch, capsys):
+def test_too_little_memory_is_no_mistake_of_the_program(error, monkeypatch, cli):
     """Whoever notices it: NumPy, or the system where a file is mapped."""
     def fail(_):
         raise error
 
     monkeypatch.setattr("hpc_gfmd.commands.show.main", fail)
-    assert main(["show", "out.h5"]) == 1
-    err = capsys.readouterr().err
-    assert err.startswith("hpc-gfmd: out of memory (")
-    assert err.count("\n") == 1
+    assert cli.refused("show", "out.h5", code=1).startswith("hpc-gfmd: out of memory (")

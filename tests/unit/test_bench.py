@@ -161,12 +161,9 @@ def test_another_code_is_given_the_loosest_tolerance_that_will_do(tmp_path, monk
     (["fft", "--n", "63"], "--n: found"),
     (["kernels", "--repeats", "0"], "--repeats: found 0"),
 ])
-def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, tmp_path, capsys):
+def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, tmp_path, cli):
     monkeypatch.setenv("HPC_GFMD_PEERS", str(tmp_path / "nowhere"))
-    assert main(["bench", *arguments]) == 2
-    error = capsys.readouterr().err
-    assert says in error
-    assert error.count("\n") == 1
+    assert says in cli.refused("bench", *arguments)
 
 
 def test_transforms(tmp_path):

@@ -9,7 +9,6 @@ import pytest
 from contacts import rough
 
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
-from hpc_gfmd.cli import main
 from hpc_gfmd.driver.decomposition import Share, busiest, share_of
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.operators.multilevel import Multilevel
@@ -86,17 +85,13 @@ def test_nobody_sends_more_than_the_busiest(n, ranks, per_node):
     assert list(map(max, zip(*chosen, strict=True))) == list(map(max, zip(*everybody, strict=True)))
 
 
-def planned(capsys, path, *args):
-    """What `plan` says of a scene."""
-    assert main(["plan", str(path), *map(str, args), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
+def test_plan_says_it(tmp_path, cli, monkeypatch):
+    def planned(*args):
+        return json.loads(cli.prints("plan", "scene.toml", *args, "--json"))
 
-
-def test_plan_says_it(tmp_path, capsys, monkeypatch):
     scene = {"surface": rough((2, 4096, 8)), "load": {"p_star": [0.1]}, "solver": {"precision": "single"}}
-    path = tmp_path / "scene.toml"
-    path.write_text(Scene.from_dict(scene).to_toml())
-    plan = planned(capsys, path, "--ranks", 4096, "--threads", 2, "--ranks-per-node", 48)
+    (tmp_path / "scene.toml").write_text(Scene.from_dict(scene).to_toml())
+    plan = planned("--ranks", 4096, "--threads", 2, "--ranks-per-node", 48)
     share = share_of((65536, 65536), np.float32, 4096)
     assert (plan["ranks"], plan["threads"]) == (4096, 2)
     assert plan["points_per_rank"] == 65536 * 16
@@ -115,7 +110,7 @@ def test_plan_says_it(tmp_path, capsys, monkeypatch):
         with monkeypatch.context() as slurm:
             for name, value in environment.items():
                 slurm.setenv(name, value)
-            plan = planned(capsys, path, "--ranks", 4096, "--threads", threads)
+            plan = planned("--ranks", 4096, "--threads", threads)
         assert (plan["ranks_per_node"], plan["message_bytes_per_pair"]) == (per_node, sent(per_node)[0])
 
 

@@ -6,7 +6,6 @@ import tomllib
 import numpy as np
 import pytest
 
-from hpc_gfmd.cli import main
 from hpc_gfmd.commands.init import compose
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.scene import Scene, load_scene
@@ -17,12 +16,11 @@ ANALYTIC = [kind for kind in KINDS if kind != "file"]
 
 
 @pytest.mark.parametrize("kind", ANALYTIC)
-def test_a_scene_of_every_kind_runs(tmp_path, kind, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["init", kind, "--set", "surface.lam_l_over_lam_s=8" if kind == "self-affine" else "surface.n=[16, 16]"]) == 0
-    assert main(["run", "scene.toml", "-q"]) == 0
+def test_a_scene_of_every_kind_runs(tmp_path, kind, cli):
+    size = "surface.lam_l_over_lam_s=8" if kind == "self-affine" else "surface.n=[16, 16]"
+    assert cli.prints("init", kind, "--set", size) == "scene.toml: hpc-gfmd run scene.toml\n"
+    assert cli.prints("run", "scene.toml", "-q") == ""
     assert (tmp_path / "contact.h5").is_file()
-    assert capsys.readouterr().out == "scene.toml: hpc-gfmd run scene.toml\n"
 
 
 @pytest.mark.parametrize("kind", ANALYTIC)
@@ -56,12 +54,10 @@ def test_a_map_is_read_and_what_it_needs_is_written(tmp_path):
     assert load_scene(tmp_path / "scene.toml").surface.detrend == "tilt"
 
 
-def test_a_map_that_knows_its_sizes_runs_as_init_wrote_it(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_a_map_that_knows_its_sizes_runs_as_init_wrote_it(tmp_path, cli):
     tilted(tmp_path / "map.npz", [240.0, 160.0], "nm")
-    assert main(["init", "map.npz"]) == 0
-    assert main(["run", "scene.toml", "-q"]) == 0
-    assert main(["plan", "scene.toml"]) == 0
+    for command in (["init", "map.npz"], ["run", "scene.toml", "-q"], ["plan", "scene.toml"]):
+        cli.prints(*command)
 
 
 def test_a_map_with_an_edge_is_taken_to_end_there(tmp_path):
@@ -80,27 +76,22 @@ def test_what_a_free_boundary_does_not_have_is_not_made_free(tmp_path, key):
     assert (getattr(surface, key), surface.mirror, surface.boundary) == (2, True, None)
 
 
-def test_what_nobody_says_is_not_invented(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_what_nobody_says_is_not_invented(tmp_path, cli):
     tilted(tmp_path / "map.npz", None, None)
-    assert main(["init", "map.npz"]) == 0
-    assert "before it runs it needs surface.physical_sizes and surface.unit" in capsys.readouterr().out
-    assert main(["run", "scene.toml"]) == 2
-    assert "surface.physical_sizes: found nothing" in capsys.readouterr().err
+    assert "before it runs it needs surface.physical_sizes and surface.unit" in cli.prints("init", "map.npz")
+    assert "surface.physical_sizes: found nothing" in cli.refused("run", "scene.toml")
     assert not compose("map.npz", tmp_path / "a.toml", ['surface.physical_sizes=["3 um", "2 um"]', "surface.unit=nm"])[1]
 
 
-def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, cli):
     (tmp_path / "scene.toml").write_text("mine")
     for arguments, words in ((["init"], "which exists"), (["init", "wave", "-o", "no/a.toml"], "the folder no does not exist"),
                              (["init", "wav", "-o", "a.toml"], "found wav, allowed: a kind of surface (self-affine, wave, sphere)"),
                              (["init", "wave", "-o", "a.toml", "--set", "load.presure=3"], "nearest: load.pressure")):
-        assert main(arguments) == 2
-        assert words in capsys.readouterr().err
+        assert words in cli.refused(*arguments)
     assert (tmp_path / "scene.toml").read_text() == "mine"
     assert not (tmp_path / "a.toml").exists()
-    assert main(["init", "--force", "--set", "load.pressure=0.1"]) == 0
+    cli.prints("init", "--force", "--set", "load.pressure=0.1")
     assert load_scene(tmp_path / "scene.toml").load.pressure == (0.1,)
 
 
@@ -122,15 +113,13 @@ def test_help_on_one_key(key, lines):
     assert key.rpartition(".")[2] in text(key)
 
 
-def test_help_on_what_there_is_not(capsys):
+def test_help_on_what_there_is_not(cli):
     with pytest.raises(SceneError, match=r"nearest: solver\.accuracy"):
         text("solver.acuracy")
     with pytest.raises(SceneError, match=r"help scene: found adhesion, not modelled"):
         text("adhesion")
-    assert main(["help", "rum"]) == 2
-    assert "allowed: scene, init" in capsys.readouterr().err
+    assert "allowed: scene, init" in cli.refused("help", "rum")
 
 
-def test_help_knows_the_names(capsys):
-    assert main(["help", "scene", "output"]) == 0
-    assert "patch_largest" in capsys.readouterr().out
+def test_help_knows_the_names(cli):
+    assert "patch_largest" in cli.prints("help", "scene", "output")

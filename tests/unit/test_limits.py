@@ -64,23 +64,14 @@ def test_other_surfaces_have_no_limits():
         to_limits(result_of({"kind": "wave", "eps_t": float("nan"), "eps_f": float("nan"), "eps_c": float("nan")}))
 
 
-def test_command(monkeypatch, capsys):
-    import argparse
-
+def test_command(monkeypatch, cli):
     monkeypatch.setattr(show, "read_result", lambda path: result_of())
-    parser = argparse.ArgumentParser()
-    show.add_parser(parser.add_subparsers())
-    assert show.main(parser.parse_args(["show", "x.h5", "--json", "--tfc", "paper"])) == 0
-    tables = json.loads(capsys.readouterr().out)
+    tables = json.loads(cli.prints("show", "x.h5", "--json", "--tfc", "paper"))
     assert tables["tfc"]["table"] == "paper"
     assert set(tables) == {"surface", "steps", "status", "tfc"}
-    assert show.main(parser.parse_args(["show", "x.h5", "--json"])) == 0
-    assert "tfc" not in json.loads(capsys.readouterr().out)
-    assert show.main(parser.parse_args(["show", "x.h5", "--tfc"])) == 0
-    wanted = "ours" if tfc.our_table() else "paper"
-    assert f"coefficients of: {wanted}" in capsys.readouterr().out
-    with pytest.raises(SceneError, match="table"):
-        show.main(parser.parse_args(["show", "x.h5", "--tfc", "nowhere.json"]))
+    assert "tfc" not in json.loads(cli.prints("show", "x.h5", "--json"))
+    assert f"coefficients of: {'ours' if tfc.our_table() else 'paper'}" in cli.prints("show", "x.h5", "--tfc")
+    assert "table: found 'nowhere.json'" in cli.refused("show", "x.h5", "--tfc", "nowhere.json")
 
 
 def test_tables_by_name(monkeypatch, tmp_path):

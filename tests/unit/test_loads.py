@@ -9,7 +9,6 @@ from contacts import random_heights, rough
 from scene_tables import refusal, tables
 
 import hpc_gfmd
-from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.scene import Scene
@@ -55,27 +54,21 @@ def test_accepted_and_written_as_given():
         assert scene.load.found == (name != "force")
 
 
-def test_run_plan_and_show(tmp_path, monkeypatch, capsys):
+def test_run_plan_and_show(tmp_path, cli):
     """The result has the pressure that was found and what was asked for; what cannot be had ends with one line and exit code 2."""
-    monkeypatch.chdir(tmp_path)
     scene = Scene.from_dict({"surface": rough((2, 8, 2)), "load": {"gap_over_h_rms": [0.4, 0.3]}})
     (tmp_path / "scene.toml").write_text(scene.to_toml())
-    assert main(["plan", "scene.toml", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["loads"] == 2
-    assert main(["run", "scene.toml", "-q"]) == 0
-    assert main(["show", "contact.h5", "--json"]) == 0
-    steps = json.loads(capsys.readouterr().out)["steps"]
+    assert json.loads(cli.prints("plan", "scene.toml", "--json"))["loads"] == 2
+    cli.prints("run", "scene.toml", "-q")
+    steps = json.loads(cli.prints("show", "contact.h5", "--json"))["steps"]
     for step, wanted in zip(steps, (0.4, 0.3), strict=True):
         assert step["target_gap_over_h_rms"] == wanted
         assert step["gap_over_h_rms"] == pytest.approx(wanted, rel=1e-3)
         assert step["p"] == pytest.approx(step["p_star"])
     assert steps[0]["p"] < steps[1]["p"]
-    assert main(["show", "contact.h5"]) == 0
-    assert "asked: gap/h_rms" in capsys.readouterr().out
-    assert main(["run", "scene.toml", "--set", "load={gap_over_h_rms = 30}", "-o", "never.h5"]) == 2
-    error = capsys.readouterr().err
+    assert "asked: gap/h_rms" in cli.prints("show", "contact.h5")
+    error = cli.refused("run", "scene.toml", "--set", "load={gap_over_h_rms = 30}", "-o", "never.h5")
     assert "load.gap_over_h_rms: found 30, allowed: below " in error
-    assert error.count("\n") == 1
     assert not list(tmp_path.glob("never*"))
 
 
@@ -106,20 +99,18 @@ def test_solve_refuses(load, words):
         hpc_gfmd.solve(random_heights((8, 8)), **load)
 
 
-def test_units_of_a_height_map(tmp_path, monkeypatch, capsys):
+def test_units_of_a_height_map(tmp_path, cli):
     """Lengths and forces beside it have units where it has, and those of the result are SI."""
-    monkeypatch.chdir(tmp_path)
     np.save("z.npy", random_heights((32, 32), seed=1))
     text = 'surface = {kind = "file", path = "z.npy", unit = "nm", physical_sizes = ["1 um", "1 um"], boundary = "free"}\n'
     (tmp_path / "s.toml").write_text(text + 'material.E_star = "1 GPa"\nload.gap_mean = "2 nm"\n')
-    assert main(["run", "s.toml", "-q"]) == 0
+    cli.prints("run", "s.toml", "-q")
     step, = read_result("contact.h5").steps
     assert step["target_gap_mean"] == pytest.approx(2e-9)
     assert step["gap_mean"] == pytest.approx(2e-9, rel=1e-3)
-    assert main(["run", "s.toml", "-q", "--force", "--set", "load={gap_mean = 2.0}"]) == 2
-    assert 'load.gap_mean: found 2, plain, allowed with this height map: "50 nm"' in capsys.readouterr().err
-    assert main(["run", "s.toml", "-q", "--force", "--set", 'load={gap_mean = "50 um"}']) == 2
-    assert re.search(r"load.gap_mean: found 50 um, allowed: below 0.00\d+ um,", capsys.readouterr().err)
-    assert main(["run", "s.toml", "-q", "--force", "--set", 'load={force = "1 uN"}']) == 0
+    again = "run", "s.toml", "-q", "--force", "--set"
+    assert 'load.gap_mean: found 2, plain, allowed with this height map: "50 nm"' in cli.refused(*again, "load={gap_mean = 2.0}")
+    assert re.search(r"load.gap_mean: found 50 um, allowed: below 0.00\d+ um,", cli.refused(*again, 'load={gap_mean = "50 um"}'))
+    cli.prints(*again, 'load={force = "1 uN"}')
     step, = read_result("contact.h5").steps
     assert (step["target_force"], step["p"]) == pytest.approx((1e-6, 1e6))

@@ -9,7 +9,6 @@ from contacts import heights_of, rough, scene_text
 from scene_tables import WAVE, tables
 
 import hpc_gfmd
-from hpc_gfmd.cli import main
 from hpc_gfmd.errors import NotConverged
 from hpc_gfmd.scene import Scene
 
@@ -24,20 +23,13 @@ def z():
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch, capfd):
-    """run(p_star, accuracy, precision): (exit code, table of the run, `show`, `show --json`, `plot`, attributes)."""
-    monkeypatch.chdir(tmp_path)
-
-    def text(*args):
-        capfd.readouterr()
-        code = main(list(args))
-        return code, capfd.readouterr().out
-
+def run(tmp_path, cli):
+    """run(p_star, accuracy, precision): (exit code, table of the run, `show`, `show --json`, `plot`)."""
     def solve(p_star, accuracy=1e-3, precision="auto"):
         (tmp_path / "scene.toml").write_text(scene(p_star, accuracy, precision))
-        code, table = text("run", "scene.toml")
-        shown, data, plotted = (text(*args, "contact.h5")[1] for args in (("show",), ("show", "--json"), ("plot",)))
-        return code, table, shown, json.loads(data), plotted
+        done = cli("run", "scene.toml")
+        shown, data, plotted = (cli.prints(*args, "contact.h5") for args in (("show",), ("show", "--json"), ("plot",)))
+        return done.code, done.out, shown, json.loads(data), plotted
 
     return solve
 
@@ -115,25 +107,20 @@ def test_waves_of_a_few_points_are_warned_of(periods, warned):
     assert all("points a period" in line for line in found)
 
 
-def test_plan_tells_before_the_run(tmp_path, capfd):
+def test_plan_tells_before_the_run(tmp_path, cli):
     (tmp_path / "scene.toml").write_text(scene([1e-5], 1e-3, "auto"))
-    assert main(["plan", str(tmp_path / "scene.toml")]) == 0
-    assert "fewer than 100 of the 64 x 64 points touch" in capfd.readouterr().out
+    assert "fewer than 100 of the 64 x 64 points touch" in cli.prints("plan", "scene.toml")
 
 
 def test_steep_heights_are_told(z):
     assert hpc_gfmd.solve(3 * z, 0.1, boundary="periodic").note == "g_rms = 3: the theory is that of small slopes"
 
 
-def test_notes_on_a_height_map_are_told_everywhere(z, tmp_path, monkeypatch, capfd):
+def test_notes_on_a_height_map_are_told_everywhere(z, tmp_path, cli):
     """Heights in nm beside sizes in m; every load has the note, the table says it once."""
-    monkeypatch.chdir(tmp_path)
     np.save("z.npy", 1e9 * z)
     (tmp_path / "s.toml").write_text('surface = {kind = "file", path = "z.npy", physical_sizes = [1, 1]}\nload.p_star = [0.1, 0.2]')
-    assert main(["run", "s.toml"]) == 0
-    log = capfd.readouterr().out
-    assert main(["show", "contact.h5"]) == 0
-    shown = capfd.readouterr().out
-    for text in (log, shown):
+    log = cli.prints("run", "s.toml")
+    for text in (log, cli.prints("show", "contact.h5")):
         assert text.count("steps 0, 1: g_rms = 1e+09: heights and sizes are probably in different units") == 1
     assert "note: g_rms" in log

@@ -2,12 +2,12 @@
 
 import csv
 import os
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-from hpc_gfmd.cli import main
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 
@@ -89,10 +89,9 @@ def read_by_vtk(path, step):
 
 
 @pytest.mark.parametrize("exported", [False, True])
-def test_paraview_sees_every_number_at_its_place(path, exported, capsys):
+def test_paraview_sees_every_number_at_its_place(path, exported, cli):
     if exported:
-        assert main(["export", str(path), "--to", "vtkhdf"]) == 0
-        path = path.with_suffix(".vtkhdf")
+        path = Path(cli.prints("export", path, "--to", "vtkhdf").strip())
     for step in (0, 1):
         image, arrays, times = read_by_vtk(path, step)
         assert times == LOADS
@@ -106,11 +105,10 @@ def test_paraview_sees_every_number_at_its_place(path, exported, capsys):
 
 
 @pytest.mark.parametrize("exported", [False, True])
-def test_paraview_sees_a_single_load(tmp_path, exported, capsys):
+def test_paraview_sees_a_single_load(tmp_path, exported, cli):
     path = write(tmp_path / "out.h5", LOADS[:1])
     if exported:
-        assert main(["export", str(path), "--to", "vtkhdf"]) == 0
-        path = path.with_suffix(".vtkhdf")
+        path = Path(cli.prints("export", path, "--to", "vtkhdf").strip())
     image, arrays, times = read_by_vtk(path, 0)
     assert times is None
     assert image.GetBounds() == (0, 2.5, 0, 0.75, 0, 0)
@@ -122,9 +120,9 @@ def test_loads_that_do_not_rise_are_numbered_in_paraview(tmp_path):
     assert read_by_vtk(write(tmp_path / "out.h5", (0.2, 0.1, 0.3)), 1)[2] == (0, 1, 2)
 
 
-def test_netcdf(path, capsys):
+def test_netcdf(path, cli):
     xarray = pytest.importorskip("xarray")
-    assert main(["export", str(path), "--to", "netcdf"]) == 0
+    cli.prints("export", path, "--to", "netcdf")
     with xarray.open_dataset(path.with_suffix(".nc"), engine="h5netcdf") as found:
         assert dict(found.sizes) == {"loads": 2, "x": 6, "y": 4}
         assert np.array_equal(found.loads, LOADS)
@@ -135,33 +133,28 @@ def test_netcdf(path, capsys):
             assert found[name].dims == ("loads", "x", "y")
 
 
-def test_npz_and_csv(path, tmp_path, capsys):
-    assert main(["export", str(path), "--to", "npz", "-o", str(tmp_path / "a.npz")]) == 0
-    with np.load(tmp_path / "a.npz") as found:
+def test_npz_and_csv(path, cli):
+    assert cli.prints("export", path, "--to", "npz", "-o", "a.npz") == "a.npz\n"
+    with np.load("a.npz") as found:
         assert np.array_equal(found["gap"], [field(0, "gap"), field(1, "gap")])
         assert np.array_equal(found["heights"], [HEIGHTS, HEIGHTS])
         assert np.array_equal(found["y"], np.arange(4) * 0.25)
         assert np.array_equal(found["p"], LOADS)
         assert list(found["status"]) == ["converged", "converged"]
-    assert main(["export", str(path), "--to", "csv"]) == 0
+    assert cli.prints("export", path, "--to", "csv") == f"{path.with_suffix('.csv')}\n"
     lines = list(csv.DictReader(path.with_suffix(".csv").read_text().splitlines()))
     assert [(line["step"], float(line["a_r"]), line["note"]) for line in lines] == [("0", 0.2, ""), ("1", 0.5, "few points")]
-    assert capsys.readouterr().out.splitlines() == [str(tmp_path / "a.npz"), str(path.with_suffix(".csv"))]
 
 
-def test_exports_that_are_refused(path, tmp_path, capsys):
+def test_exports_that_are_refused(path, tmp_path, cli):
     """One line each, and nothing is left behind."""
-    assert main(["export", str(path), "--to", "netcdf", "-o", str(path)]) == 2
-    assert main(["export", str(path), "--to", "netcdf", "-o", str(tmp_path / "missing" / "a.nc")]) == 2
-    assert main(["export", str(path), "--to", "pdf"]) == 2
+    for how in (("netcdf", "-o", path), ("netcdf", "-o", "missing/a.nc"), ("pdf",)):
+        cli.refused("export", path, "--to", *how)
     with h5py.File(path) as file:
         place = file["steps/0001/gap"].id.get_offset()
     content = bytearray(path.read_bytes())
     content[place] ^= 4
     path.write_bytes(content)
     for kind in ("vtkhdf", "netcdf", "npz"):
-        assert main(["export", str(path), "--to", kind]) == 1
-    err = capsys.readouterr().err
-    assert err.count("\n") == 6
-    assert err.count("the numbers of steps/0001/gap are damaged") == 3
+        assert "the numbers of steps/0001/gap are damaged" in cli.refused("export", path, "--to", kind, code=1)
     assert os.listdir(tmp_path) == ["out.h5"]

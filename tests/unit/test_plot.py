@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from hpc_gfmd import make_surface
-from hpc_gfmd.cli import main
 from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
@@ -56,13 +55,11 @@ def test_three_pictures_lie_beside_the_file(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".h5") == sorted(p.name for p in made)
 
 
-def test_pictures_in_a_new_folder(tmp_path, capsys):
+def test_pictures_in_a_new_folder(tmp_path, cli):
     file = write(tmp_path / "run.h5", status="stagnated")
-    assert main(["plot", str(file), "-o", str(tmp_path / "a")]) == 0
+    assert "! not converged: step 0, 1 (marked in the pictures)" in cli.prints("plot", file, "-o", "a")
     assert sorted(p.name for p in (tmp_path / "a").iterdir()) == ["curves.png", "distributions.png", "maps.png"]
-    assert "! not converged: step 0, 1 (marked in the pictures)" in capsys.readouterr().out
-    assert main(["plot", str(file), "-o", str(tmp_path / "no" / "b")]) == 2
-    assert "pictures cannot go to" in capsys.readouterr().err
+    assert "pictures cannot go to" in cli.refused("plot", file, "-o", "no/b")
 
 
 @pytest.mark.parametrize("fields", [("gap",), ()])
@@ -208,12 +205,11 @@ def test_a_window_is_drawn_with_all_its_points(tmp_path):
             plot(file, window=wrong)
 
 
-def test_what_is_left_out_is_said(tmp_path, capsys):
+def test_what_is_left_out_is_said(tmp_path, cli):
     file = write(tmp_path / "run.h5", n=(8, 6), steps=9)
     assert "5 of 9 loads not shown" in texts(plot(file))
     assert "not shown" not in texts(plot(file, "curves"))
-    assert main(["plot", str(file), "-o", str(tmp_path / "a.png"), "--what", "maps"]) == 0
-    assert "shown: step 0, 3, 5, 8; left out: 1, 2, 4, 6, 7" in capsys.readouterr().out
+    assert "shown: step 0, 3, 5, 8; left out: 1, 2, 4, 6, 7" in cli.prints("plot", file, "-o", "a.png", "--what", "maps")
     assert "step 4" in texts(plot(file, step=4))
 
 

@@ -6,7 +6,6 @@ import pytest
 from scene_tables import SPHERE, SURFACE, WAVE, refusal, tables
 
 import hpc_gfmd
-from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.quantity import factor, parse, prefixed
 from hpc_gfmd.scene import Scene
@@ -45,7 +44,7 @@ PLAIN = {"surface": SURFACE | {"physical_sizes": [1e-4, 1e-4], "h_rms": 2e-7},
          "material": {"E1": 5e10, "nu1": 0.3, "E2": 2e11, "nu2": 0.25}, "load": {"pressure": [2e7, 1e8]}}
 
 
-def test_the_same_answer(tmp_path, capfd):
+def test_the_same_answer(tmp_path, cli):
     named, plain = Scene.from_dict(UNITS), Scene.from_dict(PLAIN)
     assert Scene.from_toml(named.to_toml()) == named
     assert '"50 GPa"' in named.to_toml()
@@ -55,13 +54,10 @@ def test_the_same_answer(tmp_path, capfd):
             assert one[key] == pytest.approx(other[key], rel=1e-6)
     with h5py.File(tmp_path / "0.h5") as file:
         assert (file["surface"].attrs["unit"], file["surface"].attrs["pressure_unit"]) == ("m", "Pa")
-    capfd.readouterr()
-    main(["show", str(tmp_path / "0.h5")])
-    shown = capfd.readouterr().out
+    shown = cli.prints("show", "0.h5")
     for words in ("L = 100 x 100 um", "h_rms = 200 nm", "[MPa]", "[nm]", " 20 ", " 100 "):
         assert words in shown
-    main(["show", str(tmp_path / "1.h5")])
-    shown = capfd.readouterr().out
+    shown = cli.prints("show", "1.h5")
     assert "[unit of E*]" in shown
     assert "h_rms = 2e-07" in shown
 

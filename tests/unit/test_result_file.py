@@ -12,11 +12,6 @@ from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.comm import SerialComm
 
 
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "out.h5"
-
-
 def test_a_finished_file_holds_everything(path):
     complete(path, 1)
     result = read_result(path)

@@ -8,18 +8,12 @@ import numpy as np
 import pytest
 from result_files import FIELD, N, begin, complete, interrupted
 
-from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.parallel.comm import SerialComm
 
 GRID = type("Grid", (), {"n": N, "rows": (0, N[0]), "comm": SerialComm()})
-
-
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "out.h5"
 
 
 @pytest.mark.parametrize("bit", [0, 3])
@@ -54,7 +48,7 @@ def test_any_flipped_bit_of_a_step_is_noticed_or_means_nothing(path, bit):
     assert seen == {0, 1}
 
 
-def test_what_lies_in_the_place_of_a_step_is_left_out(path, tmp_path):
+def test_what_lies_in_the_place_of_a_step_is_left_out(path, tmp_path, cli):
     """Another step, a head, a checkpoint, a step of another scene: refused, named, solved again."""
     folder = interrupted(path)
     with begin(path, resume=True) as run:
@@ -68,7 +62,7 @@ def test_what_lies_in_the_place_of_a_step_is_left_out(path, tmp_path):
         assert len(found.notes) == 1
         assert "step-0001.h5" in found.notes[0]
         assert words in found.notes[0]
-        assert main(["show", str(path)]) == 0
+        cli.prints("show", path)
     with begin(path, resume=True) as run:
         assert run.finished == [0, 2]
         assert any("step-0001.h5" in note for note in run.notes)
@@ -120,17 +114,17 @@ def test_a_link_is_followed(tmp_path):
     assert read_result(link).status == "converged"
 
 
-def test_a_newer_run_beside_a_result_is_mentioned(path, capsys):
+def test_a_newer_run_beside_a_result_is_mentioned(path, cli):
     complete(path)
     assert read_result(path).notes == ()
     interrupted(path, 2)
-    for arguments in (["show", str(path)], ["show", str(path), "--json"]):
-        assert main(arguments) == 0
-        told = "".join(capsys.readouterr())
-        assert f"note: a newer run was interrupted, or is running: 2 finished load steps in {path}.partial" in told
+    for arguments in ((), ("--json",)):
+        told = cli("show", path, *arguments)
+        assert f"note: a newer run was interrupted, or is running: 2 finished load steps in {path}.partial" in told.out + told.err
+        assert told.code == 0
 
 
-def test_a_result_of_another_scene_is_not_replaced(path, capsys):
+def test_a_result_of_another_scene_is_not_replaced(path):
     whole = complete(path).read_bytes()
     with pytest.raises(SceneError, match="holds the result of another scene, allowed: another path, or --force") as caught:
         begin(path, "xyz")
@@ -170,28 +164,23 @@ def test_an_interrupted_run_that_cannot_be_read_is_not_removed_silently(path):
         assert run.notes == ["removed an interrupted run that cannot be read (3 files of load steps)"]
 
 
-def test_the_command_line(tmp_path, monkeypatch, capsys):
+def test_the_command_line(cli):
     """--force, a folder that is not there, and the folder of a run in place of its file."""
-    monkeypatch.chdir(tmp_path)
     Path("scene.toml").write_text('[surface]\nkind = "wave"\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n'
                                   '[output]\npath = "out.h5"\nfields = ["gap", "displacement", "heights"]\n')
-    assert main(["run", "scene.toml", "-q"]) in (0, 3)
+    assert cli("run", "scene.toml", "-q").code in (0, 3)
     with h5py.File("out.h5") as file:
         assert file.attrs["io"] == "serial"
         step = file["steps/0000"]
         assert np.allclose(step["gap"], step["displacement"][:] - step["heights"][:])
         assert np.max(step["heights"]) == 0
         assert step["heights"] == file["surface/heights"]
-    assert main(["run", "scene.toml", "-q", "--set", "load.pressure=0.2"]) == 2
-    assert "--force" in capsys.readouterr().err
-    assert main(["run", "scene.toml", "-q", "--set", "load.pressure=0.2", "--force"]) in (0, 3)
+    assert "--force" in cli.refused("run", "scene.toml", "-q", "--set", "load.pressure=0.2")
+    assert cli("run", "scene.toml", "-q", "--set", "load.pressure=0.2", "--force").code in (0, 3)
     assert read_result("out.h5").steps[0]["p"] == 0.2
-    assert main(["run", "scene.toml", "-q", "-o", "missing/out.h5"]) == 2
-    assert "the folder missing does not exist" in capsys.readouterr().err
+    assert "the folder missing does not exist" in cli.refused("run", "scene.toml", "-q", "-o", "missing/out.h5")
     interrupted(Path("x.h5"))
     for command in ("restart", "show"):
-        assert main([command, "x.h5.partial"]) == 2
-        err = capsys.readouterr().err
-        assert err.count("\n") == 1
+        err = cli.refused(command, "x.h5.partial")
         assert "folder of a run" in err
         assert "x.h5" in err.replace("x.h5.partial", "")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from study_runs import runs_of
 
-from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.study import catalogue, levels
 from hpc_gfmd.study.case import Case
@@ -215,10 +214,10 @@ def test_the_limit_and_its_exponent(long_series, alpha, agrees):
     assert {row["exponent"] for row in rows} == {"free", "2 - 2H"}
 
 
-def test_pages(tmp_path):
+def test_pages(tmp_path, cli):
     """From nothing, by one command; those of many surfaces from made-up runs."""
     names = [name for name in BEYOND if name not in ("limit", "curves")]
-    assert main(["study", *names, "--level", "quick", "-o", str(tmp_path)]) == 0
+    cli.prints("study", *names, "--level", "quick", "-o", tmp_path)
     store = Store(tmp_path)
     with open(store.path, "a") as file:
         file.writelines(json.dumps(run) + "\n" for name in ("limit", "curves") for run in runs_of(catalogue.study(name).cases("quick")))

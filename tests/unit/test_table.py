@@ -1,18 +1,11 @@
 """The result table, and `show`."""
 
 import json
-from argparse import Namespace
 
 import pytest
 from result_files import STEP, SURFACE, begin
 
-from hpc_gfmd.commands import show
 from hpc_gfmd.table import table, with_error
-
-
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "out.h5"
 
 
 def test_table_marks_what_did_not_converge():
@@ -33,24 +26,21 @@ def test_numbers_have_as_many_digits_as_they_deserve(value, error, text):
     assert with_error(value, error) == text
 
 
-def test_show_prints_table_and_json(path, capsys):
+def test_show_prints_table_and_json(path, cli):
     with begin(path) as run:
         run.write_step(0, STEP | {"gap_mean": float("inf"), "status": "max_iterations"})
         run.finish("max_iterations")
-    assert show.main(Namespace(file=str(path), json=False, tfc=None)) == 0
-    text = capsys.readouterr().out
+    text = cli.prints("show", path)
     assert "6 x 5 points, L = 1 x 2, h_rms = 0.5" in text
     assert "NOT CONVERGED (max_iterations)" in text
-    assert show.main(Namespace(file=str(path), json=True, tfc=None)) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(cli.prints("show", path, "--json"))
     assert set(found) == {"surface", "steps", "status"}
     assert found["steps"][0]["gap_mean"] is None
     assert found["surface"] == SURFACE
 
 
-def test_show_tells_an_interrupted_run(path, capsys):
+def test_show_tells_an_interrupted_run(path, cli):
     begin(path).close()
-    show.main(Namespace(file=str(path), json=False, tfc=None))
-    text = capsys.readouterr().out
+    text = cli.prints("show", path)
     assert "interrupted" in text
     assert "no finished load step yet" in text

@@ -7,7 +7,6 @@ import pytest
 from contacts import random_heights
 
 import hpc_gfmd
-from hpc_gfmd.cli import main
 from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.scene import Scene
@@ -16,8 +15,7 @@ LOAD = {"load": {"pressure": 0.1}}
 
 
 @pytest.fixture
-def maps(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def maps(cli):
     first, second = random_heights((24, 20), seed=1), random_heights((24, 20), seed=2)
     np.save("first.npy", first)
     np.save("second.npy", second)
@@ -26,23 +24,23 @@ def maps(tmp_path, monkeypatch):
     return first, second
 
 
-def test_the_sum_is_pressed(maps):
+def test_the_sum_is_pressed(maps, cli):
     """As given by hand; what is to be done to it is done to the sum; another second map is another surface."""
     first, second = maps
     Path("s.toml").write_text(
         'surface = {kind = "file", path = ["first.npy", "second.npy"], physical_sizes = [1, 2], detrend = "tilt", flip = true}\n'
         'load.pressure = 0.1\noutput.fields = ["heights", "pressure"]\n')
-    assert main(["run", "s.toml", "-q"]) == 0
+    cli.prints("run", "s.toml", "-q")
     found = read_result("contact.h5")
     np.save("sum.npy", first + second)
-    assert main(["run", "s.toml", "-q", "-o", "sum.h5", "--set", "surface.path=sum.npy"]) == 0
+    cli.prints("run", "s.toml", "-q", "-o", "sum.h5", "--set", "surface.path=sum.npy")
     wanted = read_result("sum.h5")
     assert found.steps[0]["a_r"] == wanted.steps[0]["a_r"]
     fields = [result.fields[0]["pressure"].read(0, 24) for result in (found, wanted)]
     assert np.array_equal(*fields)
     assert found.head["heights"] == wanted.head["heights"]
     np.save("second.npy", 2 * second)
-    assert main(["run", "s.toml", "-q"]) == 0
+    cli.prints("run", "s.toml", "-q")
     assert read_result("contact.h5").head["heights"] != found.head["heights"]
 
 

@@ -13,11 +13,6 @@ from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.simulation import restart
 
 
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "out.h5"
-
-
 def test_an_interrupted_run_can_be_read_and_resumed(path):
     with begin(path) as run:
         run.write_step(0, STEP, {"gap": FIELD})
