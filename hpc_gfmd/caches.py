@@ -1,9 +1,10 @@
 """What is kept from run to run on this machine: measured plans, compiled kernels, the speed. Nothing of it is ever needed."""
 
 import os
-import tempfile
 from contextlib import suppress
 from pathlib import Path
+
+from .aside import aside
 
 
 def cache_folder() -> Path:
@@ -15,16 +16,8 @@ def cache_folder() -> Path:
 
 
 def keep(path: Path, content: bytes) -> None:
-    """Write a file aside and rename it: whoever reads it meanwhile sees the old or the new one. A folder that cannot be written is no
-    error."""
-    name = None
-    try:
+    """Write a file, as `aside`: whoever reads it meanwhile sees the old or the new one. A folder that cannot be written is no error."""
+    with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f"{path.name}.", delete=False) as file:
-            name = file.name
-            file.write(content)
-        os.replace(name, path)
-    except OSError:
-        if name is not None:
-            with suppress(OSError):
-                os.unlink(name)
+        with aside(path) as tmp:
+            tmp.write_bytes(content)

@@ -26,6 +26,12 @@ def _names(package: ModuleType) -> list[str]:
     return sorted(m.name for m in pkgutil.iter_modules(package.__path__) if m.name not in COMMON)
 
 
+def _class(package: ModuleType, name: str) -> Any:
+    """The class of a file whose `name` is the file's."""
+    module = importlib.import_module(f"{package.__name__}.{name}")
+    return next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
+
+
 def solver_names() -> list[str]:
     """Names of all solvers, without importing them."""
     return _names(solvers)
@@ -33,16 +39,12 @@ def solver_names() -> list[str]:
 
 def solver_class(name: str) -> type[Solver]:
     """The solver class of a name; "auto" is the default solver."""
-    name = "bpx" if name == "auto" else name
-    module = importlib.import_module(f"{solvers.__name__}.{name}")
-    return next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
+    return _class(solvers, "bpx" if name == "auto" else name)
 
 
 def body_classes() -> dict[str, type[Body]]:
     """{name: class} of all elastic bodies."""
-    modules = {name: importlib.import_module(f"{bodies.__name__}.{name}") for name in _names(bodies)}
-    return {name: next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
-            for name, module in modules.items()}
+    return {name: _class(bodies, name) for name in _names(bodies)}
 
 
 def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:

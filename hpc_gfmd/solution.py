@@ -31,6 +31,11 @@ def draw(result: Result, comm: Any, what: str | None, how: dict[str, Any]) -> "F
     return plot(result, what, **how)
 
 
+def _require_known(what: str, name: str, known: set[str]) -> None:
+    if name not in known:
+        raise SceneError(f'{what}: found {name!r}, nearest: "{nearest(str(name), known)}", allowed: {", ".join(sorted(known))}')
+
+
 class Solution:
     """A solved load.
 
@@ -179,9 +184,7 @@ class Solution:
         "stiffness", "perimeter", ...: the number (None where it has no value); "patches", "percolation": a dict of several.
         Collective. Raises SceneError for an unknown name, and where what is left of the contact does not tell it.
         """
-        if name not in observable_names():
-            raise SceneError(f'observable: found {name!r}, nearest: "{nearest(str(name), observable_names())}", '
-                             f"allowed: {', '.join(sorted(observable_names()))}")
+        _require_known("observable", name, observable_names())
         several = names_together(name)
         for one in several or (name,):
             if one not in self._step:
@@ -198,10 +201,7 @@ class Solution:
         """
         along_x, _, along_y = self.result.surface.get("boundary", "").partition(", ")
         require_periodic([name], (along_x == "free", along_y == "free"), "distribution")
-        names = distribution_names()
-        if name not in names:
-            raise SceneError(f'distribution: found {name!r}, nearest: "{nearest(str(name), names)}", '
-                             f"allowed: {', '.join(sorted(names))}")
+        _require_known("distribution", name, distribution_names())
         if not self._stored_distribution(name):
             contact = self._whole_contact()
             if name.startswith("heights") and contact.surface.h is None:

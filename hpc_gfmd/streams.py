@@ -25,7 +25,7 @@ class Stream:
 
     def flush(self) -> None:
         """As far as it goes."""
-        self._unless_lost(self._flush)
+        self._unless_lost(lambda: self._inside.flush())
 
     def isatty(self) -> bool:
         """Whether somebody watches."""
@@ -51,9 +51,6 @@ class Stream:
             self._inside.write(text)
         except UnicodeEncodeError as error:
             self._inside.write(text.encode(error.encoding, "backslashreplace").decode(error.encoding))
-
-    def _flush(self) -> None:
-        self._inside.flush()
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._inside, name)

@@ -76,12 +76,23 @@ def end(process):
                 continue
 
 
-def call(ranks, args, env=None, cwd=None, timeout=None):
-    """Run `python -m hpc_gfmd args` on some ranks (None: without mpirun); returns a CompletedProcess with texts.
+def call(ranks, args, **how):
+    """Run `python -m hpc_gfmd args` as `python` runs others."""
+    return python(ranks, ["-m", "hpc_gfmd", *args], **how)
+
+
+def found(ranks, args, **how):
+    """What a script says in JSON on its last line."""
+    done = python(ranks, args, **how)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def python(ranks, args, env=None, cwd=None, timeout=None):
+    """Run `python args` on some ranks (None: without mpirun); returns a CompletedProcess with texts.
 
     A run that takes too long is ended and fails the test.
     """
-    args = ["-m", "hpc_gfmd", *args]
     if ranks is None:
         return subprocess.run([sys.executable, *map(str, args)], capture_output=True, text=True, env=env or environment(), cwd=cwd,
                               stdin=subprocess.DEVNULL, timeout=timeout or TIMEOUT, check=False)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..aside import aside
 from ..errors import GfmdError, SceneError
 from ..output.describe import coordinates, image, name_it
 from ..output.read import Result, read_result
@@ -52,14 +53,11 @@ def export(result: Result, kind: str, path: str | os.PathLike | None = None) -> 
         raise SceneError(f"-o: found {path}, allowed: a file in a folder that exists, not the result itself")
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to export")
-    tmp = path.with_name(path.name + ".tmp")
     try:
-        FORMATS[kind](result, tmp)
-        os.replace(tmp, path)
+        with aside(path) as tmp:
+            FORMATS[kind](result, tmp)
     except (OSError, ValueError) as error:
         raise GfmdError(f"writing {path}: {one_line(error)}") from error
-    finally:
-        tmp.unlink(missing_ok=True)
     return path
 
 

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 ON_REQUEST = True
 
 
-def _percolates(of_contact: bool, axis: int, corners: bool) -> Observable:
-    return lambda contact: contact.clusters(of_contact, corners).percolates[axis]
+def _percolates(of_contact: bool, axis: int, corners: bool = False, open_axis: int | None = None) -> Observable:
+    return lambda contact: contact.clusters(of_contact, corners, open_axis).percolates[axis]
 
 
 def _all(corners: bool) -> dict[str, Observable]:
@@ -31,10 +31,6 @@ def _all(corners: bool) -> dict[str, Observable]:
             for name in ("contact", "gap") for axis in (0, 1)}
 
 
-def _spans(axis: int) -> Observable:
-    return lambda contact: contact.clusters(False, open_axis=axis).percolates[axis]
-
-
-SPANNING: dict[str, Observable] = {f"gap_spans_{'xy'[axis]}": _spans(axis) for axis in (0, 1)}
+SPANNING: dict[str, Observable] = {f"gap_spans_{'xy'[axis]}": _percolates(False, axis, open_axis=axis) for axis in (0, 1)}
 OBSERVABLES = _all(False) | _all(True) | SPANNING
 TOGETHER = {"percolation": tuple(_all(False)), "percolation_8": tuple(_all(True)), "spanning": tuple(SPANNING)}

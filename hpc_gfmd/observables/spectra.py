@@ -11,13 +11,9 @@ PERIODIC = True
 FIELDS = ("heights", "pressure", "gap")
 
 
-def _power(name: str) -> Counted:
-    return lambda contact: contact.spectra.power(name)
+def _of(name: str, what: str) -> Counted:
+    return lambda contact: getattr(contact.spectra, what)(name)
 
 
-def _autocorrelation(name: str) -> Counted:
-    return lambda contact: contact.spectra.autocorrelation(name)
-
-
-DISTRIBUTIONS = {f"{name}_spectrum": _power(name) for name in FIELDS} | {
-    f"{name}_autocorrelation": _autocorrelation(name) for name in FIELDS}
+DISTRIBUTIONS = {f"{name}_{end}": _of(name, what) for end, what in (("spectrum", "power"), ("autocorrelation", "autocorrelation"))
+                 for name in FIELDS}

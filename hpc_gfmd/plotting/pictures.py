@@ -24,6 +24,7 @@ PANELS = ("contact", "pressure", "gap")
 WHAT = ("maps", "distributions", "spectra", "curves", "contact", *SYMBOLS)
 CHARACTERS = 19  # of a title, per inch
 SUFFIXES = (".png", ".pdf", ".svg")
+DRAWN = {"distributions": distributions, "spectra": spectra, "curves": curves}  # all others are maps
 
 
 def plot(result: Any, what: Any = None, step: Any = None, window: Any = None, dpi: float | None = None,
@@ -60,11 +61,11 @@ def plot(result: Any, what: Any = None, step: Any = None, window: Any = None, dp
         raise SceneError(f"what: found {what!r}, allowed: {allowed}" + ("" if len(there) > 1 else
                          " (maps and distributions need output.fields, spectra output.distributions)"))
     with styled():
-        fig = Picture(layout="constrained" if what in ("distributions", "spectra", "curves") else "compressed")
+        fig = Picture(layout="constrained" if what in DRAWN else "compressed")
         try:
             drawn = Drawn(result, chosen_steps(result, what, step), window, dpi, dimensionless)
-            if what in ("distributions", "spectra", "curves"):
-                {"distributions": distributions, "spectra": spectra, "curves": curves}[what](fig, drawn)
+            if what in DRAWN:
+                DRAWN[what](fig, drawn)
             else:
                 maps(fig, drawn, [name for name in PANELS if name in there] if what == "maps" else [what])
         except (OSError, ValueError, TypeError, KeyError) as error:

@@ -1,7 +1,6 @@
 """How all pictures look: colours that colour-blind readers can tell apart, sizes as printed in a journal of two columns."""
 
 import io
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +10,8 @@ import matplotlib
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from ..aside import aside
 
 # Okabe and Ito; the last one is kept for warnings
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
@@ -108,10 +109,5 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
 
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:
     """Under path in one move, in the format that its suffix names; dpi: default that of RC."""
-    tmp = path.with_name(f".{path.name}.tmp")
-    with styled():
-        try:
-            fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi or RC["savefig.dpi"])
-            os.replace(tmp, path)
-        finally:
-            tmp.unlink(missing_ok=True)
+    with styled(), aside(path) as tmp:
+        fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi or RC["savefig.dpi"])

@@ -46,7 +46,7 @@ class Surface(Table):
     @property
     def free(self) -> tuple[bool, bool]:
         """Whether the surface ends along x, along y."""
-        if self.boundary is None:  # a height map that has to be periodic: see surface/boundary.py
+        if self.boundary is None:  # a height map that has to be periodic: see surface/quality.py
             return False, False
         along = (self.boundary, self.boundary) if isinstance(self.boundary, str) else self.boundary
         return along[0] == "free", along[1] == "free"

@@ -4,11 +4,11 @@ asked, picture, what we find, numbers, command, time (Markdown)."""
 import csv
 import io
 import json
-import os
 from pathlib import Path
 from typing import Any
 
 from .. import __version__
+from ..aside import aside
 from .catalogue import Study
 from .rows import Rows
 from .store import Store
@@ -92,9 +92,8 @@ def as_text(rows: Rows) -> str:
 
 def write_whole(path: str | Path, text: str) -> None:
     """Write a file so that it is there complete or not at all. Raises OSError."""
-    aside = Path(path).with_suffix(f".{os.getpid()}.tmp")
-    aside.write_text(text, encoding="utf-8")
-    os.replace(aside, path)
+    with aside(Path(path)) as tmp:
+        tmp.write_text(text, encoding="utf-8")
 
 
 def _cell(value: Any) -> str:

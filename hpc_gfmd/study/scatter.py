@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from scipy.special import digamma
 
-from .rows import Rows
+from .rows import Rows, groups
 
 SOLVER_SHARE = 0.2  # of the solver's error estimate is one sigma: the estimate is nearly an upper bound
 ERROR_OF = {"kappa": "a_r_error", "a_r": "a_r_error"}  # which estimate belongs to which observable; the others are gaps
@@ -34,10 +34,10 @@ class Scatter:
     @classmethod
     def of(cls, runs: Rows, observable: str) -> Self:
         """From runs at one H and p* that differ in seed and ratios."""
-        groups = _groups(runs)
+        alike = groups(runs, "eps_t", "eps_f", "eps_c")
         points = []
         deviations: dict[tuple, dict] = defaultdict(dict)
-        for (eps_t, eps_f, eps_c), group in groups.items():
+        for (eps_t, eps_f, eps_c), group in alike.items():
             values = np.array([run[observable] for run in group])
             if len(group) < 2 or values.mean() == 0:
                 continue
@@ -46,7 +46,7 @@ class Scatter:
             if len(group) >= 4:
                 for run, x in zip(group, relative, strict=True):
                     deviations[eps_t, eps_c, run["seed"]][np.log2(eps_f)] = x / np.sqrt(np.mean(relative**2) or 1)
-        return cls(_law(points), _jitter(groups, observable), _memory(deviations))
+        return cls(_law(points), _jitter(alike, observable), _memory(deviations))
 
     def relative(self, eps_t: float, eps_f: float) -> float:
         """Standard deviation of one realisation over the mean; nan where it is not known."""
@@ -77,13 +77,6 @@ def error_of(observable: str) -> str:
     return ERROR_OF.get(observable.removesuffix("_edge"), "gap_error")
 
 
-def _groups(runs: Rows) -> dict[tuple, Rows]:
-    groups = defaultdict(list)
-    for run in runs:
-        groups[run["eps_t"], run["eps_f"], run["eps_c"]].append(run)
-    return groups
-
-
 def _law(points: list[tuple]) -> tuple[float, float] | None:
     """A straight line through the logarithms of the variances, each as uncertain as its degrees of freedom say."""
     points = [point for point in points if point[1] > 0]
@@ -95,10 +88,10 @@ def _law(points: list[tuple]) -> tuple[float, float] | None:
     return float(np.average(log - slope * at, weights=dof) / 2), float(slope / 2)
 
 
-def _jitter(groups: dict, observable: str) -> float:
+def _jitter(alike: dict, observable: str) -> float:
     squares, dof = 0.0, 0
-    for (eps_t, eps_f, eps_c), group in groups.items():
-        coarser = {run["seed"]: run[observable] for run in groups.get((eps_t, eps_f, 2 * eps_c), ())}
+    for (eps_t, eps_f, eps_c), group in alike.items():
+        coarser = {run["seed"]: run[observable] for run in alike.get((eps_t, eps_f, 2 * eps_c), ())}
         ratio = np.array([run[observable] / coarser[run["seed"]] for run in group if run["seed"] in coarser])
         if len(ratio) > 1:
             squares += np.sum((ratio / ratio.mean() - 1) ** 2) / (5 * (eps_t * eps_f * eps_c) ** 2)  # 5 = 1 + 2^2: both grids

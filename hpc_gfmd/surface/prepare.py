@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError
-from . import boundary
 from .fill import filled
-from .quality import FILLED
+from .quality import FILLED, notes_on
 from .resample import resampled
 from .slabs import own_slabs, summed
 from .topography import Topography
@@ -50,7 +49,7 @@ def prepare(found: Topography, spec: Any, comm: Any) -> tuple[Topography, tuple[
     found, missing = filled(found, spec.fill, comm)
     if missing:
         done.append(f"{missing} points ({100 * missing / (found.n[0] * found.n[1]):.2g} %) filled")
-    notes = boundary.notes_on(found, spec, comm)
+    notes = notes_on(found, spec, comm)
     if missing > FILLED * found.n[0] * found.n[1]:
         notes.append(f"{100 * missing / (found.n[0] * found.n[1]):.0f} % of the heights are filled, not measured")
     if spec.flip:

@@ -1,10 +1,12 @@
-"""What a reader should know of a height map before the numbers that come from it."""
+"""What a reader should know of a height map before the numbers that come from it, and whether it is periodic: as the scene or the file
+says, else by the jump between its opposite edges."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from ..errors import SceneError
 from .slabs import own_slabs, summed
 from .topography import Topography
 
@@ -48,6 +50,22 @@ class MapQuality:
             found.append("the spectrum is not resolved: it has power at the shortest waves of the grid, so that more points would "
                          "change g_rms and the area")
         return found
+
+
+def notes_on(found: Topography, spec: Any, comm: Any) -> list[str]:
+    """Notes on how a Topography quality. Collective.
+
+    Raises SceneError where nobody says what its boundary is and it does not look periodic.
+    """
+    quality = MapQuality(found, comm)
+    if spec.mirror or spec.window != "none":  # periodic whatever its edges are
+        return quality.notes((False, False))
+    for axis, jump in zip("xy", quality.jumps):
+        if jump > JUMP and spec.boundary is None and not found.periodic:
+            raise SceneError(f"surface.boundary: found nothing, and edges along {axis} that differ by {jump:.3g} times what "
+                             'neighbouring points differ by, allowed: "free" (it ends there), "periodic" (pressed with that jump), or '
+                             'detrend = "tilt", mirror = true, a window')
+    return quality.notes([not ends for ends in spec.free])
 
 
 def slope_notes(g_rms: float, measured: bool) -> list[str]:

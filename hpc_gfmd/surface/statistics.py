@@ -3,19 +3,18 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from ..grid import Grid
 from ..kernels.spectral import spectrum_sums
 from ..parallel import halo
 
 
-def rms(grid: Grid, fill: Any, dtype: DTypeLike = np.float64) -> tuple[float, float]:
+def rms(grid: Grid, fill: Any) -> tuple[float, float]:
     """(h_rms, g_rms) of the field whose rows fill(i0, i1, x) makes; in its unit, and per grid spacing a. Half an FFT pair.
 
     h_rms^2 = sum_{q != 0} |h_q|^2,  g_rms^2 = sum_q q^2 |h_q|^2.
     """
-    fft = grid.fft(dtype)
+    fft = grid.fft(np.float64)
     fft.forward_rows(fill)
     return rms_of_columns(grid, fft, None)
 

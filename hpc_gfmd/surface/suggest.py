@@ -6,10 +6,9 @@ from dataclasses import dataclass, field
 from ..parallel.comm import SerialComm
 from ..quantity import factor, prefixed
 from ..scene import File
-from .boundary import JUMP
 from .files import HeightMap
 from .prepare import prepare
-from .quality import TILT, MapQuality
+from .quality import JUMP, TILT, MapQuality
 from .topography import Topography, open_topography
 
 NEEDED = "TO BE GIVEN, the file does not say it"

@@ -211,12 +211,10 @@ def curve(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, p
     dict of arrays in the shape of p_star
         p_star, a_r, kappa, gap_over_h_rms, stiffness, gap_over_g_rms_lam_s, stiffness_lam_s.
     """
-    found = {"p_star": np.asarray(p_star, dtype=float), "a_r": contact_area(p_star), "kappa": kappa(p_star)}
-    for name, function in (("gap_over_h_rms", mean_gap), ("stiffness", stiffness)):
-        found[name] = function(p_star, hurst, eps_f, gamma, printed)
-    for name, function in (("gap_over_g_rms_lam_s", mean_gap), ("stiffness_lam_s", stiffness)):
-        found[name] = function(p_star, hurst, eps_f, gamma, printed, "g_rms_lam_s")
-    return found
+    of, lam_s = (hurst, eps_f, gamma, printed), "g_rms_lam_s"
+    return {"p_star": np.asarray(p_star, dtype=float), "a_r": contact_area(p_star), "kappa": kappa(p_star),
+            "gap_over_h_rms": mean_gap(p_star, *of), "stiffness": stiffness(p_star, *of),
+            "gap_over_g_rms_lam_s": mean_gap(p_star, *of, lam_s), "stiffness_lam_s": stiffness(p_star, *of, lam_s)}
 
 
 def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool) -> np.ndarray:

@@ -19,6 +19,7 @@ from .kernels import X_ZERO
 _STEP = 0.25  # panel width in ln g: the sharpest features of the integrands have a width of about 0.05
 _TAIL = 42.0  # the integrand falls at least like g towards small g: exp(-42) is below double precision
 _FINEST = 14  # halvings of the last panel, for large pressures where only g -> g_rms contributes
+_SAMPLES = 1000  # of a spectrum that is a function
 _BLOCK = 64  # pressures at a time, bounds the memory
 Function = Callable[[np.ndarray], np.ndarray]
 
@@ -59,18 +60,18 @@ class SlopeProfile:
                    inverse_rate=np.array([decades * g2]), q_min=1.0, g_rms=1.0, h_rms=float(np.sqrt(exprel(-2 * hurst * decades) / g2)))
 
     @classmethod
-    def from_spectrum(cls, q: ArrayLike, C: Any, area: float = 1.0, samples: int = 1000) -> Self:
+    def from_spectrum(cls, q: ArrayLike, C: Any, area: float = 1.0) -> Self:
         """Any isotropic C(q), normalised by h_rms^2 = area/(2 pi)^2 int C d^2q.
 
         q: increasing wave vectors, at least two. C: their spectrum (power laws in between), or a function, which is then cut into
-        about `samples` pieces (error of order 1/samples^4). Raises SceneError for what is not a spectrum.
+        about _SAMPLES pieces (error of order 1/_SAMPLES^4). Raises SceneError for what is not a spectrum.
         """
         q = within("q", q, 0, np.inf, open_low=True)
         if q.ndim != 1 or q.size < 2 or np.any(np.diff(q) <= 0):
             raise SceneError("q: found no strictly increasing list, allowed: at least two increasing wave vectors")
         function: Function | None = C if callable(C) else None
         if function:
-            q = np.unique(np.concatenate([q, np.geomspace(q[0], q[-1], samples + 1)[1:-1]]))
+            q = np.unique(np.concatenate([q, np.geomspace(q[0], q[-1], _SAMPLES + 1)[1:-1]]))
             C = function(q)
         C = within("C", C, 0, np.inf, open_low=True)
         if C.shape != q.shape:

@@ -146,7 +146,7 @@ def correction(observable: str, hurst: float, p_star: float, eps_t: float, eps_f
     sigma = None
     if all("sigma" in row for row in rows):
         sigma = float(np.interp(hurst, tabulated, [sigma_of_terms(row, eps) for row in rows]))
-    return Correction(**terms, sigma=sigma, p_star=part["p_star"], notes=(*_notes(part, hurst, tabulated), *_own_note(table)))
+    return Correction(**terms, sigma=sigma, p_star=part["p_star"], notes=tuple(_notes(table, part, hurst, tabulated)))
 
 
 def extrapolate(value: float, observable: str, hurst: float, p_star: float, eps_t: float, eps_f: float, eps_c: float,
@@ -194,7 +194,7 @@ def _part(table: Table, observable: str, p_star: float) -> Table:
                      "the coefficients are not known in between")
 
 
-def _notes(part: Table, hurst: float, tabulated: list[float]) -> Iterator[str]:
+def _notes(table: Table, part: Table, hurst: float, tabulated: list[float]) -> Iterator[str]:
     if hurst not in tabulated:
         yield f"coefficients interpolated in H between the tabulated {', '.join(f'{h:g}' for h in tabulated)}"
     if "label" in part and part["observable"] == "gap_over_h_rms":
@@ -202,9 +202,5 @@ def _notes(part: Table, hurst: float, tabulated: list[float]) -> Iterator[str]:
                "the computed gap: take the extrapolated gap as a trend only")
     if "label" in part:
         yield "the paper gives no uncertainties of its coefficients"
-
-
-def _own_note(table: Table) -> Iterator[str]:
-    note = table.get("note")
-    if isinstance(note, str) and note.isprintable():
+    if isinstance(note := table.get("note"), str) and note.isprintable():
         yield note

@@ -85,22 +85,11 @@ def _by_solve(wall, pressure, settings):
 
 
 def _sweep(wall, settings, low_memory):
-    from hpc_gfmd.driver.lowmemory import LowMemorySweep
-    from hpc_gfmd.driver.sweep import Sweep
-    from hpc_gfmd.parallel.comm import SerialComm
-    from hpc_gfmd.registry import body_of
-    from hpc_gfmd.scene import Material, Scene, Solver
-    from hpc_gfmd.surface import build_surface
-    from hpc_gfmd.surface.build import surface_from_rows
+    from contacts import sweep_of, sweep_over
 
-    def make_surface(dtype):
-        if low_memory:
-            return build_surface(Scene.from_dict({"surface": wall.surface, "load": {"p_star": 1.0}}).surface, SerialComm(), dtype)
-        return surface_from_rows(wall.heights.shape, wall.physical_sizes, lambda i, j: wall.heights[i:j], SerialComm(), dtype,
-                                 free=wall.free)
-
-    kind = LowMemorySweep if low_memory else Sweep
-    return kind(make_surface, Solver(low_memory=low_memory, **settings), wall.E_star, body=body_of(Material(), wall.free))
+    if low_memory:
+        return sweep_of(wall.surface, wall.E_star, low_memory=True, **settings)
+    return sweep_over(wall.heights, wall.physical_sizes, wall.free, E_star=wall.E_star, **settings)
 
 
 class _time_limit:

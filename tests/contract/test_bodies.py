@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from applied import compliance_times, stiffness_times
 from scipy.linalg import eigh
+from transfers import interpolation
 
 from hpc_gfmd.bodies.base import SQRT2, Tabled
 from hpc_gfmd.errors import SceneError
@@ -146,15 +147,6 @@ def test_one_body_for_every_scene():
         assert sum(cls.of(*wanted) is not None for cls in body_classes().values()) == 1
     with pytest.raises(SceneError, match="allowed: with periodic boundaries"):
         body_of(Material(thickness=0.1, nu1=0.3), (True, False))
-
-
-def interpolation(n, m):
-    """The matrix of linear interpolation from m to n points of a periodic axis; coarse point J at J n/m."""
-    P = np.zeros((n, m))
-    for i in range(n):
-        P[i, i * m // n] += 1 - (i * m % n) / n
-        P[i, (i * m // n + 1) % m] += (i * m % n) / n
-    return P
 
 
 @every_body

@@ -1,5 +1,6 @@
 """What every solver promises. A new file in hpc_gfmd/solvers is tested by being there."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,12 @@ every_solver = pytest.mark.parametrize("name", solver_names())
 def problem_of(p0=0.1, surface=SURFACE, dtype=np.float64):
     made = sweep_of(surface).surface
     return Problem(made.grid, made.h.astype(dtype), p0)
+
+
+def started(name, problem):
+    solver = solver_class(name)(problem, {})
+    solver.start(cold_gap(problem))
+    return solver
 
 
 @every_solver
@@ -65,14 +72,11 @@ def test_accuracy(name):
 def test_state_goes_on_bit_by_bit(name):
     """state -> load_state of a new solver continues with exactly the numbers of the one that was never stopped."""
     problem = problem_of()
-    one = solver_class(name)(problem, {})
-    one.start(cold_gap(problem))
+    one = started(name, problem)
     for _ in range(7):
         one.step()
     arrays, numbers = one.state()
     arrays = {k: np.array(v) for k, v in arrays.items()}
-    import json
-
     numbers = json.loads(json.dumps(numbers))  # as a checkpoint keeps them
     other = solver_class(name)(problem, {})
     other.load_state(arrays, numbers)
@@ -88,9 +92,7 @@ def test_state_goes_on_bit_by_bit(name):
 @every_solver
 def test_progress_and_pairs(name):
     """Progress tells what the state is; an iteration costs at least one FFT pair, and all are counted."""
-    problem = problem_of()
-    solver = solver_class(name)(problem, {})
-    solver.start(cold_gap(problem))
+    solver = started(name, problem_of())
     for _ in range(20):
         before = solver.pairs
         solver.step()
@@ -110,9 +112,7 @@ def test_progress_and_pairs(name):
 @every_solver
 def test_the_pressure_is_that_of_the_gap(name):
     """After many steps p still is p0 + K (g - h)."""
-    problem = problem_of()
-    solver = solver_class(name)(problem, {})
-    solver.start(cold_gap(problem))
+    solver = started(name, problem_of())
     for _ in range(50):
         solver.step()
     kept, fresh = solver.p.copy(), np.empty_like(solver.p)
@@ -122,9 +122,7 @@ def test_the_pressure_is_that_of_the_gap(name):
 
 @every_solver
 def test_another_load(name):
-    problem = problem_of(0.1)
-    solver = solver_class(name)(problem, {})
-    solver.start(cold_gap(problem))
+    solver = started(name, problem_of(0.1))
     target = Target(residual=1e-8)
     assert drive(solver, target).status == "converged"
     solver.continue_at(0.12)
@@ -141,18 +139,14 @@ def test_another_load(name):
 def test_any_grid(name, n):
     z = random_heights(n, seed=11)
     made = surface_over(z)
-    problem = Problem(made.grid, made.h, 0.1)
-    solver = solver_class(name)(problem, {})
-    solver.start(cold_gap(problem))
-    assert drive(solver, Target(residual=1e-8)).status == "converged"
+    assert drive(started(name, Problem(made.grid, made.h, 0.1)), Target(residual=1e-8)).status == "converged"
 
 
 @every_solver
 def test_stops(name):
     """At max_iterations, when told to, and with NaN: never as converged."""
     problem = problem_of()
-    solver = solver_class(name)(problem, {})
-    solver.start(cold_gap(problem))
+    solver = started(name, problem)
     assert drive(solver, Target(residual=1e-13, max_iterations=3)).status == "max_iterations"
     assert solver.iterations == 3
     assert drive(solver, Target(residual=1e-13), lambda iterations, progress: iterations >= 5).status == "interrupted"

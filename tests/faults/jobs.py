@@ -56,8 +56,8 @@ class Job:
 
     def ranks(self):
         """The processes that compute."""
-        return [pid for pid in self.pids() if b"hpc_gfmd" in _command(pid) or b"sabotage" in _command(pid)
-                if b"mpirun" not in _command(pid)]
+        return [pid for pid in self.pids() if b"hpc_gfmd" in command_of(pid) or b"sabotage" in command_of(pid)
+                if b"mpirun" not in command_of(pid)]
 
     def kill(self, sign, *pids):
         """Send a signal; the time of the fault."""
@@ -82,7 +82,7 @@ class Job:
         try:
             self.out, self.err = self.process.communicate(timeout=max(patience - (time.monotonic() - self.hit), 0.1))
             while self.pids():
-                assert time.monotonic() - self.hit < patience, f"processes are left: {[_command(pid) for pid in self.pids()]}"
+                assert time.monotonic() - self.hit < patience, f"processes are left: {[command_of(pid) for pid in self.pids()]}"
                 time.sleep(0.01)
         except subprocess.TimeoutExpired:
             raise AssertionError(f"the job hangs {patience:g} s after the fault") from None
@@ -106,7 +106,8 @@ class Job:
         assert re.search(pattern, self.one_line()), self.one_line()
 
 
-def _command(pid):
+def command_of(pid):
+    """The command line of a process, as bytes with nulls; nothing of one that is gone."""
     try:
         return Path(f"/proc/{pid}/cmdline").read_bytes()
     except OSError:

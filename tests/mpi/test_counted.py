@@ -62,8 +62,6 @@ def test_surfaces_that_end(comm, n, nominal):
 
 def test_in_the_file(comm, shared_path):
     """Of a run on all ranks; distributions as lists, and nothing that was not asked for."""
-    if comm is None:
-        return
     asked = {"observables": ["patches", "percolation"], "distributions": ["pressure", "patches", "gap_spectrum"]}
     scene = Scene.from_dict({"surface": rough((1, 16, 2)), "load": {"p_star": [0.1, 1e3]}, "output": asked,
                              "solver": {"accuracy": 1e-2}})
@@ -76,4 +74,3 @@ def test_in_the_file(comm, shared_path):
     assert full["contact_percolates_x"] is True
     assert full["gap_percolates_x"] is False
     assert "perimeter" not in full
-    comm.barrier()

@@ -12,6 +12,7 @@ from mpi_harness import end
 from pieces import Pieces
 from pieces import scene as small
 
+from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.folder import is_held, partial_folder
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
@@ -47,7 +48,6 @@ def test_time_limit_and_restart(comm, shared_path):
     found, wanted = (read_result(p).fields[1]["gap"].read(0, 64) for p in (path, shared_path / "whole.h5"))
     assert np.abs(found - wanted).max() < 1e-10 * wanted.max()
     assert not partial_folder(path).exists()
-    comm.barrier()
 
 
 # tests/unit/test_restart.py has all solvers, on one process
@@ -74,8 +74,6 @@ def test_another_number_of_ranks(comm, shared_path, monkeypatch):
 
 
 def test_restart_of_what_is_not_there(comm, shared_path):
-    from hpc_gfmd.errors import SceneError
-
     with pytest.raises(SceneError, match="no interrupted run"):
         restart(shared_path / "nothing.h5", comm=comm)
 

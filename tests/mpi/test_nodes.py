@@ -90,7 +90,7 @@ def test_same_contact(machines):
 
 def test_no_memory_in_common(comm, monkeypatch):
     """Where a rank may not open what another one has made, as in another container, all is sent."""
-    if comm is None or comm.size == 1:
+    if comm.size == 1:
         return
     real = os.readlink
     monkeypatch.setattr(os, "readlink", lambda path: real("/proc/self/exe") if comm.rank == 1 else real(path))
@@ -102,7 +102,7 @@ def test_no_memory_in_common(comm, monkeypatch):
 
 
 def test_too_much_memory_is_an_error_on_all_ranks(comm, monkeypatch):
-    if comm is None or comm.size == 1:
+    if comm.size == 1:
         return
     node = comm.node
 
@@ -117,7 +117,7 @@ def test_too_much_memory_is_an_error_on_all_ranks(comm, monkeypatch):
 
 def test_memory_goes_with_the_grid(comm):
     """No descriptor or mapping is left of a grid that is no longer used, and ranks need not meet for that."""
-    if comm is None or comm.size == 1:
+    if comm.size == 1:
         return
 
     def mapped():

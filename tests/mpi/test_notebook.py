@@ -65,5 +65,3 @@ def test_the_example(comm, shared_path, monkeypatch):
     runpy.run_path(str(example), run_name="__main__")
     comm.barrier()
     assert (shared_path / "mpi_script.h5").is_file()
-    comm.barrier()
-    monkeypatch.undo()

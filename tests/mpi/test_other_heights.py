@@ -87,7 +87,6 @@ def test_other_heights_are_refused_and_the_right_ones_go_on(comm, begun, other, 
     assert begun(z, "run", "scene.toml", "-q", "-o", "whole.h5", "--set", "machine.wall_seconds=1000")[0] == 0
     with h5py.File("whole.h5") as file:
         assert found == [step.attrs["gap_mean"] for step in file["steps"].values()]
-    comm.barrier()
 
 
 def test_the_checkpoint_of_other_heights_is_refused(comm, begun):
@@ -101,4 +100,3 @@ def test_the_checkpoint_of_other_heights_is_refused(comm, begun):
     code, err = begun(z, *GO_ON)
     assert code == 2
     assert comm.rank or "checkpoint.h5: of other heights" in err
-    comm.barrier()

@@ -143,7 +143,6 @@ def test_all_of_it_on_any_number_of_ranks(prepared, comm, shared_path):
     assert surface.grid.n == (32, 20)
     assert surface.prepared == ("cropped to 32 x 20 points", "curvature removed", "12 points (1.9 %) filled", "upside down", "mirrored",
                                 "resampled to 32 x 20 points")
-    comm.barrier()
 
 
 def test_what_is_noted(comm, shared_path):

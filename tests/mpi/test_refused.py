@@ -1,5 +1,6 @@
 """Bad scenes on any number of ranks: exit code 2, one line on stderr, once, nothing written, no hang."""
 
+import h5py
 import numpy as np
 import pytest
 
@@ -45,8 +46,6 @@ BAD = {  # name: overrides of the good scene, and what the message names
 @pytest.fixture
 def folder(comm, shared_path):
     if comm is not None and comm.rank == 0:
-        import h5py
-
         (shared_path / "scene.toml").write_text(GOOD)
         (shared_path / "text.npy").write_text("no heights")
         z = np.zeros((9, 8))
@@ -84,7 +83,6 @@ def test_refused(comm, folder, name, capfd, monkeypatch):
         assert err == ""
     comm.barrier()
     assert sorted(folder.iterdir()) == before
-    comm.barrier()
 
 
 def test_by_mpirun(mpirun, tmp_path):

@@ -3,6 +3,7 @@
 import os
 import shutil
 
+import h5py
 import numpy as np
 import pytest
 
@@ -44,8 +45,6 @@ def layouts(comm, n_x):
 
 def with_and_without_mpi(monkeypatch):
     """HDF5 as it is, then one that says it was built without MPI."""
-    import h5py
-
     yield
     monkeypatch.setattr(h5py, "get_config", lambda: type("Serial", (), {"mpi": False}))
     yield
@@ -61,8 +60,6 @@ def test_round_trip(comm, shared_path, monkeypatch):
 
 
 def round_trip(comm, shared_path, n, rows, compressed, dtype):
-    import h5py
-
     path = shared_path / "round.h5"
     fields = {"pressure": field(n), "gap": field(n, "float32")}
     local = {name: whole[slice(*rows)] for name, whole in fields.items()}
@@ -92,8 +89,6 @@ def round_trip(comm, shared_path, n, rows, compressed, dtype):
 
 def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
     """Groups, attributes, types, values and coordinates; but for times and who wrote it."""
-    import h5py
-
     n, own = (7, 5), {"start_time", "end_time", "ranks", "io", "record"}
     whole = field(n)
 
@@ -127,13 +122,10 @@ def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
         assert together == by_one
         assert "steps/0001/gap" in together
         assert "VTKHDF/PointData/gap" in together
-    comm.barrier()
 
 
 def test_several_ranks_write_and_read_by_mpi_io(comm, shared_path, monkeypatch):
     """The driver that HDF5 itself names, and the transfers that were collective."""
-    import h5py
-
     drivers, collective, create, rows = [], [], h5py.h5p.create, slab(comm, 7)
 
     class Spy(h5py.File):
@@ -162,7 +154,6 @@ def test_several_ranks_write_and_read_by_mpi_io(comm, shared_path, monkeypatch):
         assert [found.get_dxpl_mpio() for found in collective].count(h5py.h5fd.MPIO_COLLECTIVE) == 2
     else:
         assert not any(mpio for *_, mpio in drivers)
-    comm.barrier()
 
 
 def test_the_disk_is_busy_while_the_next_piece_is_made(comm, shared_path, monkeypatch):
@@ -176,19 +167,14 @@ def test_the_disk_is_busy_while_the_next_piece_is_made(comm, shared_path, monkey
         pieces = told.index("sync")
         assert pieces == -(-(60 // comm.size) // 7)
         assert set(told[:pieces]) == {(0, 0, os.POSIX_FADV_DONTNEED)}
-    comm.barrier()
 
 
 def numbers(path, name):
-    import h5py
-
     with h5py.File(path, "r", locking=False) as file:
         return file[name][:]
 
 
 def checksum(path, name):
-    import h5py
-
     with h5py.File(path, "r", locking=False) as file:
         return int(file[name].attrs["checksum"])
 
@@ -212,13 +198,10 @@ def test_many_pieces(comm, shared_path, monkeypatch):
     monkeypatch.setattr(h5, "PIECE_BYTES", 2**26)
     h5.write_file(SerialComm(), shared_path / f"alone-{comm.rank}.h5", n, (0, 60), {"a/b": whole})
     assert found == {checksum(shared_path / f"alone-{comm.rank}.h5", "a/b")}  # whatever the ranks and pieces
-    comm.barrier()
 
 
 def test_damage_on_one_rank_stops_all(comm, shared_path):
     """In the numbers of the last rows, as they are or packed."""
-    import h5py
-
     whole, rows, path = field((40, 30)), slab(comm, 40), shared_path / "damaged.h5"
     for compressed in (False, True):
         h5.write_file(comm, path, (40, 30), rows, {"u": whole[slice(*rows)]}, compressed=compressed)
@@ -258,7 +241,6 @@ def test_memory_that_one_rank_lacks_stops_all(comm, shared_path, monkeypatch):
         monkeypatch.setattr(h5, "np", Scarce())
     with pytest.raises(GfmdError, match=r"reading .*scarce\.h5: out of memory"):
         stored.slab(comm, rows)
-    comm.barrier()
 
 
 def test_not_contiguous(comm, shared_path, monkeypatch):
@@ -297,7 +279,6 @@ def test_resume(comm, shared_path):
     result = read_result(path)
     assert [step["status"] for step in result.steps] == ["converged", "converged"]
     assert np.array_equal(result.fields[1]["gap"].read(0, 7), whole)
-    comm.barrier()
 
 
 def test_locked(comm, shared_path):
@@ -307,7 +288,6 @@ def test_locked(comm, shared_path):
         comm.barrier()
         with pytest.raises(SceneError, match="another run is writing this file"):
             RunFile(comm, path, (7, 5), rows, HEAD, SURFACE)
-    comm.barrier()
 
 
 def test_errors_are_agreed(comm, shared_path, monkeypatch):

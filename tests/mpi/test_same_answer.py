@@ -14,6 +14,7 @@ from hpc_gfmd.problem import Problem
 from hpc_gfmd.registry import all_observables, solver_names
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene
+from hpc_gfmd.surface.files import HeightMap
 
 pytestmark = pytest.mark.mpi
 TOLERANCE = 1e-10
@@ -148,8 +149,6 @@ def test_height_map(comm, shared_path, file):
 
 def test_height_map_in_hdf5_is_read_by_mpi_io(comm, shared_path, monkeypatch):
     """By the driver that HDF5 itself names, every rank its own rows, also where they are packed; the file is closed at the end."""
-    import h5py
-
     opened, asked, z = [], [], random_heights((70, 8))
     own, getitem = h5py.File.__init__, h5py.Dataset.__getitem__
 
@@ -175,12 +174,9 @@ def test_height_map_in_hdf5_is_read_by_mpi_io(comm, shared_path, monkeypatch):
     assert np.allclose(made.h * made.height_unit, z.max() - z[first:last], atol=1e-12)
     assert opened
     assert not any(file.id.valid for file, _ in opened)
-    comm.barrier()
 
 
 def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):
-    from hpc_gfmd.surface.files import HeightMap
-
     n, path = (300, 8), shared_path / "z.npy"
     if comm.rank == 0:
         np.save(path, random_heights(n))
@@ -216,7 +212,6 @@ def test_result_file(comm, shared_path, surface):
         for name in ("pressure", "gap", "displacement"):
             whole = wanted[name].read(0, 48)
             assert np.abs(found[name].read(0, 48) - whole).max() <= TOLERANCE * np.abs(whole).max()
-    comm.barrier()
 
 
 @pytest.mark.parametrize("side", [7, 17])

@@ -1,7 +1,5 @@
 """More ranks than there are cores: the same contact as on one, and as many messages as planned."""
 
-import json
-import subprocess
 from pathlib import Path
 
 import mpi_harness
@@ -13,13 +11,7 @@ ROUNDING = 1e-9
 
 
 def solved(ranks, per_node, lam_l_over_lam_s, folder):
-    process = mpi_harness.start(ranks, [SCRIPT, lam_l_over_lam_s, per_node, folder], subprocess.PIPE)
-    try:
-        out, err = process.communicate(timeout=3000)
-    finally:
-        mpi_harness.end(process)
-    assert process.returncode == 0, err.decode()
-    return json.loads(out.decode().splitlines()[-1])
+    return mpi_harness.found(ranks, [SCRIPT, lam_l_over_lam_s, per_node, folder], timeout=3000)
 
 
 def check(lam_l_over_lam_s, rank_counts, folder):

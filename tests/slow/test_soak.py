@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from faults.jobs import command_of
 from mpi_harness import end, environment
 
 from hpc_gfmd.output.read import read_result
@@ -67,7 +68,7 @@ def watch(process, folder, ranks):
         pids = [process.pid] if ranks == 1 else descendants(process.pid)
         for pid in pids:
             found = sample(pid)
-            if found and b"hpc_gfmd" in _command(pid) and b"mpirun" not in _command(pid).split(b"\0")[0]:
+            if found and b"hpc_gfmd" in command_of(pid) and b"mpirun" not in command_of(pid).split(b"\0")[0]:
                 samples.setdefault(pid, []).append((*found, done))
         try:
             stamp = (partial / "checkpoint.h5").stat().st_mtime_ns
@@ -75,13 +76,6 @@ def watch(process, folder, ranks):
             continue
         checkpoints, last = checkpoints + (stamp != last), stamp
     return samples, checkpoints
-
-
-def _command(pid):
-    try:
-        return Path(f"/proc/{pid}/cmdline").read_bytes()
-    except OSError:
-        return b""
 
 
 @pytest.mark.slow

@@ -1,8 +1,6 @@
 """The memory of a plan, against what runs really take."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import mpi_harness
@@ -25,17 +23,7 @@ def scene(n, p_star=(0.1,), threads=1, fields=(), observables=None, boundary="pe
 
 def measured(table, ranks, folder):
     """GiB on the rank that takes most, and the precisions of the loads."""
-    args = [PEAK, json.dumps(table), folder / f"{ranks}.h5"]
-    if ranks == 1:
-        out = subprocess.run([sys.executable, *map(str, args)], capture_output=True, check=True, env=mpi_harness.environment()).stdout
-    else:
-        process = mpi_harness.start(ranks, args, subprocess.PIPE)
-        try:
-            out, err = process.communicate(timeout=mpi_harness.TIMEOUT)
-        finally:
-            mpi_harness.end(process)
-        assert process.returncode == 0, err.decode()
-    found = json.loads(out.decode().splitlines()[-1])
+    found = mpi_harness.found(ranks if ranks > 1 else None, [PEAK, json.dumps(table), folder / f"{ranks}.h5"], timeout=600)
     return found["gib"], found["precisions"]
 
 

@@ -26,13 +26,22 @@ class Erratum:
 
 
 class Errata(list):
-    """The errata of a file, in order."""
+    """The errata of a file, in order; the methods are decorators, by what is printed and what is right."""
 
     def add(self, printed: str, right: str) -> Callable:
-        """A decorator: the function shows this erratum."""
+        """The function of {study: rows} shows this erratum."""
 
         def added(show: Callable[[dict], str]) -> Callable[[dict], str]:
             self.append(Erratum(printed, right, show))
+            return show
+
+        return added
+
+    def computed(self, printed: str, right: str) -> Callable:
+        """The function shows this erratum by a computation of its own."""
+
+        def added(show: Callable[[], str]) -> Callable[[], str]:
+            self.add(printed, right)(lambda tables: show())
             return show
 
         return added

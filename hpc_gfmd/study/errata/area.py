@@ -16,7 +16,6 @@ SLOPE = paper.numbers()["slope"]
 
 @ERRATA.add("a_r from 0.837 for H = 0.8 to 0.802 for H = 0 at p* = 0.353", "these are kappa/2, and the two H are exchanged")
 def area_is_half_kappa(tables: dict[str, Rows]) -> Any:
-    """The contact area at the high pressure."""
     found = {h: finest(rows, "eps_c")["kappa_edge"] for h, rows in by_hurst(low_high(tables["fig1"])["high"]).items()
              if of_hurst("area_high", h)}
     if len(found) < len(paper.numbers()["area_high"]):
@@ -29,7 +28,6 @@ def area_is_half_kappa(tables: dict[str, Rows]) -> Any:
 @ERRATA.add("the eps_c correction follows a power law with exponent 0.67",
             "it becomes linear: the excess of counted points is the length of the contact boundary times the grid spacing")
 def exponent_of_the_grid(tables: dict[str, Rows]) -> Any:
-    """alpha_c."""
     last = {}
     for row in sorted(tables["fig1"], key=lambda row: (row["hurst"], row["p_star"], -row["eps_c"])):
         if row.get("kappa_alpha") is not None:
@@ -42,7 +40,6 @@ def exponent_of_the_grid(tables: dict[str, Rows]) -> Any:
             "not at low loads for H > 0: a coarse grid enlarges the fractal correction, so terms fitted at eps_c = 1/2 must not be "
             "taken to eps_c = 0")
 def terms_do_not_add(tables: dict[str, Rows]) -> Any:
-    """Whether the correction of the grid depends on eps_f, and the fractal one on how the area is counted."""
     parts, fractal = [], []
     for hurst, rows in by_hurst(low_high(tables["fig1"])["low"]).items():
         coarse, fine = ({row["lam_l_over_lam_s"]: row["kappa"] for row in rows if near(row["eps_c"], eps_c)} for eps_c in (0.5, 0.25))
@@ -59,14 +56,12 @@ def terms_do_not_add(tables: dict[str, Rows]) -> Any:
 
 @ERRATA.add(*kappa.fractal_claim())
 def fractal_error(tables: dict[str, Rows]) -> Any:
-    """The fractal error of kappa that the text gives."""
     return kappa.fractal_excess(tables["fig2"])
 
 
-@ERRATA.add("expected error of kappa only 6 % (H = 0.8), similarly small for H = 0.3",
-            "its own coefficients give more; the second system is no 2048 × 2048 one")
-def six_percent(_: object | None = None) -> str:
-    """The errors that the text expects of two recommended systems, by its own table."""
+@ERRATA.computed("expected error of kappa only 6 % (H = 0.8), similarly small for H = 0.3",
+                 "its own coefficients give more; the second system is no 2048 × 2048 one")
+def six_percent() -> str:
     parts = []
     for claim in paper.numbers()["reference_error"]:
         eps = {name: claim[name] for name in ("eps_t", "eps_f", "eps_c")}
@@ -81,7 +76,6 @@ def six_percent(_: object | None = None) -> str:
 @ERRATA.add("H = 0.8 at low pressure needs eps_c <= 1/32 for 10 %",
             "its own coefficients reach 10 % at eps_c = 1/2, as the section on the gap says")
 def grid_needed(tables: dict[str, Rows]) -> Any:
-    """The grid that reference data at H = 0.8 and low load need."""
     hurst = paper.numbers()["eps_c_needed"]["hurst"]
     area, gap = (longest([row for row in low_high(tables[name])["low"] if near(row["hurst"], hurst)], "eps_c")
                   for name in ("fig1", "fig4"))
@@ -101,7 +95,6 @@ def grid_needed(tables: dict[str, Rows]) -> Any:
 @ERRATA.add("contact areas of H near 0 and near 1 differ by no more than about 10 % in the TFC limit",
             "the paper's own slopes differ by more")
 def spread_over_hurst(tables: dict[str, Rows]) -> Any:
-    """How much kappa depends on H."""
     ours = [filled("{kappa_tfc:±} (H = {hurst_number:g})", row) for row in where(tables["table5"], area="raw")]
     return (f"{SLOPE['high']:g} and {SLOPE['low']:g} differ by {SLOPE['high'] / SLOPE['low'] - 1:.1%}"
             + (f"; ours in the limit, as counted: {', '.join(ours)}" if len(ours) > 1 else ""))

@@ -15,20 +15,18 @@ GRID = 16  # lam_s/a that the text recommends for H = 0
 ERRATA = Errata()
 
 
-@ERRATA.add("h_rms² = (1/N) Σ |h_q|², g_rms² likewise (eqs. barH, barG)",
-            "no 1/N with the transform that the paper states, nor in its eq. totalBroad")
-def parseval(_: object | None = None) -> str:
-    """h_rms and g_rms from the transform."""
+@ERRATA.computed("h_rms² = (1/N) Σ |h_q|², g_rms² likewise (eqs. barH, barG)",
+                 "no 1/N with the transform that the paper states, nor in its eq. totalBroad")
+def parseval() -> str:
     z = small_surface()
     share = np.sum(np.abs(np.fft.fft2(z) / z.size) ** 2) / np.mean(z**2)
     return (f"on a {z.shape[0]} × {z.shape[1]} surface the sum is {share:.12f} of the mean square of the heights, with 1/N "
             f"{share / z.size:.3g} of it")
 
 
-@ERRATA.add("h_rms² = q_l² C(q_l)/H {1 - (q_l/q_s)^2H} (eq. scalHeight), so h_f = q_l √(C(q_l)/H)",
-            "/(2H), and h_f = q_l √(C(q_l)/(2H)); both scal equations leave out A_0/(2π)")
-def height_scale(_: object | None = None) -> str:
-    """The rms height of a self-affine spectrum."""
+@ERRATA.computed("h_rms² = q_l² C(q_l)/H {1 - (q_l/q_s)^2H} (eq. scalHeight), so h_f = q_l √(C(q_l)/H)",
+                 "/(2H), and h_f = q_l √(C(q_l)/(2H)); both scal equations leave out A_0/(2π)")
+def height_scale() -> str:
     whole, slope = _moment(2, EPS_F), _moment(4, EPS_F)  # of C = q^(-2-2H) from q_l = 1 to q_s, in units A_0/(2 pi) = 1
     printed = (1 - EPS_F ** (2 * H)) / H
     printed_slope = EPS_F ** (-2 + 2 * H) * (1 - EPS_F ** (2 - 2 * H)) / (2 - 2 * H)
@@ -39,9 +37,8 @@ def height_scale(_: object | None = None) -> str:
             f"g_rms lam_s/h_rms is {ratio:.5f}, as printed {from_printed:.5f}, by the paper's own relation {stated:.5f}")
 
 
-@ERRATA.add("g_rms lam_s = 2π h_rms √(H/(1-H)) eps_f^H", "only to leading order: times √((1 - eps_f^(2-2H))/(1 - eps_f^2H))")
-def slope_relation(_: object | None = None) -> str:
-    """g_rms lam_s in units of h_rms."""
+@ERRATA.computed("g_rms lam_s = 2π h_rms √(H/(1-H)) eps_f^H", "only to leading order: times √((1 - eps_f^(2-2H))/(1 - eps_f^2H))")
+def slope_relation() -> str:
     parts = []
     for hurst in HURST:
         for eps_f in (1 / 16, EPS_F):
@@ -50,18 +47,17 @@ def slope_relation(_: object | None = None) -> str:
     return "exact over leading order: " + ", ".join(parts)
 
 
-@ERRATA.add("rms height of the shortest wavelengths of order √(2-2H) g_rms lam_s", "√(2-2H) g_rms lam_s/(2π), since q_s = 2π/lam_s")
-def short_wave_height(_: object | None = None) -> str:
-    """The rms height of the roughness on the shortest wavelengths."""
+@ERRATA.computed("rms height of the shortest wavelengths of order √(2-2H) g_rms lam_s",
+                 "√(2-2H) g_rms lam_s/(2π), since q_s = 2π/lam_s")
+def short_wave_height() -> str:
     claim = np.sqrt(2 - 2 * H) * np.sqrt(_moment(4, EPS_F)) * 2 * np.pi * EPS_F
     share = np.sqrt(_moment(2, EPS_F, from_q=1 / EPS_F / np.e)) / claim
     return (f"H = {H:g}: the last factor e of wavelengths has {share:.3f} of the printed height, "
             f"{2 * np.pi * share:.2f} of the right one")
 
 
-@ERRATA.add("p_new(q_new) = p_old(q_new/s)/s", "p_old(s q_new)/s, as one line before: q_new = q_old/s")
-def scaling(_: object | None = None) -> str:
-    """The pressure of a surface that is stretched in the plane."""
+@ERRATA.computed("p_new(q_new) = p_old(q_new/s)/s", "p_old(s q_new)/s, as one line before: q_new = q_old/s")
+def scaling() -> str:
     s, q_old, u = 2.0, 3.0, 1.0
     q_new = q_old / s
     needed = q_new * u  # (E*/2) q u, in units of E*/2
@@ -69,9 +65,9 @@ def scaling(_: object | None = None) -> str:
     return f"one mode q_old = {q_old:g}, s = {s:g}: equilibrium needs {needed:g}; right {right:g}, printed {printed:g}"
 
 
-@ERRATA.add("stiffness K is the derivative of the mean gap with respect to pressure", "K = -dp/d(gap): the negative inverse of that")
-def stiffness(_: object | None = None) -> str:
-    """The contact stiffness."""
+@ERRATA.computed("stiffness K is the derivative of the mean gap with respect to pressure",
+                 "K = -dp/d(gap): the negative inverse of that")
+def stiffness() -> str:
     p_star, h = 0.05, 1e-4
     low, high = (float(persson.mean_gap(p, H, EPS_F)) for p in (p_star * (1 - h), p_star * (1 + h)))
     slope = (high - low) / (2 * h * p_star)
@@ -79,10 +75,9 @@ def stiffness(_: object | None = None) -> str:
             f"= -1/{-slope:.2f}")
 
 
-@ERRATA.add("eq. gapFinal: 3 (1-gamma) ∫ erf(tx)² exp(-t²x²) dt/t",
-            "6 (1-gamma): E1(x²) = 2 ∫ exp(-t²x²) dt/t, so this term lacks the 2")
-def missing_factor(_: object | None = None) -> str:
-    """The mean gap of Persson's theory from its elastic energy, by quadrature."""
+@ERRATA.computed("eq. gapFinal: 3 (1-gamma) ∫ erf(tx)² exp(-t²x²) dt/t",
+                 "6 (1-gamma): E1(x²) = 2 ∫ exp(-t²x²) dt/t, so this term lacks the 2")
+def missing_factor() -> str:
     hurst, eps_f, parts = 0.8, 1 / 256, []
     for gamma in (1.0, persson.GAMMA):
         for p_star in PRESSURES.values():
@@ -93,34 +88,30 @@ def missing_factor(_: object | None = None) -> str:
     return "gap/h_rms by quadrature of eq. gap with eq. elasticEnergy: " + "; ".join(parts)
 
 
-@ERRATA.add("GFMD: F_q ← F_q + eta (u_now - u_old)", "minus: the printed sign feeds energy")
-def damping_sign(_: object | None = None) -> str:
-    """Damped Verlet dynamics with the printed sign of the damping and with the other, on a small contact."""
+@ERRATA.computed("GFMD: F_q ← F_q + eta (u_now - u_old)", "minus: the printed sign feeds energy")
+def damping_sign() -> str:
     good, bad = (_range(gfmd(damping=sign)["speed"]) for sign in (-1, +1))
     return f"{N_SMALL} × {N_SMALL}, {STEPS} steps: largest speed {good} with the minus, {bad} as printed"
 
 
-@ERRATA.add("GFMD: F(0) ← F(0) + p with u >= -h", "minus p: printed, it pulls the solids apart")
-def load_sign(_: object | None = None) -> str:
-    """The external pressure with the printed sign and with the other, on a small contact."""
+@ERRATA.computed("GFMD: F(0) ← F(0) + p with u >= -h", "minus p: printed, it pulls the solids apart")
+def load_sign() -> str:
     good, bad = gfmd(load=-1), gfmd(load=+1)
     return (f"mean gap/h_rms from {good['gap'][0]:.2f} to {good['gap'][-1]:.3f} with the minus (a_r = {good['a_r']:.3f}), to "
             f"{bad['gap'][-1]:.3g} as printed (a_r = {bad['a_r']:g})")
 
 
-@ERRATA.add("start: set all grid points to h_max",
-            "any u >= -h will do; touching in one point (u = 0), or a coarser solution, is nearer")
-def start(_: object | None = None) -> str:
-    """Starting heights of the elastic solid."""
+@ERRATA.computed("start: set all grid points to h_max",
+                 "any u >= -h will do; touching in one point (u = 0), or a coarser solution, is nearer")
+def start() -> str:
     touching, above = gfmd()["gap"], gfmd(lifted=True)["gap"]
     steps = [_settled(gap, touching[-1]) for gap in (touching, above)]
     return (f"steps until the mean gap is within 1 % of the last: {steps[0]} from touching, {steps[1]} from h_max; the same mean gap "
             f"to {abs(above[-1] / touching[-1] - 1):.0e}")
 
 
-@ERRATA.add("p* = 0.007 and 0.353", "0.01/√2 and 0.5/√2")
-def rounded_pressures(_: object | None = None) -> str:
-    """The two pressures."""
+@ERRATA.computed("p* = 0.007 and 0.353", "0.01/√2 and 0.5/√2")
+def rounded_pressures() -> str:
     parts = []
     for name, p in PRESSURES.items():
         printed = paper.PRINTED[name]
@@ -129,9 +120,8 @@ def rounded_pressures(_: object | None = None) -> str:
     return "; ".join(parts)
 
 
-@ERRATA.add("L/lam_s = 1/512 is more than sufficient (H = 0)", "L/lam_s = 512: inverted")
-def inverted_ratio(_: object | None = None) -> str:
-    """The system that the text recommends for H = 0."""
+@ERRATA.computed("L/lam_s = 1/512 is more than sufficient (H = 0)", "L/lam_s = 512: inverted")
+def inverted_ratio() -> str:
     return f"with the recommended a/lam_s = 1/{GRID} the cell has {GRID * 512:.0f} points along an axis, printed {GRID / 512:.3f}"
 
 

@@ -16,7 +16,6 @@ ERRATA = Errata()
 
 @ERRATA.add("caption of the second gap table: p* = 0.007", "p* = 0.353, as its label says")
 def caption_pressure(tables: dict[str, Rows]) -> Any:
-    """The caption of the second gap table."""
     parts = []
     for pressure, hurst, rows in _printed(tables):
         row = finest(rows, "eps_f")
@@ -29,7 +28,6 @@ def caption_pressure(tables: dict[str, Rows]) -> Any:
 
 @ERRATA.add("gap tables 3 and 4: C_c eps_c + C_f eps_f^alpha_f + C_t eps_t (the limit is zero)", "too large at the high pressure")
 def gap_tables(tables: dict[str, Rows]) -> Any:
-    """The gap tables against our gaps, at all eps_f solved."""
     parts = []
     for pressure, hurst, rows in _printed(tables):
         ratios = [_printed_gap(pressure, row) / row[GAP] for row in fine_half(rows)]
@@ -40,7 +38,6 @@ def gap_tables(tables: dict[str, Rows]) -> Any:
 @ERRATA.add("figure 6: the printed theory is 3, 3, 2 times below the simulations (H = 0.3, 0.5, 0.8)",
             "table 4 says something else of the same simulations")
 def tables_against_captions(tables: dict[str, Rows]) -> Any:
-    """The gap table against the factors that the captions give for the same simulations."""
     parts = []
     for pressure, hurst, rows in _printed(tables):
         if pressure == "high":
@@ -53,7 +50,6 @@ def tables_against_captions(tables: dict[str, Rows]) -> Any:
 @ERRATA.add("tables 3 and 4 serve to extrapolate the gap to the TFC limit",
             'gap/h_rms vanishes in the fractal limit: the "correction" is nearly the whole gap')
 def fractal_term_is_the_gap(tables: dict[str, Rows]) -> Any:
-    """The fractal "correction" of the gap tables."""
     parts = [f"{row['term_f'] / sum(row[f'term_{i}'] for i in 'cft'):.0%} (H = {row['hurst']:g}, p* = {paper.PRINTED[pressure]})"
              for table, pressure in (("table3", "low"), ("table4", "high")) for row in tables[table] if row["area"] == "paper"]
     return parts and "share of the fractal term in the printed sum at the reference system: " + ", ".join(parts)
@@ -62,14 +58,12 @@ def fractal_term_is_the_gap(tables: dict[str, Rows]) -> Any:
 @ERRATA.add("gap/(g_rms lam_s) increases with eps_f with exponents 0.25 and 0.75 (p* = 0.007), 0.002 and 0.14 (0.353)",
             "it decreases: exponents in the two units differ by H, so these are negative")
 def sign_of_exponents(tables: dict[str, Rows]) -> Any:
-    """The exponents of the gap in units of g_rms lam_s."""
     return "; ".join(f"{line['paper']}, ours {line['ours']}" for line in gap.exponents(tables["fig7"], "g_rms_lam_s"))
 
 
 @ERRATA.add("self-affine between the cutoffs, L/lam_l = 2 (nothing is said of which modes at the cutoffs are included)",
             "a cell of two lam_l has few long modes: their number changes g_rms lam_s/h_rms, and with it every gap in units of h_rms")
 def realised_slope(tables: dict[str, Rows]) -> Any:
-    """g_rms lam_s/h_rms of the surfaces that were solved."""
     parts, same = [], ("hurst", "p_star", "eps_f", "eps_t", "eps_c")
     for hurst, rows in by_hurst(low_high(tables["fig6"])["low"]).items():
         row = finest(rows, "eps_f")
