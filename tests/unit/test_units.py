@@ -81,6 +81,16 @@ def test_a_load_that_single_precision_cannot_hold(z, p):
         assert found.pressure.min() == pytest.approx(p)
 
 
+def test_a_load_at_free_edges_that_coarse_levels_cannot_hold(z):
+    """Full contact is not uniform there; up to about the load that is refused it is found, in double precision beyond squares."""
+    with pytest.raises(SceneError, match=r"^load: found p\* = .*, allowed: 1e-100 to"):
+        hpc_gfmd.solve(z, 1e40, boundary="free")
+    with pytest.raises(SceneError, match=r'^solver\.precision: found "single"'):
+        hpc_gfmd.solve(z, 1e20, precision="single", boundary="free")
+    found = hpc_gfmd.solve(z, 1e30, boundary="free")
+    assert (found.status, found.precision, found.a_r) == ("converged", "float64", 1.0)
+
+
 @pytest.mark.parametrize("given", [{"E_star": 1e100, "heights": 1e100, "physical_sizes": (1e-100, 1e-100)},
                                    {"E_star": 1e-100, "heights": 1e-90, "physical_sizes": (1e90, 1e90)},
                                    {"E_star": 1e-20, "pressure": 1e90}])
