@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -13,7 +12,7 @@ from ..problem import Problem
 from ..registry import solver_class
 from .cases import DTYPES, Case
 from .fft import bare_pairs
-from .timing import Clock
+from .timing import Clock, Stopwatch
 from .workers import serve
 
 HURST = 0.8
@@ -28,26 +27,13 @@ class TimedSolver:
         h = surface.h
         assert h is not None
         self.solver = solver_class("auto")(Problem(surface.grid, h, case.p_star), {})
-        self.clock = clock
         self.start = np.maximum(h - h.dtype.type(h.mean()), 0)
-        self.spent: dict[str, float] = {}
-        solver = self.solver
-        self._time(solver, "_search", "search + rows")
-        self._time(solver.elastic, "pressure_columns", "columns")
-        self._time(solver, "_update", "update + rows")
-        self._time(solver.levels, "sweep", "sweep")
-        self.left = 0
-
-    def _time(self, owner: object, method: str, name: str) -> None:
-        run = getattr(owner, method)
-
-        def timed(*args: Any) -> Any:
-            begun = self.clock.now()
-            result = run(*args)
-            self.spent[name] = self.spent.get(name, 0.0) + self.clock.now() - begun
-            return result
-
-        setattr(owner, method, timed)
+        self.left, solver = 0, self.solver
+        parts = {"search + rows": (solver, "_search"), "columns": (solver.elastic, "pressure_columns"),
+                 "update + rows": (solver, "_update"), "sweep": (solver.levels, "sweep")}
+        self.watch = Stopwatch(parts, clock.now)
+        for name, (owner, method) in parts.items():
+            self.watch.watch(owner, method, name)
 
     def __call__(self) -> None:
         if self.left == 0:
@@ -55,10 +41,10 @@ class TimedSolver:
             self.solver.step()  # the first one is a plain projected gradient
             self.left = ITERATIONS
         self.left -= 1
-        self.spent = {}
-        begun = self.clock.now()
+        self.watch.reset()
+        begun = self.watch.now()
         self.solver.step()
-        self.spent["iteration"] = self.clock.now() - begun
+        self.watch.seconds["iteration"] = self.watch.now() - begun
 
 
 def main(argv: Sequence[str]) -> None:
@@ -77,7 +63,7 @@ def main(argv: Sequence[str]) -> None:
         if timed.left == 0:
             timed()  # begins anew: not counted
         timed()
-        return {part: clock.slowest(spent) for part, spent in timed.spent.items()} | {name: clock.measure(run)
+        return {part: clock.slowest(spent) for part, spent in timed.watch.seconds.items()} | {name: clock.measure(run)
                                                                                      for name, run in others.items()}
 
     measure()  # warm

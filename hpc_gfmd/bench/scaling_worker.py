@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from ..driver.sweep import Sweep
@@ -10,31 +10,11 @@ from ..driver.warmup import compile_once
 from ..parallel.world import world
 from ..scene import Solver
 from .cases import Case
+from .timing import Stopwatch
 from .workers import serve
 
 PARTS = ("fft", "transpose", "levels", "reductions")
 WARM_UP = 3  # solves of a process before the first that counts: until then the system still finds it large pages
-
-
-class Stopwatch:
-    """Adds up seconds by name; time of inner parts is not counted in outer ones."""
-
-    def __init__(self) -> None:
-        self.seconds = dict.fromkeys(PARTS, 0.0)
-        self.inner = 0.0
-
-    def timed(self, name: str, function: Callable) -> Callable:
-        def call(*args: Any, **kwargs: Any) -> Any:
-            before, begun = self.inner, time.perf_counter()
-            self.inner = 0.0
-            try:
-                return function(*args, **kwargs)
-            finally:
-                spent = time.perf_counter() - begun
-                self.seconds[name] += spent - self.inner
-                self.inner = before + spent
-
-        return call
 
 
 class TimedMpi:
@@ -59,7 +39,7 @@ def main(argv: Sequence[str]) -> int:
     comm = world()
     settings = Solver(precision=precision, accuracy=accuracy)
     compile_once(comm, settings)
-    watch = Stopwatch()
+    watch = Stopwatch(PARTS)
     sweep = Sweep(lambda dtype: Case(n, 0.8, p_star).surface(dtype, comm, threads), settings)
     for part in (comm, comm.node):
         if part.mpi is not None:
@@ -70,7 +50,7 @@ def main(argv: Sequence[str]) -> int:
         if threads == 1:  # a stopwatch for several threads at once would count their time twice
             _instrument(sweep, watch)
         comm.barrier()
-        watch.seconds = dict.fromkeys(PARTS, 0.0)
+        watch.reset()
         begun = time.perf_counter()
         step = sweep.solve(p_star * sweep.surface.g_rms)
         comm.barrier()
@@ -94,14 +74,14 @@ def _instrument(sweep: Any, watch: Stopwatch) -> None:
         for fft in grid.planned():
             if not hasattr(fft.plans, "is_timed"):
                 for name in ("rows_forward", "rows_backward", "columns_forward", "columns_backward"):
-                    setattr(fft.plans, name, watch.timed("fft", getattr(fft.plans, name)))
+                    watch.watch(fft.plans, name, "fft")
                 fft.plans.is_timed = True
     make = type(sweep)._make
 
     def timed_make(*args: Any) -> Any:
         solver = make(sweep, *args)
         if hasattr(solver, "levels"):
-            solver.levels.sweep = watch.timed("levels", solver.levels.sweep)
+            watch.watch(solver.levels, "sweep", "levels")
         return solver
 
     sweep._make = timed_make

@@ -3,13 +3,43 @@
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from ..parallel.comm import Comm
 
 K = TypeVar("K")
+
+
+class Stopwatch:
+    """Adds up seconds by name, by the clock `now`; time of inner parts is not counted in outer ones."""
+
+    def __init__(self, parts: Iterable[str], now: Callable[[], float] = time.perf_counter):
+        self.parts, self.now, self.inner = tuple(parts), now, 0.0
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin at 0."""
+        self.seconds = dict.fromkeys(self.parts, 0.0)
+
+    def watch(self, owner: object, method: str, name: str) -> None:
+        """Time a method of an object from here on."""
+        setattr(owner, method, self.timed(name, getattr(owner, method)))
+
+    def timed(self, name: str, function: Callable) -> Callable:
+        """The same function, timed."""
+        def call(*args: Any, **kwargs: Any) -> Any:
+            before, begun = self.inner, self.now()
+            self.inner = 0.0
+            try:
+                return function(*args, **kwargs)
+            finally:
+                spent = self.now() - begun
+                self.seconds[name] += spent - self.inner
+                self.inner = before + spent
+
+        return call
 
 
 @dataclass(frozen=True)

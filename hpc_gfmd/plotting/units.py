@@ -21,6 +21,10 @@ class Scale:
     name: str = ""
     relative: bool = False
 
+    @property
+    def _formula(self) -> str:
+        return f"({self.name})" if " " in self.name else self.name
+
     def label(self, symbol: str, power: int = 1) -> str:
         """Of an axis: "$p$ (MPa)" or "$p/(E^* \\bar{g})$"; power: of the unit, not below 1."""
         if not self.name:
@@ -28,20 +32,18 @@ class Scale:
         raised = "" if power == 1 else f"^{{{power}}}"
         if not self.relative:
             return f"${symbol}$ ({self.name}{f'${raised}$' if raised else ''})"
-        of = f"({self.name})" if " " in self.name else self.name
-        return f"${symbol}/{of}{raised}$"
+        return f"${symbol}/{self._formula}{raised}$"
 
     def density_label(self, symbol: str, power: int = 1) -> str:
         """Of a density over it: "$P(p)$ (1/MPa)" or "$P(p) \\cdot E^*$"."""
         raised = f"^{power}" if power > 1 else ""
         if not self.relative:
             return f"${symbol}$" + (f" (1/{self.name}{f'${raised}$' if raised else ''})" if self.name else "")
-        of = f"({self.name})" if " " in self.name else self.name
-        return f"${symbol} \\cdot {of}{raised}$"
+        return f"${symbol} \\cdot {self._formula}{raised}$"
 
     def value(self, symbol: str, number: float) -> str:
         """ "$p = 20$ MPa"."""
-        over = "" if not self.relative else f"/({self.name})" if " " in self.name else f"/{self.name}"
+        over = f"/{self._formula}" if self.relative else ""
         return f"${symbol}{over} = {number / self.unit:.3g}$ {'' if self.relative else self.name}".rstrip()
 
 

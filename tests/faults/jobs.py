@@ -14,6 +14,7 @@ from pathlib import Path
 import mpi_harness
 import numpy as np
 import pytest
+from contacts import scene_text
 
 from hpc_gfmd.cli import main
 from hpc_gfmd.output.folder import is_held, partial_folder
@@ -119,32 +120,14 @@ def run(args, ranks=None, cwd=None, patience=PATIENCE, **how):
     return Job(args, ranks, cwd, **how).end(patience)
 
 
-SCENE = """
-[surface]
-kind = "self-affine"
-hurst = 0.8
-L_over_lam_l = 2
-lam_l_over_lam_s = {lam}
-lam_s_over_a = 2
-seed = 1
-[load]
-p_star = {loads}
-[solver]
-residual = {residual}
-precision = "double"
-[output]
-path = "out.h5"
-fields = {fields}
-[machine]
-checkpoint_seconds = {checkpoint}
-"""
 EIGHT = [round(0.02 * 1.2**i, 6) for i in range(8)]
 
 
-def write_scene(folder, lam=32, loads=EIGHT[:5], residual=1e-8, fields='["gap"]', checkpoint=1e-3):
+def write_scene(folder, lam=32, loads=EIGHT[:5], residual=1e-8, fields=("gap",), checkpoint=1e-3):
     """scene.toml of a sweep, most loads of which start from the one before."""
-    text = SCENE.format(lam=lam, loads=loads, residual=residual, fields=fields, checkpoint=checkpoint)
-    (folder / "scene.toml").write_text(text)
+    (folder / "scene.toml").write_text(scene_text(
+        (2, lam, 2), loads, solver={"residual": residual, "precision": "double"}, output={"path": "out.h5", "fields": list(fields)},
+        machine={"checkpoint_seconds": checkpoint}))
     return folder / "out.h5"
 
 

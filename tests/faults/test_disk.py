@@ -11,7 +11,7 @@ SEVERAL = pytest.param(2, id="two ranks", marks=[pytest.mark.slow, needs_mpi])
 FULL = {  # when: KiB of the disk, of the scene, what the message names
     "at start": (4, {}, "output.path: cannot write to|writing .*head.h5: No space left"),
     "during a checkpoint": (300, {}, r"checkpoint\.h5: No space left on device \(.* MB needed\)"),
-    "during a field write": (300, {"checkpoint": 600, "fields": '["gap", "pressure", "displacement"]'}, r"step-0000\.h5: No space"),
+    "during a field write": (300, {"checkpoint": 600, "fields": ["gap", "pressure", "displacement"]}, r"step-0000\.h5: No space"),
     "while the result is put together": (1568, {"checkpoint": 600}, r"out\.h5: No space left.*the finished steps are safe in"),
 }
 
@@ -42,7 +42,7 @@ def test_full(small_disk, undisturbed, when, ranks):
 @pytest.mark.parametrize("ranks", [None, SEVERAL])
 def test_full_in_the_middle_of_a_write(small_disk, undisturbed, ranks):
     """Where the space could not be reserved: HDF5 and MPI meet the full disk, in a collective write on several ranks."""
-    how = {"checkpoint": 600, "fields": '["gap", "pressure", "displacement"]'}
+    how = {"checkpoint": 600, "fields": ["gap", "pressure", "displacement"]}
     disk = small_disk(300 * 1024)
     path = write_scene(disk, **how)
     job = run(["run", "scene.toml", "-q"], ranks, disk, fault=["unreserved", -1])

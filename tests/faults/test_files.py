@@ -3,23 +3,13 @@
 import h5py
 import numpy as np
 import pytest
+import tomli_w
 from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, cut, h5, sound
 from fuzz.seeds import FIELD
 
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.scene import File
 from hpc_gfmd.surface.files import HeightMap
-
-SCENE = """
-[surface]
-kind = "file"
-physical_sizes = [1.0, 1.0]
-path = "{}"
-[load]
-pressure = 0.1
-[solver]
-max_iterations = 1
-"""
 
 
 @pytest.fixture
@@ -40,7 +30,8 @@ def test_height_map(fault, tmp_path, refused):
     extension, make, words = HEIGHT_MAPS[fault]
     path = tmp_path / f"z{extension}"
     make(path)
-    (tmp_path / "scene.toml").write_text(SCENE.format(path.name))
+    scene = {"surface": {"kind": "file", "physical_sizes": [1, 1], "path": path.name}, "load": {"pressure": 0.1}}
+    (tmp_path / "scene.toml").write_text(tomli_w.dumps(scene | {"solver": {"max_iterations": 1}}))
     line = refused("run", "scene.toml")
     assert words in line
     assert path.name in line or "GiB" in line

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import result_files
+from result_files import FIELD, N
 from scipy.io import netcdf_file
 
 import hpc_gfmd
@@ -13,11 +15,9 @@ from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.theory import tfc
 
-N = (6, 5)
-FIELD = np.arange(30.0).reshape(N)
 SCENE = Path(hpc_gfmd.__file__).parent / "scenes" / "wave.toml"
-SURFACE = {"n": list(N), "physical_sizes": [1.0, 2.0], "h_rms": 0.5, "g_rms": 1.0, "kind": "wave", "seed": -1, "eps_t": 0.5}
-STEP = {"p": 0.1, "p_star": 0.1, "a_r": 0.25, "a_r_error": 1e-3, "gap_mean": 0.1, "iterations": 7, "status": "converged"}
+SURFACE = result_files.SURFACE | {"kind": "wave", "seed": -1, "eps_t": 0.5}
+STEP = result_files.STEP | {"gap_mean": 0.1}
 
 
 def seeds(target, folder):

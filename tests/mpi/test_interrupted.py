@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from contacts import EXACT, rough
+from contacts import EXACT, rough, scene_text
 from mpi_harness import end
 from pieces import Pieces
 from pieces import scene as small
@@ -78,23 +78,8 @@ def test_restart_of_what_is_not_there(comm, shared_path):
         restart(shared_path / "nothing.h5", comm=comm)
 
 
-SLOW = """
-[surface]
-kind = "self-affine"
-hurst = 0.8
-L_over_lam_l = 2
-lam_l_over_lam_s = 128
-lam_s_over_a = 2
-seed = 1
-[load]
-p_star = LOADS
-[solver]
-residual = 1e-14
-precision = "double"
-max_iterations = 10000000
-[output]
-path = "slow.h5"
-""".replace("LOADS", str([0.01 * 1.3 ** (i % 9) for i in range(300)]))
+SLOW = scene_text((2, 128, 2), [0.01 * 1.3 ** (i % 9) for i in range(300)], output={"path": "slow.h5"},
+                  solver={"residual": 1e-14, "precision": "double", "max_iterations": 10**7})
 
 
 def test_signal(mpirun, tmp_path):

@@ -6,6 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import tomli_w
 from contacts import random_heights
 
 from hpc_gfmd.cli import main
@@ -14,18 +15,8 @@ from hpc_gfmd.parallel.layout import row_starts
 from hpc_gfmd.surface.heights import Checksum
 
 pytestmark = pytest.mark.mpi
-SCENE = """
-[surface]
-kind = "file"
-physical_sizes = [1.0, 1.0]
-path = "z.npy"
-[load]
-pressure = [0.2, 0.3]
-[solver]
-accuracy = 1e-4
-[machine]
-wall_seconds = 1e-9
-"""
+SCENE = tomli_w.dumps({"surface": {"kind": "file", "physical_sizes": [1.0, 1.0], "path": "z.npy"}, "load": {"pressure": [0.2, 0.3]},
+                       "solver": {"accuracy": 1e-4}, "machine": {"wall_seconds": 1e-9}})
 GO_ON = ["restart", "contact.h5", "--set", "machine.wall_seconds=1000"]
 PARTIAL = "contact.h5.partial"
 

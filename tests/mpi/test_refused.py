@@ -3,18 +3,12 @@
 import h5py
 import numpy as np
 import pytest
+import tomli_w
 
 from hpc_gfmd.cli import main
 
 pytestmark = pytest.mark.mpi
-GOOD = """
-[surface]
-kind = "wave"
-amplitude = 0.1
-n = [8, 8]
-[load]
-pressure = 0.1
-"""
+GOOD = tomli_w.dumps({"surface": {"kind": "wave", "amplitude": 0.1, "n": [8, 8]}, "load": {"pressure": 0.1}})
 
 MAP = 'surface={{kind = "file", physical_sizes = [1, 1], path = {}}}'
 BAD = {  # name: overrides of the good scene, and what the message names

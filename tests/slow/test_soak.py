@@ -9,32 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from contacts import scene_text
 from faults.jobs import command_of
 from mpi_harness import end, environment
 
 from hpc_gfmd.output.read import read_result
 
 STEPS, N = 200, 256
-SCENE = f"""
-[surface]
-kind = "self-affine"
-hurst = 0.8
-L_over_lam_l = 2
-lam_l_over_lam_s = {N // 4}
-lam_s_over_a = 2
-seed = 1
-[load]
-p_star = {[round(float(p), 6) for p in np.geomspace(0.005, 1.0, STEPS)]}
-[solver]
-name = "gfmd"
-accuracy = 1e-7
-precision = "double"
-[output]
-path = "soak.h5"
-fields = ["gap"]
-[machine]
-checkpoint_seconds = 1
-"""
+SCENE = scene_text((2, N // 4, 2), np.geomspace(0.005, 1.0, STEPS).round(6).tolist(), machine={"checkpoint_seconds": 1},
+                   solver={"name": "gfmd", "accuracy": 1e-7, "precision": "double"}, output={"path": "soak.h5", "fields": ["gap"]})
 WARM = 0.25  # of the run, before which nothing is compared
 GROWTH_MB = 8.0  # of the memory of a rank afterwards; a field has 0.5 MB
 

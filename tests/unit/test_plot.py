@@ -3,6 +3,7 @@
 import matplotlib.image
 import numpy as np
 import pytest
+from contacts import scene_text
 
 from hpc_gfmd import make_surface
 from hpc_gfmd.errors import GfmdError, SceneError
@@ -19,7 +20,7 @@ def _coarse_pictures(monkeypatch):
 
 
 LOAD = "[load]\np_star = [0.1]\n"
-SCENE = '[surface]\nkind = "self-affine"\nhurst = 0.8\nL_over_lam_l = 1\nlam_l_over_lam_s = 16\nlam_s_over_a = 2\nseed = 1\n' + LOAD
+SCENE = scene_text((1, 16, 2), [0.1])
 SPHERE = '[surface]\nkind = "sphere"\nradius = 1.0\nn = [32, 24]\n' + LOAD
 WAVE = '[surface]\nkind = "wave"\namplitude = 0.1\nn = [32, 24]\nperiods = [0, 2]\n' + LOAD
 UNITS = {"unit": "m", "pressure_unit": "Pa", "physical_sizes": [1e-5, 7.5e-6], "h_rms": 2e-8}
