@@ -28,6 +28,7 @@ SLAB_ROWS = 64  # rows read or made at a time
 # Of a cell along a free axis over the surface: share of it; of it and twice the longest side, in the geometric mean, which keeps the
 # modes few that are coupled (bodies/free.py); points; spacings along an axis that ends and along others, to resolve these modes
 LONGER, BESIDE, MARGIN, SPACINGS, PERIODIC_SPACINGS = 1 / 2, 0.42, 64, 2 * NEEDED, 4
+SLENDER = 256  # square of the longest side over product of a side and what is beside it, at most: else S would not be positive
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,9 @@ def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tupl
     """The points along each axis that a surface of n points and these sizes is solved on: more along the axes where it ends."""
     longest = max((size for size, ends in zip(sizes, free) if ends), default=0.0)
     beside = [size / k * (SPACINGS if ends else PERIODIC_SPACINGS) for k, size, ends in zip(n, sizes, free) if ends or k > 1]
-    return tuple(_longer(k, longest * k / size, max(beside) * k / size) if ends else k for k, size, ends in zip(n, sizes, free))
+    length = max((size for k, size in zip(n, sizes) if k > 1), default=0.0)
+    least = [max([*beside, min(length**2 / (SLENDER * size), length / 2)]) for size in sizes]
+    return tuple(_longer(k, longest * k / size, x * k / size) if ends else k for k, size, x, ends in zip(n, sizes, least, free))
 
 
 def _longer(n: int, longest: float, least: float) -> int:

@@ -13,6 +13,7 @@ SURFACES = [((128, 128), (1.0, 1.0), (True, True)), ((512, 512), (1.0, 1.0), (Tr
             ((40, 60), (1.0, 1.5), (True, True)), ((512, 32), (1.0, 0.0625), (True, True)),
             ((32, 32), (1.0, 10.0), (True, True)), ((8, 48), (20.0, 3.0), (True, True)),
             ((40, 24), (1.0, 28.0), (True, False)),
+            ((512, 8), (64.0, 1.0), (True, True)), ((512, 8), (64.0, 1.0), (False, True)),
             ((96, 64), (1.0, 1.0), (True, False)), ((30, 128), (0.3, 1.0), (False, True))]
 
 
@@ -125,4 +126,6 @@ def test_cells():
     assert cell_of((1000, 1000), (True, True), (1.0, 1.0))[0] % 16 == 0
     assert cell_of((32, 20), (True, True), (1.0, 10.0))[0] >= 32 + 13 * 16  # spacings of 1/32 and 1/2
     assert cell_of((32, 20), (True, False), (1.0, 40.0))[0] >= 32 + 4 * 64
+    assert cell_of((512, 8), (True, True), (64.0, 1.0))[1] >= 8 + 512**2 / 8 / 256
+    assert cell_of((1, 1), (True, True), (1.0, 1.0)) == cell_of((1, 1), (True, True), (3.0, 3.0))
     assert cell_of((64, 1), (True, False), (1.0, 1.0)) == (128, 1)
