@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from math import copysign, isfinite, log
 from typing import TYPE_CHECKING
 
-from .line import SLOPES, UNKNOWN, Line
+from .line import UNKNOWN, Line
 from .offsets import Offsets
 from .opening import Opening
-from .search import Search
+from .search import SLOPES, Search
 
 if TYPE_CHECKING:
     from ..contact import Contact
@@ -64,7 +64,7 @@ class Curve:
         kind, wanted, (x, f) = search.quantity, search.straight(search.aim), known[-1]
         near = [point for point in known if abs(point[0] - x) < FAR or kind not in self.slopes]  # slopes elsewhere are of no use
         secants = [((x0 + x1) / 2, (f1 - f0) / (x1 - x0)) for (x0, f0), (x1, f1) in zip(near, near[1:]) if x0 != x1]
-        if secants and SLOPES[0] < secants[-1][1] < SLOPES[1]:
+        if secants and SLOPES[kind][0] < secants[-1][1] < SLOPES[kind][1]:
             middle, search.slope = secants[-1]
             bend = (search.slope - secants[0][1]) / (middle - secants[0][0]) if len(secants) > 1 and middle != secants[0][0] else 0.0
             change = BENT[kind] * bend * (x + 0.5 * (wanted - f) / search.slope - middle)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 CHECK_FROM, CHECK_GROWTH = 10, 1.25  # iterations at which a solver without error estimates is certified: each 1.25 times later
 REFUSALS = 5  # times that the certificate may refuse without having come nearer, before the solver counts as stagnated
 AGAIN = 0.9  # a solver that was refused is certified again where its own numbers promise so much of what is asked
+FLOOR = 1 / 6  # of the patience with a solver that believed that it was there: where only rounding errors are left
 DRIFT = 0.01  # of the residual, relative: above, the solver goes on from the fresh pressure
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
 ATTAINED = 1.5  # of the mean gap's error that no iteration makes smaller: there it is no use to go on
@@ -129,7 +130,7 @@ def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: Loop
             loop.next_check = CHECK_GROWTH * done + 1
         elif done >= target.max_iterations:
             status = "max_iterations"
-        elif done - loop.best_at > solver.patience:
+        elif done - loop.best_at > solver.patience * (1 if np.isinf(loop.refused) else FLOOR):
             status = "stagnated"
         elif watch is not None and watch(done, progress):
             status = "interrupted"
@@ -163,7 +164,8 @@ def _measure(progress: Progress, target: Target) -> float:
     if progress.estimates is None:
         return UNKNOWN
     gap, pressure = progress.estimates
-    return max(gap / _attainable(target, progress.unseen), pressure / target.tolerance)
+    unseen = progress.unseen
+    return max((gap - unseen) / (_attainable(target, unseen) - unseen), pressure / target.tolerance)
 
 
 def _area_may_be_known(solver: Solver, progress: Progress, target: Target) -> bool:

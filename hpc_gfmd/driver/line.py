@@ -7,7 +7,6 @@ from dataclasses import dataclass
 UNKNOWN = 0.2  # standard deviation of a slope, relative, before anything was read
 BENT = 0.15  # the same of its change over a unit of length
 NOISY = 2.0  # times the noise of a reading, where it tells the slope: errors of successive readings are alike
-SLOPES = 0.2, 5.0  # that are believed
 
 
 @dataclass
@@ -23,12 +22,12 @@ class Line:
         """doubt: standard deviation of where the curve has that level; unknown: of the slope, relative."""
         return cls(level, slope, ((doubt * slope) ** 2, 0.0, (unknown * slope) ** 2))
 
-    def read(self, level: float, noise: float) -> None:
-        """Learn that the level is about that; noise: its standard deviation."""
+    def read(self, level: float, noise: float, slopes: tuple[float, float]) -> None:
+        """Learn that the level is about that; noise: its standard deviation; slopes: that are believed."""
         ll, ls, ss = self.covariance
         news, gain, gain_slope = level - self.level, ll / (ll + noise**2), ls / (ll + (NOISY * noise) ** 2)
         self.level += gain * news
-        self.slope = min(max(self.slope + gain_slope * news, SLOPES[0]), SLOPES[1])
+        self.slope = min(max(self.slope + gain_slope * news, slopes[0]), slopes[1])
         self.covariance = ll * (1 - gain), ls * (1 - gain), ss - gain_slope * ls
 
     def move(self, by: float) -> None:

@@ -50,7 +50,7 @@ SHARP = 1e-6  # times the tolerance: no curve rises within such an interval of l
 STEEP, STEEPER, NARROW = 2.0, 4.0, 1e-3  # times the usual slope of an area: it may jump; it jumps, within the tolerance, or this
 SOLVED = 0.01  # error with which a bound is one: where much touches all at once, estimates of what changes do not know of it
 SEEN, LARGE = 0.03, 3.0  # error of the pressure field at which a jump is seen; times what may be missed, a large one
-USUAL = 0.4, 2.5  # slopes of an area without jumps
+SLOPES = {"gap_mean": (0.2, 5.0), "a_r": (0.4, 2.5), "approach": (0.2, 5.0)}  # that are believed: of an area, without jumps
 SAME = 0.1  # of a jump: how near its side is to what was read
 POINT = 1.001  # by which the area may be missed
 
@@ -270,7 +270,7 @@ class Search:
         if self.last is not None:
             noise = hypot(noise, CHANGE[self.quantity] * (f - self.last[1] - self.line.slope * (self.x - self.last[0])))
         self.last = (self.x, f)
-        self.line.read(f, min(max(noise, ROUNDING), farthest))
+        self.line.read(f, min(max(noise, ROUNDING), farthest), SLOPES[self.quantity])
 
     def _go_to(self, x: float, solver: Solver) -> bool:
         """Change the load of the solver."""
@@ -285,7 +285,7 @@ class Search:
         self._read(y, error, noise)
         if self.corrections == MOST or not isfinite(error):
             return False
-        missed = min(self._miss(y), self._miss(now))
+        missed = min(self._miss(y), self._miss(now)) if (y > self.aim) == (now > self.aim) else 0.0  # what changes may change sides
         if self._too_small:
             return missed > self.tolerance and self._go_to(self.x - STEP, solver)
         sure = error < SOLVED and missed > SURE * error
@@ -298,7 +298,7 @@ class Search:
                     self._enclose(now, error)
                 if self._enclosed:
                     return self._jump(solver)
-                return self._go_beside(jump, now, solver)
+                return self._go_beside(jump, now, solver, sure)
             self.note = None
         if self.note is not None:
             return False
@@ -324,7 +324,7 @@ class Search:
         step = 0.25 / self.wall.points
         y = min(max(y, 4 * step), 1 - 4 * step)
         steepness = 2 * step / (self.straight(y * (1 + step)) - self.straight(y * (1 - step)))
-        return min(max(self.line.slope, USUAL[0]), USUAL[1]) * steepness * y * self.wall.points
+        return self.line.slope * steepness * y * self.wall.points
 
     def _large(self, jump: Jump | None, wanted: float) -> Jump | None:
         """A jump over the target by more than may be missed."""
@@ -333,7 +333,7 @@ class Search:
             return None
         return jump if jump.after - jump.before > LARGE * allowed else None
 
-    def _go_beside(self, jump: Jump, now: float, solver: Solver) -> bool:
+    def _go_beside(self, jump: Jump, now: float, solver: Solver, sure: bool) -> bool:
         """Stay on this side of a jump or go to the other, whichever is nearer to the target."""
         wanted, points = (self.aim - now) * self.wall.points, self.wall.points
         sign = 1 if wanted > 0 else -1
@@ -345,7 +345,11 @@ class Search:
             self.side, self.jump = now, high - low
             self.note = f"a_r jumps from {low:.4g} to {high:.4g}: the nearer to what was asked for"
             return False
-        return self._go_to(self.bracket.within(self.x + sign * min(jump.to_before if stay else jump.to_after, STEP)), solver)
+        bound = self.bracket.high if sign > 0 else self.bracket.low
+        x = self.x + sign * min(jump.to_before if stay else jump.to_after, STEP)
+        if bound and sign * (x - bound[0]) >= 0 and not sure:  # it is not before there
+            return False
+        return self._go_to(self.bracket.within(x), solver)
 
     def _go_between(self, solver: Solver, y: float, error: float, way: float) -> bool:
         """A correction by what is known for sure. way: to the target, by what seems so; where nothing changes it is doubled."""

@@ -6,6 +6,9 @@ before anything was solved on the other side. While the edge of a contact stands
 to the load, and that it moves by points tells more than how fast it moves. Within, the distance of a point from the edge goes as the
 square of its pressure, and the edge moves in proportion to the load; a point has a pressure in proportion to the load as soon as it
 touches, which counts for those next to the edge.
+
+How fast all that goes follows from the usual rate, unless points go in steps that tell nothing of one: then from the contacts as they
+are, whose pressures, and the gaps beside them, change about as the load does.
 """
 
 from __future__ import annotations
@@ -24,6 +27,8 @@ NEAR, FEW = 0.05, 16.0  # share of the contact, and points, at least, that leave
 ALIKE = 0.003  # of the way, and once the error of the pressure: points whose ways differ by less go together
 INTO = 0.3  # of the way from a jump to the next points: where its other side is looked for
 CONTRAST = 2.5  # times as many as usually go within such a way: a jump
+LIKE, STEP = 1.05, 0.7  # ratio of ways, share of those that go at the usual rate: where more go so much together the rate is unknown
+POINT, ALONE = 2.5, 0.6  # times the compliance of the shortest wave: of a point; of the way of a point that others do not press on
 
 
 class Jump(NamedTuple):
@@ -59,6 +64,10 @@ class Staircase(NamedTuple):
         usual = np.searchsorted(gone, min(max(2 * wanted, NEAR * contact, FEW), gone[-1] / 2))
         if not way[usual] > 0:
             return None
+        first, last = np.searchsorted(way, [way[usual] / LIKE, way[usual] * LIKE])
+        if gone[last - 1] - (gone[first - 1] if first else 0) > STEP * gone[usual]:
+            compliance = 1.0 if less else POINT / solver.problem.body.scale(solver.grid)
+            return cls(gone, ALONE * compliance * contact / (solver.grid.N * solver.p0) * margin, rate)
         return cls(gone, way * gone[usual] / (way[usual] * rate), rate)
 
     def jump(self, wanted: float, error: float) -> Jump | None:

@@ -338,6 +338,15 @@ def test_an_area_of_an_ordered_wall(free, wanted):
     assert is_as_near_as_can_be(found, plain, wanted, 1e-2)
 
 
+def test_areas_of_a_lattice():
+    """Peaks that are alike, between points of the grid: the area goes in steps of many widths (461 pairs by a usual rate)."""
+    x = np.arange(96) % 12 - 5.7
+    sweeps = [sweep_over(-(x[:, None] ** 2 + x**2), accuracy=1e-5) for _ in range(17)]
+    found = [sweep.solve(Prescribed("a_r", 0.02 + 0.015 * k)) for k, sweep in enumerate(sweeps)]
+    assert all(step.contact.outcome.status == "converged" for step in found)
+    assert sum(step.pairs for step in found) < 380
+
+
 @pytest.mark.parametrize("free", [(False, False), (True, True)], ids=str)
 def test_hardly_touching(free):
     """A mean gap that is but a little less than where the highest peak touches."""

@@ -164,6 +164,14 @@ def test_beyond_the_precision_it_stagnates(name):
     assert step.contact.outcome.status in ("stagnated", "max_iterations")
 
 
+def test_beyond_the_precision_it_does_not_go_on_for_long():
+    """Once it was refused where it believed to be there, little patience is left (78 iterations with all of it)."""
+    for p_star in (0.1, 0.4):
+        step = solve_scene(rough((1, 16, 4)), p_star, precision="single", accuracy=1e-6)
+        assert step.contact.outcome.status == "stagnated"
+        assert step.iterations < 40
+
+
 @every_solver
 def test_unknown_option(name):
     with pytest.raises(SceneError, match="bogus"):
