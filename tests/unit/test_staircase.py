@@ -73,8 +73,8 @@ def test_what_a_rough_solution_cannot_tell():
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_how_far_it_is_where_all_go_in_steps(sign):
-    """No usual rate tells: a hundred points leave a contact where its mean pressure has fallen by about theirs; a gap closes where it has
-    risen by about what presses a point so far."""
+    """By no usual rate: points leave a contact where its mean pressure has fallen by about theirs; a gap closes where it has risen by
+    about what presses a point so far."""
     solver = state([0.2] * 100 + [0.9] * 300, [0.3] * 100 + [0.8] * 100)
     solver.p0, solver.grid.N, solver.problem = 0.1, 1600, SimpleNamespace(body=SimpleNamespace(scale=lambda grid: 2.5))
     ways = [Staircase.of(solver, 400, sign * 30, rate).way[0] for rate in (100, 10_000)]
