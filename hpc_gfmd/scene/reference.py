@@ -16,7 +16,8 @@ from .surface import KINDS, Surface
 from .table import allowed
 
 WIDTH = 100
-UNITS = {"length": "in the unit of the surface, or with a unit", "pressure": "in the unit of the moduli, or with a unit"}
+UNITS = {"length": "in the unit of the surface, or with a unit", "pressure": "in the unit of the moduli, or with a unit",
+         "force": "in the unit of the moduli times that of the surface squared, or with a unit"}
 
 
 @dataclass(frozen=True)
