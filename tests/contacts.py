@@ -3,7 +3,7 @@
 import numpy as np
 import tomli_w
 
-from hpc_gfmd.driver.lowmemory import LowMemorySweep
+from hpc_gfmd import composition
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import body_of
@@ -27,12 +27,9 @@ def scene_text(n_over=(2, 8, 2), p_star=(0.05, 0.1), **others):
 
 def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver):
     """A Sweep over a [surface] table with keys of [solver]; `comm` defaults to this process; layer: further keys of [material]."""
-    scene = Scene.from_dict({"surface": surface, "load": {"pressure": 1.0}, "solver": solver or EXACT, "material": layer or {}})
-    comm = comm or SerialComm()
-    lam_s = getattr(scene.surface, "lam_s", None)
-    kind = LowMemorySweep if scene.solver.low_memory else Sweep
-    return kind(lambda dtype: build_surface(scene.surface, comm, dtype), scene.solver, E_star, lam_s, duality,
-                body_of(scene.material, scene.surface.free))
+    scene = Scene.from_dict({"surface": surface, "load": {"pressure": 1.0}, "material": {"E_star": E_star} | (layer or {}),
+                             "solver": solver or EXACT, "output": {"observables": ["duality_gap"]} if duality else {}})
+    return composition.sweep_of(scene, lambda dtype: build_surface(scene.surface, comm or SerialComm(), dtype))
 
 
 def surface_over(z, sizes=(1.0, 1.0), dtype=np.float64, comm=None, free=(False, False)):

@@ -6,11 +6,7 @@ from contacts import heights_of, rough, solve_scene
 from counted import contact_of, random_fields
 
 import hpc_gfmd
-from hpc_gfmd.driver.lowmemory import LowMemorySweep
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import all_distributions
-from hpc_gfmd.scene import Scene
-from hpc_gfmd.surface import build_surface
 
 N, SIZES, UNITS = (48, 40), (1.2, 1.5), (3.0, 0.2)
 every_field = pytest.mark.parametrize("name", ["heights", "pressure", "gap"])
@@ -139,10 +135,8 @@ def test_pairs_are_counted():
 
 
 def test_low_memory_knows_the_heights_by_their_spectrum():
-    scene = Scene.from_dict({"surface": rough((1, 16, 4)), "load": {"p_star": 0.1}, "solver": {"accuracy": 1e-2}})
-    low = LowMemorySweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype, 1, True), scene.solver)
-    found, wanted = (all_distributions()["heights_spectrum"](one) for one in (
-        low.solve(low.pressures(scene.load)[0]).contact, solve_scene(rough((1, 16, 4)), 0.1, accuracy=1e-2).contact))
+    found, wanted = (all_distributions()["heights_spectrum"](
+        solve_scene(rough((1, 16, 4)), 0.1, accuracy=1e-2, low_memory=low).contact) for low in (True, False))
     inside = wanted["power"] > 1e-9 * wanted["power"].max()
     assert found["q"] == pytest.approx(wanted["q"])
     assert found["power"][inside] == pytest.approx(wanted["power"][inside], rel=1e-4)

@@ -7,14 +7,10 @@ import pytest
 from contacts import EXACT, field, random_heights, relative, rough, sweep_of, sweep_over
 
 from hpc_gfmd.driver.curve import Curve
-from hpc_gfmd.driver.lowmemory import LowMemorySweep
 from hpc_gfmd.driver.prescribed import Prescribed
-from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.errors import SceneError
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.registry import body_of, solver_names
-from hpc_gfmd.scene import Load, Material, Scene
-from hpc_gfmd.surface import build_surface
+from hpc_gfmd.scene import Load, Material
 
 LAYER = {"thickness": 0.05, "nu1": 0.3, "E_star": 1.0}
 WALLS = {"periodic": (rough((2, 16, 4)), None), "free": (rough((2, 32, 2), boundary="free"), None), "layer": (rough((2, 16, 4)), LAYER),
@@ -264,12 +260,8 @@ def test_a_gap_that_nothing_makes_more_accurate():
 @pytest.mark.parametrize("solver", [{}, {"low_memory": True}, {"name": "gfmd"}], ids=str)
 def test_a_sweep_through_full_contact(boundary, solver):
     """From above or below, and again: at the same pressure."""
-    kind = LowMemorySweep if solver.get("low_memory") else Sweep
-    scene = Scene.from_dict({"surface": rough((2, 8, 2), boundary=boundary), "load": {"gap_over_h_rms": [0.3, 0, 0.1, 0]},
-                             "solver": {"accuracy": 1e-3} | solver})
-    sweep = kind(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver,
-                 body=body_of(scene.material, scene.surface.free))
-    contacts = [sweep.solve(load).contact for load in sweep.pressures(scene.load)]
+    sweep = sweep_of(rough((2, 8, 2), boundary=boundary), accuracy=1e-3, **solver)
+    contacts = [sweep.solve(load).contact for load in sweep.pressures(Load(gap_over_h_rms=[0.3, 0, 0.1, 0]))]
     assert all(contact.outcome.status == "converged" for contact in contacts)
     assert [contact.contact_points == contact.N for contact in contacts] == [False, True, False, True]
     assert contacts[3].p_mean == pytest.approx(contacts[1].p_mean, rel=1e-3)

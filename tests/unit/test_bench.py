@@ -20,7 +20,7 @@ from hpc_gfmd.bench.model import Machine, Network, predict
 from hpc_gfmd.bench.ours import Ours
 from hpc_gfmd.bench.passes import field_passes
 from hpc_gfmd.bench.reference import reference
-from hpc_gfmd.bench.timing import Clock, Sample, ratio
+from hpc_gfmd.bench.timing import Clock, Sample, Stopwatch, ratio
 from hpc_gfmd.bench.workers import Worker, what_failed
 from hpc_gfmd.cli import main
 from hpc_gfmd.errors import GfmdError
@@ -56,6 +56,14 @@ def test_runs_alternate_after_the_warm_up():
     assert "".join(calls) == "ab" + "ab" + "ba" + "ab"
     assert [len(s.seconds) for s in samples.values()] == [3, 3]
     assert ratio(Sample((2.0, 3.0, 9.0)), Sample((1.0, 1.0, 1.0))) == 3.0
+
+
+def test_the_time_of_an_inner_part_is_counted_once():
+    reads = iter([0, 1, 3, 4, 8, 10])                            # of the clock: outer begins, inner 1-3 and 4-8, outer ends
+    watch = Stopwatch(("inner", "outer"), lambda: next(reads))
+    inner = watch.timed("inner", lambda: None)
+    watch.timed("outer", lambda: [inner(), inner()])()
+    assert watch.seconds == {"inner": 6, "outer": 4}
 
 
 def test_traffic_of_an_iteration_is_about_fifteen_fields():
