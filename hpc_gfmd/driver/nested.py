@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 
     MakeSolver = Callable[[Problem], Solver]
 
-# Points along an axis below which there is no coarser grid, and twice as many where so many grids are finer: what they take counts less
-COARSEST, FINER = 32, 2
+# Points along an axis, in the geometric mean, below which there is no coarser grid, and twice as many where so many grids are finer:
+# what they take counts less. Strips have at least SLIM across, which a cubic takes.
+COARSEST, FINER, SLIM = 32, 2, 4
 # Residual of a coarse solution, of what its own start had (at most LARGE): so much less for each grid finer than it. What a finer grid
 # adds is about what this one added to the coarser: to solve it better than that is no use, but the coarser, the cheaper it is.
 # An accuracy that takes a few iterations needs a start without errors in long waves; where there are more iterations, they see to them.
@@ -79,7 +80,8 @@ class Decimation:
         """Of a grid than which so many are finer, or None where it is coarse already. No memory, but communicators: collective."""
         n = levels(grid)[1].n if grid.cell_points > 1 else (1, 1)
         coarsened = [a != b for a, b in zip(n, grid.n)]
-        if min((k for k, c in zip(n, coarsened) if c), default=0) < COARSEST * (2 if finer >= FINER else 1):
+        points = [k for k, c in zip(n, coarsened) if c]
+        if min(points, default=0) < SLIM or np.prod(points) < (COARSEST * (2 if finer >= FINER else 1)) ** len(points):
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
