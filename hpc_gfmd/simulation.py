@@ -13,8 +13,9 @@ import numpy as np
 from .composition import asked, check, load_shown, step_attributes, surface_attributes, sweep_of, worst
 from .contact import heights_of
 from .driver.memory import require_memory
+from .driver.precision import first_precision
 from .driver.prescribed import Prescribed
-from .driver.sweep import Step, Sweep, first_precision
+from .driver.sweep import Step, Sweep
 from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
 from .fields import FIELDS

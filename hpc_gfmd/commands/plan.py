@@ -92,7 +92,7 @@ def main(args: Namespace) -> int:
 
 def _file_gib(scene: Any, n: tuple[int, int]) -> float:
     """Of the fields, before compression."""
-    from ..driver.sweep import first_precision
+    from ..driver.precision import first_precision
 
     itemsize = {"single": 4, "double": 8, None: first_precision(scene.solver).itemsize}[scene.output.dtype]
     return len(scene.load.given[1]) * len(scene.output.fields) * n[0] * n[1] * itemsize / 2**30

@@ -21,7 +21,8 @@ from numpy.typing import DTypeLike
 from ..errors import SceneError
 from .drive import certificate_of
 from .nested import Nested
-from .sweep import NOISE_IN_TURN, Sweep, counting
+from .precision import NOISE_IN_TURN, counting
+from .sweep import Sweep
 
 if TYPE_CHECKING:
     from ..problem import Problem

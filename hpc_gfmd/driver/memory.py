@@ -19,7 +19,7 @@ from ..registry import body_of
 from ..scene import Scene
 from ..surface import cell_of
 from .decomposition import share_of
-from .sweep import NOISE_IN_TURN, counting, few_points, first_precision
+from .precision import NOISE_IN_TURN, counting, few_points, first_precision
 
 FIELDS, STEP = 2, 0.5  # g, p; d, which has half the width; and h, which in low memory is kept only where the surface ends
 SOLVER = 4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid

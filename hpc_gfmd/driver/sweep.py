@@ -23,6 +23,7 @@ from .curve import Curve
 from .drive import LoopState, Outcome, Target, drive
 from .nested import Nested, cold_gap
 from .opening import Opening, nearly_closes, restored
+from .precision import NOISE, counting, few_points, first_precision
 from .prescribed import Prescribed, prescribed
 from .search import Search
 from .wall import Wall
@@ -38,15 +39,12 @@ if TYPE_CHECKING:
     MakeSurface = Callable[[np.dtype], Surface]
     Slabs = Callable[[Grid], dict[str, Any]]  # local slabs of a stored state by name
 
-SINGLE_ACCURACY = 2e-4  # the finest accuracy that is tried in single precision; below, points too close to tell spoil the area
 WARM_UP, WARM_DOWN = 1.45, 1.26  # a load up to so much larger or smaller starts from the one before, others from coarser grids
 # (not round numbers, nor the next one: p* has rounding errors)
 SAME_LOAD = 1e-9  # relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
-FEW_POINTS = 6  # points on the wrong side that single precision may have
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
-NOISE, NOISE_IN_TURN = 0.2, 0.3  # Problem.noise over what counts; in low memory double precision takes more time
 
 
 @dataclass(frozen=True)
@@ -61,26 +59,6 @@ class Step:
     def fft_pairs(self) -> float:
         """Everything counted, in fine-grid pairs: the solve, and the observables that were asked for so far."""
         return self.pairs + self.contact.pairs
-
-
-def first_precision(settings: Settings) -> np.dtype:
-    """The precision that a sweep begins with; settings: scene.Solver."""
-    if settings.precision != "auto":
-        return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
-    loose = settings.accuracy is not None and settings.accuracy >= SINGLE_ACCURACY
-    return np.dtype(np.float32 if loose else np.float64)
-
-
-def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
-    """Whether so few of N points will touch that single precision, which may err in a few of them, cannot give the area to an accuracy
-    (None where a residual is asked for)."""
-    expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
-    return accuracy is not None and FEW_POINTS / expected > accuracy
-
-
-def counting(asked: Target | Settings, p_star: float) -> float:
-    """Errors of the pressure at all open points, in the problem's unit, that count as much as what is asked for."""
-    return asked.residual * p_star if asked.residual else (asked.accuracy or 0.0) * p_star**0.5
 
 
 class Sweep:

@@ -9,7 +9,8 @@ from numpy.typing import DTypeLike
 
 from ..caches import cache_folder, keep
 from ..scene import Scene
-from .sweep import Sweep, first_precision
+from .precision import first_precision
+from .sweep import Sweep
 
 SAMPLE = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 2, "lam_l_over_lam_s": 256, "lam_s_over_a": 2, "seed": 1}
 # FFT pairs to an accuracy of 1e-3, everything counted, and further ones per decade, for the default solver

@@ -14,7 +14,8 @@ from ..parallel.guard import guarded
 from ..registry import body_of, observables_named
 from ..scene import Material, Scene, Solver
 from ..surface import build_surface
-from .sweep import Sweep, first_precision
+from .precision import first_precision
+from .sweep import Sweep
 
 Observable = Callable[[Contact], Any]
 TINY = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 1, "lam_l_over_lam_s": 8, "lam_s_over_a": 10, "seed": 1}
