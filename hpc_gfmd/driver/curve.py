@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING
 from .line import UNKNOWN, Line
 from .offsets import Offsets
 from .opening import Opening
-from .search import SLOPES, Search
+from .searches import SEARCHES
 
 if TYPE_CHECKING:
     from ..contact import Contact
     from ..surface import Surface
     from .prescribed import Prescribed
+    from .search import Search
     from .wall import Wall
 
-SLOPE = {"gap_mean": 0.6, "a_r": 1.0, "approach": 0.8}  # of straightened curves, before anything is known
 FAR = log(5.0)  # log p0 of two loads, that have to do with each other no more
-BENT = {"gap_mean": 1.0, "a_r": 0.5, "approach": 1.0}  # share of the bend of the last three loads that goes on
 BEND = 0.3  # by which a slope may differ from that of the last secant, relative
 DOUBT, KNOWN = 1.0, 0.08  # standard deviation of a first guess of log p0; of the slope between two loads, relative
 
@@ -44,19 +43,16 @@ class Curve:
 
     def search(self, load: Prescribed, surface: Surface, wall: Wall, tolerance: float) -> Search:
         """The Search for a load on a surface; wall: of its grid."""
-        kind, area = load.quantity, load.quantity == "a_r"
-        target = load.value if area else load.value / surface.slope
-        slope = self.slopes.get(kind, SLOPE[kind])
-        search = Search(kind, target, tolerance, 0.0, slope, DOUBT, wall, Offsets(wall, list(self.offsets.get(kind, ()))))
+        kind = load.quantity
+        found, target = SEARCHES[kind], load.value if kind == "a_r" else load.value / surface.slope
+        offsets = Offsets(wall, list(self.offsets.get(kind, ())))
+        search = found(target, tolerance, 0.0, self.slopes.get(kind, found.usual), DOUBT, wall, offsets)
         known = [(point["x"], f) for point in self.points if isfinite(f := search.straight(point[kind]))]
         if known:
             self._extrapolate(search, known)
-            return search
-        if kind == "gap_mean":
-            search.x = -1 - 3 * load.value / surface.h_rms  # self-affine walls
         else:
-            search.x = log(target / 2) if area else log(target / max(surface.sizes))
-        search.forget()
+            search.x = search.guess(load, surface)
+            search.forget()
         return search
 
     def _extrapolate(self, search: Search, known: list[tuple[float, float]]) -> None:
@@ -64,15 +60,15 @@ class Curve:
         kind, wanted, (x, f) = search.quantity, search.straight(search.aim), known[-1]
         near = [point for point in known if abs(point[0] - x) < FAR or kind not in self.slopes]  # slopes elsewhere are of no use
         secants = [((x0 + x1) / 2, (f1 - f0) / (x1 - x0)) for (x0, f0), (x1, f1) in zip(near, near[1:]) if x0 != x1]
-        if secants and SLOPES[kind][0] < secants[-1][1] < SLOPES[kind][1]:
+        if secants and search.slopes[0] < secants[-1][1] < search.slopes[1]:
             middle, search.slope = secants[-1]
             bend = (search.slope - secants[0][1]) / (middle - secants[0][0]) if len(secants) > 1 and middle != secants[0][0] else 0.0
-            change = BENT[kind] * bend * (x + 0.5 * (wanted - f) / search.slope - middle)
+            change = search.bent * bend * (x + 0.5 * (wanted - f) / search.slope - middle)
             search.slope *= 1 + min(max(change / search.slope, -BEND), BEND)
         way = (wanted - f) / search.slope
         if abs(way) > FAR:  # what is known here says nothing of there
             near_end = copysign(FAR, way)
-            way = near_end + (wanted - f - near_end * search.slope) / SLOPE[kind]
+            way = near_end + (wanted - f - near_end * search.slope) / search.usual
         search.x = x + way
         search.line = Line.guessed(f, search.slope, search.least_miss, KNOWN if secants else UNKNOWN)
         search.line.move(search.x - x)

@@ -7,7 +7,6 @@ from math import log
 
 from .wall import Wall
 
-TREND = {"gap_mean": 0.3, "a_r": 0.5, "approach": 0.3}  # of what a grid changed log p0 by, beside what its slopes tell: the next one
 MOST = log(2.0)
 
 
@@ -27,15 +26,15 @@ class Offsets:
         """The coarsest grid comes next."""
         self.ends, self.step = [], 0.0
 
-    def next(self, quantity: str, before: Wall, wall: Wall) -> float:
-        """Go on to the grid of `wall`; returns the offset to it: as at another load, or as slopes tell, for an area goes with p0 over
-        these, and the grids before."""
+    def next(self, trend: float, by_steepness: bool, before: Wall, wall: Wall) -> float:
+        """Go on to the grid of `wall`; returns the offset to it: as at another load, or as slopes tell where the target takes a load in
+        proportion to these, and the grids before (trend: so much of what they changed beside)."""
         k = len(self.ends)
         if self.known:
             self.ahead = sum(self.known[k:])
             return self.known[k - 1] if k else 0.0
-        goes = quantity == "a_r" and min(wall.steepness, before.steepness, self.finest.steepness) > 0
-        last, trend = self.ends[-1] - self.ends[-2] - self.step if k > 1 else 0.0, TREND[quantity]
+        goes = by_steepness and min(wall.steepness, before.steepness, self.finest.steepness) > 0
+        last = self.ends[-1] - self.ends[-2] - self.step if k > 1 else 0.0
         self.step = log(wall.steepness / before.steepness) if goes and k else 0.0
         more, finer = min(max(trend * last, -MOST), MOST), log(self.finest.points / wall.points, 4)
         self.ahead = (log(self.finest.steepness / wall.steepness) if goes else 0.0) + more * trend * (1 - trend**finer) / (1 - trend)

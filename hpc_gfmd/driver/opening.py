@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp, inf, log
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from .gap import GapSearch
 from .offsets import Offsets
-from .search import Search
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
@@ -35,14 +35,11 @@ def nearly_closes(load: Prescribed, surface: Surface, body: Body) -> bool:
     return load.quantity == "gap_mean" and _single(load, surface, body) < NEARLY
 
 
-def restored(numbers: dict[str, Any]) -> Search:
-    """The Search of a checkpoint."""
-    return (Opening if "closes_at" in numbers else Search).restored(numbers)
-
-
 @dataclass
-class Opening(Search):
+class Opening(GapSearch):
     """closes_at: the load that closes the gap, in the program's units."""
+
+    kind = "opening"
 
     closes_at: float = 1.0
 
@@ -52,7 +49,7 @@ class Opening(Search):
         closes_at = closed.p_mean / closed.pressure_unit
         x = log(max(closes_at / _single(load, closed.surface, closed.body) - 1, 1.0))
         target, offsets = load.value / closed.surface.slope, Offsets(wall)
-        search = cls("gap_mean", target, closed.accuracy, x, SLOPE, DOUBT, wall, offsets, closes_at=closes_at)
+        search = cls(target, closed.accuracy, x, SLOPE, DOUBT, wall, offsets, closes_at=closes_at)
         search.forget()
         return search
 

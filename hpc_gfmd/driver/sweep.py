@@ -17,15 +17,16 @@ from ..parallel import interrupt
 from ..problem import Problem
 from ..registry import solver_class
 from ..units import require_range, single_solves
+from .area import AreaSearch
 from .certificate import Certificate, certify, unseen_error
 from .closing import Closing, closing_pressure, flat_solution
 from .curve import Curve
 from .drive import LoopState, Outcome, Target, drive
 from .nested import Nested, cold_gap
-from .opening import Opening, nearly_closes, restored
+from .opening import Opening, nearly_closes
 from .precision import NOISE, counting, few_points, first_precision
 from .prescribed import Prescribed, prescribed
-from .search import Search
+from .searches import numbers_of, restored
 from .wall import Wall
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from ..scene import Solver as Settings
     from ..surface import Surface
     from .drive import Watch
+    from .search import Search
 
     MakeSurface = Callable[[np.dtype], Surface]
     Slabs = Callable[[Grid], dict[str, Any]]  # local slabs of a stored state by name
@@ -142,7 +144,7 @@ class Sweep:
     def _too_little(self, p_star: float) -> bool:
         """Whether single precision is too little for a load."""
         N = self.surface.grid.N
-        for_area = self._search.target / 2 if self._search is not None and self._search.quantity == "a_r" else p_star
+        for_area = self._search.target / 2 if isinstance(self._search, AreaSearch) else p_star
         return few_points(N, for_area, self.settings.accuracy) or not single_solves(p_star, N)
 
     def state(self, upcoming: float | Prescribed | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -155,7 +157,7 @@ class Sweep:
             numbers |= {"p0": self.solver.p0, "own": own}
         if upcoming is None:
             numbers |= {"loop": asdict(self.loop), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs,
-                        "search": self._search and asdict(self._search), "closing": self._closing is not None}
+                        "search": self._search and numbers_of(self._search), "closing": self._closing is not None}
         return arrays, numbers
 
     def restore(self, arrays: Slabs, numbers: dict[str, Any], load: float | Prescribed) -> None:
