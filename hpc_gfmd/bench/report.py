@@ -24,19 +24,19 @@ class Report:
     columns: {key of a row: (heading, format)} of the text table.
     """
 
-    def __init__(self, name: str, columns: Columns, out: str | PathLike | None = None, comm: Comm | None = None, threads: int = 1):
+    def __init__(self, name: str, columns: Columns, out: str | PathLike | None = None, comm: Comm | None = None):
         self.name, self.columns, self.comm = name, columns, comm
         self.speaker = comm is None or comm.rank == 0
         self.rows: list[dict[str, Any]] = []
         self.lines: list[str] = []
-        self.provenance = provenance(comm, threads)
+        self.provenance = provenance(comm)
         self.folder = Path(out) if out else None
         if self.folder and self.speaker:
             self.folder.mkdir(parents=True, exist_ok=True)
             (self.folder / f"{name}.jsonl").write_text("")
         where = self.provenance
-        self.say(f"# {name}: {where['cpu']}, {where['ranks']} ranks, {where['threads']} threads, load average {where['load_average']}, "
-                 f"{where['time']}, commit {where['commit']}")
+        ranks = f", {comm.size} ranks" if comm else ""  # others tell the ranks and threads of what they start in their rows
+        self.say(f"# {name}: {where['cpu']}{ranks}, load average {where['load_average']}, {where['time']}, commit {where['commit']}")
         self.say("  ".join(f"{heading:>{_width(heading, form)}}" for heading, form in columns.values()))
 
     def say(self, line: str) -> None:
@@ -60,11 +60,11 @@ class Report:
             print(f"written: {self.folder / self.name}.jsonl, .txt", file=sys.stderr)
 
 
-def provenance(comm: Comm | None = None, threads: int = 1) -> dict[str, Any]:
-    """Host, processor, load, versions, commit, time, threads and ranks."""
+def provenance(comm: Comm | None = None) -> dict[str, Any]:
+    """Host, processor, load, versions, commit, time, and threads and ranks of this process: those that it starts may have others."""
     return {"host": platform.node(), "cpu": processor(), "cores": len(os.sched_getaffinity(0)),
             "load_average": round(os.getloadavg()[0], 2),
-            "ranks": comm.size if comm else 1, "threads": threads, "time": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+            "ranks": comm.size if comm else 1, "threads": 1, "time": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
             "commit": _commit(), "versions": versions()}
 
 
