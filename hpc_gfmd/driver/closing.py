@@ -51,7 +51,7 @@ class Closing:
     """Stands in for a search.Search. tolerance: relative, of the load; unit: the solution for a flat surface at a mean pressure of 1,
     local slab: the pressure on the surface, the displacement beyond it; None where the surface does not end."""
 
-    note, may_be_met, p0 = None, True, 1.0
+    kind, note, may_be_met, p0 = "closing", None, True, 1.0
 
     def __init__(self, tolerance: float, unit: np.ndarray | None):
         self.tolerance, self.unit = tolerance, unit

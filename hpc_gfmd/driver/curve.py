@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 from .line import UNKNOWN, Line
 from .offsets import Offsets
 from .opening import Opening
+from .search import Search
 from .searches import SEARCHES
 
 if TYPE_CHECKING:
     from ..contact import Contact
     from ..surface import Surface
+    from .closing import Closing
     from .prescribed import Prescribed
-    from .search import Search
     from .wall import Wall
 
 FAR = log(5.0)  # log p0 of two loads, that have to do with each other no more
@@ -31,12 +32,12 @@ class Curve:
                  offsets: dict[str, list[float]] | None = None):
         self.points, self.slopes, self.offsets = list(points), dict(slopes or {}), dict(offsets or {})
 
-    def add(self, x: float, contact: Contact, search: Search | None = None) -> None:
-        """A load that was solved: log p0, its Contact, and the Search where that found it."""
+    def add(self, x: float, contact: Contact, search: Search | Closing | None = None) -> None:
+        """A load that was solved: log p0, its Contact, and what found it."""
         certificate, a = contact.certificate, contact.surface.grid.a
         self.points = [*self.points[-2:], {"x": float(x), "a_r": contact.contact_points / contact.N,
                                            "gap_mean": certificate.gap_mean * a, "approach": certificate.approach * a}]
-        if search is not None and not isinstance(search, Opening):
+        if isinstance(search, Search) and not isinstance(search, Opening):
             self.slopes[search.quantity] = search.line.slope
             if search.offsets.ends:
                 self.offsets[search.quantity] = search.offsets.found(search.x)

@@ -22,6 +22,7 @@ from ..errors import SceneError
 from .drive import certificate_of
 from .nested import Nested
 from .precision import NOISE_IN_TURN, counting
+from .search import Search
 from .sweep import Sweep
 
 if TYPE_CHECKING:
@@ -56,10 +57,10 @@ class LowMemorySweep(Sweep):
         problem = replace(problem, h=h)
         memory = None if self.surface.grid.padded else h
         g, h_rms = memory, problem.root_mean_square
-        wall = self._wall if self._search is not None else None  # of the heights, as long as they are there
+        wall = self._wall if isinstance(self._search, Search) else None  # of the heights, as long as they are there
         if arrays is None:
             g = self._starting_gap(problem, memory)
-            if self._search is not None and wall is not None:
+            if isinstance(self._search, Search) and wall is not None:
                 problem = replace(problem, p0=self._search.on_next_grid(wall))
         if memory is not None:
             self.surface = replace(self.surface, h=None)

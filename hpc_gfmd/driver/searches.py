@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from .area import AreaSearch
+from .closing import Closing
 from .gap import ApproachSearch, GapSearch
 from .opening import Opening
 from .search import Search
@@ -13,9 +14,9 @@ from .search import Search
 SEARCHES: dict[str, type[Search]] = {search.kind: search for search in (AreaSearch, GapSearch, ApproachSearch, Opening)}
 
 
-def numbers_of(search: Search) -> dict[str, Any]:
-    """What makes a checkpoint."""
-    return {"kind": search.kind, **asdict(search)}
+def numbers_of(search: Search | Closing) -> dict[str, Any]:
+    """What makes a checkpoint; a Closing has no state."""
+    return {"kind": search.kind} | (asdict(search) if isinstance(search, Search) else {})
 
 
 def restored(numbers: dict[str, Any]) -> Search:

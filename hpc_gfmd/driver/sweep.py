@@ -26,6 +26,7 @@ from .nested import Nested, cold_gap
 from .opening import Opening, nearly_closes
 from .precision import NOISE, counting, few_points, first_precision
 from .prescribed import Prescribed, prescribed
+from .search import Search
 from .searches import numbers_of, restored
 from .wall import Wall
 
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from ..scene import Solver as Settings
     from ..surface import Surface
     from .drive import Watch
-    from .search import Search
 
     MakeSurface = Callable[[np.dtype], Surface]
     Slabs = Callable[[Grid], dict[str, Any]]  # local slabs of a stored state by name
@@ -80,8 +80,7 @@ class Sweep:
         self.E_star, self.lam_s, self.body = float(E_star), lam_s, body
         self.solver_class = solver_class(settings.name)
         self.target = Target(settings.accuracy, settings.residual, settings.max_iterations, duality=duality)
-        self._search: Search | None = None
-        self._closing: Closing | None = None
+        self._search: Search | Closing | None = None
         self._punch: np.ndarray | None = None  # see _flat_solution
         self._curve = Curve()
         self._set_precision(first_precision(settings))
@@ -114,16 +113,16 @@ class Sweep:
         if self._is_flat:
             assert not isinstance(load, Prescribed)  # refused by `pressures`
             return self._flat(load)
-        if midway and isinstance(load, Prescribed) and not (self._search or self._closing):
+        if midway and isinstance(load, Prescribed) and self._search is None:
             load = self.solver.p0 * self.E_star * self.surface.slope
         if not midway:
-            self._spent, self._search, self._closing = 0.0, None, None
+            self._spent, self._search = 0.0, None
             if isinstance(load, Prescribed) and load.closes and (self.closes or self.solver_class.holds_tension):
-                self._closing = Closing(self.settings.tolerance, self._flat_solution())
+                self._search = Closing(self.settings.tolerance, self._flat_solution())
                 load = self._closing_pressure() if self.closes else load
             elif isinstance(load, Prescribed) and nearly_closes(load, self.surface, self.body) and self.solver_class.holds_tension:
                 closed = self.solve(Prescribed("a_r", 1.0), lambda *_: interrupt.check(self.surface.grid.comm))
-                self._spent, self._closing = closed.pairs, None
+                self._spent = closed.pairs
                 self._search = Opening.of(load, closed.contact, self._wall)
             elif isinstance(load, Prescribed):
                 self._search = self._curve.search(load, self.surface, self._wall, self.settings.tolerance)
@@ -157,7 +156,7 @@ class Sweep:
             numbers |= {"p0": self.solver.p0, "own": own}
         if upcoming is None:
             numbers |= {"loop": asdict(self.loop), "spent": self._spent, "pairs": self.solver.pairs - self._first_pairs,
-                        "search": self._search and numbers_of(self._search), "closing": self._closing is not None}
+                        "search": self._search and numbers_of(self._search)}
         return arrays, numbers
 
     def restore(self, arrays: Slabs, numbers: dict[str, Any], load: float | Prescribed) -> None:
@@ -170,8 +169,9 @@ class Sweep:
             self._set_precision(numbers["dtype"])
         try:
             self._curve = Curve(**numbers["curve"])
-            self._search = restored(numbers["search"]) if numbers.get("search") else None
-            self._closing = Closing(self.settings.tolerance, self._flat_solution()) if numbers.get("closing") else None
+            found = numbers.get("search")
+            closes = found and found["kind"] == Closing.kind
+            self._search = Closing(self.settings.tolerance, self._flat_solution()) if closes else found and restored(found)
         except (KeyError, TypeError):
             raise SceneError(OTHER_VERSION) from None
         if "p0" in numbers:
@@ -196,9 +196,8 @@ class Sweep:
     def _p_star(self, load: float | Prescribed) -> float:
         if not isinstance(load, Prescribed):
             return load / (self.E_star * self.surface.slope)
-        found = self._closing or self._search
-        assert found is not None
-        return found.p0
+        assert self._search is not None
+        return self._search.p0
 
     def _solve(self, load: float | Prescribed, watch: Watch | None, midway: bool, promote: bool = False) -> Step | None:
         """promote: give None back where the search on coarser grids finds that single precision is too little."""
@@ -210,10 +209,10 @@ class Sweep:
                 if full is not None:
                     return self._step(load, *full, iterations=0, pairs=self._spent)
             self._begin(problem)
-            if promote and self._search is not None and self._too_little(self._search.p0):
+            if promote and isinstance(self._search, Search) and self._too_little(self._search.p0):
                 return None
         solver = self.solver
-        outcome = drive(solver, self.target, watch, self.loop, self._closing or self._search)
+        outcome = drive(solver, self.target, watch, self.loop, self._search)
         pairs = self._spent + (solver.pairs - self._first_pairs) + outcome.check_pairs
         p_mean = solver.p0 * self.E_star * self.surface.slope if isinstance(load, Prescribed) else load
         return self._step(p_mean, solver.g, solver.p, outcome, solver.iterations, pairs)
@@ -230,7 +229,7 @@ class Sweep:
         g = None
         if arrays is None and not warm:
             g = self._starting_gap(problem, self.solver.g if self.solver is not None else None)
-            if self._search is not None:
+            if isinstance(self._search, Search):
                 problem = replace(problem, p0=self._search.on_next_grid(self._wall))
         if self.solver is None:
             self.solver = self._make(problem, g)
@@ -257,7 +256,7 @@ class Sweep:
         """Its precision, and that of the first pressure: double where rounding errors would count."""
         double = self._rounding_counts(self.solver.problem_now)
         dtype = np.float64 if double else self.dtype.type
-        self.target = replace(self.target, certificate_dtype=dtype, closes=self._closing is not None)
+        self.target = replace(self.target, certificate_dtype=dtype, closes=isinstance(self._search, Closing))
 
     def _rounding_counts(self, problem: Problem) -> bool:
         """Whether rounding errors of the pressure may, which the certificate cannot tell from pressure out of contact: those of single
@@ -281,7 +280,7 @@ class Sweep:
         self._first_pairs -= numbers.get("pairs", 0.0)
 
     def _starting_gap(self, problem: Problem, into: np.ndarray | None) -> np.ndarray:
-        if self._closing is not None or isinstance(self._search, Opening):
+        if isinstance(self._search, Closing | Opening):
             g = self.surface.grid.empty(self.dtype) if into is None else into
             g[...] = 0
             return g
@@ -300,7 +299,7 @@ class Sweep:
 
     def _goes_on_at(self, p_star: float) -> bool:
         """Whether a load starts from the present state."""
-        return self.solver is not None and self._closing is None and self._near(p_star)
+        return self.solver is not None and not isinstance(self._search, Closing) and self._near(p_star)
 
     def _near(self, p_star: float) -> bool:
         ratio = p_star / self.solver.p0
@@ -328,7 +327,7 @@ class Sweep:
     def _full_contact(self, problem: Problem) -> tuple[tuple[np.ndarray, np.ndarray, Outcome] | None, float]:
         """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and the pairs spent on finding out."""
         pairs = 0.0
-        if self._closing is None:
+        if not isinstance(self._search, Closing):
             if problem.p0 < self.body.full_p_star:
                 return None, 0.0
             likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
