@@ -28,7 +28,7 @@ SAMPLES = 200  # wave numbers of a spectrum
 PIECE_GIB = 1 / 16  # of a field that is written at a time
 MODES_GIB = 0.025  # while the modes are made that free edges couple
 PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
-THREADS_GIB = 0.012  # what threads keep for themselves, however many
+THREADS_GIB, THREAD_GIB = 0.01, 0.0015  # what threads keep for themselves, however many; each of them
 GIB = 2**30
 
 LONGEST_AXIS = 2**26  # points: for more, which no machine holds, not even the tables of an axis are worth making
@@ -94,7 +94,7 @@ def memory_of(scene: Scene, n: tuple[int, int], sizes: tuple[float, ...], ranks:
     flat = field if any(free) and _closes(scene) else 0.0
     heights, all_heights = (rows * n[1] * kept / GIB for rows in (share.grid.inside[0], n[0]))
     levels += MODES_GIB if all(free) else 0.0
-    process = PROCESS_GIB + THREADS_GIB * (threads > 1)
+    process = PROCESS_GIB + (THREADS_GIB + THREAD_GIB * threads) * (threads > 1)
     return Memory(FIELDS * field + step + levels + flat + max(passing), heights, transforms, certificate, process, all_heights)
 
 
