@@ -1,6 +1,7 @@
 """The memory of a plan, against what runs really take."""
 
 import json
+from itertools import product
 from pathlib import Path
 
 import mpi_harness
@@ -30,8 +31,9 @@ def measured(table, ranks, folder):
 @pytest.fixture(scope="module")
 def compiled(tmp_path_factory):
     """Compiling takes memory of its own, once per installation."""
-    for low in (False, True):
-        measured(scene(64, low_memory=low, precision="single" if low else "auto"), 1, tmp_path_factory.mktemp("compiled"))
+    for boundary, low in product(("periodic", "free"), (False, True)):
+        table = scene(64, boundary=boundary, low_memory=low, precision="single" if low else "auto")
+        measured(table, 1, tmp_path_factory.mktemp("compiled"))
 
 
 def check(table, ranks, folder, precision):
