@@ -18,6 +18,7 @@ def compiled(tmp_path, monkeypatch):
     numba = pytest.importorskip("numba")
     from hpc_gfmd.kernels.cache import sound
 
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))  # numba reads its variables anew where one has changed
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
     (tmp_path / "small.py").write_text(KERNEL)
 
