@@ -61,7 +61,6 @@ class AreaSearch(Search):
         return max(self.tolerance, self._point)
 
     def _miss(self, y: float) -> float:
-        """Relative."""
         miss = max(y / self.aim - 1, 0.0) if self._too_small else abs(y / self.aim - 1)
         return miss if miss > self._point else 0.0
 
@@ -75,23 +74,18 @@ class AreaSearch(Search):
         return log(NormalDist().inv_cdf((1 + y) / 2)) if y > 0 else -inf
 
     def _expected(self, solver: Solver, outlook: Outlook) -> float:
-        """The area by the numbers of the solver."""
         return outlook.contact / solver.N
 
     def _present(self, solver: Solver, progress: Progress, expected: float) -> float:
-        """The area as it is."""
         return progress.contact / solver.N
 
     def _of(self, solver: Solver, certificate: Certificate) -> float:
-        """The area, as the certificate finds it."""
         return certificate.contact / solver.N
 
     def _error(self, y: float, gap: float, area_error: float, gap_error: float, pressure_error: float) -> float:
-        """Relative, of the area."""
         return area_error
 
     def _noise(self, y: float, error: float, outlook: Outlook | None = None) -> float:
-        """The standard deviation of a reading with that error, relative."""
         if outlook is not None:
             return outlook.doubt / outlook.contact
         settled = error < SETTLED * self.least_miss

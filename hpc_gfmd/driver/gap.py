@@ -34,19 +34,15 @@ class GapSearch(Search):
         return log(log(self.wall.top / y)) if 0 < y < self.wall.top else (-inf if y > 0 else inf)
 
     def _expected(self, solver: Solver, outlook: Outlook) -> float:
-        """The mean gap by the numbers of the solver."""
         return outlook.gap_mean * solver.grid.a
 
     def _present(self, solver: Solver, progress: Progress, expected: float) -> float:
-        """The mean gap as it is."""
         return progress.gap_mean * solver.grid.a
 
     def _of(self, solver: Solver, certificate: Certificate) -> float:
-        """The mean gap, as the certificate finds it."""
         return certificate.gap_mean * solver.grid.a
 
     def _error(self, y: float, gap: float, area_error: float, gap_error: float, pressure_error: float) -> float:
-        """Relative, of the mean gap."""
         return gap_error
 
 
@@ -67,16 +63,13 @@ class ApproachSearch(Search):
         return log(y) if y > 0 else -inf
 
     def _expected(self, solver: Solver, outlook: Outlook) -> float:
-        """The approach by the numbers of the solver."""
         grid = solver.grid
         rise, share = grid.comm.sum([solver.g.sum(dtype=float)])[0] / grid.cell_points + outlook.rise, grid.N / grid.cell_points
         y = (solver.p_cell / solver.elastic.multipliers.uniform - rise) * grid.a
         return float(y + self.wall.top * share - self.wall.lowest * (1 - share))
 
     def _of(self, solver: Solver, certificate: Certificate) -> float:
-        """The approach, as the certificate finds it."""
         return certificate.approach * solver.grid.a
 
     def _error(self, y: float, gap: float, area_error: float, gap_error: float, pressure_error: float) -> float:
-        """Relative, of the approach."""
         return gap_error * gap / y + FIELD * pressure_error if y > 0 else inf
