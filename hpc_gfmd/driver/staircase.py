@@ -66,8 +66,8 @@ class Staircase(NamedTuple):
             return None
         first, last = np.searchsorted(way, [way[usual] / LIKE, way[usual] * LIKE])
         if gone[last - 1] - (gone[first - 1] if first else 0) > STEP * gone[usual]:
-            compliance = 1.0 if less else POINT / solver.problem.body.scale(solver.grid)
-            return cls(gone, ALONE * compliance * contact / (solver.grid.N * solver.p0) * margin, rate)
+            pressures = margin if less else margin * solver.problem.body.scale(solver.grid) / POINT
+            return cls(gone, ALONE * pressures * contact / (solver.grid.N * solver.p0), rate)
         return cls(gone, way * gone[usual] / (way[usual] * rate), rate)
 
     def jump(self, wanted: float, error: float) -> Jump | None:
