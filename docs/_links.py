@@ -1,4 +1,5 @@
-"""Every link of a built site that stays within it leads to a file and, where it names one, to a place in it: `_links.py FOLDER`."""
+"""Every link of a built site that stays within it leads to a file and, where it names one, to a
+place in it: `_links.py FOLDER`."""
 
 import sys
 from html.parser import HTMLParser
@@ -33,7 +34,11 @@ def dead_links(folder):
                 continue
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
             target = target / "index.html" if target.is_dir() else target
-            there = target.exists() and (not parts.fragment or target not in pages or unquote(parts.fragment) in pages[target].places)
+            there = target.exists() and (
+                not parts.fragment
+                or target not in pages
+                or unquote(parts.fragment) in pages[target].places
+            )
             if not there:
                 dead.append((path.relative_to(folder), link))
     return dead

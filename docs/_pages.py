@@ -1,4 +1,5 @@
-"""Pages made of the program: every scene key, every command, the Python API, the gallery of examples/."""
+"""Pages made of the program: every scene key, every command, the Python API, the gallery of
+examples/."""
 
 import ast
 import contextlib
@@ -12,9 +13,19 @@ from hpc_gfmd.cli import COMMANDS, main
 HERE = Path(__file__).parent
 EXAMPLES, PICTURES = HERE.parent / "examples", HERE / "gallery"
 MODULES = (  # beside hpc_gfmd.__all__: title, name, what it is
-    ("Reference curves", "hpc_gfmd.reference",
-     "Contact areas and mean gaps of self-affine surfaces, with uncertainties, from the runs of [the study](../study/README.md)."),
-    ("Persson's theory", "hpc_gfmd.theory.persson", "NumPy and SciPy alone: nothing of it needs a solver."),
+    (
+        "Reference curves",
+        "hpc_gfmd.reference",
+        (
+            "Contact areas and mean gaps of self-affine surfaces, with uncertainties, from the runs"
+            " of [the study](../study/README.md)."
+        ),
+    ),
+    (
+        "Persson's theory",
+        "hpc_gfmd.theory.persson",
+        "NumPy and SciPy alone: nothing of it needs a solver.",
+    ),
     ("Closed forms", "hpc_gfmd.theory.elastic", "What the tests compare solutions with."),
 )
 
@@ -22,7 +33,12 @@ MODULES = (  # beside hpc_gfmd.__all__: title, name, what it is
 def write(folder):
     """All of them into a folder; pages that have not changed keep their date."""
     folder.mkdir(exist_ok=True)
-    for name, text in {"scene": scene(), "commands": commands(), "api": api(), "gallery": gallery()}.items():
+    for name, text in {
+        "scene": scene(),
+        "commands": commands(),
+        "api": api(),
+        "gallery": gallery(),
+    }.items():
         path = folder / f"{name}.md"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
@@ -35,8 +51,13 @@ def scene():
 
 def commands():
     """`--help` of every command."""
-    sections = [f"## hpc-gfmd {name}\n\n```text\n{_printed(name, '--help').strip()}\n```\n" for name in (*COMMANDS, "restart")]
-    about = "Made of what `hpc-gfmd COMMAND --help` prints. `python -m hpc_gfmd` is the same program."
+    sections = [
+        f"## hpc-gfmd {name}\n\n```text\n{_printed(name, '--help').strip()}\n```\n"
+        for name in (*COMMANDS, "restart")
+    ]
+    about = (
+        "Made of what `hpc-gfmd COMMAND --help` prints. `python -m hpc_gfmd` is the same program."
+    )
     return f"# Commands\n\n{about}\n\n" + "\n".join(sections)
 
 
@@ -60,7 +81,17 @@ def api():
             members = ["   :members:"] * (directive == "autoclass")
             lines += ["```{eval-rst}", f".. {directive}:: hpc_gfmd.{name}", *members, "```", ""]
     for title, module, about in MODULES:
-        lines += [f"## {title}", "", about, "", "```{eval-rst}", f".. automodule:: {module}", "   :members:", "```", ""]
+        lines += [
+            f"## {title}",
+            "",
+            about,
+            "",
+            "```{eval-rst}",
+            f".. automodule:: {module}",
+            "   :members:",
+            "```",
+            "",
+        ]
     return "\n".join(lines)
 
 
@@ -71,8 +102,14 @@ def _directive(value):
 
 
 def gallery():
-    """Every script in examples/: the first line of its docstring, its pictures (docs/gallery/SCRIPT*.png), all of it."""
-    lines = ["# Gallery", "", "The scripts of `examples/`; each runs in the tests. Pictures are those of a small grid.", ""]
+    """Every script in examples/: the first line of its docstring, its pictures
+    (docs/gallery/SCRIPT*.png), all of it."""
+    lines = [
+        "# Gallery",
+        "",
+        "The scripts of `examples/`; each runs in the tests. Pictures are those of a small grid.",
+        "",
+    ]
     for script in sorted(EXAMPLES.glob("*.py")):
         source = script.read_text(encoding="utf-8")
         title, _, rest = (ast.get_docstring(ast.parse(source)) or script.stem).partition("\n")

@@ -1,4 +1,5 @@
-"""The site: Markdown pages beside this file, and pages made of the program itself (_pages.py). Built by scripts/docs."""
+"""The site: Markdown pages beside this file, and pages made of the program itself (_pages.py).
+Built by scripts/docs."""
 
 import sys
 from pathlib import Path
@@ -51,7 +52,8 @@ def _plain_bars(app, what, name, thing, options, lines):
 
 
 def setup(app):
-    """Formulas are MathML, which browsers draw themselves: the site needs no network. Docstrings are read in a terminal, too."""
+    """Formulas are MathML, which browsers draw themselves: the site needs no network. Docstrings
+    are read in a terminal, too."""
     app.add_html_math_renderer("mathml", (_inline, None), (_display, None))
     app.connect("autodoc-process-docstring", _plain_bars, priority=100)
     _pages.write(HERE / "generated")

@@ -1,4 +1,5 @@
-"""A rough wall on an elastic layer of finite thickness on a rigid base: the thinner it is, the stiffer, and the smaller the contact."""
+"""A rough wall on an elastic layer of finite thickness on a rigid base: the thinner it is, the
+stiffer, and the smaller the contact."""
 
 import sys
 
@@ -8,7 +9,9 @@ import numpy as np
 import hpc_gfmd
 
 n = int(sys.argv[1]) if sys.argv[1:] else 256
-wall = hpc_gfmd.make_surface("self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1)
+wall = hpc_gfmd.make_surface(
+    "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1
+)
 thickness = np.geomspace(0.005, 1, 6)  # in units of L
 bases = {"bonded": "o-", "frictionless": "s-"}
 half_space = hpc_gfmd.solve(wall, p_star=0.05)

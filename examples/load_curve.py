@@ -1,6 +1,8 @@
-"""A self-affine wall under rising loads: contact area and mean gap over the load, Persson's theory, and the shipped reference data.
+"""A self-affine wall under rising loads: contact area and mean gap over the load, Persson's theory,
+and the shipped reference data.
 
-A list of loads is a sweep: each starts from the one before where that is near, and all come back as one sequence.
+A list of loads is a sweep: each starts from the one before where that is near, and all come back as
+one sequence.
 """
 
 import sys
@@ -12,7 +14,9 @@ import hpc_gfmd
 from hpc_gfmd.theory import persson
 
 n = int(sys.argv[1]) if sys.argv[1:] else 1024
-wall = hpc_gfmd.make_surface("self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1)
+wall = hpc_gfmd.make_surface(
+    "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1
+)
 p_star = np.geomspace(0.005, 0.5, 9)  # p/(E* g_rms)
 solutions = hpc_gfmd.solve(wall, p_star=p_star, fields=(), progress=True)
 print(solutions)
@@ -24,7 +28,9 @@ area.loglog(p_star, persson.contact_area(p_star), "0.4", label="Persson")
 gap.loglog(p_star, solutions.values("gap_over_h_rms"), "o", label="computed")
 gap.loglog(p_star, persson.mean_gap(p_star, hurst=0.8, eps_f=8 / n), "0.4", label="Persson")
 known = np.array([0.01, 0.05, 0.2])  # with uncertainties, from many large walls
-values, sigmas = np.transpose([hpc_gfmd.reference.contact_area(p, hurst=0.8, eps_f=1 / 256) for p in known])
+values, sigmas = np.transpose(
+    [hpc_gfmd.reference.contact_area(p, hurst=0.8, eps_f=1 / 256) for p in known]
+)
 area.errorbar(known, values, sigmas, fmt="k_", markersize=12, label="reference")
 area.set(xlabel="p*", ylabel="contact area")
 gap.set(xlabel="p*", ylabel="mean gap / h_rms")

@@ -1,4 +1,5 @@
-"""Contact patches: how many, how large, whether they percolate. What was not asked for with the load is asked of the solution later."""
+"""Contact patches: how many, how large, whether they percolate. What was not asked for with the
+load is asked of the solution later."""
 
 import sys
 
@@ -8,7 +9,9 @@ import numpy as np
 import hpc_gfmd
 
 n = int(sys.argv[1]) if sys.argv[1:] else 512
-wall = hpc_gfmd.make_surface("self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1)
+wall = hpc_gfmd.make_surface(
+    "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1
+)
 solutions = hpc_gfmd.solve(wall, p_star=[0.02, 0.1, 0.3])
 
 fig, axes = plt.subplots(2, 2, figsize=(7.2, 6.4), layout="constrained")
@@ -18,11 +21,22 @@ for k, (ax, solution) in enumerate(zip(maps, solutions)):
     ax.imshow(solution.contact.T, origin="lower", extent=(0, 1, 0, 1), cmap="Greys")
     ax.set(title=f"a_r = {100 * solution.a_r:.1f} %\n{found['patches']} patches", xlabel="x / L")
     spread = solution.distribution("patches")
-    sizes.stairs(spread["density"], spread["edges"], color=f"C{k}", label=f"p* = {solution.p_star:.2g}")
-    print(f"p* = {solution.p_star:.3g}: largest {found['patch_largest']:.3g} L^2, perimeter {solution.observable('perimeter'):.3g} L, "
-          f"contact percolates along x: {percolates['contact_percolates_x']}, gap: {percolates['gap_percolates_x']}")
+    sizes.stairs(
+        spread["density"], spread["edges"], color=f"C{k}", label=f"p* = {solution.p_star:.2g}"
+    )
+    print(
+        f"p* = {solution.p_star:.3g}: largest {found['patch_largest']:.3g} L^2, perimeter"
+        f" {solution.observable('perimeter'):.3g} L, contact percolates along x:"
+        f" {percolates['contact_percolates_x']}, gap: {percolates['gap_percolates_x']}"
+    )
 a = np.geomspace(spread["edges"][0], 1e-2)
-sizes.plot(a, 3 * spread["density"][0] * (a / a[0]) ** -(2 - 0.8 / 2), "0.4", linewidth=0.8, label="a^-(2 - H/2)")
+sizes.plot(
+    a,
+    3 * spread["density"][0] * (a / a[0]) ** -(2 - 0.8 / 2),
+    "0.4",
+    linewidth=0.8,
+    label="a^-(2 - H/2)",
+)
 sizes.set(xscale="log", yscale="log", xlabel="patch size / L^2", ylabel="density")
 sizes.legend()
 fig.savefig("patches.png", dpi=200)

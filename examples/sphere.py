@@ -1,6 +1,8 @@
-"""A sphere on an elastic half-space, pressed with five forces: the profiles of the pressure and the radius of the contact, and Hertz.
+"""A sphere on an elastic half-space, pressed with five forces: the profiles of the pressure and the
+radius of the contact, and Hertz.
 
-The surface ends (boundary="free"): it has no periodic images, and its arrays have the size of the nominal area.
+The surface ends (boundary="free"): it has no periodic images, and its arrays have the size of the
+nominal area.
 """
 
 import sys
@@ -21,7 +23,9 @@ fig, (profile, radius) = plt.subplots(1, 2, figsize=(7.2, 3), layout="constraine
 x = (np.arange(n) - n / 2) * L / n
 for k, (F, solution) in enumerate(zip(forces, solutions)):
     hertz = Hertz(R, F, E_star)
-    profile.plot(x * 1e6, solution.pressure[:, n // 2] / 1e6, f"C{k}.", markersize=3, label=f"{1e3 * F:.3g}")
+    profile.plot(
+        x * 1e6, solution.pressure[:, n // 2] / 1e6, f"C{k}.", markersize=3, label=f"{1e3 * F:.3g}"
+    )
     profile.plot(x * 1e6, hertz.pressure(np.abs(x)) / 1e6, "0.4", linewidth=0.8)
     radius.loglog(1e3 * F, 1e6 * np.sqrt(solution.a_r / np.pi) * L, f"C{k}o")
 F = np.geomspace(forces[0] / 2, 2 * forces[-1], 50)

@@ -1,6 +1,8 @@
-"""How far a simulation is from the continuum: kappa = a_r/p* over the grid spacing, as counted, edge-corrected, and extrapolated.
+"""How far a simulation is from the continuum: kappa = a_r/p* over the grid spacing, as counted,
+edge-corrected, and extrapolated.
 
-eps_t = lam_l/L, eps_f = lam_s/lam_l and eps_c = a/lam_s are 0 in the thermodynamic, fractal and continuum (TFC) limits.
+eps_t = lam_l/L, eps_f = lam_s/lam_l and eps_c = a/lam_s are 0 in the thermodynamic, fractal and
+continuum (TFC) limits.
 """
 
 import sys
@@ -16,16 +18,40 @@ points = [2, 4, 8]  # lam_s/a, on the same wall
 p_star, ratio = 0.00707, n // 16
 found = []
 for lam_s_over_a in points:
-    wall = hpc_gfmd.make_surface("self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=ratio, lam_s_over_a=lam_s_over_a, seed=2)
+    wall = hpc_gfmd.make_surface(
+        "self-affine",
+        hurst=0.8,
+        L_over_lam_l=2,
+        lam_l_over_lam_s=ratio,
+        lam_s_over_a=lam_s_over_a,
+        seed=2,
+    )
     found.append(hpc_gfmd.solve(wall, p_star=p_star))
 eps_c = 1 / np.array(points)
-limits = [tfc.extrapolate(one.kappa, "kappa", hurst=0.8, p_star=p_star, eps_t=1 / 2, eps_f=1 / ratio, eps_c=eps, table=tfc.our_table())
-          for one, eps in zip(found, eps_c)]  # (value, its uncertainty, the terms); fitted around eps_f = 1/1024
+limits = [
+    tfc.extrapolate(
+        one.kappa,
+        "kappa",
+        hurst=0.8,
+        p_star=p_star,
+        eps_t=1 / 2,
+        eps_f=1 / ratio,
+        eps_c=eps,
+        table=tfc.our_table(),
+    )
+    for one, eps in zip(found, eps_c)
+]  # (value, its uncertainty, the terms); fitted around eps_f = 1/1024
 
 fig, ax = plt.subplots(figsize=(3.6, 3), layout="constrained")
 ax.plot(eps_c, [one.kappa for one in found], "o-", label="as counted")
 ax.plot(eps_c, [one.observable("kappa_corrected") for one in found], "s-", label="edge-corrected")
-ax.errorbar(eps_c, [value for value, _, _ in limits], [sigma for _, sigma, _ in limits], fmt="^-", label="taken to the TFC limit")
+ax.errorbar(
+    eps_c,
+    [value for value, _, _ in limits],
+    [sigma for _, sigma, _ in limits],
+    fmt="^-",
+    label="taken to the TFC limit",
+)
 ax.set(xlabel="eps_c = a / lam_s", ylabel="kappa = a_r / p*", xlim=(0, 0.55), ylim=(1.5, 2.9))
 ax.legend()
 fig.savefig("tfc.png", dpi=200)

@@ -1,4 +1,5 @@
-"""A wave on an elastic half-space: from a line of contact to full contact, and Westergaard's solution.
+"""A wave on an elastic half-space: from a line of contact to full contact, and Westergaard's
+solution.
 
 The heights vary along one axis only; such walls are solved on that axis alone.
 """
@@ -22,7 +23,13 @@ fig, (profile, curve) = plt.subplots(1, 2, figsize=(7.2, 3), layout="constrained
 x, fine = np.arange(n) * L / n, np.linspace(0, p_full, 200)
 for k, solution in enumerate(solutions[1:6:2]):
     exact = Westergaard(solution.p, A, L)
-    profile.plot(x, np.roll(solution.pressure[:, 0], n // 2) / p_full, f"C{k}.", markersize=2, label=f"{solution.p / p_full:.2g}")
+    profile.plot(
+        x,
+        np.roll(solution.pressure[:, 0], n // 2) / p_full,
+        f"C{k}.",
+        markersize=2,
+        label=f"{solution.p / p_full:.2g}",
+    )
     profile.plot(x, exact.pressure(x - L / 2) / p_full, "0.4", linewidth=0.8)
 curve.plot(pressures / p_full, solutions.values("a_r"), "o", label="contact area")
 curve.plot(pressures / p_full, solutions.values("gap_mean") / A, "s", label="mean gap / A")

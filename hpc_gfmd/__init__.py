@@ -1,14 +1,17 @@
-"""Elastic contact of rough surfaces: Green's function molecular dynamics on slabs, from a laptop to a cluster.
+"""Elastic contact of rough surfaces: Green's function molecular dynamics on slabs, from a laptop to
+a cluster.
 
     import hpc_gfmd
-    surface = hpc_gfmd.read_surface("scan.x3p")                   # or make_surface("self-affine", ...), or a NumPy array
-    solution = hpc_gfmd.solve(surface, "20 MPa", "50 GPa")        # a list of loads gives a sequence of solutions
-    solution.plot(); solution.save("contact.h5")
+    surface = hpc_gfmd.read_surface("scan.x3p")                   # or make_surface("self-affine",
+    ...), or a NumPy array solution = hpc_gfmd.solve(surface, "20 MPa", "50 GPa")        # a list of
+    loads gives a sequence of solutions solution.plot(); solution.save("contact.h5")
     solutions = hpc_gfmd.load("contact.h5")                       # the same from a result file
-    hpc_gfmd.run("scene.toml")                                    # solves a scene and writes its file, as the command line does
+    hpc_gfmd.run("scene.toml")                                    # solves a scene and writes its
+    file, as the command line does
 
-`reference` has contact areas and mean gaps of self-affine surfaces with their uncertainties. Importing this package neither starts MPI
-nor compiles anything; its parts are imported when they are first used.
+`reference` has contact areas and mean gaps of self-affine surfaces with their uncertainties.
+Importing this package neither starts MPI nor compiles anything; its parts are imported when they
+are first used.
 """
 
 __version__ = "1.0.0"
@@ -24,11 +27,37 @@ if TYPE_CHECKING:
     from .solution import Solution
     from .solutions import Interrupted, Solutions, load
 
-__all__ = ["GfmdError", "Interrupted", "NotConverged", "PreparedSurface", "RunResult", "SceneError", "Solution", "Solutions", "load",
-           "make_surface", "read_surface", "reference", "run", "solve"]
-_PLACES = {"load": "solutions", "solve": "api", "run": "simulation.run_scene", "RunResult": "simulation", "Solution": "solution",
-           "Solutions": "solutions", "PreparedSurface": "prepared", "make_surface": "prepared", "read_surface": "prepared",
-           "GfmdError": "errors", "Interrupted": "solutions", "NotConverged": "errors", "SceneError": "errors"}
+__all__ = [
+    "GfmdError",
+    "Interrupted",
+    "NotConverged",
+    "PreparedSurface",
+    "RunResult",
+    "SceneError",
+    "Solution",
+    "Solutions",
+    "load",
+    "make_surface",
+    "read_surface",
+    "reference",
+    "run",
+    "solve",
+]
+_PLACES = {
+    "load": "solutions",
+    "solve": "api",
+    "run": "simulation.run_scene",
+    "RunResult": "simulation",
+    "Solution": "solution",
+    "Solutions": "solutions",
+    "PreparedSurface": "prepared",
+    "make_surface": "prepared",
+    "read_surface": "prepared",
+    "GfmdError": "errors",
+    "Interrupted": "solutions",
+    "NotConverged": "errors",
+    "SceneError": "errors",
+}
 
 
 def __getattr__(name: str) -> object:

@@ -1,4 +1,5 @@
-"""Memory for fields that begins on a cache line: vectors loaded from it never straddle two lines."""
+"""Memory for fields that begins on a cache line: vectors loaded from it never straddle two
+lines."""
 
 from collections.abc import Sequence
 
@@ -13,7 +14,7 @@ def empty_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
     nbytes = int(np.prod(shape)) * np.dtype(dtype).itemsize
     raw = np.empty(nbytes + LINE, np.uint8)
     start = -raw.ctypes.data % LINE
-    return raw[start:start + nbytes].view(dtype).reshape(shape)
+    return raw[start : start + nbytes].view(dtype).reshape(shape)
 
 
 def zeros_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:

@@ -9,7 +9,8 @@ from uuid import uuid4
 
 @contextmanager
 def aside(path: Path) -> Iterator[Path]:
-    """`with aside(path) as tmp`: what is written to tmp becomes `path` in one move at the end; of a failure nothing is left."""
+    """`with aside(path) as tmp`: what is written to tmp becomes `path` in one move at the end; of a
+    failure nothing is left."""
     tmp = path.with_name(f".{path.name}.{uuid4().hex[:8]}.tmp")
     try:
         yield tmp

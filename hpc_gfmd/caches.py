@@ -1,4 +1,5 @@
-"""What is kept from run to run on this machine: measured plans, compiled kernels, the speed. Nothing of it is ever needed."""
+"""What is kept from run to run on this machine: measured plans, compiled kernels, the speed.
+Nothing of it is ever needed."""
 
 import os
 from contextlib import suppress
@@ -16,7 +17,8 @@ def cache_folder() -> Path:
 
 
 def keep(path: Path, content: bytes) -> None:
-    """Write a file, as `aside`: whoever reads it meanwhile sees the old or the new one. A folder that cannot be written is no error."""
+    """Write a file, as `aside`: whoever reads it meanwhile sees the old or the new one. A folder
+    that cannot be written is no error."""
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         with aside(path) as tmp:

@@ -1,4 +1,5 @@
-"""The command line: arguments in, exit code out, errors as one line on stderr, once whatever the number of ranks."""
+"""The command line: arguments in, exit code out, errors as one line on stderr, once whatever the
+number of ranks."""
 
 import argparse
 import importlib
@@ -14,10 +15,24 @@ from .errors import GfmdError, SceneError, one_line
 from .streams import unfailing_output
 
 ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
-COMMANDS = ("init", "help", "run", "plan", "show", "plot", "export", "persson", "tfc", "study", "bench", "info")
+COMMANDS = (
+    "init",
+    "help",
+    "run",
+    "plan",
+    "show",
+    "plot",
+    "export",
+    "persson",
+    "tfc",
+    "study",
+    "bench",
+    "info",
+)
 DESCRIPTION = (
-    "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml; hpc-gfmd plot contact.h5. "
-    "With a measured map: hpc-gfmd init scan.x3p. Every key of a scene: hpc-gfmd help scene."
+    "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml;"
+    " hpc-gfmd plot contact.h5. With a measured map: hpc-gfmd init scan.x3p. Every key of a scene:"
+    " hpc-gfmd help scene."
 )
 
 
@@ -40,7 +55,8 @@ def build_parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; returns its exit code. What cannot be printed stops no command, but is an error where it was the result."""
+    """Run one command; returns its exit code. What cannot be printed stops no command, but is an
+    error where it was the result."""
     with unfailing_output() as out:
         code, prints = _run(sys.argv[1:] if argv is None else argv)
         out.flush()
@@ -63,7 +79,9 @@ def _run(argv: Sequence[str]) -> tuple[int, bool]:
     except (GfmdError, ModuleNotFoundError) as error:
         if isinstance(error, ModuleNotFoundError):
             package = (error.name or str(error)).partition(".")[0]
-            error = GfmdError(f"{asked} needs {package}, which is not installed here: pip install {package}")
+            error = GfmdError(
+                f"{asked} needs {package}, which is not installed here: pip install {package}"
+            )
         leave_together(error.exit_code, say=partial(_complain, error))
         return error.exit_code, False
     except KeyboardInterrupt:  # the other ranks may not have been interrupted
@@ -74,7 +92,10 @@ def _run(argv: Sequence[str]) -> tuple[int, bool]:
             said, before = f"out of memory{_where()} ({one_line(str(error) or 'no details')})", ""
             said += ": use more machines, fewer points or single precision"
         else:  # a mistake in the program: what it was, for those who mend it, and one line
-            said, before = f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}", traceback.format_exc()
+            said, before = (
+                f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}",
+                traceback.format_exc(),
+            )
         leave_together(1, ALONE, partial(_complain, said, before))
         return 1, False
 

@@ -1,4 +1,5 @@
-"""A solved contact at one load: fields and the sums that observables are made of, in the scene's units."""
+"""A solved contact at one load: fields and the sums that observables are made of, in the scene's
+units."""
 
 from __future__ import annotations
 
@@ -29,7 +30,8 @@ ROUNDING = 16  # times the rounding error of the heights: a mean gap below that 
 
 @dataclass(frozen=True)
 class Contact:
-    """What one load has come to; observables are functions of it. Its numbers are in the scene's units, the same on all ranks.
+    """What one load has come to; observables are functions of it. Its numbers are in the scene's
+    units, the same on all ranks.
 
     Attributes
     ----------
@@ -40,7 +42,8 @@ class Contact:
     p_mean : float
         Mean pressure over the nominal area.
     g, p : array, local slabs of the grid
-        Gap and pressure of the solution, in the program's units (problem.py); the next load of a sweep overwrites them.
+        Gap and pressure of the solution, in the program's units (problem.py); the next load of a
+        sweep overwrites them.
     outcome : Outcome
         Status, certificate and errors.
     accuracy : float
@@ -96,7 +99,8 @@ class Contact:
 
     @property
     def approach(self) -> float:
-        """How far the bodies have come together since they touched undeformed; nan where a half-space gives way without end."""
+        """How far the bodies have come together since they touched undeformed; nan where a
+        half-space gives way without end."""
         return self.certificate.approach * self.surface.height_unit
 
     @property
@@ -129,12 +133,18 @@ class Contact:
             return "full contact: every point touches, the gap is zero"
         if points < FEW_POINTS:
             touch = "touches" if points == 1 else "touch"
-            return f"only {points} point{'s' * (points != 1)} {touch}: the area is known to {100 / max(points, 1):.0f} % at best"
+            return (
+                f"only {points} point{'s' * (points != 1)} {touch}: the area is known to"
+                f" {100 / max(points, 1):.0f} % at best"
+            )
         if self.gap_mean < ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms:
             precision = "single" if self.g.dtype == np.float32 else "double"
             return f"the gap is all rounding at this load in {precision} precision"
         if self.accuracy < self.certificate.unseen < np.inf:
-            return f"the mean gap is known to {self.certificate.unseen:.1g} at best: rounding errors, and of free edges"
+            return (
+                f"the mean gap is known to {self.certificate.unseen:.1g} at best: rounding errors,"
+                " and of free edges"
+            )
         return None
 
     @cached_property
@@ -166,14 +176,19 @@ class Contact:
         return nominal[0] == n[0], nominal[1] == n[1]
 
     def touching(self, i0: int, i1: int) -> np.ndarray:
-        """Which points touch in the rows i0 <= i < i1 of this rank's part of the surface: bool, (i1 - i0, points of the surface)."""
+        """Which points touch in the rows i0 <= i < i1 of this rank's part of the surface: bool, (i1
+        - i0, points of the surface)."""
         points = self.surface.grid.nominal[1]
         return (self.g[i0:i1, :points] <= 0) & (self.p[i0:i1, :points] > 0)
 
-    def clusters(self, of_contact: bool = True, corners: bool = False, open_axis: int | None = None) -> Clusters:
-        """The parallel.clusters.Clusters of the points that touch, or of those that do not, found once. Collective.
+    def clusters(
+        self, of_contact: bool = True, corners: bool = False, open_axis: int | None = None
+    ) -> Clusters:
+        """The parallel.clusters.Clusters of the points that touch, or of those that do not, found
+        once. Collective.
 
-        corners: whether points belong together that share a corner only; open_axis: one along which no cluster goes around the cell.
+        corners: whether points belong together that share a corner only; open_axis: one along which
+        no cluster goes around the cell.
         """
         key = of_contact, corners, open_axis
         if key not in self._clusters:
@@ -182,7 +197,13 @@ class Contact:
             grid = self.surface.grid
             periodic = self.periodic[0] and open_axis != 0, self.periodic[1] and open_axis != 1
             self._clusters[key] = find_clusters(
-                grid.comm, lambda i0, i1: self.touching(i0, i1) == of_contact, grid.nominal_rows, grid.nominal, periodic, corners)
+                grid.comm,
+                lambda i0, i1: self.touching(i0, i1) == of_contact,
+                grid.nominal_rows,
+                grid.nominal,
+                periodic,
+                corners,
+            )
         return self._clusters[key]
 
     @cached_property
@@ -191,7 +212,8 @@ class Contact:
 
     @cached_property
     def edges(self) -> tuple[int, int]:
-        """Grid-cell sides between a point in contact and one that is not: how many of them run along x, and how many along y.
+        """Grid-cell sides between a point in contact and one that is not: how many of them run
+        along x, and how many along y.
 
         The edge of a surface that ends is none.
         """
@@ -202,11 +224,17 @@ class Contact:
         if grid.N == 1:
             return 0, 0
         g, p, rows = self.g, self.p, grid.inside[0]
-        below = halo.next_row(grid.comm, np.stack([g[:min(rows, 1)], p[:min(rows, 1)]]), np.minimum(grid.starts, grid.nominal[0]))
+        below = halo.next_row(
+            grid.comm,
+            np.stack([g[: min(rows, 1)], p[: min(rows, 1)]]),
+            np.minimum(grid.starts, grid.nominal[0]),
+        )
         around_x, around_y = self.periodic
         if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
             below = np.stack([g[rows - 1], p[rows - 1]])
-        along_x, along_y = grid.comm.sum(contact_edges(g, p, grid.inside, below[0], below[1], around_y))
+        along_x, along_y = grid.comm.sum(
+            contact_edges(g, p, grid.inside, below[0], below[1], around_y)
+        )
         return int(along_x), int(along_y)
 
     @property
@@ -217,12 +245,13 @@ class Contact:
     def field(self, name: str) -> LazyField:
         """One of FIELDS as a local slab of the whole grid, computed as it is read.
 
-        In the precision of the solution, or in double precision where single cannot hold it in the scene's units.
+        In the precision of the solution, or in double precision where single cannot hold it in the
+        scene's units.
 
         It refers to the solver's own arrays: the next load of a sweep overwrites them.
 
-        pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: u >= -h, positive away from the wall.
-        Raises SceneError for an unknown name.
+        pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: u >= -h, positive away from
+        the wall. Raises SceneError for an unknown name.
         """
         if name not in FIELDS:
             raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")
@@ -243,19 +272,26 @@ class Contact:
 
 
 def heights_of(surface: Surface) -> LazyField:
-    """Heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest at 0: as Contact.field."""
+    """Heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest at 0: as
+    Contact.field."""
     h = surface.h
     assert h is not None  # asked for before a sweep in low memory gives them away
     dtype = field_dtype("heights", h.dtype, 0.0, surface)
-    return _on_the_whole_grid(surface, lambda take: h[take] * -dtype.type(surface.height_unit), dtype)
+    return _on_the_whole_grid(
+        surface, lambda take: h[take] * -dtype.type(surface.height_unit), dtype
+    )
 
 
-def _on_the_whole_grid(surface: Surface, values: Callable[[slice], np.ndarray], dtype: np.dtype) -> LazyField:
+def _on_the_whole_grid(
+    surface: Surface, values: Callable[[slice], np.ndarray], dtype: np.dtype
+) -> LazyField:
     """The local slab, with an axis that was left out, of what values(rows of the arrays) gives."""
     left_out = surface.reduced_axis
 
     def rows(i0: int, i1: int) -> np.ndarray:
-        first = surface.rows[0] if left_out == 1 else 0  # with the second axis left out every rank has all rows
+        first = (
+            surface.rows[0] if left_out == 1 else 0
+        )  # with the second axis left out every rank has all rows
         found = values(slice(0, 1) if left_out == 0 else slice(first + i0, first + i1))
         return found if left_out is None else np.broadcast_to(found, (i1 - i0, surface.n[1]))
 

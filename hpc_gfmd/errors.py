@@ -1,4 +1,5 @@
-"""The few exceptions and warnings users meet. The command line turns each into one line on stderr and an exit code."""
+"""The few exceptions and warnings users meet. The command line turns each into one line on stderr
+and an exit code."""
 
 
 class GfmdError(Exception):
@@ -8,7 +9,8 @@ class GfmdError(Exception):
 
 
 class SceneError(GfmdError):
-    """The scene, its files or the arguments are wrong; the message names the key, what was found and what is allowed."""
+    """The scene, its files or the arguments are wrong; the message names the key, what was found
+    and what is allowed."""
 
     exit_code = 2
 
@@ -21,4 +23,4 @@ def one_line(text: str, longest: int = 200) -> str:
     """A foreign text without line ends or other control characters, of bounded length."""
     text = "".join(c if c.isprintable() else " " for c in text[: 100 * longest])
     text = " ".join(text.split())
-    return text if len(text) <= longest else f"{text[:longest - 60]} ... {text[-50:]}"
+    return text if len(text) <= longest else f"{text[: longest - 60]} ... {text[-50:]}"

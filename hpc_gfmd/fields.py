@@ -1,4 +1,5 @@
-"""The fields of a contact by name, those that are computed as they are read, and those in memory that are read as if from a file."""
+"""The fields of a contact by name, those that are computed as they are read, and those in memory
+that are read as if from a file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,11 +13,14 @@ LAZY_ROWS = 64  # of a field that are computed at a time
 
 
 class LazyField:
-    """A local slab that is computed a few rows at a time when it is sliced; np.asarray makes all of it."""
+    """A local slab that is computed a few rows at a time when it is sliced; np.asarray makes all of
+    it."""
 
     ndim = 2
 
-    def __init__(self, rows: Callable[[int, int], np.ndarray], shape: tuple[int, int], dtype: np.dtype):
+    def __init__(
+        self, rows: Callable[[int, int], np.ndarray], shape: tuple[int, int], dtype: np.dtype
+    ):
         self.rows, self.shape, self.dtype = rows, shape, np.dtype(dtype)
 
     def __len__(self) -> int:
@@ -27,7 +31,7 @@ class LazyField:
         out = np.empty((max(i1 - i0, 0), self.shape[1]), self.dtype)
         for i in range(i0, i1, LAZY_ROWS):
             j = min(i + LAZY_ROWS, i1)
-            out[i - i0:j - i0] = self.rows(i, j)
+            out[i - i0 : j - i0] = self.rows(i, j)
         return out
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
@@ -36,8 +40,8 @@ class LazyField:
 
 @dataclass(frozen=True)
 class Slab:
-    """A field in memory that is read as a parallel.h5.Stored one; shape: (n_x, n_y) of all of it; data: the rows of this rank;
-    start: the global index of its first one."""
+    """A field in memory that is read as a parallel.h5.Stored one; shape: (n_x, n_y) of all of it;
+    data: the rows of this rank; start: the global index of its first one."""
 
     data: Any
     start: int

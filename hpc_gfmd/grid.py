@@ -5,8 +5,8 @@ Convention of the discrete Fourier transform, used everywhere:
     h_q = (1/N) sum_r h(r) exp(-i q.r),    h(r) = sum_q h_q exp(+i q.r),    N = n_x n_y
     h_rms^2 = sum_{q != 0} |h_q|^2,        g_rms^2 = sum_q q^2 |h_q|^2
 
-and q of the minimal image. In-plane lengths inside the program are in units of the grid spacing a = sqrt(a_x a_y), so that |q| <= pi
-on a square grid whatever the physical size of the cell.
+and q of the minimal image. In-plane lengths inside the program are in units of the grid spacing a =
+sqrt(a_x a_y), so that |q| <= pi on a square grid whatever the physical size of the cell.
 """
 
 from __future__ import annotations
@@ -27,21 +27,32 @@ if TYPE_CHECKING:
 
 
 class Grid:
-    """n = (n_x, n_y) points in a cell of physical sizes (L_x, L_y); every rank owns the rows [start, stop) of each field.
+    """n = (n_x, n_y) points in a cell of physical sizes (L_x, L_y); every rank owns the rows
+    [start, stop) of each field.
 
-    starts: first row of each rank, and n_x; by default the block distribution of mpi4py-fft. nominal: points along each axis that
-    the surface has, from point 0; the others are padding, where nothing can touch. Means and counts are over the nominal area.
+    starts: first row of each rank, and n_x; by default the block distribution of mpi4py-fft.
+    nominal: points along each axis that the surface has, from point 0; the others are padding,
+    where nothing can touch. Means and counts are over the nominal area.
     """
 
-    def __init__(self, n: Sequence[int], sizes: Sequence[float] = (1.0, 1.0), comm: Comm | None = None, threads: int = 1,
-                 starts: ArrayLike | None = None, nominal: Sequence[int] | None = None):
+    def __init__(
+        self,
+        n: Sequence[int],
+        sizes: Sequence[float] = (1.0, 1.0),
+        comm: Comm | None = None,
+        threads: int = 1,
+        starts: ArrayLike | None = None,
+        nominal: Sequence[int] | None = None,
+    ):
         from .parallel.comm import SerialComm
 
         self.n = (int(n[0]), int(n[1]))
         self.sizes = (float(sizes[0]), float(sizes[1]))
         self.comm = comm or SerialComm()
         self.threads = threads
-        self.starts = row_starts(self.n[0], self.comm.size) if starts is None else np.asarray(starts)
+        self.starts = (
+            row_starts(self.n[0], self.comm.size) if starts is None else np.asarray(starts)
+        )
         self.nominal = self.n if nominal is None else (int(nominal[0]), int(nominal[1]))
         self._fft: dict[np.dtype, SlabFFT] = {}
 
@@ -52,7 +63,8 @@ class Grid:
 
     @property
     def N(self) -> int:
-        """Number of points of the nominal area: all of them unless the surface ends within the cell."""
+        """Number of points of the nominal area: all of them unless the surface ends within the
+        cell."""
         return self.nominal[0] * self.nominal[1]
 
     @property
@@ -62,7 +74,8 @@ class Grid:
 
     @property
     def inside(self) -> tuple[int, int]:
-        """Shape of this rank's part of the nominal area: its first rows, and the first points of each."""
+        """Shape of this rank's part of the nominal area: its first rows, and the first points of
+        each."""
         start, stop = self.rows
         return min(stop, self.nominal[0]) - min(start, self.nominal[0]), self.nominal[1]
 
@@ -106,12 +119,14 @@ class Grid:
 
     @property
     def q_nyquist(self) -> float:
-        """|q| at the corner of the Brillouin zone divided by sqrt 2: pi/a on a square grid. An axis of one point does not count."""
+        """|q| at the corner of the Brillouin zone divided by sqrt 2: pi/a on a square grid. An axis
+        of one point does not count."""
         q = [np.pi * self.a / s for s, n in zip(self.spacings, self.n) if n > 1]
         return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
     def multiplicity(self, j: ArrayLike) -> np.ndarray:
-        """How often columns j of the half spectrum occur in the full one: 1 or 2; 0 beyond the last column."""
+        """How often columns j of the half spectrum occur in the full one: 1 or 2; 0 beyond the last
+        column."""
         j = np.asarray(j)
         n_y = self.n[1]
         twice = (j > 0) & (2 * j != n_y)
@@ -137,7 +152,8 @@ class Grid:
         return empty_aligned(self.shape, dtype)
 
     def column_tables(self, fft: SlabFFT) -> tuple[np.ndarray, np.ndarray]:
-        """q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its precision; 0 beyond a narrower block."""
+        """q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its
+        precision; 0 beyond a narrower block."""
         j = fft.edges[:-1, None] + np.arange(fft.W)
         weight = np.where(j < fft.edges[1:, None], self.multiplicity(j), 0)
         q_y = np.where(weight > 0, self.q_y[np.minimum(j, self.n[1] // 2)], 0.0)

@@ -6,7 +6,9 @@ from .errors import SceneError
 from .not_modelled import ONLY, is_not_modelled
 
 
-def read_options(solver: str, options: Mapping[str, float], allowed: Mapping[str, tuple[float, float]]) -> dict[str, float]:
+def read_options(
+    solver: str, options: Mapping[str, float], allowed: Mapping[str, tuple[float, float]]
+) -> dict[str, float]:
     """The given options as floats. allowed: {name: (smallest, largest value)}.
 
     Raises SceneError for an unknown name or a value out of bounds.
@@ -15,8 +17,13 @@ def read_options(solver: str, options: Mapping[str, float], allowed: Mapping[str
         if name not in allowed:
             known = ", ".join(allowed) or "none"
             found = f"{name!r}, {ONLY}" if is_not_modelled(name) else repr(name)
-            raise SceneError(f"solver.options: found {found}, allowed for the solver {solver!r}: {known}")
+            raise SceneError(
+                f"solver.options: found {found}, allowed for the solver {solver!r}: {known}"
+            )
         low, high = allowed[name]
         if not low <= value <= high:
-            raise SceneError(f"solver.options.{name}: found {value!r}, allowed: a number from {low:g} to {high:g}")
+            raise SceneError(
+                f"solver.options.{name}: found {value!r}, allowed: a number from {low:g} to"
+                f" {high:g}"
+            )
     return {name: float(value) for name, value in options.items()}

@@ -1,4 +1,5 @@
-"""A surface for a notebook or a script: read and prepared, or made, as a scene would, on one process."""
+"""A surface for a notebook or a script: read and prepared, or made, as a scene would, on one
+process."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -29,7 +30,8 @@ class PreparedSurface:
     heights : ndarray, shape (n_x, n_y)
         Peaks up, float64, not to be written to (copy it).
     sizes : (L_x, L_y)
-        Physical sizes, in the unit of the heights: m where `unit` is "m", otherwise ("") one that nobody named.
+        Physical sizes, in the unit of the heights: m where `unit` is "m", otherwise ("") one that
+        nobody named.
     unit : str
     prepared : tuple of str
         What was done to the heights, a line each.
@@ -45,7 +47,9 @@ class PreparedSurface:
     prepared: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     free: tuple[bool, bool] = (False, False)
-    table: dict | None = field(default=None, init=False, repr=False)  # the scene's [surface]; not of a copy with other heights
+    table: dict | None = field(
+        default=None, init=False, repr=False
+    )  # the scene's [surface]; not of a copy with other heights
 
     @cached_property
     def h_rms(self) -> float:
@@ -60,10 +64,20 @@ class PreparedSurface:
 
     def __repr__(self) -> str:
         n_x, n_y = self.heights.shape
-        (scale, unit), (fine, small) = prefixed(self.sizes, self.unit), prefixed([self.h_rms], self.unit)
+        (scale, unit), (fine, small) = (
+            prefixed(self.sizes, self.unit),
+            prefixed([self.h_rms], self.unit),
+        )
         sizes = " x ".join(f"{size / scale:.4g}" for size in self.sizes)
-        edges = {(False, False): "periodic", (True, True): "free edges"}.get(self.free, f"free edges along {'xy'[self.free[1]]}")
-        said = [f"{n_x} x {n_y} points", f"L = {sizes} {unit}".strip(), f"h_rms = {self.h_rms / fine:.4g} {small}".strip(), edges]
+        edges = {(False, False): "periodic", (True, True): "free edges"}.get(
+            self.free, f"free edges along {'xy'[self.free[1]]}"
+        )
+        said = [
+            f"{n_x} x {n_y} points",
+            f"L = {sizes} {unit}".strip(),
+            f"h_rms = {self.h_rms / fine:.4g} {small}".strip(),
+            edges,
+        ]
         notes = f"; note: {'; '.join(self.notes)}" if self.notes else ""
         return f"<surface: {', '.join([*said, *self.prepared])}{notes}>"
 
@@ -74,28 +88,34 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
     Parameters
     ----------
     path
-        A .npy, .npz, .txt, .csv, HDF5 or NetCDF file, or what SurfaceTopography reads (.x3p, .gwy, .spm, ...); a list of two: their
-        sum, of two rough bodies.
+        A .npy, .npz, .txt, .csv, HDF5 or NetCDF file, or what SurfaceTopography reads (.x3p, .gwy,
+        .spm, ...); a list of two: their sum, of two rough bodies.
     **keys
-        Those of the scene's [surface] with kind = "file", such as physical_sizes=("10 um", "8 um"), unit="nm", detrend="tilt",
-        fill="harmonic", crop=(x0, y0, x1, y1), mirror=True, window="hann", refine=2, downsample=2, flip=True, boundary="free",
-        dataset="name". What the file says of sizes and units holds unless they are given here.
+        Those of the scene's [surface] with kind = "file", such as physical_sizes=("10 um", "8 um"),
+        unit="nm", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1), mirror=True,
+        window="hann", refine=2, downsample=2, flip=True, boundary="free", dataset="name". What the
+        file says of sizes and units holds unless they are given here.
 
     Returns
     -------
     PreparedSurface
-        Heights of shape (n_x, n_y) and sizes, in m where units are known; its `notes` say what may be wrong with them.
+        Heights of shape (n_x, n_y) and sizes, in m where units are known; its `notes` say what may
+        be wrong with them.
 
     Raises
     ------
     SceneError
-        For what cannot be read, or has no sizes, no unit, no heights at some points, or edges that do not fit together.
+        For what cannot be read, or has no sizes, no unit, no heights at some points, or edges that
+        do not fit together.
     """
     path = [str(one) for one in path] if isinstance(path, list | tuple) else str(path)
     scene, table = _scene({"kind": "file", "path": path} | keys, "hpc_gfmd.read_surface")
     spec = scene.surface
     found, done, notes = prepare(open_topography(spec), spec, SerialComm())
-    return _known(PreparedSurface(found.rows(0, found.n[0]), found.sizes, found.unit, done, notes, spec.free), table)
+    return _known(
+        PreparedSurface(found.rows(0, found.n[0]), found.sizes, found.unit, done, notes, spec.free),
+        table,
+    )
 
 
 def make_surface(kind: str, **keys: Any) -> PreparedSurface:
@@ -106,13 +126,15 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
     kind
         "self-affine", "wave" or "sphere".
     **keys
-        Those of the scene's [surface] of that kind: make_surface("self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=32,
-        lam_s_over_a=4, seed=1, g_rms=0.1), make_surface("sphere", radius="1 mm", n=(256, 256), physical_sizes=("80 um", "80 um")).
+        Those of the scene's [surface] of that kind: make_surface("self-affine", hurst=0.8,
+        L_over_lam_l=2, lam_l_over_lam_s=32, lam_s_over_a=4, seed=1, g_rms=0.1),
+        make_surface("sphere", radius="1 mm", n=(256, 256), physical_sizes=("80 um", "80 um")).
 
     Returns
     -------
     PreparedSurface
-        Heights of shape (n_x, n_y), the highest at 0, and sizes, in m where they were given with units.
+        Heights of shape (n_x, n_y), the highest at 0, and sizes, in m where they were given with
+        units.
 
     Raises
     ------
@@ -122,7 +144,9 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
     scene, table = _scene({"kind": kind} | keys, "hpc_gfmd.make_surface")
     made = build_surface(scene.surface, SerialComm(), np.float64)
     heights = np.asarray(heights_of(made))
-    return _known(PreparedSurface(heights, made.sizes, scene.length_unit, free=scene.surface.free), table)
+    return _known(
+        PreparedSurface(heights, made.sizes, scene.length_unit, free=scene.surface.free), table
+    )
 
 
 def _scene(table: dict[str, Any], caller: str) -> tuple[Scene, dict[str, Any]]:

@@ -1,9 +1,10 @@
 """What is asked at one load, in the program's own units.
 
-Units: in-plane length a = sqrt(a_x a_y), height g_rms a, pressure E* g_rms. Everything is then of order one whatever the scene's
-units, and p0 is p*:
+Units: in-plane length a = sqrt(a_x a_y), height g_rms a, pressure E* g_rms. Everything is then of
+order one whatever the scene's units, and p0 is p*:
 
-    p = p0 + K u,   K(q) of the elastic body (|q|/2 for a half-space),    u >= -h,    g = u + h >= 0,    p >= 0,    p g = 0.
+    p = p0 + K u,   K(q) of the elastic body (|q|/2 for a half-space),    u >= -h,    g = u + h >=
+    0,    p >= 0,    p g = 0.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
 Rows = Callable[[int, int, np.ndarray], None]  # makes rows i0..i1 of a field in x
 Columns = Callable[[np.ndarray, int], None]  # changes block m of the columns of a spectrum
 
-ROUNDING = 2.5  # rms of the error of K h over the rms of h, in units of the working precision: the largest seen
+# rms of the error of K h over the rms of h, in units of the working precision: the largest seen
+ROUNDING = 2.5
 TRANSFORMED = 1.5  # of a transformed K u over the rms of u about its mean, likewise
 EVERY = 8  # rows of which one says what the mean is
 
@@ -39,7 +41,8 @@ class Problem:
     grid : Grid
         Of the cell.
     h : array, local part of the nominal area, or None
-        Initial gap, >= 0 with minimum 0, in the working precision. Without it u = g - h is formed in Fourier space by `add_spectrum`.
+        Initial gap, >= 0 with minimum 0, in the working precision. Without it u = g - h is formed
+        in Fourier space by `add_spectrum`.
     p0 : float
         Mean pressure over the nominal area.
     add_spectrum : function of a SlabFFT
@@ -70,7 +73,9 @@ class Problem:
         """sqrt(mean h^2). Collective where it is first asked for."""
         if self.h_rms is not None or self.h is None:
             return self.h_rms or 0.0
-        squares = np.einsum("ij,ij->i", self.h, self.h).sum(dtype=float)  # rows: sums that long would lose digits
+        squares = np.einsum("ij,ij->i", self.h, self.h).sum(
+            dtype=float
+        )  # rows: sums that long would lose digits
         return float(np.sqrt(self.grid.comm.sum([squares])[0] / self.grid.N))
 
     @property
@@ -86,10 +91,12 @@ class Problem:
 
     @cached_property
     def self_energy(self) -> float:
-        """sqrt(<v, S v>) of v = 1 on a surface that ends, 0 beyond, less its mean, at most; 0 where the surface is all there is.
+        """sqrt(<v, S v>) of v = 1 on a surface that ends, 0 beyond, less its mean, at most; 0 where
+        the surface is all there is.
 
-        Of all shapes of the same area a disc has the most, 0.958 area^(3/2); a strip that is periodic along its length
-        (4/pi^3) 1.05 area times its width, times 2 for the mean of S, which is left open there.
+        Of all shapes of the same area a disc has the most, 0.958 area^(3/2); a strip that is
+        periodic along its length (4/pi^3) 1.05 area times its width, times 2 for the mean of S,
+        which is left open there.
         """
         grid = self.grid
         ends = [m * s / grid.a for m, n, s in zip(grid.nominal, grid.n, grid.spacings) if m != n]
@@ -98,10 +105,15 @@ class Problem:
 
     @property
     def rounding(self) -> float:
-        """The rms error of the pressure that comes from storing h in the working precision, and the displacement beyond the surface,
-        which is of the order of p_cell times the size of the cell. Collective."""
+        """The rms error of the pressure that comes from storing h in the working precision, and the
+        displacement beyond the surface, which is of the order of p_cell times the size of the cell.
+        Collective."""
         beyond = self.sunk if self.grid.padded else 0.0
-        return ROUNDING * float(np.finfo(self.dtype).eps) * float(np.hypot(self.root_mean_square, beyond))
+        return (
+            ROUNDING
+            * float(np.finfo(self.dtype).eps)
+            * float(np.hypot(self.root_mean_square, beyond))
+        )
 
     @property
     def sunk(self) -> float:
@@ -109,25 +121,30 @@ class Problem:
         return float(self.p_cell * np.sqrt(self.grid.cell_points))
 
     def noise(self, h_rms: float) -> float:
-        """The rms error of the pressure from transforms in the working precision, at most; h_rms: of the heights."""
-        varies = h_rms if self.h is None else self.sunk if self.grid.padded else min(h_rms, self.sunk)
+        """The rms error of the pressure from transforms in the working precision, at most; h_rms:
+        of the heights."""
+        varies = (
+            h_rms if self.h is None else self.sunk if self.grid.padded else min(h_rms, self.sunk)
+        )
         return TRANSFORMED * float(np.finfo(self.dtype).eps) * varies
 
     def level(self, g: np.ndarray) -> float:
-        """The mean of what is transformed of u = g - h, about. K does not see it, but rounding errors go with it. Collective."""
+        """The mean of what is transformed of u = g - h, about. K does not see it, but rounding
+        errors go with it. Collective."""
         few = g[::EVERY]
         heights = 0.0 if self.h is None else self.h[::EVERY].sum()
         total, points = self.grid.comm.sum([few.sum() - heights, few.size])
         return float(total / points)
 
     def displacement_rows(self, g: np.ndarray, level: float) -> Rows:
-        """fill(i0, i1, x): rows of u - level, u = g - h (g itself beyond the surface), or of g where `adder` does the rest; x may be of
-        another precision."""
+        """fill(i0, i1, x): rows of u - level, u = g - h (g itself beyond the surface), or of g
+        where `adder` does the rest; x may be of another precision."""
         from .kernels.certify import displacement_rows
 
         h = np.zeros((0, 0), self.dtype) if self.h is None else self.h
         return lambda i0, i1, x: displacement_rows(g, h, x, i0, i1, level)
 
     def adder(self, fft: SlabFFT) -> Columns | None:
-        """What completes the columns of u after a transform of its rows: None where the rows are those of u already."""
+        """What completes the columns of u after a transform of its rows: None where the rows are
+        those of u already."""
         return self.add_spectrum(fft) if self.h is None and self.add_spectrum is not None else None

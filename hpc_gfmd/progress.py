@@ -1,4 +1,5 @@
-"""What a person sees while a run works: a bar on a terminal, plain lines in a batch job. Only rank 0 speaks."""
+"""What a person sees while a run works: a bar on a terminal, plain lines in a batch job. Only rank
+0 speaks."""
 
 import math
 import os
@@ -15,7 +16,8 @@ LINE_SECONDS = 10.0  # between two log lines of one load step
 
 
 class Reporter:
-    """say(text) prints a line; step(...) begins a load step; watch(iterations, progress) after every iteration; done() ends it.
+    """say(text) prints a line; step(...) begins a load step; watch(iterations, progress) after
+    every iteration; done() ends it.
 
     bar: whether a bar is drawn; None: on a terminal.
     """
@@ -39,13 +41,22 @@ class Reporter:
         if self.bar_wanted:
             from tqdm import tqdm
 
-            self.bar = tqdm(total=1.0, desc=self.name, leave=False, file=self.err,
-                            bar_format="{desc} |{bar}| {postfix} {elapsed}")
+            self.bar = tqdm(
+                total=1.0,
+                desc=self.name,
+                leave=False,
+                file=self.err,
+                bar_format="{desc} |{bar}| {postfix} {elapsed}",
+            )
 
     def watch(self, iterations: int, progress: Progress) -> None:
         if self.silent:
             return
-        error = progress.residual if self.target.residual is not None else max(progress.estimates or (progress.residual,))
+        error = (
+            progress.residual
+            if self.target.residual is not None
+            else max(progress.estimates or (progress.residual,))
+        )
         wanted = self.target.tolerance
         self.first = self.first or (error if math.isfinite(error) and error > 0 else None)
         if self.bar is not None:
@@ -55,8 +66,10 @@ class Reporter:
             self.bar.set_postfix_str(f"iteration {iterations}, error {error:.1e}")
         elif time.monotonic() - self.last > LINE_SECONDS:
             self.last = time.monotonic()
-            self.say(f"{self.name}: iteration {iterations}, error {error:.1e} (wanted {wanted:.0e}), "
-                     f"{self.last - self.begun:.0f} s")
+            self.say(
+                f"{self.name}: iteration {iterations}, error {error:.1e} (wanted {wanted:.0e}), "
+                f"{self.last - self.begun:.0f} s"
+            )
 
     def done(self) -> None:
         if self.bar is not None:

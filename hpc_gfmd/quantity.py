@@ -1,4 +1,5 @@
-"""Numbers with units, by pint: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they are numbers in SI units."""
+"""Numbers with units, by pint: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they
+are numbers in SI units."""
 
 import re
 from collections.abc import Iterable
@@ -30,7 +31,8 @@ class Quantity(float):
 
 
 def parse(text: str, dimension: str) -> Quantity:
-    """The Quantity that "100 um" or "50 GPa" stands for; dimension: a key of SI. Raises ValueError."""
+    """The Quantity that "100 um" or "50 GPa" stands for; dimension: a key of SI. Raises
+    ValueError."""
     found = _QUANTITY.fullmatch(text[:100])
     if not found:
         raise ValueError("it is no number with a unit")
@@ -73,8 +75,12 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M"
 
 
 def prefixed(values: Iterable[Any], unit: str) -> tuple[float, str]:
-    """(what one prefixed unit is in `unit`, its name) for numbers to be read together: (1e6, "MPa"). (1.0, "") without a unit."""
-    largest = max((abs(value) for value in values if isinstance(value, int | float) and isfinite(value)), default=0.0)
+    """(what one prefixed unit is in `unit`, its name) for numbers to be read together: (1e6,
+    "MPa"). (1.0, "") without a unit."""
+    largest = max(
+        (abs(value) for value in values if isinstance(value, int | float) and isfinite(value)),
+        default=0.0,
+    )
     if not unit:
         return 1.0, ""
     power = 3 * floor(log10(largest) / 3 + 1e-12) if largest > 0 else 0

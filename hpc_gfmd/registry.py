@@ -1,4 +1,5 @@
-"""Solvers, observables and elastic bodies are found by looking into their folders: adding one means dropping in one file."""
+"""Solvers, observables and elastic bodies are found by looking into their folders: adding one means
+dropping in one file."""
 
 from __future__ import annotations
 
@@ -29,7 +30,9 @@ def _names(package: ModuleType) -> list[str]:
 def _class(package: ModuleType, name: str) -> Any:
     """The class of a file whose `name` is the file's."""
     module = importlib.import_module(f"{package.__name__}.{name}")
-    return next(c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name)
+    return next(
+        c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name
+    )
 
 
 def solver_names() -> list[str]:
@@ -48,7 +51,8 @@ def body_classes() -> dict[str, type[Body]]:
 
 
 def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
-    """The elastic body that a material (scene.Material) means; free: whether the surface ends along x, along y.
+    """The elastic body that a material (scene.Material) means; free: whether the surface ends along
+    x, along y.
 
     Raises SceneError if there is none.
     """
@@ -56,19 +60,28 @@ def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Bod
     bodies_ = [body for cls in body_classes().values() if (body := cls.of(*wanted)) is not None]
     if not bodies_:
         thickness = said(material.thickness)
-        raise SceneError(f"material.thickness: found {thickness} with a free boundary, allowed: with periodic boundaries")
+        raise SceneError(
+            f"material.thickness: found {thickness} with a free boundary, allowed: with periodic"
+            " boundaries"
+        )
     return bodies_[0]
 
 
 def all_observables() -> dict[str, Observable]:
-    """{name: function of a Contact} of all observables, those of one file in the order they are given there."""
+    """{name: function of a Contact} of all observables, those of one file in the order they are
+    given there."""
     return _merged("OBSERVABLES")
 
 
 def default_observables() -> list[str]:
-    """Names of the observables that cost no more than a look at each point: what a result has where the scene names none."""
-    return [name for module in _observables() if not getattr(module, "ON_REQUEST", False)
-            for name in getattr(module, "OBSERVABLES", ())]
+    """Names of the observables that cost no more than a look at each point: what a result has where
+    the scene names none."""
+    return [
+        name
+        for module in _observables()
+        if not getattr(module, "ON_REQUEST", False)
+        for name in getattr(module, "OBSERVABLES", ())
+    ]
 
 
 def observable_names() -> set[str]:
@@ -82,41 +95,61 @@ def names_together(name: str) -> tuple[str, ...]:
 
 
 def observables_named(names: Iterable[str] | None) -> dict[str, Observable]:
-    """{name: function of a Contact} of the observables that these names stand for; None: of the default ones."""
+    """{name: function of a Contact} of the observables that these names stand for; None: of the
+    default ones."""
     together = _merged("TOGETHER")
-    wanted = default_observables() if names is None else [one for name in names for one in together.get(name, (name,))]
+    wanted = (
+        default_observables()
+        if names is None
+        else [one for name in names for one in together.get(name, (name,))]
+    )
     return {name: f for name, f in all_observables().items() if name in wanted}
 
 
 def all_distributions() -> dict[str, Counted]:
-    """{name: function of a Contact} of all distributions: {what: array of numbers}, or None where there is nothing to count."""
+    """{name: function of a Contact} of all distributions: {what: array of numbers}, or None where
+    there is nothing to count."""
     return _merged("DISTRIBUTIONS")
 
 
 def distribution_names(free: tuple[bool, bool] = (False, False)) -> set[str]:
     """What a scene may ask for; free: whether the surface ends along x, along y."""
-    fit = [module for module in _observables() if not (any(free) and getattr(module, "PERIODIC", False))]
+    fit = [
+        module
+        for module in _observables()
+        if not (any(free) and getattr(module, "PERIODIC", False))
+    ]
     return {name for module in fit for name in getattr(module, "DISTRIBUTIONS", ())}
 
 
 def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) -> None:
-    """Raise SceneError where a distribution by one of these names needs periodic boundaries; free: whether the surface ends along x,
-    along y; key: where the names stand."""
+    """Raise SceneError where a distribution by one of these names needs periodic boundaries; free:
+    whether the surface ends along x, along y; key: where the names stand."""
     known = distribution_names(free)
     for name in names:
         if name in distribution_names() - known:
-            raise SceneError(f"{key}: found {name!r}, which needs periodic boundaries, allowed: {', '.join(sorted(known))}")
+            raise SceneError(
+                f"{key}: found {name!r}, which needs periodic boundaries, allowed:"
+                f" {', '.join(sorted(known))}"
+            )
 
 
 def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Distribution]:
-    """{name: {what: array of numbers}} of the distributions of a contact by these names that have anything to count. Collective."""
+    """{name: {what: array of numbers}} of the distributions of a contact by these names that have
+    anything to count. Collective."""
     found = {name: f(contact) for name, f in all_distributions().items() if name in names}
     return {name: arrays for name, arrays in found.items() if arrays is not None}
 
 
 def _merged(table: str) -> dict[str, Any]:
-    return {name: entry for module in _observables() for name, entry in getattr(module, table, {}).items()}
+    return {
+        name: entry
+        for module in _observables()
+        for name, entry in getattr(module, table, {}).items()
+    }
 
 
 def _observables() -> list[ModuleType]:
-    return [importlib.import_module(f"{observables.__name__}.{name}") for name in _names(observables)]
+    return [
+        importlib.import_module(f"{observables.__name__}.{name}") for name in _names(observables)
+    ]

@@ -1,4 +1,5 @@
-"""What a solved load says, in memory or from a result file: numbers, fields, and what else is asked of it."""
+"""What a solved load says, in memory or from a result file: numbers, fields, and what else is asked
+of it."""
 
 from os import PathLike
 from pathlib import Path
@@ -11,7 +12,14 @@ from .fields import FIELDS
 from .output.read import Result
 from .output.save import in_memory, save
 from .parallel.comm import SerialComm
-from .registry import all_distributions, all_observables, distribution_names, names_together, observable_names, require_periodic
+from .registry import (
+    all_distributions,
+    all_observables,
+    distribution_names,
+    names_together,
+    observable_names,
+    require_periodic,
+)
 from .scene.explain import nearest
 from .table import html_table, summary
 
@@ -27,26 +35,40 @@ def draw(result: Result, comm: Any, what: str | None, how: dict[str, Any]) -> "F
     from .plotting import plot
 
     if comm.size > 1:
-        raise SceneError(f"plot: found fields that are spread over {comm.size} ranks, allowed: save, and plot the file")
+        raise SceneError(
+            f"plot: found fields that are spread over {comm.size} ranks, allowed: save, and plot"
+            " the file"
+        )
     return plot(result, what, **how)
 
 
 def _require_known(what: str, name: str, known: set[str]) -> None:
     if name not in known:
-        raise SceneError(f'{what}: found {name!r}, nearest: "{nearest(str(name), known)}", allowed: {", ".join(sorted(known))}')
+        raise SceneError(
+            f'{what}: found {name!r}, nearest: "{nearest(str(name), known)}", allowed:'
+            f" {', '.join(sorted(known))}"
+        )
 
 
 class Solution:
     """A solved load.
 
-    Pressures are in the unit of E_star (Pa where `pressure_unit` is "Pa"), lengths in that of the heights (m where `unit` is "m").
-    Fields have the shape of the heights, (n_x, n_y), or, where a communicator was given, are the rows of this rank: `rows`.
+    Pressures are in the unit of E_star (Pa where `pressure_unit` is "Pa"), lengths in that of the
+    heights (m where `unit` is "m"). Fields have the shape of the heights, (n_x, n_y), or, where a
+    communicator was given, are the rows of this rank: `rows`.
 
     result : output.read.Result
-        All that is known, by the names of the result file: result.surface, result.steps[0], result.fields[0].
+        All that is known, by the names of the result file: result.surface, result.steps[0],
+        result.fields[0].
     """
 
-    def __init__(self, result: Result, contact: "Contact | None" = None, rows: tuple[int, int] | None = None, comm: Any = None):
+    def __init__(
+        self,
+        result: Result,
+        contact: "Contact | None" = None,
+        rows: tuple[int, int] | None = None,
+        comm: Any = None,
+    ):
         self.result, self.comm, self._contact = result, comm or SerialComm(), contact
         self.rows = rows or (0, int(result.surface["n"][0]))
         self._arrays: dict[str, np.ndarray] = {}
@@ -70,7 +92,8 @@ class Solution:
 
     @property
     def a_r_edge(self) -> float | None:
-        """a_r less what points on the edge of the contact count too much; None for profiles and for points that are not square."""
+        """a_r less what points on the edge of the contact count too much; None for profiles and for
+        points that are not square."""
         return self.observable("a_r_corrected")
 
     @property
@@ -96,7 +119,8 @@ class Solution:
 
     @property
     def errors(self) -> tuple[float, float, float]:
-        """Estimated relative errors, by the solver on this grid, of a_r, of the mean gap and of the pressure field (L2)."""
+        """Estimated relative errors, by the solver on this grid, of a_r, of the mean gap and of the
+        pressure field (L2)."""
         return self._step["a_r_error"], self._step["gap_error"], self._step["pressure_error"]
 
     @property
@@ -111,7 +135,7 @@ class Solution:
 
     @property
     def status(self) -> str:
-        """"converged", "stagnated", "max_iterations", "nonfinite" or "interrupted"."""
+        """ "converged", "stagnated", "max_iterations", "nonfinite" or "interrupted"."""
         return self._step["status"]
 
     @property
@@ -126,7 +150,7 @@ class Solution:
 
     @property
     def precision(self) -> str:
-        """"float32" or "float64": in which it was solved."""
+        """ "float32" or "float64": in which it was solved."""
         return self._step["precision"]
 
     @property
@@ -141,12 +165,12 @@ class Solution:
 
     @property
     def unit(self) -> str:
-        """"m", or "" where nobody named the unit of length."""
+        """ "m", or "" where nobody named the unit of length."""
         return self.result.surface.get("unit", "")
 
     @property
     def pressure_unit(self) -> str:
-        """"Pa", or "" where nobody named the unit of pressure."""
+        """ "Pa", or "" where nobody named the unit of pressure."""
         return self.result.surface.get("pressure_unit", "")
 
     # fields
@@ -158,7 +182,8 @@ class Solution:
 
     @property
     def gap(self) -> np.ndarray:
-        """Gap between the deformed surface and the wall (n_x, n_y), >= 0: displacement - heights."""
+        """Gap between the deformed surface and the wall (n_x, n_y), >= 0: displacement -
+        heights."""
         return self._field("gap")
 
     @property
@@ -179,25 +204,32 @@ class Solution:
     # on request
 
     def observable(self, name: str) -> Any:
-        """A number by the name it has in the scene's output.observables, computed now if it was not asked for before.
+        """A number by the name it has in the scene's output.observables, computed now if it was not
+        asked for before.
 
-        "stiffness", "perimeter", ...: the number (None where it has no value); "patches", "percolation": a dict of several.
-        Collective. Raises SceneError for an unknown name, and where what is left of the contact does not tell it.
+        "stiffness", "perimeter", ...: the number (None where it has no value); "patches",
+        "percolation": a dict of several. Collective. Raises SceneError for an unknown name, and
+        where what is left of the contact does not tell it.
         """
         _require_known("observable", name, observable_names())
         several = names_together(name)
         for one in several or (name,):
             if one not in self._step:
                 if self._contact is None and one in LOST:
-                    raise SceneError(f"{one}: not in {self.result.path}, allowed: a run that has it in output.observables")
+                    raise SceneError(
+                        f"{one}: not in {self.result.path}, allowed: a run that has it in"
+                        " output.observables"
+                    )
                 self._step[one] = all_observables()[one](self._whole_contact())
         return {one: self._step[one] for one in several} if several else self._step[name]
 
     def distribution(self, name: str) -> dict[str, np.ndarray] | None:
-        """Arrays by the name they have in the scene's output.distributions, computed now if they were not asked for before.
+        """Arrays by the name they have in the scene's output.distributions, computed now if they
+        were not asked for before.
 
-        "pressure", "gap", "patches": {"edges": (k + 1,), "density": (k,)}; "heights_spectrum": {"q", "power"}; ... None where there is
-        nothing to count. Collective. Raises SceneError as `observable`.
+        "pressure", "gap", "patches": {"edges": (k + 1,), "density": (k,)}; "heights_spectrum":
+        {"q", "power"}; ... None where there is nothing to count. Collective. Raises SceneError as
+        `observable`.
         """
         along_x, _, along_y = self.result.surface.get("boundary", "").partition(", ")
         require_periodic([name], (along_x == "free", along_y == "free"), "distribution")
@@ -205,7 +237,10 @@ class Solution:
         if not self._stored_distribution(name):
             contact = self._whole_contact()
             if name.startswith("heights") and contact.surface.h is None:
-                raise SceneError(f'{name}: {self.result.path} has no heights, allowed: a result with fields = ["heights", ...]')
+                raise SceneError(
+                    f"{name}: {self.result.path} has no heights, allowed: a result with fields ="
+                    ' ["heights", ...]'
+                )
             found = all_distributions()[name](contact) or {}
             self._step.update({f"{name}_{what}": values.tolist() for what, values in found.items()})
         return self._stored_distribution(name) or None
@@ -218,18 +253,22 @@ class Solution:
     @property
     def distributions(self) -> dict[str, dict[str, np.ndarray]]:
         """The distributions that are known so far, by name; `distribution` finds others."""
-        return {name: found for name in all_distributions() if (found := self._stored_distribution(name))}
+        return {
+            name: found
+            for name in all_distributions()
+            if (found := self._stored_distribution(name))
+        }
 
     def save(self, path: str | PathLike, force: bool = False) -> Path:
         """Write a result file, as `hpc-gfmd run` does; see Solutions.save."""
         return save(self.result, path, force, self.rows, self.comm)
 
     def plot(self, what: str | None = None, **how: Any) -> "Figure":
-        """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept), "distributions", "spectra",
-        "curves" or one field.
+        """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept),
+        "distributions", "spectra", "curves" or one field.
 
-        how: window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such picture, or fields are spread over
-        ranks.
+        how: window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such
+        picture, or fields are spread over ranks.
         """
         return draw(self.result, self.comm, what, how)
 
@@ -257,7 +296,9 @@ class Solution:
                 self._arrays[name] = self.gap + self.heights
             else:
                 where = f"in {self.result.path}" if self.result.path else "kept"
-                raise SceneError(f'{name}: not {where}, allowed: fields = ["{name}", ...] where it is solved')
+                raise SceneError(
+                    f'{name}: not {where}, allowed: fields = ["{name}", ...] where it is solved'
+                )
         return self._arrays[name]
 
     def _whole_contact(self) -> "Contact":
@@ -268,5 +309,13 @@ class Solution:
         return self._contact
 
     def _stored_distribution(self, name: str) -> dict[str, np.ndarray]:
-        named = {key.removeprefix(f"{name}_"): value for key, value in self._step.items() if key.startswith(f"{name}_")}
-        return {what: np.array(value) for what, value in named.items() if isinstance(value, list) and "_" not in what}
+        named = {
+            key.removeprefix(f"{name}_"): value
+            for key, value in self._step.items()
+            if key.startswith(f"{name}_")
+        }
+        return {
+            what: np.array(value)
+            for what, value in named.items()
+            if isinstance(value, list) and "_" not in what
+        }

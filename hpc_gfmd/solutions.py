@@ -52,29 +52,41 @@ class Solutions(Sequence):
         return self.result.notes
 
     def values(self, name: str) -> np.ndarray:
-        """An observable or another number of all loads, (loads,), by its name in the result file: values("p_star"); nan for none."""
-        found = [one.result.steps[0][name] if name in one.result.steps[0] else one.observable(name) for one in self]
+        """An observable or another number of all loads, (loads,), by its name in the result file:
+        values("p_star"); nan for none."""
+        found = [
+            one.result.steps[0][name] if name in one.result.steps[0] else one.observable(name)
+            for one in self
+        ]
         return np.array([np.nan if value is None else value for value in found])
 
     def save(self, path: str | PathLike, force: bool = False) -> Path:
         """Write a result file of all loads, as `hpc-gfmd run` does; returns its path.
 
-        path: of the file, which ends in .h5; force: overwrite a file that is not a result of the same surface, loads and settings.
-        Collective. Warns of what it replaces. Raises SceneError where it may not be written, GfmdError where writing fails.
+        path: of the file, which ends in .h5; force: overwrite a file that is not a result of the
+        same surface, loads and settings. Collective. Warns of what it replaces. Raises SceneError
+        where it may not be written, GfmdError where writing fails.
         """
         return save(self.result, path, force, self[0].rows, self[0].comm)
 
     def plot(self, what: str = "curves", **how: Any) -> "Figure":
-        """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads), "maps", "distributions", "spectra" or one field.
+        """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads), "maps",
+        "distributions", "spectra" or one field.
 
-        how: step (which loads), window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such picture, or
-        fields are spread over ranks.
+        how: step (which loads), window, dpi, dimensionless; see plotting.plot. Raises SceneError
+        where there is no such picture, or fields are spread over ranks.
         """
         return draw(self.result, self[0].comm, what, how)
 
     def __repr__(self) -> str:
-        lines = [f"<{len(self)} solution{'s' * (len(self) != 1)}: {surface_line(self.result.surface)}, {self.status}"]
-        lines += [f"  {k}: {summary(step, self.result.surface)}" for k, step in zip(self.result.indices, self.result.steps)]
+        lines = [
+            f"<{len(self)} solution{'s' * (len(self) != 1)}: {surface_line(self.result.surface)},"
+            f" {self.status}"
+        ]
+        lines += [
+            f"  {k}: {summary(step, self.result.surface)}"
+            for k, step in zip(self.result.indices, self.result.steps)
+        ]
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)]) + ">"
 
     def _repr_html_(self) -> str:
@@ -90,22 +102,37 @@ class Interrupted(KeyboardInterrupt):
     Attributes
     ----------
     solutions : Solutions
-        The loads that were finished. Where nobody caught this, in a notebook or at the prompt, it is `sys.last_value`.
+        The loads that were finished. Where nobody caught this, in a notebook or at the prompt, it
+        is `sys.last_value`.
     """
 
     def __init__(self, solutions: Solutions):
-        super().__init__(f"{solutions.notes[-1]}; those finished are the `solutions` of this exception, "
-                         "hpc_gfmd.Interrupted (sys.last_value.solutions)")
+        super().__init__(
+            f"{solutions.notes[-1]}; those finished are the `solutions` of this exception, "
+            "hpc_gfmd.Interrupted (sys.last_value.solutions)"
+        )
         self.solutions = solutions
 
 
-def solutions_of(result: Result, contacts: Sequence[Any] | None = None, rows: tuple[int, int] | None = None,
-                 comm: Any = None) -> Solutions:
+def solutions_of(
+    result: Result,
+    contacts: Sequence[Any] | None = None,
+    rows: tuple[int, int] | None = None,
+    comm: Any = None,
+) -> Solutions:
     """The Solutions of a Result; contacts: one contact.Contact, or None, for each load."""
     contacts = contacts or [None] * len(result.steps)
-    singles = [replace(result, steps=[step], indices=[index], fields=[fields], status=step["status"])
-               for step, index, fields in zip(result.steps, result.indices, result.fields, strict=True)]
-    return Solutions([Solution(single, contact, rows, comm) for single, contact in zip(singles, contacts, strict=True)], result)
+    singles = [
+        replace(result, steps=[step], indices=[index], fields=[fields], status=step["status"])
+        for step, index, fields in zip(result.steps, result.indices, result.fields, strict=True)
+    ]
+    return Solutions(
+        [
+            Solution(single, contact, rows, comm)
+            for single, contact in zip(singles, contacts, strict=True)
+        ],
+        result,
+    )
 
 
 def load(path: str | PathLike) -> Solutions:
@@ -119,7 +146,8 @@ def load(path: str | PathLike) -> Solutions:
     Returns
     -------
     Solutions
-        Also of a single load. Fields are read when they are first asked for; `notes` and a warning tell which loads are missing.
+        Also of a single load. Fields are read when they are first asked for; `notes` and a warning
+        tell which loads are missing.
 
     Raises
     ------

@@ -9,9 +9,11 @@ from typing import Any
 
 
 class Stream:
-    """A text stream around another one, or None where there is none; lost: why not all of it was printed, an OSError, or None.
+    """A text stream around another one, or None where there is none; lost: why not all of it was
+    printed, an OSError, or None.
 
-    Characters that the terminal does not know are printed as escapes. Everything else is that of the stream inside.
+    Characters that the terminal does not know are printed as escapes. Everything else is that of
+    the stream inside.
     """
 
     def __init__(self, stream: Any):
@@ -50,7 +52,9 @@ class Stream:
         try:
             self._inside.write(text)
         except UnicodeEncodeError as error:
-            self._inside.write(text.encode(error.encoding, "backslashreplace").decode(error.encoding))
+            self._inside.write(
+                text.encode(error.encoding, "backslashreplace").decode(error.encoding)
+            )
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._inside, name)
@@ -63,13 +67,19 @@ def unfailing(stream: Any) -> Stream:
 
 @contextmanager
 def unfailing_output() -> Iterator[Stream]:
-    """`with unfailing_output() as out`: the standard streams of a command are Streams; out: its standard output."""
-    for descriptor in range(3):  # one that is closed would be that of the next file, into which libraries would print
+    """`with unfailing_output() as out`: the standard streams of a command are Streams; out: its
+    standard output."""
+    for descriptor in range(
+        3
+    ):  # one that is closed would be that of the next file, into which libraries would print
         try:
             os.fstat(descriptor)
         except OSError:
             os.open(os.devnull, os.O_RDWR)
-    with redirect_stdout(unfailing(sys.stdout)) as out, redirect_stderr(unfailing(sys.stderr)) as err:
+    with (
+        redirect_stdout(unfailing(sys.stdout)) as out,
+        redirect_stderr(unfailing(sys.stderr)) as err,
+    ):
         try:
             yield out
         finally:

@@ -1,7 +1,8 @@
 """Markers and fixtures of all tests. Tests marked `mpi` take
 
 comm:    and then run inside mpirun on every rank at once (see mpi_harness.py), or
-mpirun:  a function that runs the command line on that many ranks and returns its exit code, stdout and stderr.
+mpirun:  a function that runs the command line on that many ranks and returns its exit code, stdout
+and stderr.
 """
 
 import os
@@ -18,7 +19,9 @@ from hypothesis import settings
 
 from hpc_gfmd.cli import main
 
-settings.register_profile("repeatable", derandomize=True)  # what fails, fails for everybody; HYPOTHESIS_PROFILE=default looks further
+settings.register_profile(
+    "repeatable", derandomize=True
+)  # what fails, fails for everybody; HYPOTHESIS_PROFILE=default looks further
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 _results = {}  # ranks: {child's node id: (outcome, text)}
@@ -28,7 +31,9 @@ def pytest_configure(config):
     if mpi_harness.is_child():
         config.pluginmanager.register(mpi_harness.Child())
         return
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that what tests have started is ended, too
+    signal.signal(
+        signal.SIGTERM, signal.default_int_handler
+    )  # so that what tests have started is ended, too
     try:
         import mpi4py
     except ImportError:
@@ -48,9 +53,13 @@ def pytest_collection_modifyitems(config, items):
     marked = [item for item in items if item.get_closest_marker("mpi")]
     if lacking and marked:
         if mpi_harness.must_run():
-            raise pytest.UsageError(f"tests on several ranks were asked for, but {lacking} is missing")
+            raise pytest.UsageError(
+                f"tests on several ranks were asked for, but {lacking} is missing"
+            )
         for item in marked:
-            item.add_marker(pytest.mark.skip(reason=f"{lacking} is missing: no tests on several ranks"))
+            item.add_marker(
+                pytest.mark.skip(reason=f"{lacking} is missing: no tests on several ranks")
+            )
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -60,7 +69,11 @@ def pytest_pyfunc_call(pyfuncitem):
         return None
     ranks = pyfuncitem.callspec.params["ranks"]
     if ranks not in _results:
-        names = [_child_id(item) for item in pyfuncitem.session.items if _on_ranks(item) and item.callspec.params["ranks"] == ranks]
+        names = [
+            _child_id(item)
+            for item in pyfuncitem.session.items
+            if _on_ranks(item) and item.callspec.params["ranks"] == ranks
+        ]
         _results[ranks] = mpi_harness.run(pyfuncitem.config.rootpath, ranks, names)
     outcome, text = _results[ranks][_child_id(pyfuncitem)]
     if outcome == "failed":
@@ -71,7 +84,9 @@ def pytest_pyfunc_call(pyfuncitem):
 
 
 def _on_ranks(item):
-    return item.get_closest_marker("mpi") is not None and "comm" in getattr(item, "fixturenames", ())
+    return item.get_closest_marker("mpi") is not None and "comm" in getattr(
+        item, "fixturenames", ()
+    )
 
 
 def _child_id(item):
@@ -90,9 +105,11 @@ def path(tmp_path):
 
 @pytest.fixture
 def cli(tmp_path, monkeypatch, capfd):
-    """cli(*args): one command in this process (a new one takes seconds), in tmp_path: its exit code `code`, `out` and `err`.
+    """cli(*args): one command in this process (a new one takes seconds), in tmp_path: its exit code
+    `code`, `out` and `err`.
 
-    cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with which one is refused.
+    cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with
+    which one is refused.
     """
     monkeypatch.chdir(tmp_path)
 
@@ -123,7 +140,9 @@ def ranks(request):
 
 @pytest.fixture
 def mpirun(ranks):
-    """mpirun(*args, env=None, cwd=None, timeout=None): `mpirun -n ranks hpc-gfmd args`, see mpi_harness.call."""
+    """mpirun(*args, env=None, cwd=None, timeout=None): `mpirun -n ranks hpc-gfmd args`, see
+    mpi_harness.call."""
+
     def run(*args, **how):
         return mpi_harness.call(ranks, args, **how)
 
@@ -133,7 +152,8 @@ def mpirun(ranks):
 
 @pytest.fixture(scope="session")
 def comm():
-    """The communicator of all ranks (the parent, which only reports, has none); rank 0 has compiled the kernels."""
+    """The communicator of all ranks (the parent, which only reports, has none); rank 0 has compiled
+    the kernels."""
     if not mpi_harness.is_child():
         return None
     from hpc_gfmd.driver.warmup import compile_once

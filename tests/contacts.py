@@ -17,7 +17,11 @@ EXACT = {"residual": 1e-11, "precision": "double"}
 def rough(n_over=(2, 16, 2), hurst=0.8, seed=1, **others):
     """[surface] of a self-affine wall; n_over: L/lam_l, lam_l/lam_s, lam_s/a."""
     names = ("L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a")
-    return {"kind": "self-affine", "hurst": hurst, "seed": seed} | dict(zip(names, n_over, strict=True)) | others
+    return (
+        {"kind": "self-affine", "hurst": hurst, "seed": seed}
+        | dict(zip(names, n_over, strict=True))
+        | others
+    )
 
 
 def scene_text(n_over=(2, 8, 2), p_star=(0.05, 0.1), **others):
@@ -26,21 +30,39 @@ def scene_text(n_over=(2, 8, 2), p_star=(0.05, 0.1), **others):
 
 
 def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver):
-    """A Sweep over a [surface] table with keys of [solver]; `comm` defaults to this process; layer: further keys of [material]."""
-    scene = Scene.from_dict({"surface": surface, "load": {"pressure": 1.0}, "material": {"E_star": E_star} | (layer or {}),
-                             "solver": solver or EXACT, "output": {"observables": ["duality_gap"]} if duality else {}})
-    return composition.sweep_of(scene, lambda dtype: build_surface(scene.surface, comm or SerialComm(), dtype))
+    """A Sweep over a [surface] table with keys of [solver]; `comm` defaults to this process; layer:
+    further keys of [material]."""
+    scene = Scene.from_dict(
+        {
+            "surface": surface,
+            "load": {"pressure": 1.0},
+            "material": {"E_star": E_star} | (layer or {}),
+            "solver": solver or EXACT,
+            "output": {"observables": ["duality_gap"]} if duality else {},
+        }
+    )
+    return composition.sweep_of(
+        scene, lambda dtype: build_surface(scene.surface, comm or SerialComm(), dtype)
+    )
 
 
 def surface_over(z, sizes=(1.0, 1.0), dtype=np.float64, comm=None, free=(False, False)):
     """The Surface of an array of heights."""
-    return surface_from_rows(z.shape, sizes, lambda a, b: z[a:b], comm or SerialComm(), dtype, 1, free)
+    return surface_from_rows(
+        z.shape, sizes, lambda a, b: z[a:b], comm or SerialComm(), dtype, 1, free
+    )
 
 
-def sweep_over(z, sizes=(1.0, 1.0), free=(False, False), body=None, comm=None, E_star=1.0, **solver):
+def sweep_over(
+    z, sizes=(1.0, 1.0), free=(False, False), body=None, comm=None, E_star=1.0, **solver
+):
     """A Sweep over it with keys of [solver]."""
-    return Sweep(lambda dtype: surface_over(z, sizes, dtype, comm, free), Solver(**solver or EXACT), E_star,
-                 body=body or body_of(Material(), free))
+    return Sweep(
+        lambda dtype: surface_over(z, sizes, dtype, comm, free),
+        Solver(**solver or EXACT),
+        E_star,
+        body=body or body_of(Material(), free),
+    )
 
 
 def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):

@@ -1,9 +1,11 @@
-"""A rough patch with free edges, and its pressure by two other codes: makes free_patch.npz, with the Python that has them.
+"""A rough patch with free edges, and its pressure by two other codes: makes free_patch.npz, with
+the Python that has them.
 
     scripts/bench-peers-setup
     .venv-peers/bin/python tests/free_patch.py
 
-The heights are a formula, so that only the answer has to be kept: where there is contact, and its pressure.
+The heights are a formula, so that only the answer has to be kept: where there is contact, and its
+pressure.
 """
 
 import sys
@@ -20,10 +22,14 @@ CODES = ("aspher-fft", "contactmechanics-free-pk")
 
 
 def heights():
-    """(N, N) heights, peaks up, on 1 x 1: waves of all directions, H = 0.8, rms slope 1 of all of them, on a crown that keeps the edges
-    out of contact: there the pressure is singular, and what is a grid point wide is different in every discretisation."""
+    """(N, N) heights, peaks up, on 1 x 1: waves of all directions, H = 0.8, rms slope 1 of all of
+    them, on a crown that keeps the edges out of contact: there the pressure is singular, and what
+    is a grid point wide is different in every discretisation."""
     x = np.arange(N) / N
-    k_x, k_y = (k.ravel() for k in np.meshgrid(np.arange(-WAVES, WAVES + 1), np.arange(WAVES + 1), indexing="ij"))
+    k_x, k_y = (
+        k.ravel()
+        for k in np.meshgrid(np.arange(-WAVES, WAVES + 1), np.arange(WAVES + 1), indexing="ij")
+    )
     k = np.hypot(k_x, k_y)
     inside = (k >= 2) & (k <= WAVES) & ((k_y > 0) | (k_x > 0))
     z, slope = np.zeros((N, N)), 0.0
@@ -38,7 +44,9 @@ def pressure(kept, load):
     """The field (N, N) that free_patch.npz keeps for one of LOADS; kept: the opened file."""
     number = LOADS.index(load)
     p = np.zeros((N, N))
-    p[np.unpackbits(kept[f"contact{number}"], count=N * N).astype(bool).reshape(N, N)] = kept[f"pressure{number}"]
+    p[np.unpackbits(kept[f"contact{number}"], count=N * N).astype(bool).reshape(N, N)] = kept[
+        f"pressure{number}"
+    ]
     return p * (load / p.mean())
 
 
@@ -59,7 +67,10 @@ def main():
         difference = np.linalg.norm(one - other) / np.linalg.norm(one)
         print(load, "difference of the codes", difference)
         assert difference < 1e-4
-        kept |= {f"contact{number}": np.packbits(one > 0), f"pressure{number}": (one[one > 0] / one.max()).astype(np.float16)}
+        kept |= {
+            f"contact{number}": np.packbits(one > 0),
+            f"pressure{number}": (one[one > 0] / one.max()).astype(np.float16),
+        }
     codes = [f"aspher {version('aspher')}", f"ContactMechanics {version('ContactMechanics')}"]
     np.savez_compressed(HERE / "free_patch.npz", codes=codes, numpy=np.__version__, **kept)
 

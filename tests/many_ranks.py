@@ -1,6 +1,7 @@
-"""Run under mpirun: python many_ranks.py LAM_L_OVER_LAM_S PER_NODE FOLDER. Solves a rough contact on all ranks, as if so many of them
-shared a node, compares it with the one that one rank alone left in the folder, and counts the messages of one more iteration. Rank 0
-prints what it found as JSON."""
+"""Run under mpirun: python many_ranks.py LAM_L_OVER_LAM_S PER_NODE FOLDER. Solves a rough contact
+on all ranks, as if so many of them shared a node, compares it with the one that one rank alone left
+in the folder, and counts the messages of one more iteration. Rank 0 prints what it found as
+JSON."""
 
 import json
 import sys
@@ -23,9 +24,16 @@ def main(lam_l_over_lam_s, per_node, folder):
         comm = on_pretended_nodes(comm, lambda rank: rank // per_node, pytest.MonkeyPatch())
     sweep = sweep_of(rough((2, lam_l_over_lam_s, 2)), comm=comm, **EXACT)
     step = sweep.solve(P_STAR * sweep.surface.g_rms)
-    found = {"n": sweep.surface.grid.n[0], "status": step.contact.outcome.status, "iterations": step.iterations,
-             "pairs": step.fft_pairs, "contact": step.contact.contact_points, "gap_mean": step.contact.gap_mean,
-             "levels": sweep.solver.levels.distributed, "grids": [grid.comm.size for grid in sweep.nested.grids]}
+    found = {
+        "n": sweep.surface.grid.n[0],
+        "status": step.contact.outcome.status,
+        "iterations": step.iterations,
+        "pairs": step.fft_pairs,
+        "contact": step.contact.contact_points,
+        "gap_mean": step.contact.gap_mean,
+        "levels": sweep.solver.levels.distributed,
+        "grids": [grid.comm.size for grid in sweep.nested.grids],
+    }
     fields = {name: field(step, name) for name in ("pressure", "gap")}
     if comm.size == 1:
         np.savez(folder / "alone.npz", **fields)
@@ -33,7 +41,9 @@ def main(lam_l_over_lam_s, per_node, folder):
         alone, mine = np.load(folder / "alone.npz"), slice(*sweep.surface.rows)
         for name, values in fields.items():
             whole = alone[name]
-            found[name] = float(comm.max([np.abs(values - whole[mine]).max(initial=0) / np.abs(whole).max()])[0])
+            found[name] = float(
+                comm.max([np.abs(values - whole[mine]).max(initial=0) / np.abs(whole).max()])[0]
+            )
         found["messages"] = messages(sweep, comm, per_node)
     if comm.rank == 0:
         print(json.dumps(found))

@@ -49,8 +49,14 @@ def found(comm, mask, periodic=(True, True), corners=False):
     mine = mask[slice(*rows)]
     result = find_clusters(comm, lambda i0, i1: mine[i0:i1], rows, mask.shape, periodic, corners)
     assert all(other == result.percolates for other in comm.allgather(result.percolates))
-    return sorted(int(size) for sizes in comm.allgather(result.sizes) for size in sizes), result.percolates
+    return sorted(
+        int(size) for sizes in comm.allgather(result.sizes) for size in sizes
+    ), result.percolates
 
 
-masks = st.builds(lambda n, seed, share: np.random.default_rng(seed).random(n) < share,
-                  st.tuples(st.integers(1, 12), st.integers(1, 12)), st.integers(0, 10**6), st.floats(0.1, 0.9))
+masks = st.builds(
+    lambda n, seed, share: np.random.default_rng(seed).random(n) < share,
+    st.tuples(st.integers(1, 12), st.integers(1, 12)),
+    st.integers(0, 10**6),
+    st.floats(0.1, 0.9),
+)

@@ -1,8 +1,10 @@
-"""Tests on several ranks from a plain pytest: all of them are started once under mpirun for each rank count.
+"""Tests on several ranks from a plain pytest: all of them are started once under mpirun for each
+rank count.
 
-The pytest that a person starts (the parent) never initialises MPI. It gives a test marked `mpi` one item per rank count. The first
-item of a count starts `mpirun -n k pytest` (the children) on all of them; each rank appends what happened to a file of JSON
-lines, from which the parent reports the items one by one. A test that hangs or crashes fails alone: the rest is started again.
+The pytest that a person starts (the parent) never initialises MPI. It gives a test marked `mpi` one
+item per rank count. The first item of a count starts `mpirun -n k pytest` (the children) on all of
+them; each rank appends what happened to a file of JSON lines, from which the parent reports the
+items one by one. A test that hangs or crashes fails alone: the rest is started again.
 """
 
 import json
@@ -41,17 +43,26 @@ def missing():
 
 
 def must_run():
-    """Whether missing MPI is an error: in continuous integration, or where a rank count was asked for."""
+    """Whether missing MPI is an error: in continuous integration, or where a rank count was asked
+    for."""
     return bool(os.environ.get(RANKS)) or os.environ.get("CI", "").lower() in ("1", "true", "yes")
 
 
 def environment(**extra):
-    """The environment of processes that tests start: this package, and an MPI library that takes root and many ranks."""
+    """The environment of processes that tests start: this package, and an MPI library that takes
+    root and many ranks."""
     launcher = ("OMPI_COMM", "PMIX_", "PMI_", "PRTE_", "ORTE_")  # of a launcher around the parent
     env = {k: v for k, v in os.environ.items() if not k.startswith(launcher)}
     paths = [str(Path(hpc_gfmd.__file__).parents[1]), env.get("PYTHONPATH", "")]
-    env |= {"PYTHONPATH": os.pathsep.join(filter(None, paths)), "OMP_NUM_THREADS": "1", "OMPI_MCA_orte_execute_quiet": "1"}
-    env |= {"OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
+    env |= {
+        "PYTHONPATH": os.pathsep.join(filter(None, paths)),
+        "OMP_NUM_THREADS": "1",
+        "OMPI_MCA_orte_execute_quiet": "1",
+    }
+    env |= {
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+    }
     env |= {"OMPI_MCA_mpi_yield_when_idle": "1"}  # more ranks than cores: do not spin
     if os.getuid() == 0:
         env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
@@ -59,15 +70,26 @@ def environment(**extra):
 
 
 def start(ranks, args, output, env=None, cwd=None):
-    """Start `mpirun -n ranks python args...` in a process group of its own, its output going to the open file `output`."""
+    """Start `mpirun -n ranks python args...` in a process group of its own, its output going to the
+    open file `output`."""
     command = ["mpirun", "-n", str(ranks), sys.executable, *map(str, args)]
-    return subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT if output is not subprocess.PIPE else subprocess.PIPE,
-                            stdin=subprocess.DEVNULL, env=env or environment(), cwd=cwd, start_new_session=True)
+    return subprocess.Popen(
+        command,
+        stdout=output,
+        stderr=subprocess.STDOUT if output is not subprocess.PIPE else subprocess.PIPE,
+        stdin=subprocess.DEVNULL,
+        env=env or environment(),
+        cwd=cwd,
+        start_new_session=True,
+    )
 
 
 def end(process):
     """End a process and all that it started."""
-    for sign in (signal.SIGTERM, signal.SIGKILL):  # mpirun kills its ranks, which have groups of their own, on SIGTERM
+    for sign in (
+        signal.SIGTERM,
+        signal.SIGKILL,
+    ):  # mpirun kills its ranks, which have groups of their own, on SIGTERM
         if process.poll() is None:
             os.killpg(process.pid, sign)
             try:
@@ -89,24 +111,36 @@ def found(ranks, args, **how):
 
 
 def python(ranks, args, env=None, cwd=None, timeout=None):
-    """Run `python args` on some ranks (None: without mpirun); returns a CompletedProcess with texts.
+    """Run `python args` on some ranks (None: without mpirun); returns a CompletedProcess with
+    texts.
 
     A run that takes too long is ended and fails the test.
     """
     if ranks is None:
-        return subprocess.run([sys.executable, *map(str, args)], capture_output=True, text=True, env=env or environment(), cwd=cwd,
-                              stdin=subprocess.DEVNULL, timeout=timeout or TIMEOUT, check=False)
+        return subprocess.run(
+            [sys.executable, *map(str, args)],
+            capture_output=True,
+            text=True,
+            env=env or environment(),
+            cwd=cwd,
+            stdin=subprocess.DEVNULL,
+            timeout=timeout or TIMEOUT,
+            check=False,
+        )
     process = start(ranks, args, subprocess.PIPE, env, cwd)
     try:
         out, err = process.communicate(timeout=timeout or TIMEOUT)
     except subprocess.TimeoutExpired:
-        raise AssertionError(f"{ranks} ranks did not end within {timeout or TIMEOUT:g} s: {args}") from None
+        raise AssertionError(
+            f"{ranks} ranks did not end within {timeout or TIMEOUT:g} s: {args}"
+        ) from None
     finally:
         end(process)
     return subprocess.CompletedProcess(args, process.returncode, out.decode(), err.decode())
 
 
-# ---- the parent ----------------------------------------------------------------------------------------------------------------
+# ---- the parent
+# -----------------------------------------------------------------------------
 
 
 def run(root, ranks, names):
@@ -123,8 +157,20 @@ def _launch(root, ranks, names):
     """One mpirun; returns what it brought, at least the outcome of one test."""
     with tempfile.TemporaryDirectory(prefix="hpc-gfmd-test-") as folder:
         folder = Path(folder)
-        args = ["-m", "mpi4py", "-m", "pytest", "-q", "--tb=short", "-p", "no:cacheprovider", f"--basetemp={folder}/unused",
-                "-o", f"faulthandler_timeout={TIMEOUT * 0.8:g}", *names]
+        args = [
+            "-m",
+            "mpi4py",
+            "-m",
+            "pytest",
+            "-q",
+            "--tb=short",
+            "-p",
+            "no:cacheprovider",
+            f"--basetemp={folder}/unused",
+            "-o",
+            f"faulthandler_timeout={TIMEOUT * 0.8:g}",
+            *names,
+        ]
         with open(folder / "output", "w+b") as output:
             process = start(ranks, args, output, environment(**{REPORT: str(folder)}), cwd=root)
             try:
@@ -156,7 +202,11 @@ def _merge(folder, ranks, names, why, output):
     for name in names:
         found = [report.get(name) for report in reports]
         outcomes = [f["outcome"] for f in found if f]
-        text = "\n".join(f"---- rank {rank} of {ranks}\n{f['text']}" for rank, f in enumerate(found) if f and f["text"])
+        text = "\n".join(
+            f"---- rank {rank} of {ranks}\n{f['text']}"
+            for rank, f in enumerate(found)
+            if f and f["text"]
+        )
         if "failed" in outcomes:
             results[name] = "failed", text
         elif "started" in outcomes:
@@ -181,18 +231,23 @@ def _read(path):
     return found
 
 
-# ---- the children --------------------------------------------------------------------------------------------------------------
+# ---- the children
+# -----------------------------------------------------------------------------
 
 
 class Child:
-    """Plugin of the pytest on each rank: writes reports, and lets no rank begin a test before all have ended the one before."""
+    """Plugin of the pytest on each rank: writes reports, and lets no rank begin a test before all
+    have ended the one before."""
 
     def __init__(self):
         from mpi4py import MPI
 
         self.mpi = MPI.COMM_WORLD
-        self.agreement = self.mpi.Dup()  # the other one may be in the middle of something when a rank fails
-        self.file = open(Path(os.environ[REPORT]) / f"report.{self.mpi.rank}", "a", encoding="utf-8")  # noqa: SIM115
+        # the other one may be in the middle of something when a rank fails
+        self.agreement = self.mpi.Dup()
+        self.file = open(  # noqa: SIM115
+            Path(os.environ[REPORT]) / f"report.{self.mpi.rank}", "a", encoding="utf-8"
+        )
         self.outcome, self.text = "passed", ""
 
     def _write(self, test, outcome, text=""):
@@ -209,7 +264,10 @@ class Child:
             self.outcome, self.text = "failed", self.text + report.longreprtext + sections
             self._write(report.nodeid, "failed", self.text)
         elif report.outcome == "skipped" and self.outcome == "passed":
-            self.outcome, self.text = "skipped", str(report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr)
+            self.outcome, self.text = (
+                "skipped",
+                str(report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr),
+            )
 
     def pytest_runtest_logfinish(self, nodeid, location):
         arrived, since = self.agreement.Ibarrier(), time.monotonic()

@@ -1,11 +1,13 @@
-"""A second opinion: elastic contact on a small grid by dense linear algebra. Nothing of the package is used here.
+"""A second opinion: elastic contact on a small grid by dense linear algebra. Nothing of the package
+is used here.
 
 K is built from matrices of the discrete Fourier transform, and the complementarity problem
 
     p = p0 + K u >= 0,   g = u + h >= 0,   p g = 0
 
-is solved by principal pivoting: guess the contact, solve the linear system that it implies, move the points that violate their sign.
-All of them at once as long as their number falls, otherwise (Murty) the last one alone, which cannot cycle.
+is solved by principal pivoting: guess the contact, solve the linear system that it implies, move
+the points that violate their sign. All of them at once as long as their number falls, otherwise
+(Murty) the last one alone, which cannot cycle.
 """
 
 from dataclasses import dataclass
@@ -26,7 +28,8 @@ class Oracle:
 
 
 def stiffness(n, sizes=(1.0, 1.0), E_star=1.0, softness=None):
-    """The matrix of K = (E*/2)|q|, |q| of the minimal image, for fields flattened row by row; over softness(|q|) if given."""
+    """The matrix of K = (E*/2)|q|, |q| of the minimal image, for fields flattened row by row; over
+    softness(|q|) if given."""
     n_x, n_y = n
     kx = np.arange(n_x)
     ky = np.arange(n_y)
@@ -51,8 +54,14 @@ def solve(heights, pressure, E_star=1.0, sizes=(1.0, 1.0), softness=None):
     g, p = _complementary(K, b, np.argmin(h))
     u = g - h
     shape = z.shape
-    return Oracle(p.reshape(shape), g.reshape(shape), u.reshape(shape), float(np.mean(p > 0)), float(g.mean()),
-                  float(0.5 * u @ (K @ u) / z.size))
+    return Oracle(
+        p.reshape(shape),
+        g.reshape(shape),
+        u.reshape(shape),
+        float(np.mean(p > 0)),
+        float(g.mean()),
+        float(0.5 * u @ (K @ u) / z.size),
+    )
 
 
 def _complementary(K, b, first):
@@ -84,7 +93,8 @@ def _complementary(K, b, first):
 
 
 def compliance(contact, sizes=(1.0, 1.0), E_star=1.0):
-    """-d(mean gap)/dp while the points of a boolean array stay in contact and the others, where 1 + K v = 0, out of it."""
+    """-d(mean gap)/dp while the points of a boolean array stay in contact and the others, where 1 +
+    K v = 0, out of it."""
     free = ~contact.ravel()
     K = stiffness(contact.shape, sizes, E_star)[np.ix_(free, free)]
     return float(np.linalg.solve(K, np.ones(len(K))).sum() / contact.size)

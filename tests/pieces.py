@@ -1,4 +1,5 @@
-"""Runs in pieces: stopped or dead wherever a test likes, continued, and compared with the run that was not disturbed."""
+"""Runs in pieces: stopped or dead wherever a test likes, continued, and compared with the run that
+was not disturbed."""
 
 import numpy as np
 import pytest
@@ -12,7 +13,13 @@ from hpc_gfmd.parallel.interrupt import Interrupt
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene
 
-LOADS = [0.05, 0.06, 0.3, 9.0, 0.33]  # cold, warm, cold, closed at once, warm from the one before that
+LOADS = [
+    0.05,
+    0.06,
+    0.3,
+    9.0,
+    0.33,
+]  # cold, warm, cold, closed at once, warm from the one before that
 NEVER = 10**9
 
 
@@ -21,7 +28,8 @@ class Died(BaseException):
 
 
 class Chance(Interrupt):
-    """Stops the run, or lets it die, when it has been polled `after` times; asks for checkpoints at the polls `save_at`."""
+    """Stops the run, or lets it die, when it has been polled `after` times; asks for checkpoints at
+    the polls `save_at`."""
 
     after, dies, save_at, polled = NEVER, False, (), 0
 
@@ -44,7 +52,9 @@ class Pieces:
         self.comm, self.path, self.whole = comm, folder / "pieces.h5", folder / "whole.h5"
         self.chance = type("Chance", (Chance,), {})
         monkeypatch.setattr(simulation, "Interrupt", self.chance)
-        monkeypatch.setattr(simulation, "compile_once", lambda *_: None)  # for speed: there are many runs
+        monkeypatch.setattr(
+            simulation, "compile_once", lambda *_: None
+        )  # for speed: there are many runs
         monkeypatch.setattr(h5, "sync", lambda *_, **__: None)
 
     def undisturbed(self, scene):
@@ -54,14 +64,22 @@ class Pieces:
         return self.chance.polled
 
     def run(self, scene, *pieces, comms=()):
-        """Run in pieces (after, dies, save_at) and then to the end; comms: of the pieces, where others than that of all."""
+        """Run in pieces (after, dies, save_at) and then to the end; comms: of the pieces, where
+        others than that of all."""
         for k, (after, dies, save_at) in enumerate([*pieces, (NEVER, False, ())]):
             comm = comms[k] if k < len(comms) else self.comm
-            self.chance.polled, self.chance.after, self.chance.dies, self.chance.save_at = 0, after, dies, save_at
+            self.chance.polled, self.chance.after, self.chance.dies, self.chance.save_at = (
+                0,
+                after,
+                dies,
+                save_at,
+            )
             status = None
             if comm is self.comm or self.comm.rank == 0:
                 try:
-                    status = run_scene(scene, out=self.path, resume=k > 0, quiet=True, comm=comm).status
+                    status = run_scene(
+                        scene, out=self.path, resume=k > 0, quiet=True, comm=comm
+                    ).status
                 except Died:
                     status = "died"
             self.comm.barrier()
@@ -69,15 +87,24 @@ class Pieces:
         assert not partial_folder(self.path).exists()
 
     def compare(self, rel=0.0):
-        """Everything but the time is the same, to the last bit unless rel, a relative tolerance, is given."""
+        """Everything but the time is the same, to the last bit unless rel, a relative tolerance, is
+        given."""
         found, wanted = read_result(self.path), read_result(self.whole)
         assert found.indices == wanted.indices
-        for a, b, fields, others in zip(found.steps, wanted.steps, found.fields, wanted.fields, strict=True):
+        for a, b, fields, others in zip(
+            found.steps, wanted.steps, found.fields, wanted.fields, strict=True
+        ):
             assert a.keys() == b.keys()
             for name in set(a) - {"wall_seconds"}:
                 if not rel or isinstance(b[name], str):
                     assert a[name] == b[name], name
-                elif not name.endswith("_error") and name in ("a_r", "gap_mean", "energy", "kappa", "p"):
+                elif not name.endswith("_error") and name in (
+                    "a_r",
+                    "gap_mean",
+                    "energy",
+                    "kappa",
+                    "p",
+                ):
                     assert a[name] == pytest.approx(b[name], rel=rel), name
             for name, stored in fields.items():
                 x, y = (one.read(0, one.shape[0]) for one in (stored, others[name]))
@@ -89,5 +116,11 @@ def scene(solver, loads=LOADS, fields=("gap", "pressure"), boundary="periodic", 
     """A small rough contact in double precision; loads: p*, or a table [load]."""
     solver = {"name": solver, "accuracy": 1e-2, "precision": "double"} | settings
     load = loads if isinstance(loads, dict) else {"p_star": loads}
-    return Scene.from_dict({"surface": rough((2, 8, 2), boundary=boundary), "load": load, "solver": solver,
-                            "output": {"fields": list(fields)}})
+    return Scene.from_dict(
+        {
+            "surface": rough((2, 8, 2), boundary=boundary),
+            "load": load,
+            "solver": solver,
+            "output": {"fields": list(fields)},
+        }
+    )

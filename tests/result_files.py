@@ -9,7 +9,14 @@ N = (6, 5)
 FIELD = np.arange(30.0).reshape(N)
 HEAD = {"scene": "title = 'x'", "identity": "abc", "versions": {"numpy": "2"}, "setup_seconds": 0.1}
 SURFACE = {"n": list(N), "physical_sizes": [1.0, 2.0], "h_rms": 0.5, "g_rms": 1.0}
-STEP = {"p": 0.1, "p_star": 0.1, "a_r": 0.25, "a_r_error": 1e-3, "iterations": 7, "status": "converged"}
+STEP = {
+    "p": 0.1,
+    "p_star": 0.1,
+    "a_r": 0.25,
+    "a_r_error": 1e-3,
+    "iterations": 7,
+    "status": "converged",
+}
 
 
 def begin(path, identity="abc", **how):

@@ -9,8 +9,14 @@ from hpc_gfmd.errors import SceneError
 from hpc_gfmd.scene import Scene
 
 SHIPPED = sorted((Path(hpc_gfmd.scene.__file__).parents[1] / "scenes").glob("*.toml"))
-SURFACE = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 2, "lam_l_over_lam_s": 64, "lam_s_over_a": 2,
-           "seed": 1}
+SURFACE = {
+    "kind": "self-affine",
+    "hurst": 0.8,
+    "L_over_lam_l": 2,
+    "lam_l_over_lam_s": 64,
+    "lam_s_over_a": 2,
+    "seed": 1,
+}
 WAVE = {"kind": "wave", "amplitude": 0.1, "n": [8, 6]}
 SPHERE = {"kind": "sphere", "radius": 1, "n": [8, 8]}
 FILE = {"kind": "file", "path": "z.npy"}
@@ -18,7 +24,8 @@ TABLES = ("surface", "material", "load", "solver", "output", "machine")
 
 
 def tables(surface=(), **others) -> dict:
-    """The reference scene with some keys replaced; a surface with a kind replaces the whole surface."""
+    """The reference scene with some keys replaced; a surface with a kind replaces the whole
+    surface."""
     surface = dict(surface)
     surface = surface if "kind" in surface else SURFACE | surface
     return {"surface": surface, "load": {"p_star": [0.1]}} | others
@@ -29,5 +36,5 @@ def refusal(data: dict) -> str:
     with pytest.raises(SceneError) as caught:
         Scene.from_dict(data)
     message = str(caught.value)
-    assert message.isprintable()      # one line
+    assert message.isprintable()  # one line
     return message.removeprefix("scene: ")

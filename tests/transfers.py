@@ -1,15 +1,30 @@
-"""Transfers between a grid and the next coarser one as matrices, and the sizes that they are tried on."""
+"""Transfers between a grid and the next coarser one as matrices, and the sizes that they are tried
+on."""
 
 import numpy as np
 
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.operators.coarsening import Transfer, levels
 
-SIZES = [(8, 8), (9, 9), (8, 6), (12, 7), (5, 16), (1, 16), (16, 1), (2, 2), (3, 5), (4, 32), (17, 33), (1, 1)]
+SIZES = [
+    (8, 8),
+    (9, 9),
+    (8, 6),
+    (12, 7),
+    (5, 16),
+    (1, 16),
+    (16, 1),
+    (2, 2),
+    (3, 5),
+    (4, 32),
+    (17, 33),
+    (1, 1),
+]
 
 
 def interpolation(n, m):
-    """The matrix of linear interpolation from m to n points of a periodic axis; coarse point J at J n/m."""
+    """The matrix of linear interpolation from m to n points of a periodic axis; coarse point J at J
+    n/m."""
     P = np.zeros((n, m))
     for i in range(n):
         J, f = i * m // n, (i * m % n) / n

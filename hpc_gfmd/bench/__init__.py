@@ -1,1 +1,2 @@
-"""Measurements of speed: kernels, transforms, time against true error, and other codes on the same surfaces."""
+"""Measurements of speed: kernels, transforms, time against true error, and other codes on the same
+surfaces."""

@@ -1,4 +1,5 @@
-"""The contacts that are measured: self-affine surfaces of the paper's kind, one seed each, periodic or with free edges."""
+"""The contacts that are measured: self-affine surfaces of the paper's kind, one seed each, periodic
+or with free edges."""
 
 from __future__ import annotations
 
@@ -25,8 +26,8 @@ DTYPES = {"single": np.float32, "double": np.float64}
 class Case:
     """n x n points, Hurst exponent, p* = p0/(E* g_rms). E* = 1, g_rms = 1, a cell of size 1 x 1.
 
-    by_cells: with free edges the pressure is constant on the cells of grid points, as other codes have it; ours is band-limited. On a
-    periodic surface all have the same.
+    by_cells: with free edges the pressure is constant on the cells of grid points, as other codes
+    have it; ours is band-limited. On a periodic surface all have the same.
     """
 
     n: int
@@ -37,9 +38,16 @@ class Case:
     by_cells: bool = False
 
     def _scene(self, **load: float) -> Scene:
-        surface = {"kind": "self-affine", "hurst": self.hurst, "L_over_lam_l": L_OVER_LAM_L, "lam_s_over_a": LAM_S_OVER_A,
-                   "lam_l_over_lam_s": self.n / (L_OVER_LAM_L * LAM_S_OVER_A), "seed": self.seed, "g_rms": 1.0,
-                   "boundary": self.boundary}
+        surface = {
+            "kind": "self-affine",
+            "hurst": self.hurst,
+            "L_over_lam_l": L_OVER_LAM_L,
+            "lam_s_over_a": LAM_S_OVER_A,
+            "lam_l_over_lam_s": self.n / (L_OVER_LAM_L * LAM_S_OVER_A),
+            "seed": self.seed,
+            "g_rms": 1.0,
+            "boundary": self.boundary,
+        }
         return Scene.from_dict({"surface": surface, "load": load})
 
     @cached_property
@@ -69,7 +77,8 @@ class Case:
         return build_surface(self.spec, comm or SerialComm(), dtype, threads)
 
     def gap(self) -> np.ndarray:
-        """The gap under zero load, (n, n) float64, in units of the cell's size; peaks touch at 0."""
+        """The gap under zero load, (n, n) float64, in units of the cell's size; peaks touch at
+        0."""
         surface = self.surface(np.float64)
         assert surface.h is not None
         return surface.h * surface.height_unit
@@ -77,4 +86,10 @@ class Case:
     @property
     def label(self) -> dict[str, Any]:
         """What tells it from others, as part of a row."""
-        return {"n": self.n, "hurst": self.hurst, "p_star": self.p_star, "seed": self.seed, "boundary": self.boundary}
+        return {
+            "n": self.n,
+            "hurst": self.hurst,
+            "p_star": self.p_star,
+            "seed": self.seed,
+            "boundary": self.boundary,
+        }

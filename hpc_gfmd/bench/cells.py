@@ -1,7 +1,9 @@
-"""The half-space with free edges as most codes discretise it: a pressure that is constant on the cell around each grid point.
+"""The half-space with free edges as most codes discretise it: a pressure that is constant on the
+cell around each grid point.
 
-Love's solution for the displacement in the middle of one cell by the pressure on another, in place of the band-limited Green's
-function of bodies/free.py. For comparisons on equal terms only, on one rank, with both axes free.
+Love's solution for the displacement in the middle of one cell by the pressure on another, in place
+of the band-limited Green's function of bodies/free.py. For comparisons on equal terms only, on one
+rank, with both axes free.
 """
 
 from __future__ import annotations
@@ -28,7 +30,12 @@ class Cells(Free):
             return plain
         tabled = Tabled(grid, fft, self.table(grid, fft))
         found, length = images(*shape[:-1]), np.sqrt(np.prod(grid.sizes)) / grid.a
-        modes = tabled.table.reshape(-1, tabled.table.shape[-1])[:found.modes[1] + 1, :found.modes[0] + 1].T * length
+        modes = (
+            tabled.table.reshape(-1, tabled.table.shape[-1])[
+                : found.modes[1] + 1, : found.modes[0] + 1
+            ].T
+            * length
+        )
         S = np.divide(1, modes, out=np.zeros(modes.shape), where=modes > 0)
         return Coupled(tabled, grid, fft, found, added(found, S, fft.dtype))
 
@@ -42,7 +49,7 @@ class Cells(Free):
             x[: i1 - i0] -= kernel(*offsets(grid, i0, i1), *cell)
 
         def keep(block: np.ndarray, m: int) -> None:
-            out[m, :len(block)] = 1 / block.real[:, : grid.n[0] // 2 + 1]
+            out[m, : len(block)] = 1 / block.real[:, : grid.n[0] // 2 + 1]
 
         fft.forward_rows(rows)
         fft.columns(keep, backward=False)
@@ -54,14 +61,19 @@ class Cells(Free):
 
         def fill(i0: int, i1: int, out: np.ndarray) -> None:
             x, y = offsets(grid, i0, i1)
-            out[: i1 - i0] = sum(sx * sy * _corner(x[:, None] + sx * half[0], y + sy * half[1]) for sx in (1, -1) for sy in (1, -1))
+            out[: i1 - i0] = sum(
+                sx * sy * _corner(x[:, None] + sx * half[0], y + sy * half[1])
+                for sx in (1, -1)
+                for sy in (1, -1)
+            )
             out[: i1 - i0] /= np.pi
 
         return fill
 
 
 def offsets(grid: Grid, i0: int, i1: int) -> tuple[np.ndarray, np.ndarray]:
-    """Distances along both axes of the points of some rows from point 0 or its nearest image, in units of a."""
+    """Distances along both axes of the points of some rows from point 0 or its nearest image, in
+    units of a."""
     points = np.arange(i0, i1), np.arange(grid.n[1])
     x, y = (np.minimum(i, n - i) * (s / grid.a) for i, n, s in zip(points, grid.n, grid.spacings))
     return x, y

@@ -1,4 +1,5 @@
-"""The passes of a solve timed on some ranks, a copy and the bare FFT pairs in turn with them. Started by kernels.py."""
+"""The passes of a solve timed on some ranks, a copy and the bare FFT pairs in turn with them.
+Started by kernels.py."""
 
 import sys
 from collections.abc import Sequence
@@ -29,8 +30,12 @@ class TimedSolver:
         self.solver = solver_class("auto")(Problem(surface.grid, h, case.p_star), {})
         self.start = np.maximum(h - h.dtype.type(h.mean()), 0)
         self.left, solver = 0, self.solver
-        parts = {"search + rows": (solver, "_search"), "columns": (solver.elastic, "pressure_columns"),
-                 "update + rows": (solver, "_update"), "sweep": (solver.levels, "sweep")}
+        parts = {
+            "search + rows": (solver, "_search"),
+            "columns": (solver.elastic, "pressure_columns"),
+            "update + rows": (solver, "_update"),
+            "sweep": (solver.levels, "sweep"),
+        }
         self.watch = Stopwatch(parts, clock.now)
         for name, (owner, method) in parts.items():
             self.watch.watch(owner, method, name)
@@ -54,7 +59,10 @@ def main(argv: Sequence[str]) -> None:
     clock = Clock(comm, cpu)
     timed = TimedSolver(Case(n, HURST, p_star), dtype, comm, clock)
     shape = timed.solver.grid.shape
-    source, target = np.ones(shape, dtype), np.ones(shape, dtype)  # not zeros: those have no memory of their own yet
+    source, target = (
+        np.ones(shape, dtype),
+        np.ones(shape, dtype),
+    )  # not zeros: those have no memory of their own yet
     others = {"copy": lambda: np.copyto(target, source)} | bare_pairs((n, n), dtype, comm)
 
     def measure() -> dict[str, float]:
@@ -63,8 +71,9 @@ def main(argv: Sequence[str]) -> None:
         if timed.left == 0:
             timed()  # begins anew: not counted
         timed()
-        return {part: clock.slowest(spent) for part, spent in timed.watch.seconds.items()} | {name: clock.measure(run)
-                                                                                     for name, run in others.items()}
+        return {part: clock.slowest(spent) for part, spent in timed.watch.seconds.items()} | {
+            name: clock.measure(run) for name, run in others.items()
+        }
 
     measure()  # warm
     serve(comm, measure)

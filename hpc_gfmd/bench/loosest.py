@@ -10,10 +10,14 @@ PATIENCE = 3  # times the budget that is spent where nothing is good enough yet
 CLOSE = 1.5  # ratio of a tolerance that fails to one that passes at which the search ends
 
 
-def loosest(error_at: Callable[[float], float], target: float, start: float, budget: float = np.inf) -> tuple[float | None, float]:
-    """The loosest tolerance t with error_at(t) <= target, and that error; (None, smallest error found) where there is none.
+def loosest(
+    error_at: Callable[[float], float], target: float, start: float, budget: float = np.inf
+) -> tuple[float | None, float]:
+    """The loosest tolerance t with error_at(t) <= target, and that error; (None, smallest error
+    found) where there is none.
 
-    Steps proportionally to the error until the answer is bracketed, then bisects; ends after `budget` seconds at the best known.
+    Steps proportionally to the error until the answer is bracketed, then bisects; ends after
+    `budget` seconds at the best known.
     """
     begun = time.perf_counter()
     passes: float | None = None

@@ -1,4 +1,5 @@
-"""Messages between the ranks of this machine, copies of all in its memory: for the model of "this machine". Started by scaling.py."""
+"""Messages between the ranks of this machine, copies of all in its memory: for the model of "this
+machine". Started by scaling.py."""
 
 import time
 from collections.abc import Callable
@@ -12,7 +13,10 @@ from .workers import serve
 
 SMALL, LARGE = 8, 4 * 2**20  # bytes
 PIECE = 2**18  # bytes: of a block of columns, as large as those of an all-to-all are
-ROWS, SUMS = 64, 8  # of a coarse level and in a reduction of the solver: as many as make no difference
+ROWS, SUMS = (
+    64,
+    8,
+)  # of a coarse level and in a reduction of the solver: as many as make no difference
 COPIED = 2**26  # bytes: far more than caches hold
 
 
@@ -27,16 +31,25 @@ def main() -> None:
     rows, window = np.zeros((1, ROWS, ROWS), np.float32), np.zeros((1, ROWS + 2, ROWS), np.float32)
 
     def measure() -> dict[str, float]:
-        found = {"ranks": comm.size,
-                 "copy_bandwidth": 2 * COPIED * comm.size / _seconds(comm, lambda: np.copyto(target, source), 4)}
+        found = {
+            "ranks": comm.size,
+            "copy_bandwidth": 2
+            * COPIED
+            * comm.size
+            / _seconds(comm, lambda: np.copyto(target, source), 4),
+        }
         if comm.size > 1:
             others = comm.size - 1
-            found |= {"latency": _seconds(comm, lambda: _there_and_back(comm, few), 2000) / 2,
-                      "bandwidth": LARGE / (_seconds(comm, lambda: _there_and_back(comm, many), 20) / 2),
-                      "alltoall_bandwidth": others * PIECE / _seconds(comm, lambda: comm.mpi.Alltoall(sent, received), 200 // others),
-                      "barrier": _seconds(comm, comm.node.barrier, 2000),
-                      "halo": _seconds(comm, lambda: halo.fill(comm, rows, window), 1000) / 2,
-                      "sum": _seconds(comm, lambda: comm.sum(sums), 1000)}
+            found |= {
+                "latency": _seconds(comm, lambda: _there_and_back(comm, few), 2000) / 2,
+                "bandwidth": LARGE / (_seconds(comm, lambda: _there_and_back(comm, many), 20) / 2),
+                "alltoall_bandwidth": others
+                * PIECE
+                / _seconds(comm, lambda: comm.mpi.Alltoall(sent, received), 200 // others),
+                "barrier": _seconds(comm, comm.node.barrier, 2000),
+                "halo": _seconds(comm, lambda: halo.fill(comm, rows, window), 1000) / 2,
+                "sum": _seconds(comm, lambda: comm.sum(sums), 1000),
+            }
         return found
 
     measure()

@@ -1,12 +1,15 @@
-"""Other codes for the same contact, each in its own way; run by peers.py with the Python of the peers' environment.
+"""Other codes for the same contact, each in its own way; run by peers.py with the Python of the
+peers' environment.
 
     python peer_worker.py NAME
 
 Reads one JSON object per line and answers each with one:
-    {"heights": path.npy, "pressure": p0}     plan for this surface (float64, n x n, peaks up, of size 1 x 1, E* = 1)
-    {"tolerance": t, "pressure_to": path.npy} solve from scratch; answers seconds, cpu_seconds, iterations, status
+    {"heights": path.npy, "pressure": p0}     plan for this surface (float64, n x n, peaks up, of
+    size 1 x 1, E* = 1) {"tolerance": t, "pressure_to": path.npy} solve from scratch; answers
+    seconds, cpu_seconds, iterations, status
 
-Stands alone: imports nothing of the package that it is compared with. Planning and compilation are never inside of the times.
+Stands alone: imports nothing of the package that it is compared with. Planning and compilation are
+never inside of the times.
 """
 
 import json
@@ -28,9 +31,17 @@ Solved = tuple[Any, int | None, str]  # what `pressure` takes, iterations, statu
 
 
 class Aspher:
-    """solve_nested, ASPHER's fastest for this problem, with its default preconditioner; settings: others of its arguments."""
+    """solve_nested, ASPHER's fastest for this problem, with its default preconditioner; settings:
+    others of its arguments."""
 
-    def __init__(self, heights: np.ndarray, p0: float, backend: str = "periodic", precision: str = "double", **settings: object):
+    def __init__(
+        self,
+        heights: np.ndarray,
+        p0: float,
+        backend: str = "periodic",
+        precision: str = "double",
+        **settings: object,
+    ):
         self.n, self.p0 = len(heights), p0
         self.settings = settings | {"backend": backend, "precision": precision}
         self.gap = np.ascontiguousarray(heights.max() - heights).ravel()
@@ -40,8 +51,17 @@ class Aspher:
         import aspher
 
         result = aspher.solve_nested(
-            grid_size=self.n, gap=self.gap, p_nominal=self.p0, domain_size=1.0, E_star=1.0, coarsest=min(64, self.n),
-            tol=tolerance, max_iter=MAX_ITERATIONS, light_result=True, **self.settings)
+            grid_size=self.n,
+            gap=self.gap,
+            p_nominal=self.p0,
+            domain_size=1.0,
+            E_star=1.0,
+            coarsest=min(64, self.n),
+            tol=tolerance,
+            max_iter=MAX_ITERATIONS,
+            light_result=True,
+            **self.settings,
+        )
         return result, int(result.iterations), str(result.status)
 
     @staticmethod
@@ -76,7 +96,8 @@ class Tamaas:
 
 
 class ContactMechanicsPK:
-    """constrained_conjugate_gradients: Polonsky and Keer at a given force. Its three tolerances are tied to one relative number."""
+    """constrained_conjugate_gradients: Polonsky and Keer at a given force. Its three tolerances are
+    tied to one relative number."""
 
     def __init__(self, heights: np.ndarray, p0: float, free: bool = False):
         import ContactMechanics
@@ -84,42 +105,64 @@ class ContactMechanicsPK:
         from SurfaceTopography import Topography
 
         n = len(heights)
-        kind = ContactMechanics.FreeFFTElasticHalfSpace if free else ContactMechanics.PeriodicFFTElasticHalfSpace
+        kind = (
+            ContactMechanics.FreeFFTElasticHalfSpace
+            if free
+            else ContactMechanics.PeriodicFFTElasticHalfSpace
+        )
         self.substrate = kind((n, n), 1.0, (1.0, 1.0))
         self.surface = Topography(heights, (1.0, 1.0), periodic=not free)
-        self.system = make_system(interaction="hardwall", substrate=self.substrate, surface=self.surface)
+        self.system = make_system(
+            interaction="hardwall", substrate=self.substrate, surface=self.surface
+        )
         self.h_rms, self.force = heights.std(), p0 / n**2  # force per pixel
         self.n, self.p0 = n, p0
         self.substrate.evaluate_disp(np.ones((n, n)))
 
     def solve(self, tolerance: float) -> Solved:
-        result = self.system.minimize_proxy(external_force=self.p0, pentol=tolerance * self.h_rms, forcetol=tolerance * self.force,
-                                            thermotol=tolerance, maxiter=MAX_ITERATIONS)
+        result = self.system.minimize_proxy(
+            external_force=self.p0,
+            pentol=tolerance * self.h_rms,
+            forcetol=tolerance * self.force,
+            thermotol=tolerance,
+            maxiter=MAX_ITERATIONS,
+        )
         return result.jac, int(result.nit), "converged" if result.success else "not converged"
 
     def pressure(self, forces: Any) -> np.ndarray:
-        points = math.isqrt(np.size(forces))  # along an axis: with free edges also those beyond the surface
+        points = math.isqrt(
+            np.size(forces)
+        )  # along an axis: with free edges also those beyond the surface
         return np.asarray(forces).reshape(points, points)[: self.n, : self.n] * self.n**2
 
 
 class ContactMechanicsCCG(ContactMechanicsPK):
-    """Constrained conjugate gradients without restart (Bugnicourt et al.) in the pixel forces, at a given mean force."""
+    """Constrained conjugate gradients without restart (Bugnicourt et al.) in the pixel forces, at a
+    given mean force."""
 
     def solve(self, tolerance: float) -> Solved:
         from NuMPI.Optimization import CCGWithoutRestart
 
         result = CCGWithoutRestart.constrained_conjugate_gradients(
-            self.system.dual_objective(0.0, gradient=True), self.system.dual_hessian_product,
-            np.full((self.n, self.n), self.force), mean_val=self.force, gtol=tolerance * self.h_rms, maxiter=MAX_ITERATIONS)
+            self.system.dual_objective(0.0, gradient=True),
+            self.system.dual_hessian_product,
+            np.full((self.n, self.n), self.force),
+            mean_val=self.force,
+            gtol=tolerance * self.h_rms,
+            maxiter=MAX_ITERATIONS,
+        )
         return result.x, int(result.nit), "converged" if result.success else "not converged"
 
 
-# With free edges: a convolution on the doubled cell, or fast multipoles of order q (6 by default), whose own error limits the pressure
-# and which alone have an active set.
+# With free edges: a convolution on the doubled cell, or fast multipoles of order q (6 by default),
+# whose own error limits the pressure and which alone have an active set.
 PEERS: dict[str, Callable[[np.ndarray, float], Any]] = {
-    "aspher": Aspher, "aspher-float": partial(Aspher, precision="float"),
+    "aspher": Aspher,
+    "aspher-float": partial(Aspher, precision="float"),
     "aspher-mixed": partial(Aspher, precision="float_then_double"),
-    "tamaas": Tamaas, "contactmechanics-pk": ContactMechanicsPK, "contactmechanics-ccg": ContactMechanicsCCG,
+    "tamaas": Tamaas,
+    "contactmechanics-pk": ContactMechanicsPK,
+    "contactmechanics-ccg": ContactMechanicsCCG,
     "aspher-fft": partial(Aspher, backend="fft"),
     "aspher-fft-mixed": partial(Aspher, backend="fft", precision="float_then_double"),
     "aspher-h2": partial(Aspher, backend="h2"),
@@ -127,7 +170,8 @@ PEERS: dict[str, Callable[[np.ndarray, float], Any]] = {
     "aspher-h2-active-float": partial(Aspher, backend="h2", active_set=True, precision="float"),
     "aspher-h2-active-q8": partial(Aspher, backend="h2", active_set=True, q=8),
     "contactmechanics-free-pk": partial(ContactMechanicsPK, free=True),
-    "contactmechanics-free-ccg": partial(ContactMechanicsCCG, free=True)}
+    "contactmechanics-free-ccg": partial(ContactMechanicsCCG, free=True),
+}
 
 
 def main() -> None:
@@ -146,8 +190,12 @@ def main() -> None:
             else:
                 begun, cpu = time.perf_counter(), time.process_time()
                 result, iterations, status = peer.solve(float(asked["tolerance"]))
-                answer = {"seconds": time.perf_counter() - begun, "cpu_seconds": time.process_time() - cpu,
-                          "iterations": iterations, "status": status}
+                answer = {
+                    "seconds": time.perf_counter() - begun,
+                    "cpu_seconds": time.process_time() - cpu,
+                    "iterations": iterations,
+                    "status": status,
+                }
                 np.save(asked["pressure_to"], peer.pressure(result))
         except Exception as error:  # whatever goes wrong in there is the caller's to report
             answer = {"error": f"{type(error).__name__}: {error}"}

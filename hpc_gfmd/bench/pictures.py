@@ -11,20 +11,32 @@ from matplotlib.lines import Line2D
 from ..plotting.style import COLOURS, figure, ticks
 
 Rows = Sequence[Mapping[str, Any]]
-NAMES = {"bpx": "BPX-GFMD (default)", "gfmd": "GFMD", "fire": "GFMD + FIRE", "ccg": "Polonsky-Keer CG"}
-LABELS = {"seconds_min": "time (s)", "cpu_seconds_min": "CPU time (s)", "fft_pairs": "FFT pairs, everything counted"}
+NAMES = {
+    "bpx": "BPX-GFMD (default)",
+    "gfmd": "GFMD",
+    "fire": "GFMD + FIRE",
+    "ccg": "Polonsky-Keer CG",
+}
+LABELS = {
+    "seconds_min": "time (s)",
+    "cpu_seconds_min": "CPU time (s)",
+    "fft_pairs": "FFT pairs, everything counted",
+}
 MARKERS = {"double": "o", "single": "^"}
 
 
 def accuracy_picture(rows: Rows, path: Path, cost: str) -> None:
-    """Draw the rows of the largest n of bench_accuracy to path: true error against time or FFT pairs, log-log, a panel for each load
-    and Hurst exponent. Solves that were interrupted at their budget have the error that they had reached. cost: which of LABELS."""
+    """Draw the rows of the largest n of bench_accuracy to path: true error against time or FFT
+    pairs, log-log, a panel for each load and Hurst exponent. Solves that were interrupted at their
+    budget have the error that they had reached. cost: which of LABELS."""
     rows = [row for row in rows if row["error"] and row["status"] in ("converged", "interrupted")]
     if not rows:
         return
     n = max(row["n"] for row in rows)
     rows = [row for row in rows if row["n"] == n]
-    loads, hursts, solvers = (list(dict.fromkeys(row[key] for row in rows)) for key in ("p_star", "hurst", "solver"))
+    loads, hursts, solvers = (
+        list(dict.fromkeys(row[key] for row in rows)) for key in ("p_star", "hurst", "solver")
+    )
     with figure(path, 1.2 + 2.3 * len(loads), 0.9 + 2.3 * len(hursts)) as fig:
         panels = fig.subplots(len(hursts), len(loads), squeeze=False, sharex=True, sharey=True)
         for hurst, line in zip(hursts, panels, strict=True):
@@ -43,43 +55,89 @@ def accuracy_picture(rows: Rows, path: Path, cost: str) -> None:
 def _panel(ax: Any, rows: Rows, solvers: Sequence[str], cost: str) -> None:
     curves = dict.fromkeys((row["solver"], row["start"], row["precision"]) for row in rows)
     for solver, start, precision in curves:
-        points = [row for row in rows if (row["solver"], row["start"], row["precision"]) == (solver, start, precision)]
-        ax.loglog([row[cost] for row in points], [row["error"] for row in points], marker=MARKERS[precision], markersize=4,
-                  color=COLOURS[solvers.index(solver) % len(COLOURS)], linestyle="-" if start == "nested" else ":",
-                  markerfacecolor=None if precision == "double" else "white")
+        points = [
+            row
+            for row in rows
+            if (row["solver"], row["start"], row["precision"]) == (solver, start, precision)
+        ]
+        ax.loglog(
+            [row[cost] for row in points],
+            [row["error"] for row in points],
+            marker=MARKERS[precision],
+            markersize=4,
+            color=COLOURS[solvers.index(solver) % len(COLOURS)],
+            linestyle="-" if start == "nested" else ":",
+            markerfacecolor=None if precision == "double" else "white",
+        )
 
 
 def _legend(fig: Any, rows: Rows, solvers: Sequence[str], n: int) -> None:
-    handles = [Line2D([], [], color=COLOURS[k % len(COLOURS)], label=NAMES.get(name, name)) for k, name in enumerate(solvers)]
-    handles += [Line2D([], [], color="0.3", linestyle="-", label="nested start"),
-                Line2D([], [], color="0.3", linestyle=":", label="cold start")]
-    handles += [Line2D([], [], color="0.3", linestyle="", marker=MARKERS[p], label=f"{p} precision",
-                       markerfacecolor=None if p == "double" else "white") for p in dict.fromkeys(row["precision"] for row in rows)]
-    fig.legend(handles=handles, loc="outside upper center", ncols=4,
-               title=f"{n} x {n} points; error: worst of area, mean gap, pressure")
+    handles = [
+        Line2D([], [], color=COLOURS[k % len(COLOURS)], label=NAMES.get(name, name))
+        for k, name in enumerate(solvers)
+    ]
+    handles += [
+        Line2D([], [], color="0.3", linestyle="-", label="nested start"),
+        Line2D([], [], color="0.3", linestyle=":", label="cold start"),
+    ]
+    handles += [
+        Line2D(
+            [],
+            [],
+            color="0.3",
+            linestyle="",
+            marker=MARKERS[p],
+            label=f"{p} precision",
+            markerfacecolor=None if p == "double" else "white",
+        )
+        for p in dict.fromkeys(row["precision"] for row in rows)
+    ]
+    fig.legend(
+        handles=handles,
+        loc="outside upper center",
+        ncols=4,
+        title=f"{n} x {n} points; error: worst of area, mean gap, pressure",
+    )
 
 
 def scaling_picture(rows: Rows, model_rows: Rows, folder: str | PathLike) -> None:
-    """Draw scaling.png into a folder: measured efficiency and shares, and the model's solve time on a cluster."""
+    """Draw scaling.png into a folder: measured efficiency and shares, and the model's solve time on
+    a cluster."""
     with figure(Path(folder) / "scaling.png", 10.5, 3.4) as fig:
         measured, shares, model = fig.subplots(1, 3)
         _efficiency(measured, rows)
         _shares(shares, [row for row in rows if row["kind"] == "strong"])
-        for k, (n, link) in enumerate(dict.fromkeys((row["n"], row["network_gb_per_s"]) for row in model_rows)):
+        for k, (n, link) in enumerate(
+            dict.fromkeys((row["n"], row["network_gb_per_s"]) for row in model_rows)
+        ):
             here = [row for row in model_rows if (row["n"], row["network_gb_per_s"]) == (n, link)]
-            model.loglog([row["nodes"] for row in here], [row["seconds"] for row in here], "o-", ms=4, color=COLOURS[k % len(COLOURS)],
-                         label=f"$n = 2^{{{round(np.log2(n))}}}$, {link:g} GB/s")
+            model.loglog(
+                [row["nodes"] for row in here],
+                [row["seconds"] for row in here],
+                "o-",
+                ms=4,
+                color=COLOURS[k % len(COLOURS)],
+                label=f"$n = 2^{{{round(np.log2(n))}}}$, {link:g} GB/s",
+            )
         model.set(xlabel="nodes (model)", ylabel="solve (s)", title="predicted")
         model.legend()
 
 
 def _efficiency(ax: Any, rows: Rows) -> None:
-    for k, (kind, precision) in enumerate(dict.fromkeys((row["kind"], row["precision"]) for row in rows)):
+    for k, (kind, precision) in enumerate(
+        dict.fromkeys((row["kind"], row["precision"]) for row in rows)
+    ):
         here = [row for row in rows if (row["kind"], row["precision"]) == (kind, precision)]
         for n in dict.fromkeys(row["n"] for row in here) if kind == "strong" else (None,):
             points = [row for row in here if n is None or row["n"] == n]
-            ax.plot([row["ranks"] for row in points], [row["efficiency"] for row in points], "o-" if kind == "strong" else "s:", ms=4,
-                    color=COLOURS[k % len(COLOURS)], label=f"{kind}, {precision}" + (f", n = {n}" if n else ""))
+            ax.plot(
+                [row["ranks"] for row in points],
+                [row["efficiency"] for row in points],
+                "o-" if kind == "strong" else "s:",
+                ms=4,
+                color=COLOURS[k % len(COLOURS)],
+                label=f"{kind}, {precision}" + (f", n = {n}" if n else ""),
+            )
     ax.set(xlabel="ranks", ylabel="parallel efficiency", title="measured", ylim=(0, 1.2))
     ax.legend(fontsize="x-small")
 
@@ -89,8 +147,18 @@ def _shares(ax: Any, rows: Rows) -> None:
     bottom = np.zeros(len(rows))
     for k, part in enumerate(parts):
         heights = np.array([row[part] for row in rows])
-        ax.bar(range(len(rows)), heights, bottom=bottom, color=COLOURS[k % len(COLOURS)], label=part.removeprefix("share_"))
+        ax.bar(
+            range(len(rows)),
+            heights,
+            bottom=bottom,
+            color=COLOURS[k % len(COLOURS)],
+            label=part.removeprefix("share_"),
+        )
         bottom += heights
-    ax.set_xticks(range(len(rows)), [f"{row['n']}\n{row['ranks']} r\n{row['precision'][0]}" for row in rows], fontsize="xx-small")
+    ax.set_xticks(
+        range(len(rows)),
+        [f"{row['n']}\n{row['ranks']} r\n{row['precision'][0]}" for row in rows],
+        fontsize="xx-small",
+    )
     ax.set(ylabel="share of the time", title="where it goes")
     ax.legend(fontsize="x-small")

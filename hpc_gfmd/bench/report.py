@@ -1,4 +1,5 @@
-"""What a benchmark leaves behind: a text table for readers, and one JSON line per row for programs, which says where it was made."""
+"""What a benchmark leaves behind: a text table for readers, and one JSON line per row for programs,
+which says where it was made."""
 
 import json
 import os
@@ -19,12 +20,19 @@ Columns = dict[str, tuple[str, str]]
 
 
 class Report:
-    """Collects rows, says them as they come, and writes NAME.jsonl and NAME.txt. Only rank 0 says and writes.
+    """Collects rows, says them as they come, and writes NAME.jsonl and NAME.txt. Only rank 0 says
+    and writes.
 
     columns: {key of a row: (heading, format)} of the text table.
     """
 
-    def __init__(self, name: str, columns: Columns, out: str | PathLike | None = None, comm: Comm | None = None):
+    def __init__(
+        self,
+        name: str,
+        columns: Columns,
+        out: str | PathLike | None = None,
+        comm: Comm | None = None,
+    ):
         self.name, self.columns, self.comm = name, columns, comm
         self.speaker = comm is None or comm.rank == 0
         self.rows: list[dict[str, Any]] = []
@@ -35,9 +43,16 @@ class Report:
             self.folder.mkdir(parents=True, exist_ok=True)
             (self.folder / f"{name}.jsonl").write_text("")
         where = self.provenance
-        ranks = f", {comm.size} ranks" if comm else ""  # others tell the ranks and threads of what they start in their rows
-        self.say(f"# {name}: {where['cpu']}{ranks}, load average {where['load_average']}, {where['time']}, commit {where['commit']}")
-        self.say("  ".join(f"{heading:>{_width(heading, form)}}" for heading, form in columns.values()))
+        ranks = (
+            f", {comm.size} ranks" if comm else ""
+        )  # others tell the ranks and threads of what they start in their rows
+        self.say(
+            f"# {name}: {where['cpu']}{ranks}, load average {where['load_average']},"
+            f" {where['time']}, commit {where['commit']}"
+        )
+        self.say(
+            "  ".join(f"{heading:>{_width(heading, form)}}" for heading, form in columns.values())
+        )
 
     def say(self, line: str) -> None:
         """One line of text."""
@@ -48,10 +63,16 @@ class Report:
     def add(self, **row: Any) -> None:
         """One row of results: to the screen and, at once, to the file."""
         self.rows.append(row)
-        self.say("  ".join(_cell(row.get(key), heading, form) for key, (heading, form) in self.columns.items()))
+        self.say(
+            "  ".join(
+                _cell(row.get(key), heading, form) for key, (heading, form) in self.columns.items()
+            )
+        )
         if self.folder and self.speaker:
             with open(self.folder / f"{self.name}.jsonl", "a") as file:
-                file.write(json.dumps({"bench": self.name} | row | {"provenance": self.provenance}) + "\n")
+                file.write(
+                    json.dumps({"bench": self.name} | row | {"provenance": self.provenance}) + "\n"
+                )
 
     def finish(self) -> None:
         """Write the text; says where."""
@@ -61,22 +82,38 @@ class Report:
 
 
 def provenance(comm: Comm | None = None) -> dict[str, Any]:
-    """Host, processor, load, versions, commit, time, and threads and ranks of this process: those that it starts may have others."""
-    return {"host": platform.node(), "cpu": processor(), "cores": len(os.sched_getaffinity(0)),
-            "load_average": round(os.getloadavg()[0], 2),
-            "ranks": comm.size if comm else 1, "threads": 1, "time": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
-            "commit": _commit(), "versions": versions()}
+    """Host, processor, load, versions, commit, time, and threads and ranks of this process: those
+    that it starts may have others."""
+    return {
+        "host": platform.node(),
+        "cpu": processor(),
+        "cores": len(os.sched_getaffinity(0)),
+        "load_average": round(os.getloadavg()[0], 2),
+        "ranks": comm.size if comm else 1,
+        "threads": 1,
+        "time": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        "commit": _commit(),
+        "versions": versions(),
+    }
 
 
 def _commit() -> str | None:
-    """The commit of the source tree that runs, with a + if it was changed since; None outside of one."""
+    """The commit of the source tree that runs, with a + if it was changed since; None outside of
+    one."""
     here = Path(__file__).resolve().parents[2]
     if not (here / ".git").exists():
         return None
     git = ["git", "-C", str(here)]
     try:
-        commit = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True).stdout.strip()
-        changed = subprocess.run([*git, "status", "--porcelain", "--", "hpc_gfmd"], capture_output=True, text=True, check=True).stdout
+        commit = subprocess.run(
+            [*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True
+        ).stdout.strip()
+        changed = subprocess.run(
+            [*git, "status", "--porcelain", "--", "hpc_gfmd"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
     except (OSError, subprocess.CalledProcessError):
         return None
     return commit + ("+" if changed.strip() else "")
@@ -96,5 +133,9 @@ def _width(heading: str, form: str) -> int:
 
 def _cell(value: Any, heading: str, form: str) -> str:
     width = _width(heading, form)
-    text = "-" if value is None else (str(value) if isinstance(value, str | bool) else f"{value:{form}}")
+    text = (
+        "-"
+        if value is None
+        else (str(value) if isinstance(value, str | bool) else f"{value:{form}}")
+    )
     return f"{text:>{width}}"

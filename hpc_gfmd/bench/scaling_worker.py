@@ -14,11 +14,13 @@ from .timing import Stopwatch
 from .workers import serve
 
 PARTS = ("fft", "transpose", "levels", "reductions")
-WARM_UP = 3  # solves of a process before the first that counts: until then the system still finds it large pages
+# solves of a process before the first that counts: until then the system still finds it large pages
+WARM_UP = 3
 
 
 class TimedMpi:
-    """An mpi4py communicator whose calls are timed: all-to-alls, and all of a node that transposes together, apart from the rest."""
+    """An mpi4py communicator whose calls are timed: all-to-alls, and all of a node that transposes
+    together, apart from the rest."""
 
     def __init__(self, mpi: Any, watch: Stopwatch, rest: str):
         self._mpi, self._watch, self._rest = mpi, watch, rest
@@ -57,9 +59,19 @@ def main(argv: Sequence[str]) -> int:
         seconds = time.perf_counter() - begun
         parts = dict(zip(PARTS, comm.sum(list(watch.seconds.values())) / comm.size, strict=True))
         parts["kernels"] = seconds - sum(parts.values())
-        return {"n": n, "ranks": comm.size, "threads": threads, "precision": precision, "p_star": p_star, "accuracy": accuracy,
-                "seconds": seconds, "parts": parts, "iterations": step.iterations, "fft_pairs": step.fft_pairs,
-                "status": step.contact.outcome.status}
+        return {
+            "n": n,
+            "ranks": comm.size,
+            "threads": threads,
+            "precision": precision,
+            "p_star": p_star,
+            "accuracy": accuracy,
+            "seconds": seconds,
+            "parts": parts,
+            "iterations": step.iterations,
+            "fft_pairs": step.fft_pairs,
+            "status": step.contact.outcome.status,
+        }
 
     for _ in range(WARM_UP):
         measure()
@@ -68,12 +80,18 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _instrument(sweep: Any, watch: Stopwatch) -> None:
-    """Time the transforms of all grids, and the sweep over the levels of every solver that is made."""
+    """Time the transforms of all grids, and the sweep over the levels of every solver that is
+    made."""
     grids = [sweep.surface.grid] + (sweep.nested.grids if sweep.nested else [])
     for grid in grids:
         for fft in grid.planned():
             if not hasattr(fft.plans, "is_timed"):
-                for name in ("rows_forward", "rows_backward", "columns_forward", "columns_backward"):
+                for name in (
+                    "rows_forward",
+                    "rows_backward",
+                    "columns_forward",
+                    "columns_backward",
+                ):
                     watch.watch(fft.plans, name, "fft")
                 fft.plans.is_timed = True
     make = type(sweep)._make

@@ -1,4 +1,5 @@
-"""Writing a field into the result file, and reading it back, against a raw write of the same bytes in the same run."""
+"""Writing a field into the result file, and reading it back, against a raw write of the same bytes
+in the same run."""
 
 import os
 import tempfile
@@ -15,17 +16,26 @@ from ..parallel.world import world
 from .report import Report
 from .timing import Clock, Sample, ratio
 
-COLUMNS = {"n": ("n", "7d"), "way": ("way", "20s"), "gb": ("GB", "7.3g"), "seconds": ("s (min)", "8.3g"), "rate": ("GB/s", "7.3g"),
-           "times_raw": ("x raw", "7.2f"), "times_one": ("x one file", "10.2f")}
+COLUMNS = {
+    "n": ("n", "7d"),
+    "way": ("way", "20s"),
+    "gb": ("GB", "7.3g"),
+    "seconds": ("s (min)", "8.3g"),
+    "rate": ("GB/s", "7.3g"),
+    "times_raw": ("x raw", "7.2f"),
+    "times_one": ("x one file", "10.2f"),
+}
 ONE, READ = "raw, one file", "read back"
 
 
 def bench_storage(args: Namespace) -> None:
-    """Single precision fields of n x n points in a temporary folder inside args.folder; on all ranks. Everything is synced to the disk,
-    into files that are not there yet: to replace one takes the time to free it. args: n (list), folder, repeats, out.
+    """Single precision fields of n x n points in a temporary folder inside args.folder; on all
+    ranks. Everything is synced to the disk, into files that are not there yet: to replace one takes
+    the time to free it. args: n (list), folder, repeats, out.
 
-    raw: every rank writes a file of its own; "raw, one file": all their rows into the same one, which file systems let one do after
-    the other. Both ratios are medians over rounds in which all take turns.
+    raw: every rank writes a file of its own; "raw, one file": all their rows into the same one,
+    which file systems let one do after the other. Both ratios are medians over rounds in which all
+    take turns.
     """
     comm = world()
     report = Report("storage", COLUMNS, args.out, comm)
@@ -36,9 +46,15 @@ def bench_storage(args: Namespace) -> None:
             samples = _measure(comm, clock, place, n, args.repeats)
             for way, sample in samples.items():
                 gb, reading = n * n * 4 / 1e9, way == READ
-                report.add(n=n, way=way, gb=gb, seconds=sample.min, rate=gb / sample.min,
-                           times_raw=None if reading else ratio(sample, samples["raw"]),
-                           times_one=None if reading else ratio(sample, samples[ONE]))
+                report.add(
+                    n=n,
+                    way=way,
+                    gb=gb,
+                    seconds=sample.min,
+                    rate=gb / sample.min,
+                    times_raw=None if reading else ratio(sample, samples["raw"]),
+                    times_one=None if reading else ratio(sample, samples[ONE]),
+                )
         comm.barrier()
     report.finish()
 
@@ -59,7 +75,11 @@ def _measure(comm: Comm, clock: Clock, place: Path, n: int, repeats: int) -> dic
     def write() -> dict[str, Stored]:
         return write_file(comm, result, (n, n), (start, stop), {"field": data})
 
-    runs = {"raw": lambda: write_raw(own, 0), ONE: lambda: write_raw(one, 4 * n * start), f"result file, {io_way(comm)}": write}
+    runs = {
+        "raw": lambda: write_raw(own, 0),
+        ONE: lambda: write_raw(one, 4 * n * start),
+        f"result file, {io_way(comm)}": write,
+    }
 
     def remove() -> None:
         for path in (own, one, result):

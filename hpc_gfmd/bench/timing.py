@@ -1,4 +1,5 @@
-"""Times that can be compared: warmed up, alternating within one run, minimum and median of the repeats."""
+"""Times that can be compared: warmed up, alternating within one run, minimum and median of the
+repeats."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -13,7 +14,8 @@ K = TypeVar("K")
 
 
 class Stopwatch:
-    """Adds up seconds by name, by the clock `now`; time of inner parts is not counted in outer ones."""
+    """Adds up seconds by name, by the clock `now`; time of inner parts is not counted in outer
+    ones."""
 
     def __init__(self, parts: Iterable[str], now: Callable[[], float] = time.perf_counter):
         self.parts, self.now, self.inner = tuple(parts), now, 0.0
@@ -29,6 +31,7 @@ class Stopwatch:
 
     def timed(self, name: str, function: Callable) -> Callable:
         """The same function, timed."""
+
         def call(*args: Any, **kwargs: Any) -> Any:
             before, begun = self.inner, self.now()
             self.inner = 0.0
@@ -44,7 +47,8 @@ class Stopwatch:
 
 @dataclass(frozen=True)
 class Sample:
-    """Seconds of the repeats, in the order in which they were taken; under MPI of the slowest rank."""
+    """Seconds of the repeats, in the order in which they were taken; under MPI of the slowest
+    rank."""
 
     seconds: tuple[float, ...]
 
@@ -60,13 +64,15 @@ class Sample:
 
 
 def in_turn(names: Iterable[K], repeats: int) -> Iterator[K]:
-    """All names in so many rounds, every other one backwards (A B B A), so that a drift of the machine's speed hits all alike."""
+    """All names in so many rounds, every other one backwards (A B B A), so that a drift of the
+    machine's speed hits all alike."""
     for k in range(repeats):
         yield from list(names)[:: 1 if k % 2 == 0 else -1]
 
 
 class Clock:
-    """Measures functions. cpu: by the processor's clock of this process, for a machine that others use too."""
+    """Measures functions. cpu: by the processor's clock of this process, for a machine that others
+    use too."""
 
     def __init__(self, comm: Comm | None = None, cpu: bool = False):
         self.comm, self.now = comm, time.process_time if cpu else time.perf_counter
@@ -84,9 +90,15 @@ class Clock:
         run()
         return self.slowest(self.now() - begun)
 
-    def alternate(self, runs: Mapping[str, Callable[[], object]], repeats: int, warmup: int = 1,
-                  before: Callable[[], object] = lambda: None) -> dict[str, Sample]:
-        """{name: Sample} of {name: function}: all in turn; not timed: rounds of warm-up, and `before`, which is called before each."""
+    def alternate(
+        self,
+        runs: Mapping[str, Callable[[], object]],
+        repeats: int,
+        warmup: int = 1,
+        before: Callable[[], object] = lambda: None,
+    ) -> dict[str, Sample]:
+        """{name: Sample} of {name: function}: all in turn; not timed: rounds of warm-up, and
+        `before`, which is called before each."""
         seconds: dict[str, list[float]] = {name: [] for name in runs}
         for _ in range(warmup):
             for run in runs.values():

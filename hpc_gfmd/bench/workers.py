@@ -1,4 +1,5 @@
-"""Processes that measure when they are told to: several can take turns, so that a drift of the machine's speed hits all alike."""
+"""Processes that measure when they are told to: several can take turns, so that a drift of the
+machine's speed hits all alike."""
 
 import json
 import os
@@ -14,11 +15,14 @@ from ..errors import GfmdError
 from ..parallel.comm import Comm
 from .timing import K, in_turn
 
-PAUSE = 2e-2  # seconds between two looks of a rank that waits: those that measure wait for the one whose core it takes
+# seconds between two looks of a rank that waits: those that measure wait for the one whose core it
+# takes
+PAUSE = 2e-2
 
 
 class Worker:
-    """A module of this package on a number of ranks, which calls `serve`. Raises GfmdError if it fails."""
+    """A module of this package on a number of ranks, which calls `serve`. Raises GfmdError if it
+    fails."""
 
     def __init__(self, module: str, ranks: int, *args: object):
         command = [sys.executable, "-m", f"hpc_gfmd.bench.{module}", *map(str, args)]
@@ -27,8 +31,14 @@ class Worker:
         self.what = f"{module} on {ranks} rank{'s' * (ranks > 1)}"
         self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115
         try:
-            self._process: Any = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
-                                                  text=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
+            self._process: Any = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=self._errors,
+                text=True,
+                env=os.environ | {"OMP_NUM_THREADS": "1"},
+            )
         except OSError as error:
             raise GfmdError(f"{self.what}: {error}") from None
         self._answer()  # ready
@@ -56,7 +66,8 @@ class Worker:
 
 
 def measured(jobs: Mapping[K, Sequence], repeats: int) -> dict[K, list[dict[str, Any]]]:
-    """All that workers find who take turns so many times; jobs: what each Worker is made of. Raises GfmdError if one fails."""
+    """All that workers find who take turns so many times; jobs: what each Worker is made of. Raises
+    GfmdError if one fails."""
     found: dict[K, list] = {name: [] for name in jobs}
     with ExitStack() as stack:
         workers = {name: stack.enter_context(closing(Worker(*job))) for name, job in jobs.items()}
@@ -66,15 +77,20 @@ def measured(jobs: Mapping[K, Sequence], repeats: int) -> dict[K, list[dict[str,
 
 
 def what_failed(text: str) -> str:
-    """The line of standard error that says most: the last one of ours, or else the first one of mpirun's, which dashes frame."""
+    """The line of standard error that says most: the last one of ours, or else the first one of
+    mpirun's, which dashes frame."""
     lines = [line.strip() for line in text.splitlines()]
     frame = next((k for k, line in enumerate(lines) if line.startswith("-----")), len(lines))
-    ours, launchers = ([line for line in part if any(map(str.isalpha, line))] for part in (lines[:frame], lines[frame:]))
+    ours, launchers = (
+        [line for line in part if any(map(str.isalpha, line))]
+        for part in (lines[:frame], lines[frame:])
+    )
     return ours[-1] if ours else launchers[0] if launchers else "?"
 
 
 def serve(comm: Comm, measure: Callable[[], dict]) -> None:
-    """Print what measure() returns, a dict, on rank 0, as often as asked on its standard input. Collective."""
+    """Print what measure() returns, a dict, on rank 0, as often as asked on its standard input.
+    Collective."""
     _say(comm, {})
     while _asked(comm):
         _say(comm, measure())

@@ -1,7 +1,9 @@
-"""What an elastic body is: its stiffness K(q) on any grid, and all numbers that the solvers derive from it.
+"""What an elastic body is: its stiffness K(q) on any grid, and all numbers that the solvers derive
+from it.
 
-Units as in problem.py: E* = 1, in-plane lengths in grid spacings a. Load control eliminates the rigid translation, so on a grid
-K(0) = 0 and S = 1/K has zero mean; what a uniform pressure does (`stiffness` at q = 0) counts for the approach alone.
+Units as in problem.py: E* = 1, in-plane lengths in grid spacings a. Load control eliminates the
+rigid translation, so on a grid K(0) = 0 and S = 1/K has zero mean; what a uniform pressure does
+(`stiffness` at q = 0) counts for the approach alone.
 """
 
 from __future__ import annotations
@@ -44,19 +46,23 @@ class Multipliers(Protocol):
     uniform: float
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Called once before the columns of a field are multiplied, where modes of different columns belong together. Collective."""
+        """Called once before the columns of a field are multiplied, where modes of different
+        columns belong together. Collective."""
 
     def stiffness(self, block: np.ndarray, m: int) -> float:
-        """block *= K/N; block: (W, n_x) complex, the columns of block m. Returns their share of <u, K u>."""
+        """block *= K/N; block: (W, n_x) complex, the columns of block m. Returns their share of <u,
+        K u>."""
 
     def compliance(self, block: np.ndarray, m: int) -> float:
         """block *= S/N, 0 where K is. Returns their share of <p, S p>."""
 
 
 class Body:
-    """An elastic body, given by the radial function `stiffness`. Instances are hashable: frozen dataclasses.
+    """An elastic body, given by the radial function `stiffness`. Instances are hashable: frozen
+    dataclasses.
 
-    To add a body, put a file into bodies/ with a subclass that has `of` and `stiffness`; all else follows from these.
+    To add a body, put a file into bodies/ with a subclass that has `of` and `stiffness`; all else
+    follows from these.
 
     Attributes
     ----------
@@ -65,8 +71,8 @@ class Body:
     table_share : float
         Numbers that are kept for every point of a grid and each precision.
     full_p_star : float
-        Below this p* full contact is out of the question, because the pressure that flattens a surface varies by std(p) >= E* g_rms/2
-        about its mean (unless the surface is very skewed).
+        Below this p* full contact is out of the question, because the pressure that flattens a
+        surface varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed).
     error : float
         Relative error of the pressure field (L2) from what S is not known to, at most.
     """
@@ -82,7 +88,9 @@ class Body:
         return True
 
     @classmethod
-    def of(cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]) -> Body | None:
+    def of(
+        cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]
+    ) -> Body | None:
         """The body of this kind that a scene means.
 
         Parameters
@@ -126,7 +134,8 @@ class Body:
         raise NotImplementedError
 
     def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Wave numbers along both axes, in units of 1/a, as `stiffness` is to take them on a grid."""
+        """Wave numbers along both axes, in units of 1/a, as `stiffness` is to take them on a
+        grid."""
         return q_x, q_y
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
@@ -134,7 +143,8 @@ class Body:
         return self.tabled(grid, fft)
 
     def tabled(self, grid: Grid, fft: SlabFFT) -> Tabled:
-        """The multipliers from the table, which is made once for each plan of transforms. Collective."""
+        """The multipliers from the table, which is made once for each plan of transforms.
+        Collective."""
         return self.kept(fft, lambda: Tabled(grid, fft, self.table(grid, fft), self.absolute))
 
     def kept(self, fft: SlabFFT, make: Callable[[], T]) -> T:
@@ -145,50 +155,67 @@ class Body:
         return made[self]
 
     def table(self, grid: Grid, fft: SlabFFT) -> np.ndarray:
-        """K for this rank's columns, shape (own blocks, W, n_x//2 + 1) in the precision of fft: it is even in q_x."""
-        q_x, q_y = self.waves(grid, grid.q_x[: grid.n[0] // 2 + 1], grid.column_tables(fft)[0][grid.comm.rank::grid.comm.size])
+        """K for this rank's columns, shape (own blocks, W, n_x//2 + 1) in the precision of fft: it
+        is even in q_x."""
+        q_x, q_y = self.waves(
+            grid,
+            grid.q_x[: grid.n[0] // 2 + 1],
+            grid.column_tables(fft)[0][grid.comm.rank :: grid.comm.size],
+        )
         out = np.empty((*q_y.shape, len(q_x)), fft.dtype)
         for block, q in zip(out, np.asarray(q_y, np.float64)):
             block[...] = self.stiffness(np.hypot(q_x, q[:, None]), grid.a)
         return out
 
     def scale(self, grid: Grid) -> float:
-        """K of the shortest wave of the grid (the corner of the Brillouin zone) over sqrt 2: what the finest level is weighted by."""
+        """K of the shortest wave of the grid (the corner of the Brillouin zone) over sqrt 2: what
+        the finest level is weighted by."""
         return float(self.stiffness(np.array([SQRT2 * grid.q_nyquist]), grid.a)[0]) / SQRT2
 
     def bounds(self, grid: Grid) -> tuple[float, float]:
         """The smallest and the largest K of all waves of the grid."""
         shortest = SQRT2 * grid.q_nyquist
-        longest = min((2 * np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1), default=shortest)
+        longest = min(
+            (2 * np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1),
+            default=shortest,
+        )
         K = self.stiffness(np.geomspace(longest, shortest, SAMPLES), grid.a)
         return float(K.min()), float(K.max())
 
     def typical(self, grid: Grid) -> float:
-        """What K is on the average over what solvers leave, so that it tells the error of the pressure from that of the energy: times a
-        constant, `scale` where K is proportional to q."""
+        """What K is on the average over what solvers leave, so that it tells the error of the
+        pressure from that of the energy: times a constant, `scale` where K is proportional to q."""
         shortest = SQRT2 * grid.q_nyquist
-        K = self.stiffness(np.append(np.linspace(0, LEFT * shortest, SAMPLES)[1:], LEFT * shortest), grid.a)
+        K = self.stiffness(
+            np.append(np.linspace(0, LEFT * shortest, SAMPLES)[1:], LEFT * shortest), grid.a
+        )
         return float(K.max()) / (SQRT2 * LEFT)
 
     def weights(self, grid: Grid) -> np.ndarray:
-        """The stiffness of every level of the grid's hierarchy in the multilevel preconditioner, relative to the finest.
+        """The stiffness of every level of the grid's hierarchy in the multilevel preconditioner,
+        relative to the finest.
 
-        A wave is corrected on its own level and on all finer ones. So K of a level is the largest of all waves as long as its own
-        or longer, and where it falls less than in proportion to q from a level to the next (a thin layer pressed by long waves) the
-        next one has little to add, or nothing: NOTHING. The last level is the rigid translation, which nothing resists but contact.
+        A wave is corrected on its own level and on all finer ones. So K of a level is the largest
+        of all waves as long as its own or longer, and where it falls less than in proportion to q
+        from a level to the next (a thin layer pressed by long waves) the next one has little to
+        add, or nothing: NOTHING. The last level is the rigid translation, which nothing resists but
+        contact.
         """
         q = np.array([level.q for level in levels(grid)])
         longer = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES), 0)
         K = np.array([self.stiffness(SQRT2 * x * longer[longer <= 1], grid.a).max() for x in q])
         fallen, wanted = 1 - K[1:] / K[:-1], 1 - q[1:] / q[:-1]
         with np.errstate(divide="ignore", invalid="ignore"):
-            weights = np.minimum(K / K[0] * np.append(1, np.where(wanted > 0, (wanted / fallen) ** FLAT, 1)), NOTHING)
+            weights = np.minimum(
+                K / K[0] * np.append(1, np.where(wanted > 0, (wanted / fallen) ** FLAT, 1)), NOTHING
+            )
         weights[-1] = q[-1] / q[0]
         return weights
 
     def softness(self, grid: Grid) -> np.ndarray:
-        """What every level adds to S, over S of the shortest wave: of a field of zero mean, <r, S r> is bounded by its squares on the
-        levels times this (operators/multilevel.py). Not 1/weights where K is flat: S of a level is the largest of all waves as short.
+        """What every level adds to S, over S of the shortest wave: of a field of zero mean, <r, S
+        r> is bounded by its squares on the levels times this (operators/multilevel.py). Not
+        1/weights where K is flat: S of a level is the largest of all waves as short.
         """
         q = np.array([level.q for level in levels(grid)])
         shorter = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES) * q[0], q)
@@ -200,17 +227,23 @@ class Body:
         return np.append(S[0], added) / S[0]
 
     def near(self, grid: Grid) -> np.ndarray:
-        """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0 where there are none)."""
+        """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0
+        where there are none)."""
         return _near(self, tuple(min(k, NEAR_POINTS) for k in grid.n), grid.spacings, grid.a)
 
 
 class Tabled:
-    """The multipliers of a body whose K stands in a table. absolute: whether its K(0) means anything."""
+    """The multipliers of a body whose K stands in a table. absolute: whether its K(0) means
+    anything."""
 
     def __init__(self, grid: Grid, fft: SlabFFT, table: np.ndarray, absolute: bool = True):
         self.ranks, self.scale, self.dtype = grid.comm.size, fft.scale, fft.dtype
         self.weight = grid.column_tables(fft)[1]
-        self.uniform = float(grid.comm.bcast_float([table[0, 0, 0] if table.size else 0.0])[0]) if absolute else np.nan
+        self.uniform = (
+            float(grid.comm.bcast_float([table[0, 0, 0] if table.size else 0.0])[0])
+            if absolute
+            else np.nan
+        )
         if grid.comm.rank == 0:
             table[0, 0, 0] = 0  # the rigid translation
         self.table = table
@@ -227,7 +260,12 @@ class Tabled:
         return self._call(divide_by_table, block, m)
 
     def _call(self, kernel: Any, block: np.ndarray, m: int) -> float:
-        return kernel(block.view(self.dtype), self.table[m // self.ranks], self.weight[m], self.dtype.type(self.scale))
+        return kernel(
+            block.view(self.dtype),
+            self.table[m // self.ranks],
+            self.weight[m],
+            self.dtype.type(self.scale),
+        )
 
 
 @cache
@@ -235,4 +273,6 @@ def _near(body: Body, n: tuple[int, ...], spacings: tuple[float, float], a: floa
     q = [2 * np.pi * np.fft.fftfreq(k) * a / s for k, s in zip(n, spacings, strict=True)]
     K = np.fft.ifft2(body.stiffness(np.hypot(q[0][:, None], q[1]), a)).real
     x, y = (k > 2 for k in n)
-    return np.array([K[0, 0], K[1 % n[0], 0] * x, K[0, 1 % n[1]] * y, K[1 % n[0], 1 % n[1]] * (x and y)])
+    return np.array(
+        [K[0, 0], K[1 % n[0], 0] * x, K[0, 1 % n[1]] * y, K[1 % n[0], 1 % n[1]] * (x and y)]
+    )

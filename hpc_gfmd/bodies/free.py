@@ -1,11 +1,13 @@
 """The elastic half-space under a surface that ends: free boundaries along one axis or both.
 
-The grid is a cell longer than the surface along each free axis, and points beyond the surface never touch. For two points of the
-surface S must be that of free space, for others it may be anything: it is that of the periodic half-space and, in the lowest modes of
-the cell, what takes the images out of it (operators/images.py). K is its inverse: |q|/2 again, but that these modes are coupled.
+The grid is a cell longer than the surface along each free axis, and points beyond the surface never
+touch. For two points of the surface S must be that of free space, for others it may be anything: it
+is that of the periodic half-space and, in the lowest modes of the cell, what takes the images out
+of it (operators/images.py). K is its inverse: |q|/2 again, but that these modes are coupled.
 
-On a grid |q| has a kink where the wave numbers end, which gives S a tail, (-1)^i/i^2 along either axis, and so images of its own that
-are no 1/r. The wave numbers of an axis that ends are rounded there, so that K is smooth and S knows nothing of the cell.
+On a grid |q| has a kink where the wave numbers end, which gives S a tail, (-1)^i/i^2 along either
+axis, and so images of its own that are no 1/r. The wave numbers of an axis that ends are rounded
+there, so that K is smooth and S knows nothing of the cell.
 """
 
 from __future__ import annotations
@@ -28,7 +30,8 @@ if TYPE_CHECKING:
 
 SHARES = 24  # shares of a cell that are told apart: nearly the same grids have the same modes
 COVERED = 16  # of them that a surface has at most, see surface.cell_of
-ROUNDED = 0.055  # width of the kink, over 1/a: the tail of S has died out within the points beyond a surface
+# width of the kink, over 1/a: the tail of S has died out within the points beyond a surface
+ROUNDED = 0.055
 DECAY = 18.0  # wave number times distance over which the waves of a periodic axis die out
 
 
@@ -36,7 +39,8 @@ Matrices = dict[bool, dict[tuple[int, int], np.ndarray]]
 
 
 class Shape(NamedTuple):
-    """What `images` takes for a grid, in the unit of the root of the cell's area; points: along its axes, as far as modes can tell."""
+    """What `images` takes for a grid, in the unit of the root of the cell's area; points: along its
+    axes, as far as modes can tell."""
 
     cell: tuple[float, float]
     inside: tuple[float, float]
@@ -53,7 +57,9 @@ class Free(HalfSpace):
 
     name = "free"
     full_p_star = np.inf  # outside the surface nothing ever touches
-    error = 5e-7  # the largest seen, where all of the surface touches, whatever the grid; a tenth of it at light loads
+    # the largest seen, where all of the surface touches, whatever the grid; a tenth of it at light
+    # loads
+    error = 5e-7
 
     @property
     def absolute(self) -> bool:
@@ -61,7 +67,9 @@ class Free(HalfSpace):
         return all(self.free)
 
     @classmethod
-    def of(cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]) -> Body | None:
+    def of(
+        cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]
+    ) -> Body | None:
         return cls((free[0], free[1])) if thickness is None and any(free) else None
 
     @classmethod
@@ -77,7 +85,9 @@ class Free(HalfSpace):
         return q_x, q_y
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
-        return self.kept(fft, lambda: self._coupled(super(Free, self).multipliers(grid, fft), grid, fft))
+        return self.kept(
+            fft, lambda: self._coupled(super(Free, self).multipliers(grid, fft), grid, fft)
+        )
 
     def exchanged(self, grid: Grid) -> int:
         """Numbers that a multiplication sums over all ranks."""
@@ -93,18 +103,31 @@ class Free(HalfSpace):
         free = self.free[0] and grid.n[0] > 2, self.free[1] and grid.n[1] > 2
         if not any(free):
             return None
-        points = [m if m < n else n // 4 for m, n in zip(grid.nominal, grid.n)]  # without a surface: of a small one
-        shares = [min(max(-(-SHARES * (m - 1) // n), 1), COVERED) / SHARES if ends else 1.0 for m, n, ends in zip(points, grid.n, free)]
+        points = [
+            m if m < n else n // 4 for m, n in zip(grid.nominal, grid.n)
+        ]  # without a surface: of a small one
+        shares = [
+            min(max(-(-SHARES * (m - 1) // n), 1), COVERED) / SHARES if ends else 1.0
+            for m, n, ends in zip(points, grid.n, free)
+        ]
         X, Y = (round(size / np.sqrt(np.prod(grid.sizes)), 12) for size in grid.sizes)
-        open_part = min((1 - share) * size for share, size, ends in zip(shares, (X, Y), free) if ends)
-        needed = [(NEEDED if all(free) else ALONE) if ends else DECAY / (2 * np.pi) for ends in free]
-        k_x, k_y = (min(int(np.ceil(k * size / open_part)), (n - 1) // 2) for k, size, n in zip(needed, (X, Y), grid.n))
+        open_part = min(
+            (1 - share) * size for share, size, ends in zip(shares, (X, Y), free) if ends
+        )
+        needed = [
+            (NEEDED if all(free) else ALONE) if ends else DECAY / (2 * np.pi) for ends in free
+        ]
+        k_x, k_y = (
+            min(int(np.ceil(k * size / open_part)), (n - 1) // 2)
+            for k, size, n in zip(needed, (X, Y), grid.n)
+        )
         n_x, n_y = (min(n, 3 * k + 1) for n, k in zip(grid.n, (k_x, k_y)))
         return Shape((X, Y), (shares[0] * X, shares[1] * Y), free, (k_x, k_y), (n_x, n_y))
 
 
 def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
-    """|q| along an axis; where it ends the kink at pi/spacing is averaged over a normal distribution."""
+    """|q| along an axis; where it ends the kink at pi/spacing is averaged over a normal
+    distribution."""
     from scipy.special import erfc
 
     if not ends:
@@ -123,15 +146,21 @@ def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
 
 
 def added(found: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
-    """What couples the modes, in a precision: of K and, by True, of S. S: the one without, as `Images.inverse` has it."""
-    return {False: {parity: K.astype(dtype) for parity, K in found.inverse(S).items()},
-            True: {parity: T.astype(dtype) for parity, T in found.T.items()}}
+    """What couples the modes, in a precision: of K and, by True, of S. S: the one without, as
+    `Images.inverse` has it."""
+    return {
+        False: {parity: K.astype(dtype) for parity, K in found.inverse(S).items()},
+        True: {parity: T.astype(dtype) for parity, T in found.T.items()},
+    }
 
 
 class Coupled:
-    """Multipliers that couple the lowest modes of the cell. plain: those without; found: Images; matrices: as of `added`."""
+    """Multipliers that couple the lowest modes of the cell. plain: those without; found: Images;
+    matrices: as of `added`."""
 
-    def __init__(self, plain: Multipliers, grid: Grid, fft: SlabFFT, found: Images, matrices: Matrices):
+    def __init__(
+        self, plain: Multipliers, grid: Grid, fft: SlabFFT, found: Images, matrices: Matrices
+    ):
         self.plain, self.comm, self.found, self.matrices = plain, grid.comm, found, matrices
         self.modes, self.edges, self.scale = found.modes, fft.edges, fft.scale
         length = np.sqrt(np.prod(grid.sizes)) / grid.a
@@ -140,13 +169,23 @@ class Coupled:
         middle = [(m - 1) / 2 * 2 * np.pi / n for m, n in zip(grid.nominal, grid.n)]
         k_x, k_y = (np.arange(k + 1) for k in found.modes)
         self.shift_x, self.shift_y = np.exp(1j * middle[0] * k_x), np.exp(1j * middle[1] * k_y)
-        self.shift_rows = np.exp(1j * (middle[0] - 2 * np.pi / grid.n[0] * grid.rows[0]) * k_x)  # of this rank's alone
+        self.shift_rows = np.exp(
+            1j * (middle[0] - 2 * np.pi / grid.n[0] * grid.rows[0]) * k_x
+        )  # of this rank's alone
         self.norm = np.outer(*(np.where(k > 0, 2.0, np.sqrt(2)) for k in (k_x, k_y))) / 2
-        self.parts, self.scratch = np.zeros((4, *self.norm.shape)), np.zeros(self.norm.size, fft.dtype)
-        self.up, self.down, self.energy = np.zeros(self.norm.shape, complex), np.zeros(self.norm.shape, complex)[1:], 0.0
+        self.parts, self.scratch = (
+            np.zeros((4, *self.norm.shape)),
+            np.zeros(self.norm.size, fft.dtype),
+        )
+        self.up, self.down, self.energy = (
+            np.zeros(self.norm.shape, complex),
+            np.zeros(self.norm.shape, complex)[1:],
+            0.0,
+        )
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Prepare `stiffness` (or with inverse=True `compliance`) of what the row spectra hold. Collective."""
+        """Prepare `stiffness` (or with inverse=True `compliance`) of what the row spectra hold.
+        Collective."""
         from scipy.fft import fft as transform
 
         waves = transform(fft.first_columns(self.norm.shape[1]), fft.n[0], axis=0)
@@ -154,9 +193,22 @@ class Coupled:
         parts = self.parts = self.comm.sum(self.parts.ravel()).reshape(self.parts.shape)
         energy, by_columns = 0.0, not self.found.free[1]
         for part, (a, b) in zip(parts, PARITIES):
-            energy += multiply(part[int(a < 0):, int(b < 0):], self.matrices[inverse][a, b], by_columns, self.scratch)
+            energy += multiply(
+                part[int(a < 0) :, int(b < 0) :],
+                self.matrices[inverse][a, b],
+                by_columns,
+                self.scratch,
+            )
         self.energy = energy * self.unit[inverse]
-        join(self.parts, self.shift_x, self.shift_y, self.norm, self.unit[inverse], self.up, self.down)
+        join(
+            self.parts,
+            self.shift_x,
+            self.shift_y,
+            self.norm,
+            self.unit[inverse],
+            self.up,
+            self.down,
+        )
 
     def stiffness(self, block: np.ndarray, m: int) -> float:
         """block *= K/N."""
@@ -170,6 +222,6 @@ class Coupled:
         columns = slice(int(self.edges[m]), int(min(self.edges[m + 1], self.modes[1] + 1)))
         width = columns.stop - columns.start
         if width > 0:
-            block[:width, :self.modes[0] + 1] += self.up[:, columns].T
-            block[:width, block.shape[1] - self.modes[0]:] += self.down[:, columns].T
+            block[:width, : self.modes[0] + 1] += self.up[:, columns].T
+            block[:width, block.shape[1] - self.modes[0] :] += self.down[:, columns].T
         return energy + (self.energy if m == 0 else 0.0)

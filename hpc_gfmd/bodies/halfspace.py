@@ -24,7 +24,9 @@ class HalfSpace(Body):
     table_share = 0.0
 
     @classmethod
-    def of(cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]) -> Body | None:
+    def of(
+        cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]
+    ) -> Body | None:
         return HALF_SPACE if thickness is None and not any(free) else None
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
@@ -39,13 +41,16 @@ HALF_SPACE = HalfSpace()
 
 
 class OnTheFly:
-    """Multiplies by K = |q|/2 and S = 2/|q| without a table. q_x: (n_x,); q_y, weight: as Grid.column_tables."""
+    """Multiplies by K = |q|/2 and S = 2/|q| without a table. q_x: (n_x,); q_y, weight: as
+    Grid.column_tables."""
 
     uniform = 0.0
 
     def __init__(self, fft: SlabFFT, q_x: np.ndarray, q_y: np.ndarray, weight: np.ndarray):
         self.dtype, self.scale = fft.dtype, fft.scale
-        self.q_x = np.repeat(q_x, 2).astype(fft.dtype)  # kernels see real and imaginary parts as numbers of their own
+        self.q_x = np.repeat(q_x, 2).astype(
+            fft.dtype
+        )  # kernels see real and imaginary parts as numbers of their own
         self.q_y, self.weight = q_y.astype(fft.dtype), weight
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
@@ -60,4 +65,10 @@ class OnTheFly:
         return self._call(multiply_compliance, block, m, 2.0)
 
     def _call(self, kernel: Any, block: np.ndarray, m: int, factor: float) -> float:
-        return kernel(block.view(self.dtype), self.q_x, self.q_y[m], self.weight[m], self.dtype.type(factor * self.scale))
+        return kernel(
+            block.view(self.dtype),
+            self.q_x,
+            self.q_y[m],
+            self.weight[m],
+            self.dtype.type(factor * self.scale),
+        )

@@ -1,4 +1,5 @@
-"""An elastic layer of finite thickness on a rigid base, bonded to it or sliding on it without friction."""
+"""An elastic layer of finite thickness on a rigid base, bonded to it or sliding on it without
+friction."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,14 +13,15 @@ TINY = 1e-8  # wave numbers times thickness below which a wave is as good as a u
 
 @dataclass(frozen=True)
 class Layer(Body):
-    """S = (2/|q|) f(|q| t), t: thickness, in the unit of the surface's lengths; nu: Poisson's ratio, below 1/2 where bonded; base:
-    "bonded" or "frictionless". With x = |q| t
+    """S = (2/|q|) f(|q| t), t: thickness, in the unit of the surface's lengths; nu: Poisson's
+    ratio, below 1/2 where bonded; base: "bonded" or "frictionless". With x = |q| t
 
-        bonded:       f = [(3 - 4 nu) sinh 2x - 2x] / [(3 - 4 nu) cosh 2x + 2 x^2 + 5 - 12 nu + 8 nu^2]
-        frictionless: f = [cosh 2x - 1] / [sinh 2x + 2x]
+        bonded:       f = [(3 - 4 nu) sinh 2x - 2x] / [(3 - 4 nu) cosh 2x + 2 x^2 + 5 - 12 nu + 8
+        nu^2] frictionless: f = [cosh 2x - 1] / [sinh 2x + 2x]
 
-    f -> 1 for short waves; for long ones K becomes the oedometric modulus (bonded) or E* (frictionless) over t. A uniform pressure
-    compresses the layer as a whole: that is part of the approach, not of the gap.
+    f -> 1 for short waves; for long ones K becomes the oedometric modulus (bonded) or E*
+    (frictionless) over t. A uniform pressure compresses the layer as a whole: that is part of the
+    approach, not of the gap.
     """
 
     thickness: float
@@ -29,17 +31,30 @@ class Layer(Body):
     name = "layer"
 
     @classmethod
-    def of(cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]) -> Body | None:
-        return cls(thickness, nu, base) if thickness is not None and nu is not None and not any(free) else None
+    def of(
+        cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]
+    ) -> Body | None:
+        return (
+            cls(thickness, nu, base)
+            if thickness is not None and nu is not None and not any(free)
+            else None
+        )
 
     @classmethod
     def examples(cls) -> list[Body]:
-        return [cls(0.3, 0.3, "bonded"), cls(0.05, 0.0, "bonded"), cls(0.02, 0.45, "bonded"), cls(0.05, 0.5, "frictionless")]
+        return [
+            cls(0.3, 0.3, "bonded"),
+            cls(0.05, 0.0, "bonded"),
+            cls(0.02, 0.45, "bonded"),
+            cls(0.05, 0.5, "frictionless"),
+        ]
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
         t = self.thickness / a
         x = np.maximum(np.asarray(q, np.float64) * t, TINY)
-        e = np.exp(-2 * x)  # both parts of the fraction times e: nothing overflows; the upper one over x
+        e = np.exp(
+            -2 * x
+        )  # both parts of the fraction times e: nothing overflows; the upper one over x
         if self.base == "bonded":
             k = 3 - 4 * self.nu
             upper = -k * np.expm1(-4 * x) / (2 * x) - 2 * e

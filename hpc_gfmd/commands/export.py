@@ -1,4 +1,5 @@
-"""`hpc-gfmd export`: a result for ParaView (VTKHDF), as netCDF-4, as NumPy arrays, and the numbers of its load steps as a table."""
+"""`hpc-gfmd export`: a result for ParaView (VTKHDF), as netCDF-4, as NumPy arrays, and the numbers
+of its load steps as a table."""
 
 import csv
 import os
@@ -21,8 +22,10 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "export",
         help="a result for other programs",
-        description="Write a result for ParaView (vtkhdf), as netCDF-4, as NumPy arrays (npz), or its numbers as a table (csv). "
-        "ParaView and xarray also open the result itself.",
+        description=(
+            "Write a result for ParaView (vtkhdf), as netCDF-4, as NumPy arrays (npz), or its"
+            " numbers as a table (csv). ParaView and xarray also open the result itself."
+        ),
     )
     parser.add_argument("file", metavar="OUT.h5", help="result file")
     parser.add_argument("--to", required=True, choices=FORMATS, help="what to write")
@@ -31,7 +34,8 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Write it and print its name; raises SceneError if the result cannot be read or the file cannot go there."""
+    """Write it and print its name; raises SceneError if the result cannot be read or the file
+    cannot go there."""
     result = read_result(args.file)
     print(export(result, args.to, args.output))
     for note in result.notes:
@@ -42,15 +46,19 @@ def main(args: Namespace) -> int:
 
 
 def export(result: Result, kind: str, path: str | os.PathLike | None = None) -> Path:
-    """Write the result of a file as one of FORMATS; path: where (default: beside it). Returns the path; all of it is there, or nothing.
+    """Write the result of a file as one of FORMATS; path: where (default: beside it). Returns the
+    path; all of it is there, or nothing.
 
-    Raises SceneError if it cannot go there, GfmdError if the numbers of the result are damaged or writing fails.
+    Raises SceneError if it cannot go there, GfmdError if the numbers of the result are damaged or
+    writing fails.
     """
     assert result.path is not None
     path = Path(path or result.path.with_suffix(f".{EXTENSIONS[kind]}"))
     itself = path.exists() and result.path.exists() and path.samefile(result.path)
     if itself or not path.parent.is_dir() or (path.exists() and not path.is_file()):
-        raise SceneError(f"-o: found {path}, allowed: a file in a folder that exists, not the result itself")
+        raise SceneError(
+            f"-o: found {path}, allowed: a file in a folder that exists, not the result itself"
+        )
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to export")
     try:
@@ -66,12 +74,22 @@ def to_vtkhdf(result: Result, path: Path) -> None:
     import h5py
 
     if not _fields(result) or min(result.surface["n"]) < 2:
-        raise SceneError(f"{result.path}: ParaView shows fields on two axes, allowed: a result with output.fields")
+        raise SceneError(
+            f"{result.path}: ParaView shows fields on two axes, allowed: a result with"
+            " output.fields"
+        )
     fields = _fields(result)
     shape = _shape(result) if len(result.steps) > 1 else _shape(result)[1:]
     with h5py.File(path, "w") as file:
-        image(file, result.surface, _numbers(result)["p"], fields,
-              lambda group, name: _fill(group.create_dataset(name, shape, fields[name]), result, name))
+        image(
+            file,
+            result.surface,
+            _numbers(result)["p"],
+            fields,
+            lambda group, name: _fill(
+                group.create_dataset(name, shape, fields[name]), result, name
+            ),
+        )
 
 
 def to_netcdf(result: Result, path: Path) -> None:
@@ -79,7 +97,13 @@ def to_netcdf(result: Result, path: Path) -> None:
     import h5py
 
     with h5py.File(path, "w") as file:
-        file.attrs.update({name: value for name, value in result.head.items() if isinstance(value, str | int | float)})
+        file.attrs.update(
+            {
+                name: value
+                for name, value in result.head.items()
+                if isinstance(value, str | int | float)
+            }
+        )
         numbers = _numbers(result)
         scales = coordinates(file, result.surface, numbers["p"])
         for name, values in numbers.items():
@@ -92,8 +116,12 @@ def to_netcdf(result: Result, path: Path) -> None:
 
 
 def to_npz(result: Result, path: Path) -> None:
-    """Arrays over the load steps by their names, x, y, and the fields (loads, x, y); read a piece at a time."""
-    axes = {name: np.arange(n) * (size / n) for name, n, size in zip("xy", result.surface["n"], result.surface["physical_sizes"])}
+    """Arrays over the load steps by their names, x, y, and the fields (loads, x, y); read a piece
+    at a time."""
+    axes = {
+        name: np.arange(n) * (size / n)
+        for name, n, size in zip("xy", result.surface["n"], result.surface["physical_sizes"])
+    }
     with zipfile.ZipFile(path, "w") as archive:
         for name, values in (axes | _numbers(result)).items():
             with archive.open(f"{name}.npy", "w") as file:
@@ -120,9 +148,12 @@ EXTENSIONS = {"vtkhdf": "vtkhdf", "netcdf": "nc", "npz": "npz", "csv": "csv"}
 
 
 def _numbers(result: Result) -> dict[str, np.ndarray]:
-    """Everything that steps say in one number or text, over the steps; nan or "" where one does not say it."""
+    """Everything that steps say in one number or text, over the steps; nan or "" where one does not
+    say it."""
     found = {}
-    for name in dict.fromkeys(name for step in result.steps for name, value in step.items() if not isinstance(value, list)):
+    for name in dict.fromkeys(
+        name for step in result.steps for name, value in step.items() if not isinstance(value, list)
+    ):
         values = [step.get(name) for step in result.steps]
         missing = "" if any(isinstance(value, str) for value in values) else np.nan
         found[name] = np.array([missing if value is None else value for value in values])
@@ -132,7 +163,9 @@ def _numbers(result: Result) -> dict[str, np.ndarray]:
 def _fields(result: Result) -> dict[str, np.dtype]:
     """Fields that all steps have, and the widest type of each."""
     names = [name for name in result.fields[0] if all(name in fields for fields in result.fields)]
-    return {name: np.result_type(*(fields[name].dtype for fields in result.fields)) for name in names}
+    return {
+        name: np.result_type(*(fields[name].dtype for fields in result.fields)) for name in names
+    }
 
 
 def _shape(result: Result) -> tuple[int, ...]:
@@ -140,7 +173,8 @@ def _shape(result: Result) -> tuple[int, ...]:
 
 
 def _pieces(result: Result, name: str) -> Iterator[tuple[int, int, np.ndarray]]:
-    """(step, first row, rows) of a field, a piece of memory at a time; raises GfmdError where it is damaged."""
+    """(step, first row, rows) of a field, a piece of memory at a time; raises GfmdError where it is
+    damaged."""
     for k, fields in enumerate(result.fields):
         for start, rows in fields[name].pieces():
             yield k, start, rows

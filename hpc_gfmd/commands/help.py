@@ -8,12 +8,20 @@ from ..errors import SceneError
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
-        "help", help="every key of a scene: default, unit, meaning",
-        description="Explain the keys of a scene (help scene), one table or key of it (help scene solver, help scene solver.accuracy), "
-        "or a command (help run).")
-    parser.add_argument("topic", metavar="scene|COMMAND", nargs="?", help="what about (default: the commands)")
+        "help",
+        help="every key of a scene: default, unit, meaning",
+        description=(
+            "Explain the keys of a scene (help scene), one table or key of it (help scene solver,"
+            " help scene solver.accuracy), or a command (help run)."
+        ),
+    )
+    parser.add_argument(
+        "topic", metavar="scene|COMMAND", nargs="?", help="what about (default: the commands)"
+    )
     parser.add_argument("key", metavar="KEY", nargs="?", help="a table or a key of a scene")
-    parser.add_argument("--markdown", action="store_true", help="all keys of a scene as a page in Markdown")
+    parser.add_argument(
+        "--markdown", action="store_true", help="all keys of a scene as a page in Markdown"
+    )
     return parser
 
 
@@ -24,8 +32,11 @@ def main(args: Namespace) -> int:
     from ..registry import distribution_names, observable_names, solver_names
     from ..scene.reference import markdown, text
 
-    names = {"solver.name": solver_names(), "output.observables": observable_names(),
-             "output.distributions": distribution_names()}
+    names = {
+        "solver.name": solver_names(),
+        "output.observables": observable_names(),
+        "output.distributions": distribution_names(),
+    }
     print(markdown(names) if args.markdown else text(args.key, names))
     return 0
 

@@ -32,7 +32,10 @@ def facts() -> dict[str, str]:
     found["MPI"] = _mpi_library()
     found["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"
     found["solvers"] = "auto (bpx), " + ", ".join(solver_names())
-    found["cores"] = f"{len(os.sched_getaffinity(0))}, vector unit of {numba.config.CPU_NAME or 'the host'}"  # type: ignore[attr-defined]
+    found["cores"] = (
+        # type: ignore[attr-defined]
+        f"{len(os.sched_getaffinity(0))}, vector unit of {numba.config.CPU_NAME or 'the host'}"
+    )
     found["memory"] = f"{available_gib():.1f} GiB free"
     found["cache"] = str(cache_folder())
     return found
@@ -42,7 +45,11 @@ def _io() -> str:
     """How several ranks write a file; as the attribute `io` of results says."""
     import h5py
 
-    return "parallel: several ranks write by MPI-IO (mpio)" if h5py.get_config().mpi else "serial: rank 0 writes for all (serial)"
+    return (
+        "parallel: several ranks write by MPI-IO (mpio)"
+        if h5py.get_config().mpi
+        else "serial: rank 0 writes for all (serial)"
+    )
 
 
 def _mpi_library() -> str:

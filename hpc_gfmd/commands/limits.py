@@ -1,4 +1,5 @@
-"""The steps of a result taken to the thermodynamic, fractal and continuum (TFC) limits, where the coefficients cover them."""
+"""The steps of a result taken to the thermodynamic, fractal and continuum (TFC) limits, where the
+coefficients cover them."""
 
 from math import isfinite
 from typing import Any
@@ -8,34 +9,49 @@ from ..output.read import Result
 from ..table import converged
 from ..theory import tfc
 
-OBSERVABLES = {"kappa": "a_r_error", "gap_over_h_rms": "gap_error"}  # and the estimated relative error of each
-SCATTER = "+- holds the estimated error of this run and of the coefficients if known, not the scatter between realisations"
+OBSERVABLES = {
+    "kappa": "a_r_error",
+    "gap_over_h_rms": "gap_error",
+}  # and the estimated relative error of each
+SCATTER = (
+    "+- holds the estimated error of this run and of the coefficients if known, not the scatter"
+    " between realisations"
+)
 RATIOS = ("eps_t", "eps_f", "eps_c")
 
 
 def to_limits(result: Result, table_name: str = "") -> dict:
-    """{"table": its name, "steps": one dict per load step}: observable -> value, sigma, the corrections t, f, c and their sum,
-    "extrapolated" with its sigma (of the value and, where the table has it, of the coefficients), notes; or "refused" with the reason.
+    """{"table": its name, "steps": one dict per load step}: observable -> value, sigma, the
+    corrections t, f, c and their sum, "extrapolated" with its sigma (of the value and, where the
+    table has it, of the coefficients), notes; or "refused" with the reason.
 
-    table_name: as of theory.tfc.table_of; "": ours where installed, otherwise the paper's. Raises SceneError for a surface that is
-    not self-affine.
+    table_name: as of theory.tfc.table_of; "": ours where installed, otherwise the paper's. Raises
+    SceneError for a surface that is not self-affine.
     """
     surface = result.surface
     missing = [name for name in ("hurst", *RATIOS) if not isfinite(surface.get(name, float("nan")))]
     if missing:
-        raise SceneError(f"--tfc: found a surface of kind {surface.get('kind', 'unknown')!r} without {', '.join(missing)}, "
-                         "allowed: results of a self-affine surface")
+        raise SceneError(
+            f"--tfc: found a surface of kind {surface.get('kind', 'unknown')!r} without"
+            f" {', '.join(missing)}, allowed: results of a self-affine surface"
+        )
     name = table_name or ("paper" if tfc.our_table() is None else "ours")
     table = tfc.table_of(name)
     where = {key: float(surface[key]) for key in ("hurst", *RATIOS)}
-    steps = [{"p_star": step["p_star"]} | {o: _limit(step, o, error, where, table) for o, error in OBSERVABLES.items() if o in step}
-             for step in result.steps]
+    steps = [
+        {"p_star": step["p_star"]}
+        | {o: _limit(step, o, error, where, table) for o, error in OBSERVABLES.items() if o in step}
+        for step in result.steps
+    ]
     return {"table": name, "steps": steps}
 
 
 def limits_text(limits: dict) -> str:
     """One line per observable and step, and the notes once."""
-    lines = [f"taken to the thermodynamic, fractal and continuum limits with the coefficients of: {limits['table']}"]
+    lines = [
+        "taken to the thermodynamic, fractal and continuum limits with the coefficients of:"
+        f" {limits['table']}"
+    ]
     notes = [SCATTER]
     for index, step in enumerate(limits["steps"]):
         for name, found in ((o, step[o]) for o in OBSERVABLES if o in step):
@@ -44,23 +60,34 @@ def limits_text(limits: dict) -> str:
                 lines.append(f"{head}: not corrected: {found['refused']}")
                 continue
             terms = ", ".join(f"{i} {-found[f'correction_{i}']:+.4f}" for i in "tfc")
-            lines.append(f"{head}; {terms} -> {_shown(found['extrapolated'], found['extrapolated_sigma'])}")
+            lines.append(
+                f"{head}; {terms} -> {_shown(found['extrapolated'], found['extrapolated_sigma'])}"
+            )
             notes += [f"step {index}: NOT CONVERGED"] if not found["converged"] else []
             notes += found["notes"]
     return "\n".join([*lines, *(f"note: {note}" for note in dict.fromkeys(notes))])
 
 
-def _limit(step: dict, observable: str, error: str, where: dict[str, Any], table: Any) -> dict[str, Any]:
+def _limit(
+    step: dict, observable: str, error: str, where: dict[str, Any], table: Any
+) -> dict[str, Any]:
     value, relative = step[observable], step.get(error)
     sigma = abs(value * relative) if relative is not None and isfinite(relative) else None
     found = {"value": value, "sigma": sigma}
     try:
-        extrapolated, whole, terms = tfc.extrapolate(value, observable, p_star=step["p_star"], sigma=sigma, table=table, **where)
+        extrapolated, whole, terms = tfc.extrapolate(
+            value, observable, p_star=step["p_star"], sigma=sigma, table=table, **where
+        )
     except SceneError as refusal:
         return found | {"refused": str(refusal)}
     return found | {
-        **{f"correction_{i}": getattr(terms, i) for i in "tfc"}, "correction": terms.total, "correction_sigma": terms.sigma,
-        "extrapolated": extrapolated, "extrapolated_sigma": whole, "converged": converged(step), "notes": list(terms.notes),
+        **{f"correction_{i}": getattr(terms, i) for i in "tfc"},
+        "correction": terms.total,
+        "correction_sigma": terms.sigma,
+        "extrapolated": extrapolated,
+        "extrapolated_sigma": whole,
+        "converged": converged(step),
+        "notes": list(terms.notes),
     }
 
 

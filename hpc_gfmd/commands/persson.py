@@ -12,24 +12,54 @@ from ..theory.checks import within
 from ..theory.elastic import KAPPA_BGT
 from .number import number
 
-COLUMNS = ("p_star", "a_r", "kappa", "gap_over_h_rms", "gap_over_g_rms_lam_s", "stiffness", "stiffness_lam_s")
+COLUMNS = (
+    "p_star",
+    "a_r",
+    "kappa",
+    "gap_over_h_rms",
+    "gap_over_g_rms_lam_s",
+    "stiffness",
+    "stiffness_lam_s",
+)
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
-        "persson", help="theory curves of Persson's contact mechanics",
-        description="Relative contact area, mean gap and stiffness -dp/d(gap) for a self-affine surface. Units: stiffness in "
-        "E* g_rms/h_rms, stiffness_lam_s in E*/lam_s. Numbers may be given as 0.25, 1e-3 or 1/1024.")
+        "persson",
+        help="theory curves of Persson's contact mechanics",
+        description=(
+            "Relative contact area, mean gap and stiffness -dp/d(gap) for a self-affine surface."
+            " Units: stiffness in E* g_rms/h_rms, stiffness_lam_s in E*/lam_s. Numbers may be given"
+            " as 0.25, 1e-3 or 1/1024."
+        ),
+    )
     parser.add_argument("--hurst", type=number, required=True, help="Hurst exponent, 0 to 1")
     parser.add_argument("--eps-f", type=number, required=True, help="lam_s/lam_l, 0 to 1")
     pressure = parser.add_mutually_exclusive_group(required=True)
-    pressure.add_argument("--p-star", type=number, nargs="+", metavar="P", help="pressures p0/(E* g_rms)")
-    pressure.add_argument("--p-star-range", type=number, nargs=3, metavar=("LO", "HI", "N"),
-                          help="N pressures from LO to HI, equally spaced on a logarithmic axis")
-    parser.add_argument("--gamma", type=number, default=persson.GAMMA,
-                        help="energy factor of partial contact (default %(default)s as in the literature; 1: first theory)")
-    parser.add_argument("--printed", action="store_true",
-                        help="the mean gap as published in 2014, where a factor of 2 is missing in one term")
+    pressure.add_argument(
+        "--p-star", type=number, nargs="+", metavar="P", help="pressures p0/(E* g_rms)"
+    )
+    pressure.add_argument(
+        "--p-star-range",
+        type=number,
+        nargs=3,
+        metavar=("LO", "HI", "N"),
+        help="N pressures from LO to HI, equally spaced on a logarithmic axis",
+    )
+    parser.add_argument(
+        "--gamma",
+        type=number,
+        default=persson.GAMMA,
+        help=(
+            "energy factor of partial contact (default %(default)s as in the literature; 1: first"
+            " theory)"
+        ),
+    )
+    parser.add_argument(
+        "--printed",
+        action="store_true",
+        help="the mean gap as published in 2014, where a factor of 2 is missing in one term",
+    )
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
     return parser
 
@@ -44,11 +74,19 @@ def main(args: Namespace) -> int:
         head = {"hurst": args.hurst, "eps_f": args.eps_f, "gamma": args.gamma, "formula": formula}
         print(json.dumps(head | (points[0] if len(points) == 1 else {}) | {"points": points}))
         return 0
-    print(f"# Persson theory, H = {args.hurst:g}, eps_f = {args.eps_f:g}, gamma = {args.gamma:g}, {formula} formula; "
-          f"kappa at low load: {persson.KAPPA_LOW_LOAD:.4f} (Bush, Gibson, Thomas: {KAPPA_BGT:.4f})")
+    print(
+        f"# Persson theory, H = {args.hurst:g}, eps_f = {args.eps_f:g}, gamma = {args.gamma:g},"
+        f" {formula} formula; kappa at low load: {persson.KAPPA_LOW_LOAD:.4f} (Bush, Gibson,"
+        f" Thomas: {KAPPA_BGT:.4f})"
+    )
     print(" ".join(f"{name:>20}" for name in COLUMNS))
     for point in points:
-        print(" ".join(f"{'inf' if point[name] is None else format(point[name], '.8g'):>20}" for name in COLUMNS))
+        print(
+            " ".join(
+                f"{'inf' if point[name] is None else format(point[name], '.8g'):>20}"
+                for name in COLUMNS
+            )
+        )
     return 0
 
 
@@ -63,5 +101,6 @@ def _pressures(args: Namespace) -> Any:
 
 
 def _finite(x: float) -> float | None:
-    """A float, or None (null) where full contact makes the stiffness infinite: JSON has no infinity."""
+    """A float, or None (null) where full contact makes the stiffness infinite: JSON has no
+    infinity."""
     return float(x) if np.isfinite(x) else None

@@ -7,48 +7,92 @@ from ..errors import GfmdError, SceneError
 from ..output.read import read_result
 from ..table import converged
 
-WHAT = "maps, distributions, spectra, curves; one field: contact, pressure, gap, heights, displacement"
+WHAT = (
+    "maps, distributions, spectra, curves; one field: contact, pressure, gap, heights, displacement"
+)
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
         "plot",
         help="pictures of a result",
-        description="Draw what a result has: maps and distributions (output.fields), spectra (output.distributions), area and gap "
-        "over the load. Axes have units where the scene has them. Persson's theory is drawn beside self-affine surfaces, Hertz' beside "
-        "spheres, Westergaard's beside waves. Fields of any size are read piece by piece.",
+        description=(
+            "Draw what a result has: maps and distributions (output.fields), spectra"
+            " (output.distributions), area and gap over the load. Axes have units where the scene"
+            " has them. Persson's theory is drawn beside self-affine surfaces, Hertz' beside"
+            " spheres, Westergaard's beside waves. Fields of any size are read piece by piece."
+        ),
     )
     parser.add_argument("file", metavar="OUT.h5", help="result file")
-    parser.add_argument("-o", "--output", metavar="DIR|FILE", help="folder for them, or a file that ends in .png, .pdf or .svg "
-                                                                  "(default: beside the result)")
-    parser.add_argument("--what", nargs="+", metavar="NAME", help=f"which pictures: {WHAT} (default: the first four)")
-    parser.add_argument("--step", nargs="+", type=int, metavar="K", help="load steps by their numbers (default: at most four, evenly)")
-    parser.add_argument("--window", nargs=4, metavar=("X0", "X1", "Y0", "Y1"),
-                        help='part of the cell that maps show, plain in the unit of its sizes or as "2um"')
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="DIR|FILE",
+        help=(
+            "folder for them, or a file that ends in .png, .pdf or .svg "
+            "(default: beside the result)"
+        ),
+    )
+    parser.add_argument(
+        "--what",
+        nargs="+",
+        metavar="NAME",
+        help=f"which pictures: {WHAT} (default: the first four)",
+    )
+    parser.add_argument(
+        "--step",
+        nargs="+",
+        type=int,
+        metavar="K",
+        help="load steps by their numbers (default: at most four, evenly)",
+    )
+    parser.add_argument(
+        "--window",
+        nargs=4,
+        metavar=("X0", "X1", "Y0", "Y1"),
+        help='part of the cell that maps show, plain in the unit of its sizes or as "2um"',
+    )
     parser.add_argument("--dpi", type=int, help="dots per inch of maps and of .png (default: 200)")
-    parser.add_argument("--dimensionless", action="store_true", help="p/(E* g_rms) and gap/h_rms though the scene has units")
+    parser.add_argument(
+        "--dimensionless",
+        action="store_true",
+        help="p/(E* g_rms) and gap/h_rms though the scene has units",
+    )
     parser.set_defaults(saves=True)
     return parser
 
 
 def main(args: Namespace) -> int:
-    """Draw and print the names of the pictures; raises SceneError if the file, the folder or what is asked for is unusable."""
+    """Draw and print the names of the pictures; raises SceneError if the file, the folder or what
+    is asked for is unusable."""
     result = read_result(args.file)
     if args.dpi is not None and not 20 <= args.dpi <= 2400:
         raise SceneError(f"--dpi: found {args.dpi}, allowed: 20 to 2400")
     try:
         from ..plotting import chosen_steps, plot_result
     except ImportError as error:
-        raise GfmdError(f"plot needs matplotlib and scipy ({error}): pip install matplotlib scipy") from None
-    how = {"step": args.step, "window": args.window, "dpi": args.dpi, "dimensionless": args.dimensionless}
+        raise GfmdError(
+            f"plot needs matplotlib and scipy ({error}): pip install matplotlib scipy"
+        ) from None
+    how = {
+        "step": args.step,
+        "window": args.window,
+        "dpi": args.dpi,
+        "dimensionless": args.dimensionless,
+    }
     for path in plot_result(result, args.output, args.what, **how):
         print(path)
     names = args.what or ["maps"]
     shown = {result.indices[k] for k in chosen_steps(result, names[0], args.step)}
     left = [str(index) for index in result.indices if index not in shown]
     if left and shown and names != ["heights"]:
-        print(f"shown: step {', '.join(map(str, sorted(shown)))}; left out: {', '.join(left)} (--step chooses)")
-    doubtful = [str(i) for i, step in zip(result.indices, result.steps, strict=True) if not converged(step)]
+        print(
+            f"shown: step {', '.join(map(str, sorted(shown)))}; left out: {', '.join(left)} (--step"
+            " chooses)"
+        )
+    doubtful = [
+        str(i) for i, step in zip(result.indices, result.steps, strict=True) if not converged(step)
+    ]
     if doubtful:
         print(f"! not converged: step {', '.join(doubtful)} (marked in the pictures)")
     for index, step in zip(result.indices, result.steps, strict=True):

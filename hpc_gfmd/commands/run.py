@@ -6,19 +6,43 @@ from typing import Any
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
-        "run", help="solve a scene",
-        description="Solve a scene, alone or under mpirun/srun, and write its result file. Exit code 3: a step did not converge.")
+        "run",
+        help="solve a scene",
+        description=(
+            "Solve a scene, alone or under mpirun/srun, and write its result file. Exit code 3: a"
+            " step did not converge."
+        ),
+    )
     parser.add_argument("scene", metavar="SCENE.toml", help="scene file")
-    parser.add_argument("-o", "--output", metavar="OUT.h5", help="result file instead of the scene's")
-    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the scene: table.key=value")
-    parser.add_argument("--force", action="store_true", help="overwrite the result of another scene")
+    parser.add_argument(
+        "-o", "--output", metavar="OUT.h5", help="result file instead of the scene's"
+    )
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="change the scene: table.key=value",
+    )
+    parser.add_argument(
+        "--force", action="store_true", help="overwrite the result of another scene"
+    )
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(saves=True)
 
-    again = subparsers.add_parser("restart", help="continue an interrupted run",
-                                  description="Continue the interrupted run of a result file, on any number of ranks.")
+    again = subparsers.add_parser(
+        "restart",
+        help="continue an interrupted run",
+        description="Continue the interrupted run of a result file, on any number of ranks.",
+    )
     again.add_argument("file", metavar="OUT.h5", help="result file that the run was to write")
-    again.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change machine.key, such as wall_seconds")
+    again.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="change machine.key, such as wall_seconds",
+    )
     again.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     again.set_defaults(main=main_restart, saves=True)
     return parser
@@ -28,7 +52,9 @@ def main(args: Namespace) -> int:
     """Solve; the exit code tells whether every step converged."""
     from ..simulation import run_scene
 
-    return run_scene(args.scene, args.set, args.output, force=args.force, quiet=args.quiet).exit_code
+    return run_scene(
+        args.scene, args.set, args.output, force=args.force, quiet=args.quiet
+    ).exit_code
 
 
 def main_restart(args: Namespace) -> int:

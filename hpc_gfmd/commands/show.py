@@ -12,15 +12,27 @@ from ..table import surface_line, table
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
-        "show", help="the result table of a file",
-        description="Print the results of a finished, running or interrupted run. Lengths are in the unit of "
-        "the surface, pressures in the unit of E*; +- is the estimated error of the solver on its grid, a_r_discretisation that "
-        "of a_r by the size of a grid point.")
+        "show",
+        help="the result table of a file",
+        description=(
+            "Print the results of a finished, running or interrupted run. Lengths are in the unit"
+            " of the surface, pressures in the unit of E*; +- is the estimated error of the solver"
+            " on its grid, a_r_discretisation that of a_r by the size of a grid point."
+        ),
+    )
     parser.add_argument("file", metavar="OUT.h5", help="result file")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
-    parser.add_argument("--tfc", metavar="TABLE", nargs="?", const="",
-                        help="take kappa and gap/h_rms to the thermodynamic, fractal and continuum limits, with the coefficients "
-                        "of TABLE: paper, ours or a JSON file (default: ours where they are installed, otherwise the paper's)")
+    parser.add_argument(
+        "--tfc",
+        metavar="TABLE",
+        nargs="?",
+        const="",
+        help=(
+            "take kappa and gap/h_rms to the thermodynamic, fractal and continuum limits, with the"
+            " coefficients of TABLE: paper, ours or a JSON file (default: ours where they are"
+            " installed, otherwise the paper's)"
+        ),
+    )
     return parser
 
 
@@ -40,7 +52,8 @@ def main(args: Namespace) -> int:
 
 
 def as_dict(result: Result) -> dict:
-    """Surface, steps and status with the names of the file; null for what is not a finite number."""
+    """Surface, steps and status with the names of the file; null for what is not a finite
+    number."""
     return _finite({"surface": result.surface, "steps": result.steps, "status": result.status})
 
 
@@ -51,7 +64,11 @@ def as_text(result: Result) -> str:
         lines.append(f"the finished load steps of an unfinished run, from {result.folder}")
     if surface_line(result.surface):
         lines.append(surface_line(result.surface))
-    lines.append(table(result.steps, result.indices, result.surface) if result.steps else "no finished load step yet")
+    lines.append(
+        table(result.steps, result.indices, result.surface)
+        if result.steps
+        else "no finished load step yet"
+    )
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])
 
 

@@ -1,4 +1,5 @@
-"""`hpc-gfmd tfc`: corrections to the thermodynamic, fractal and continuum limits, and fits of their coefficients."""
+"""`hpc-gfmd tfc`: corrections to the thermodynamic, fractal and continuum limits, and fits of their
+coefficients."""
 
 import json
 import math
@@ -14,18 +15,41 @@ RATIOS = ("eps_t", "eps_f", "eps_c")
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
-        "tfc", help="extrapolate to the thermodynamic, fractal and continuum limits",
-        description="Extrapolate a simulated value with tabulated coefficients (the paper's unless --table names others), or fit the "
-        "coefficients to the runs in a CSV file. Numbers may be given as 0.25, 1e-3 or 1/1024.")
+        "tfc",
+        help="extrapolate to the thermodynamic, fractal and continuum limits",
+        description=(
+            "Extrapolate a simulated value with tabulated coefficients (the paper's unless --table"
+            " names others), or fit the coefficients to the runs in a CSV file. Numbers may be"
+            " given as 0.25, 1e-3 or 1/1024."
+        ),
+    )
     parser.add_argument("--observable", default="kappa", help="kappa (default) or gap_over_h_rms")
     for name in ("hurst", "p-star", "eps-t", "eps-f", "eps-c", "value"):
         parser.add_argument(f"--{name}", type=number)
     parser.add_argument("--sigma", type=number, help="uncertainty of the value")
-    parser.add_argument("--table", metavar="TABLE", default="paper",
-                        help="coefficients: paper (default), ours (fitted to our own runs), or a JSON file of the same form")
-    parser.add_argument("--fit", metavar="RUNS.csv", help="fit the coefficients to the columns eps_t, eps_f, eps_c, value[, sigma]")
-    parser.add_argument("--terms", default="tfc", help="terms to fit, any of t, f, c (default: tfc)")
-    parser.add_argument("--free", default="", metavar="TERMS", help="terms whose exponent is fitted too (default: none)")
+    parser.add_argument(
+        "--table",
+        metavar="TABLE",
+        default="paper",
+        help=(
+            "coefficients: paper (default), ours (fitted to our own runs), or a JSON file of the"
+            " same form"
+        ),
+    )
+    parser.add_argument(
+        "--fit",
+        metavar="RUNS.csv",
+        help="fit the coefficients to the columns eps_t, eps_f, eps_c, value[, sigma]",
+    )
+    parser.add_argument(
+        "--terms", default="tfc", help="terms to fit, any of t, f, c (default: tfc)"
+    )
+    parser.add_argument(
+        "--free",
+        default="",
+        metavar="TERMS",
+        help="terms whose exponent is fitted too (default: none)",
+    )
     parser.add_argument("--json", action="store_true", help="print JSON instead of text")
     return parser
 
@@ -41,16 +65,33 @@ def _extrapolate(args: Namespace) -> Any:
     given = {name: getattr(args, name) for name in ("hurst", "p_star", *RATIOS, "value")}
     missing = [f"--{name.replace('_', '-')}" for name, found in given.items() if found is None]
     if missing:
-        raise SceneError(f"tfc: found no {', '.join(missing)}, allowed: all of them, or --fit RUNS.csv")
+        raise SceneError(
+            f"tfc: found no {', '.join(missing)}, allowed: all of them, or --fit RUNS.csv"
+        )
     if args.sigma is not None and not (math.isfinite(args.sigma) and args.sigma >= 0):
         raise SceneError(f"sigma: found {args.sigma:g}, allowed: [0, inf)")
-    extrapolated, sigma, terms = tfc.extrapolate(observable=args.observable, sigma=args.sigma, table=tfc.table_of(args.table), **given)
-    report = {"observable": args.observable, **given, "table": args.table, "table_p_star": terms.p_star,
-              **{f"correction_{i}": getattr(terms, i) for i in "tfc"}, "correction": terms.total, "extrapolated": extrapolated,
-              "sigma": sigma, "notes": list(terms.notes)}
+    extrapolated, sigma, terms = tfc.extrapolate(
+        observable=args.observable, sigma=args.sigma, table=tfc.table_of(args.table), **given
+    )
+    report = {
+        "observable": args.observable,
+        **given,
+        "table": args.table,
+        "table_p_star": terms.p_star,
+        **{f"correction_{i}": getattr(terms, i) for i in "tfc"},
+        "correction": terms.total,
+        "extrapolated": extrapolated,
+        "sigma": sigma,
+        "notes": list(terms.notes),
+    }
     lines = [f"{args.observable} = {args.value:g} at H = {args.hurst:g}, p_star = {args.p_star:g}"]
-    lines += [f"  correction {i}: {getattr(terms, i):+.4f}   (eps_{i} = {given[f'eps_{i}']:g})" for i in "tfc"]
-    lines += [f"extrapolated: {extrapolated:.4f}" + (f" +- {sigma:.4f}" if sigma is not None else "")]
+    lines += [
+        f"  correction {i}: {getattr(terms, i):+.4f}   (eps_{i} = {given[f'eps_{i}']:g})"
+        for i in "tfc"
+    ]
+    lines += [
+        f"extrapolated: {extrapolated:.4f}" + (f" +- {sigma:.4f}" if sigma is not None else "")
+    ]
     return report, "\n".join(lines + [f"note: {note}" for note in terms.notes])
 
 
@@ -58,10 +99,20 @@ def _fit(args: Namespace) -> Any:
     if set(args.terms) - set("tfc"):
         raise SceneError(f"terms: found {args.terms!r}, allowed: letters of tfc")
     if set(args.free) - set(args.terms):
-        raise SceneError(f"free: found {args.free!r}, allowed: letters of the fitted terms, {args.terms}")
-    fit = tfc.fit_tfc(**tfc.read_runs(args.fit), alpha=dict.fromkeys(args.free), terms=tuple(args.terms))
-    report = {"limit": fit.limit, **{f"C_{i}": c for i, c in fit.C.items()}, **{f"alpha_{i}": a for i, a in fit.alpha.items()},
-              "sigma": {name: x if math.isfinite(x) else None for name, x in fit.sigma.items()}, "chi2": fit.chi2, "dof": fit.dof}
+        raise SceneError(
+            f"free: found {args.free!r}, allowed: letters of the fitted terms, {args.terms}"
+        )
+    fit = tfc.fit_tfc(
+        **tfc.read_runs(args.fit), alpha=dict.fromkeys(args.free), terms=tuple(args.terms)
+    )
+    report = {
+        "limit": fit.limit,
+        **{f"C_{i}": c for i, c in fit.C.items()},
+        **{f"alpha_{i}": a for i, a in fit.alpha.items()},
+        "sigma": {name: x if math.isfinite(x) else None for name, x in fit.sigma.items()},
+        "chi2": fit.chi2,
+        "dof": fit.dof,
+    }
     lines = []
     for name, x in report.items():
         if name in fit.sigma:

@@ -1,7 +1,8 @@
 """The search for a load that gives an area.
 
-The area of a grid is a number of points. It is met to the accuracy asked for or to one point; where it jumps by more, as in ordered
-walls whose asperities touch all at once (staircase.py), the nearer side of the jump is taken, and `note` says so.
+The area of a grid is a number of points. It is met to the accuracy asked for or to one point; where
+it jumps by more, as in ordered walls whose asperities touch all at once (staircase.py), the nearer
+side of the jump is taken, and `note` says so.
 """
 
 from __future__ import annotations
@@ -23,8 +24,15 @@ if TYPE_CHECKING:
     from .certificate import Certificate
     from .prescribed import Prescribed
 
-STEEP, STEEPER, NARROW = 2.0, 4.0, 1e-3  # times the usual slope: the area may jump; it jumps, within the tolerance, or this
-SEEN, LARGE = 0.03, 3.0  # error of the pressure field at which a jump is seen; times what may be missed, a large one
+STEEP, STEEPER, NARROW = (
+    2.0,
+    4.0,
+    1e-3,
+)  # times the usual slope: the area may jump; it jumps, within the tolerance, or this
+SEEN, LARGE = (
+    0.03,
+    3.0,
+)  # error of the pressure field at which a jump is seen; times what may be missed, a large one
 SAME = 0.1  # of a jump: how near its side is to what was read
 POINT = 1.001  # by which the area may be missed
 
@@ -34,7 +42,13 @@ class AreaSearch(Search):
     """side, jump: where the area jumps, the side that is taken, and by how much."""
 
     quantity = kind = "a_r"
-    usual, slopes, bent, trend, by_steepness = 1.0, (0.4, 2.5), 0.5, 0.5, True  # slopes: without jumps
+    usual, slopes, bent, trend, by_steepness = (
+        1.0,
+        (0.4, 2.5),
+        0.5,
+        0.5,
+        True,
+    )  # slopes: without jumps
     noise, change, worth = 0.1, 0.3, 0.05
 
     side: float = 0.0
@@ -47,7 +61,8 @@ class AreaSearch(Search):
 
     @property
     def _too_small(self) -> bool:
-        """Whether no load of this grid has so small an area: the least is taken, at any load that has no more."""
+        """Whether no load of this grid has so small an area: the least is taken, at any load that
+        has no more."""
         return self.aim > self.target * (1 + self.least_miss)
 
     @property
@@ -82,7 +97,9 @@ class AreaSearch(Search):
     def _of(self, solver: Solver, certificate: Certificate) -> float:
         return certificate.contact / solver.N
 
-    def _error(self, y: float, gap: float, area_error: float, gap_error: float, pressure_error: float) -> float:
+    def _error(
+        self, y: float, gap: float, area_error: float, gap_error: float, pressure_error: float
+    ) -> float:
         return area_error
 
     def _noise(self, y: float, error: float, outlook: Outlook | None = None) -> float:
@@ -97,22 +114,41 @@ class AreaSearch(Search):
         return self.note is not None or super().may_be_met
 
     def met(self, solver: Solver, certificate: Certificate) -> bool:
-        """Whether the certificate finds the area as prescribed, or on the side of a jump that was chosen."""
+        """Whether the certificate finds the area as prescribed, or on the side of a jump that was
+        chosen."""
         y = self._of(solver, certificate)
         met = self._miss(y) <= self.tolerance
-        if self.note is not None and not met and abs(y - self.side) > max(POINT / self.wall.points, SAME * self.jump):
+        if (
+            self.note is not None
+            and not met
+            and abs(y - self.side) > max(POINT / self.wall.points, SAME * self.jump)
+        ):
             self.note, self.bracket = None, Bracket()  # there was no jump
         if met and self._too_small:
             self.note = f"a_r jumps from 0 to {self.aim:.4g}: the least at any load"
         return met or self.note is not None
 
-    def _decide(self, solver: Solver, now: float, error: float, missed: float, sure: bool, way: float | None = None) -> bool:
-        """As any search, unless the area jumps over the target; the last points are aimed at by how near each of them is."""
+    def _decide(
+        self,
+        solver: Solver,
+        now: float,
+        error: float,
+        missed: float,
+        sure: bool,
+        way: float | None = None,
+    ) -> bool:
+        """As any search, unless the area jumps over the target; the last points are aimed at by how
+        near each of them is."""
         if self._too_small:
             return missed > self.tolerance and self._go_to(self.x - STEP, solver)
         if error < SEEN and self._miss(now) > self.tolerance and not solver.closing:
-            wanted, allowed = (self.aim - now) * self.wall.points, self.least_miss * self.aim * self.wall.points
-            stairs = Staircase.of(solver, round(now * self.wall.points), wanted, self._usual_rate(now))
+            wanted, allowed = (
+                (self.aim - now) * self.wall.points,
+                self.least_miss * self.aim * self.wall.points,
+            )
+            stairs = Staircase.of(
+                solver, round(now * self.wall.points), wanted, self._usual_rate(now)
+            )
             jump = stairs and self._large(stairs.jump(abs(wanted), error), abs(wanted))
             if jump:
                 if sure:
@@ -122,7 +158,11 @@ class AreaSearch(Search):
                 return self._go_beside(jump, now, solver, sure)
             self.note = None
             if stairs:
-                way = float(np.copysign(stairs.way_between(abs(wanted) - allowed, abs(wanted) + allowed), wanted))
+                way = float(
+                    np.copysign(
+                        stairs.way_between(abs(wanted) - allowed, abs(wanted) + allowed), wanted
+                    )
+                )
         return self.note is None and super()._decide(solver, now, error, missed, sure, way)
 
     def _usual_rate(self, y: float) -> float:
@@ -158,9 +198,12 @@ class AreaSearch(Search):
         return self._go_to(self.bracket.within(x), solver)
 
     def _go_between(self, solver: Solver, y: float, error: float, way: float) -> bool:
-        """As any search, but where nothing changes the way is doubled, and a jump may be all there is between the bounds."""
+        """As any search, but where nothing changes the way is doubled, and a jump may be all there
+        is between the bounds."""
         here = (self.x, y, error)
-        stands = self.bracket.stands(here, self.straight(y) > self.straight(self.aim), 0.5 / self.wall.points)
+        stands = self.bracket.stands(
+            here, self.straight(y) > self.straight(self.aim), 0.5 / self.wall.points
+        )
         self._enclose(y, error)
         if self._enclosed:
             return self._jump(solver)
@@ -172,7 +215,9 @@ class AreaSearch(Search):
         low, high = self.bracket.low, self.bracket.high
         if low is None or high is None or (high[1] - low[1]) * self.wall.points < 2 * POINT:
             return 0.0
-        return (self.straight(high[1] / (1 + high[2])) - self.straight(low[1] * (1 + low[2]))) / self.bracket.width
+        return (
+            self.straight(high[1] / (1 + high[2])) - self.straight(low[1] * (1 + low[2]))
+        ) / self.bracket.width
 
     @property
     def _enclosed(self) -> bool:
@@ -186,5 +231,7 @@ class AreaSearch(Search):
         assert high is not None
         x, self.side, _ = min(low, high, key=lambda bound: abs(bound[1] - self.aim))
         self.jump = high[1] - low[1]
-        self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g}: the nearer to what was asked for"
+        self.note = (
+            f"a_r jumps from {low[1]:.4g} to {high[1]:.4g}: the nearer to what was asked for"
+        )
         return x != self.x and self._go_to(x, solver)

@@ -1,4 +1,5 @@
-"""The only loop: iterate a solver until its target, its limits or a request to stop, and certify what it returns."""
+"""The only loop: iterate a solver until its target, its limits or a request to stop, and certify
+what it returns."""
 
 from __future__ import annotations
 
@@ -18,22 +19,36 @@ if TYPE_CHECKING:
 
     Watch = Callable[[int, Progress], Any]
 
-CHECK_FROM, CHECK_GROWTH = 10, 1.25  # iterations at which a solver without error estimates is certified: each 1.25 times later
-REFUSALS = 5  # times that the certificate may refuse without having come nearer, before the solver counts as stagnated
-AGAIN = 0.9  # a solver that was refused is certified again where its own numbers promise so much of what is asked
-FLOOR = 1 / 6  # of the patience with a solver that believed that it was there: where only rounding errors are left
+CHECK_FROM, CHECK_GROWTH = (
+    10,
+    1.25,
+)  # iterations at which a solver without error estimates is certified: each 1.25 times later
+# times that the certificate may refuse without having come nearer, before the solver counts as
+# stagnated
+REFUSALS = 5
+# a solver that was refused is certified again where its own numbers promise so much of what is
+# asked
+AGAIN = 0.9
+FLOOR = (
+    1 / 6
+    # of the patience with a solver that believed that it was there: where only rounding errors are
+    # left
+)
 DRIFT = 0.01  # of the residual, relative: above, the solver goes on from the fresh pressure
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
-ATTAINED = 1.5  # of the mean gap's error that no iteration makes smaller: there it is no use to go on
+ATTAINED = (
+    1.5  # of the mean gap's error that no iteration makes smaller: there it is no use to go on
+)
 UNKNOWN = 1.0
 
 
 @dataclass(frozen=True)
 class Target:
-    """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per load; certificate_dtype: precision
-    of the certificate; duality: whether it has to give the duality gap; in_turn: whether its transforms take the memory of those of the
-    solver, and of its last step; closes: whether the load is to be the least that closes the gap: a point that is about to open is no
-    error of the area then, nor of the gap."""
+    """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per
+    load; certificate_dtype: precision of the certificate; duality: whether it has to give the
+    duality gap; in_turn: whether its transforms take the memory of those of the solver, and of its
+    last step; closes: whether the load is to be the least that closes the gap: a point that is
+    about to open is no error of the area then, nor of the gap."""
 
     accuracy: float | None = None
     residual: float | None = None
@@ -63,12 +78,19 @@ class LoopState:
 
     def begin_again(self, iterations: int) -> None:
         """The load has changed: what was reached before does not count."""
-        self.refusals, self.refused, self.threshold, self.best, self.best_at = 0, np.inf, 1.0, np.inf, iterations
+        self.refusals, self.refused, self.threshold, self.best, self.best_at = (
+            0,
+            np.inf,
+            1.0,
+            np.inf,
+            iterations,
+        )
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """status: converged, stagnated, max_iterations, nonfinite, interrupted; check_pairs: FFT pairs that certificates took."""
+    """status: converged, stagnated, max_iterations, nonfinite, interrupted; check_pairs: FFT pairs
+    that certificates took."""
 
     status: str
     certificate: Certificate
@@ -80,21 +102,29 @@ class Outcome:
         return self.certificate.errors
 
 
-def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: LoopState | None = None,
-          search: Search | Closing | None = None) -> Outcome:
-    """Iterate. watch(iterations, progress), if given, is called after every step and returns a true value to stop.
+def drive(
+    solver: Solver,
+    target: Target,
+    watch: Watch | None = None,
+    loop: LoopState | None = None,
+    search: Search | Closing | None = None,
+) -> Outcome:
+    """Iterate. watch(iterations, progress), if given, is called after every step and returns a true
+    value to stop.
 
     search: for the load, where that is not given.
 
-    loop: the LoopState of this load where its beginning was before a checkpoint; it is kept up to date.
-    On return solver.p is the fresh pressure of the certificate, in the solver's precision.
+    loop: the LoopState of this load where its beginning was before a checkpoint; it is kept up to
+    date. On return solver.p is the fresh pressure of the certificate, in the solver's precision.
     """
     loop = loop or LoopState(best_at=solver.iterations)
     progress = solver.progress()
     while True:
         status = None
         done = solver.iterations
-        if search is not None and search.adjust(solver, progress, _measure(progress, target) < loop.threshold):
+        if search is not None and search.adjust(
+            solver, progress, _measure(progress, target) < loop.threshold
+        ):
             loop.begin_again(done)
             progress = solver.progress()
         measure = _measure(progress, target)
@@ -104,8 +134,11 @@ def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: Loop
             loop.best, loop.best_at = falling, done
         if not progress.finite:
             status = "nonfinite"
-        elif (measure < loop.threshold and (search is None or search.may_be_met)
-              and _area_may_be_known(solver, progress, target)) or (unknown and done >= loop.next_check):
+        elif (
+            measure < loop.threshold
+            and (search is None or search.may_be_met)
+            and _area_may_be_known(solver, progress, target)
+        ) or (unknown and done >= loop.next_check):
             certificate = certificate_of(solver, target)
             loop.checks += certificate.pairs
             left = _left(target, certificate)
@@ -119,11 +152,18 @@ def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: Loop
                     return Outcome("stagnated", certificate, loop.checks)
                 loop.threshold = AGAIN * measure / left if np.isfinite(left) else AGAIN * measure
                 loop.refused = min(error, loop.refused)
-            if abs(progress.residual - certificate.residual) > DRIFT * certificate.residual and progress.estimates is not None:
+            if (
+                abs(progress.residual - certificate.residual) > DRIFT * certificate.residual
+                and progress.estimates is not None
+            ):
                 solver.refresh(certificate.uKu)
             else:
                 solver.resume()
-            if search is not None and not met and search.correct(solver, certificate, sure=left < 1):
+            if (
+                search is not None
+                and not met
+                and search.correct(solver, certificate, sure=left < 1)
+            ):
                 loop.begin_again(done)
             elif left < 1:
                 return Outcome("stagnated", certificate, loop.checks)
@@ -137,7 +177,11 @@ def drive(solver: Solver, target: Target, watch: Watch | None = None, loop: Loop
         if status is not None:
             certificate = certificate_of(solver, target)
             met = search is None or search.met(solver, certificate)
-            if status not in ("nonfinite", "interrupted") and met and _left(target, certificate) < 1:
+            if (
+                status not in ("nonfinite", "interrupted")
+                and met
+                and _left(target, certificate) < 1
+            ):
                 status = _status(target, certificate)
             return Outcome(status, certificate, loop.checks + certificate.pairs)
         solver.step()
@@ -148,7 +192,14 @@ def certificate_of(solver: Solver, target: Target) -> Certificate:
     """The certificate of the solver's state. Collective."""
     if target.in_turn:
         solver.make_room()
-    found = certify(solver.problem_now, solver.g, solver.p, solver.levels, target.certificate_dtype, target.duality)
+    found = certify(
+        solver.problem_now,
+        solver.g,
+        solver.p,
+        solver.levels,
+        target.certificate_dtype,
+        target.duality,
+    )
     if target.in_turn:
         solver.grid.forget_fft(target.certificate_dtype)
         solver.take_room()
@@ -158,7 +209,8 @@ def certificate_of(solver: Solver, target: Target) -> Certificate:
 
 
 def _measure(progress: Progress, target: Target) -> float:
-    """How far from the target, by the solver's own numbers: below 1 it believes that it is there; UNKNOWN without estimates."""
+    """How far from the target, by the solver's own numbers: below 1 it believes that it is there;
+    UNKNOWN without estimates."""
     if target.residual is not None:
         return progress.residual / target.residual
     if progress.estimates is None:
@@ -169,7 +221,8 @@ def _measure(progress: Progress, target: Target) -> float:
 
 
 def _area_may_be_known(solver: Solver, progress: Progress, target: Target) -> bool:
-    """Whether the certificate may find the area as accurate as asked: a look at all points, but no transform."""
+    """Whether the certificate may find the area as accurate as asked: a look at all points, but no
+    transform."""
     if target.accuracy is None or target.closes or progress.estimates is None:
         return True
     return solver.expected_area(progress.estimates[1]) < target.accuracy
@@ -182,7 +235,11 @@ def _left(target: Target, certificate: Certificate) -> float:
     if target.residual is not None:
         return certificate.residual / target.residual
     area, gap, pressure = certificate.errors
-    return max(area / target.tolerance, gap / _attainable(target, certificate.unseen), pressure / target.tolerance)
+    return max(
+        area / target.tolerance,
+        gap / _attainable(target, certificate.unseen),
+        pressure / target.tolerance,
+    )
 
 
 def _attainable(target: Target, unseen: float) -> float:

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from .certificate import Certificate
     from .prescribed import Prescribed
 
-FIELD = 0.1  # of the error of the pressure field, beside that of the mean gap: the error of the approach
+# of the error of the pressure field, beside that of the mean gap: the error of the approach
+FIELD = 0.1
 
 
 @dataclass
@@ -42,7 +43,9 @@ class GapSearch(Search):
     def _of(self, solver: Solver, certificate: Certificate) -> float:
         return certificate.gap_mean * solver.grid.a
 
-    def _error(self, y: float, gap: float, area_error: float, gap_error: float, pressure_error: float) -> float:
+    def _error(
+        self, y: float, gap: float, area_error: float, gap_error: float, pressure_error: float
+    ) -> float:
         return gap_error
 
 
@@ -64,12 +67,17 @@ class ApproachSearch(Search):
 
     def _expected(self, solver: Solver, outlook: Outlook) -> float:
         grid = solver.grid
-        rise, share = grid.comm.sum([solver.g.sum(dtype=float)])[0] / grid.cell_points + outlook.rise, grid.N / grid.cell_points
+        rise, share = (
+            grid.comm.sum([solver.g.sum(dtype=float)])[0] / grid.cell_points + outlook.rise,
+            grid.N / grid.cell_points,
+        )
         y = (solver.p_cell / solver.elastic.multipliers.uniform - rise) * grid.a
         return float(y + self.wall.top * share - self.wall.lowest * (1 - share))
 
     def _of(self, solver: Solver, certificate: Certificate) -> float:
         return certificate.approach * solver.grid.a
 
-    def _error(self, y: float, gap: float, area_error: float, gap_error: float, pressure_error: float) -> float:
+    def _error(
+        self, y: float, gap: float, area_error: float, gap_error: float, pressure_error: float
+    ) -> float:
         return gap_error * gap / y + FIELD * pressure_error if y > 0 else inf

@@ -1,4 +1,5 @@
-"""A curve that is nearly straight, as far as noisy readings tell it: a Kalman filter for its level and slope at a point that moves."""
+"""A curve that is nearly straight, as far as noisy readings tell it: a Kalman filter for its level
+and slope at a point that moves."""
 
 from __future__ import annotations
 
@@ -6,12 +7,14 @@ from dataclasses import dataclass
 
 UNKNOWN = 0.2  # standard deviation of a slope, relative, before anything was read
 BENT = 0.15  # the same of its change over a unit of length
-NOISY = 2.0  # times the noise of a reading, where it tells the slope: errors of successive readings are alike
+# times the noise of a reading, where it tells the slope: errors of successive readings are alike
+NOISY = 2.0
 
 
 @dataclass
 class Line:
-    """level, slope: of the curve here; covariance: of (level, level), (level, slope), (slope, slope)."""
+    """level, slope: of the curve here; covariance: of (level, level), (level, slope), (slope,
+    slope)."""
 
     level: float
     slope: float
@@ -19,13 +22,19 @@ class Line:
 
     @classmethod
     def guessed(cls, level: float, slope: float, doubt: float, unknown: float = UNKNOWN) -> Line:
-        """doubt: standard deviation of where the curve has that level; unknown: of the slope, relative."""
+        """doubt: standard deviation of where the curve has that level; unknown: of the slope,
+        relative."""
         return cls(level, slope, ((doubt * slope) ** 2, 0.0, (unknown * slope) ** 2))
 
     def read(self, level: float, noise: float, slopes: tuple[float, float]) -> None:
-        """Learn that the level is about that; noise: its standard deviation; slopes: that are believed."""
+        """Learn that the level is about that; noise: its standard deviation; slopes: that are
+        believed."""
         ll, ls, ss = self.covariance
-        news, gain, gain_slope = level - self.level, ll / (ll + noise**2), ls / (ll + (NOISY * noise) ** 2)
+        news, gain, gain_slope = (
+            level - self.level,
+            ll / (ll + noise**2),
+            ls / (ll + (NOISY * noise) ** 2),
+        )
         self.level += gain * news
         self.slope = min(max(self.slope + gain_slope * news, slopes[0]), slopes[1])
         self.covariance = ll * (1 - gain), ls * (1 - gain), ss - gain_slope * ls
@@ -42,6 +51,7 @@ class Line:
         return (level - self.level) / self.slope
 
     def doubt(self, way: float) -> float:
-        """The standard deviation of where the curve has the level that it should have so far from here."""
+        """The standard deviation of where the curve has the level that it should have so far from
+        here."""
         ll, ls, ss = self.covariance
         return float(max(ll + 2 * ls * way + ss * way**2, 0.0) ** 0.5 / self.slope)

@@ -1,11 +1,13 @@
-"""The sweep for the largest systems: the heights are not kept while iterating, so four fields and a bit are all there is.
+"""The sweep for the largest systems: the heights are not kept while iterating, so four fields and a
+bit are all there is.
 
-The starting gap takes the memory of the heights; where p = p0 + K u needs the displacement u = g - h, the transform of h, which is
-known mode by mode, is added in Fourier space. Every load that does not start from the one before makes the surface anew. Where the
-surface ends, its heights take a quarter or half of a field, and are kept.
+The starting gap takes the memory of the heights; where p = p0 + K u needs the displacement u = g -
+h, the transform of h, which is known mode by mode, is added in Fourier space. Every load that does
+not start from the one before makes the surface anew. Where the surface ends, its heights take a
+quarter or half of a field, and are kept.
 
-Where the first pressure and the certificates are in double precision, on large grids at small loads, their transforms take the memory
-of the solver's and of its last step meanwhile.
+Where the first pressure and the certificates are in double precision, on large grids at small
+loads, their transforms take the memory of the solver's and of its last step meanwhile.
 """
 
 from __future__ import annotations
@@ -31,22 +33,30 @@ if TYPE_CHECKING:
 
 
 class LowMemorySweep(Sweep):
-    """As Sweep. Raises SceneError for surfaces that are not known by their spectrum and for other solvers than bpx."""
+    """As Sweep. Raises SceneError for surfaces that are not known by their spectrum and for other
+    solvers than bpx."""
 
     def _set_precision(self, dtype: DTypeLike) -> None:
         self.dtype = np.dtype(dtype)
         self.solver = None
         self.surface = self.make_surface(self.dtype)
         self.__dict__.pop("_wall", None)
-        if (self.surface.add_spectrum is None and not self.surface.grid.padded) or self.solver_class.name != "bpx":
-            raise SceneError('solver.low_memory: found true, allowed: with surface.kind = "self-affine" and solver.name = "bpx"')
+        if (
+            self.surface.add_spectrum is None and not self.surface.grid.padded
+        ) or self.solver_class.name != "bpx":
+            raise SceneError(
+                'solver.low_memory: found true, allowed: with surface.kind = "self-affine" and'
+                ' solver.name = "bpx"'
+            )
 
     closes = False
 
     def _full_contact(self, problem: Problem) -> tuple[None, float]:
         return None, 0.0  # the nested start finds out
 
-    def _begin(self, problem: Problem, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None) -> None:
+    def _begin(
+        self, problem: Problem, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None
+    ) -> None:
         if arrays is None and self._goes_on_at(problem.p0):
             self._reset_counts()
             self.solver.continue_at(problem.p0)
@@ -57,14 +67,22 @@ class LowMemorySweep(Sweep):
         problem = replace(problem, h=h)
         memory = None if self.surface.grid.padded else h
         g, h_rms = memory, problem.root_mean_square
-        wall = self._wall if isinstance(self._search, Search) else None  # of the heights, as long as they are there
+        wall = (
+            self._wall if isinstance(self._search, Search) else None
+        )  # of the heights, as long as they are there
         if arrays is None:
             g = self._starting_gap(problem, memory)
             if isinstance(self._search, Search) and wall is not None:
                 problem = replace(problem, p0=self._search.on_next_grid(wall))
         if memory is not None:
             self.surface = replace(self.surface, h=None)
-            problem = replace(problem, h=None, add_spectrum=self.surface.add_spectrum, working=self.dtype, h_rms=h_rms)
+            problem = replace(
+                problem,
+                h=None,
+                add_spectrum=self.surface.add_spectrum,
+                working=self.dtype,
+                h_rms=h_rms,
+            )
         _give_back()
         self.solver = self._make(problem, g)
         self._reset_counts()
@@ -90,10 +108,13 @@ class LowMemorySweep(Sweep):
 
     def _rounding_counts(self, problem: Problem) -> bool:
         """Not where double precision would take tables, too."""
-        return not self.body.table_share and self._noise(problem) > NOISE_IN_TURN * counting(self.target, problem.p0)
+        return not self.body.table_share and self._noise(problem) > NOISE_IN_TURN * counting(
+            self.target, problem.p0
+        )
 
 
 def _give_back() -> None:
-    """Let the system have what the C library keeps of the memory of coarser grids: that was 60 to 100 MB at n = 4096."""
+    """Let the system have what the C library keeps of the memory of coarser grids: that was 60 to
+    100 MB at n = 4096."""
     with suppress(AttributeError, OSError):
         ctypes.CDLL(None).malloc_trim(0)

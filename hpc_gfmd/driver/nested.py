@@ -1,10 +1,14 @@
-"""Nested start: solve on decimated grids first, roughly, and interpolate the displacement to the next finer grid.
+"""Nested start: solve on decimated grids first, roughly, and interpolate the displacement to the
+next finer grid.
 
-The finer grid's own heights are then given way to locally, without an FFT (kernels/prolong.py): that saves one or two iterations.
+The finer grid's own heights are then given way to locally, without an FFT (kernels/prolong.py):
+that saves one or two iterations.
 
-Decimation (every second point) keeps the heights of the asperities; averages and envelopes do not, and start worse at small loads.
+Decimation (every second point) keeps the heights of the asperities; averages and envelopes do not,
+and start worse at small loads.
 
-Coarse grids are gathered on fewer and fewer ranks: the others wait until the solution comes back to their rows.
+Coarse grids are gathered on fewer and fewer ranks: the others wait until the solution comes back to
+their rows.
 """
 
 from __future__ import annotations
@@ -31,26 +35,38 @@ if TYPE_CHECKING:
 
     MakeSolver = Callable[[Problem], Solver]
 
-# Points along an axis, in the geometric mean, below which there is no coarser grid, and twice as many where so many grids are finer:
-# what they take counts less. Strips have at least SLIM across, which a cubic takes.
+# Points along an axis, in the geometric mean, below which there is no coarser grid, and twice as
+# many where so many grids are finer: what they take counts less. Strips have at least SLIM across,
+# which a cubic takes.
 COARSEST, FINER, SLIM = 32, 2, 4
-# Residual of a coarse solution, of what its own start had (at most LARGE): so much less for each grid finer than it. What a finer grid
-# adds is about what this one added to the coarser: to solve it better than that is no use, but the coarser, the cheaper it is.
-# An accuracy that takes a few iterations needs a start without errors in long waves; where there are more iterations, they see to them.
+# Residual of a coarse solution, of what its own start had (at most LARGE): so much less for each
+# grid finer than it. What a finer grid adds is about what this one added to the coarser: to solve
+# it better than that is no use, but the coarser, the cheaper it is. An accuracy that takes a few
+# iterations needs a start without errors in long waves; where there are more iterations, they see
+# to them.
 REDUCTION, FEW_REDUCTION, FEW, LARGE = 0.6, 0.2, 3e-3, 1.0
 ITERATIONS = 60  # at most, on a coarse grid
-RANK_POINTS = 2**13  # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
-TENSION = 0.02  # share of points under tension in a closed coarse contact up to which the fine one may be without any
-FLAT_START = 0.049  # p* below which the flat start rests on the heights above mean + rms; not a round number: p* has rounding errors
+RANK_POINTS = (
+    2**13
+)  # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
+# share of points under tension in a closed coarse contact up to which the fine one may be without
+# any
+TENSION = 0.02
+# p* below which the flat start rests on the heights above mean + rms; not a round number: p* has
+# rounding errors
+FLAT_START = 0.049
 
 
 def cold_gap(problem: Problem) -> np.ndarray:
-    """A flat displacement pressed into the surface: the gap of a rigid plane at a height that suits the load.
+    """A flat displacement pressed into the surface: the gap of a rigid plane at a height that suits
+    the load.
 
     Beyond the surface the displacement is that of the plane.
     """
     h, comm, N = problem.heights, problem.grid.comm, problem.grid.N
-    s1, s2 = comm.sum([h.sum(dtype=np.float64), np.einsum("ij,ij->", h, h, dtype=np.dtype(np.float64))])
+    s1, s2 = comm.sum(
+        [h.sum(dtype=np.float64), np.einsum("ij,ij->", h, h, dtype=np.dtype(np.float64))]
+    )
     mean = s1 / N
     level = mean
     if problem.p0 < FLAT_START:
@@ -65,8 +81,9 @@ def cold_gap(problem: Problem) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Decimation:
-    """A grid and its decimation. coarse: the Grid, None on ranks that have no part in it; beside: first coarse row among the fine rows
-    of every rank, and the number of rows; starts: the same of those that a rank owns."""
+    """A grid and its decimation. coarse: the Grid, None on ranks that have no part in it; beside:
+    first coarse row among the fine rows of every rank, and the number of rows; starts: the same of
+    those that a rank owns."""
 
     fine: Grid
     coarse: Grid | None
@@ -77,18 +94,25 @@ class Decimation:
 
     @classmethod
     def of(cls, grid: Grid, finer: int = 0) -> Decimation | None:
-        """Of a grid than which so many are finer, or None where it is coarse already. No memory, but communicators: collective."""
+        """Of a grid than which so many are finer, or None where it is coarse already. No memory,
+        but communicators: collective."""
         n = levels(grid)[1].n if grid.cell_points > 1 else (1, 1)
         coarsened = [a != b for a, b in zip(n, grid.n)]
         points = [k for k, c in zip(n, coarsened) if c]
-        if min(points, default=0) < SLIM or np.prod(points) < (COARSEST * (2 if finer >= FINER else 1)) ** len(points):
+        if min(points, default=0) < SLIM or np.prod(points) < (
+            COARSEST * (2 if finer >= FINER else 1)
+        ) ** len(points):
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
         starts = gathered(beside, n[0] * n[1], RANK_POINTS)
         ranks = np.flatnonzero(np.diff(starts)).tolist()
         comm = grid.comm.subcomm(ranks)
-        coarse = Grid(n, grid.sizes, comm, grid.threads, np.append(starts[ranks], n[0]), (n_x, n_y)) if comm is not None else None
+        coarse = (
+            Grid(n, grid.sizes, comm, grid.threads, np.append(starts[ranks], n[0]), (n_x, n_y))
+            if comm is not None
+            else None
+        )
         return cls(grid, coarse, n, (n_x, n_y), beside, starts)
 
     @property
@@ -97,13 +121,18 @@ class Decimation:
         return [2 if a != b else 1 for a, b in zip(self.n, self.fine.n, strict=True)]
 
     def problem(self, problem: Problem) -> Problem | None:
-        """The problem of every second point, None where this rank has none. Units of height and pressure stay, lengths become those of
-        the coarser grid. Collective."""
+        """The problem of every second point, None where this rank has none. Units of height and
+        pressure stay, lengths become those of the coarser grid. Collective."""
         step = self.steps
-        h = np.ascontiguousarray(problem.heights[(-self.fine.rows[0]) % step[0]::step[0], ::step[1]])
+        h = np.ascontiguousarray(
+            problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
+        )
         beside, starts = (np.minimum(rows, self.nominal[0]) for rows in (self.beside, self.starts))
         if not np.array_equal(beside, starts):
-            windows, rank = Windows(self.fine.comm.rank, starts, beside[:-1], beside[1:]), self.fine.comm.rank
+            windows, rank = (
+                Windows(self.fine.comm.rank, starts, beside[:-1], beside[1:]),
+                self.fine.comm.rank,
+            )
             owned = np.zeros((starts[rank + 1] - starts[rank], h.shape[1]), h.dtype)
             windows.add(self.fine.comm, h, owned)
             h = owned
@@ -112,8 +141,8 @@ class Decimation:
         return replace(problem, grid=self.coarse, h=h / h.dtype.type(self.coarse.a / self.fine.a))
 
     def around(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The rows of a coarse field beside this rank's fine rows: HALO before, these, and HALO after them. a: this rank's own rows of
-        it, None where it has none. Collective."""
+        """The rows of a coarse field beside this rank's fine rows: HALO before, these, and HALO
+        after them. a: this rank's own rows of it, None where it has none. Collective."""
         comm, first, last = self.fine.comm, self.beside[:-1], self.beside[1:]
         if np.array_equal(self.beside, self.starts):
             before, after = neighbours(comm, a, self.starts, HALO)
@@ -123,13 +152,17 @@ class Decimation:
 
 
 class Nested:
-    """The decimated grids of a grid, planned once; `start` solves on them. Collective, as is all of it."""
+    """The decimated grids of a grid, planned once; `start` solves on them. Collective, as is all of
+    it."""
 
     def __init__(self, grid: Grid, dtype: DTypeLike, accuracy: float | None = None, finer: int = 0):
-        """accuracy: that is asked for on the finest grid, None where it is a residual; finer: number of grids that are finer."""
+        """accuracy: that is asked for on the finest grid, None where it is a residual; finer:
+        number of grids that are finer."""
         self.grid, self.step = grid, Decimation.of(grid, finer)
         self.coarser: Nested | None = None
-        self.reduction = (REDUCTION if accuracy is None or accuracy < FEW else FEW_REDUCTION) ** (finer + 1)
+        self.reduction = (REDUCTION if accuracy is None or accuracy < FEW else FEW_REDUCTION) ** (
+            finer + 1
+        )
         if self.step is not None and self.step.coarse is not None:
             self.step.coarse.fft(dtype)
             self.coarser = Nested(self.step.coarse, dtype, accuracy, finer + 1)
@@ -139,12 +172,19 @@ class Nested:
         """The coarse grids that this rank has a part in, finest first."""
         return [self.coarser.grid, *self.coarser.grids] if self.coarser is not None else []
 
-    def start(self, problem: Problem, make_solver: MakeSolver, into: np.ndarray | None = None,
-              search: Search | None = None) -> tuple[np.ndarray, float]:
-        """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in pairs of that grid.
+    def start(
+        self,
+        problem: Problem,
+        make_solver: MakeSolver,
+        into: np.ndarray | None = None,
+        search: Search | None = None,
+    ) -> tuple[np.ndarray, float]:
+        """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in
+        pairs of that grid.
 
-        into: memory for the gap; may be that of problem.h, which is then lost. search: the search.Search for the load, where that
-        of the problem is but a guess. Raises Stopped on all ranks when the run is to stop.
+        into: memory for the gap; may be that of problem.h, which is then lost. search: the
+        search.Search for the load, where that of the problem is but a guess. Raises Stopped on all
+        ranks when the run is to stop.
         """
         if self.step is None:
             if search is not None:
@@ -159,13 +199,17 @@ class Nested:
             try:
                 g, pairs = self.coarser.start(coarse, make_solver, search=search)
                 if search is not None:
-                    coarse = replace(coarse, p0=search.on_next_grid(Wall.of(coarse.grid, coarse.heights)))
+                    coarse = replace(
+                        coarse, p0=search.on_next_grid(Wall.of(coarse.grid, coarse.heights))
+                    )
                 solver = _roughly_solved(coarse, make_solver, g, self.reduction, search)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
                 full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
             except interrupt.Stopped as found:
                 stopped = found.number
-        full, pairs, stopped = problem.grid.comm.bcast_float([full, pairs, stopped])  # rank 0 has a part in all grids
+        full, pairs, stopped = problem.grid.comm.bcast_float(
+            [full, pairs, stopped]
+        )  # rank 0 has a part in all grids
         if stopped:
             interrupt.stop(int(stopped))
         if search is not None and problem.grid.comm.size > 1:
@@ -173,7 +217,8 @@ class Nested:
         return _prolong(problem, self.step, coarse, solver, bool(full), into), float(pairs)
 
     def may_be_full(self, problem: Problem) -> tuple[bool, float]:
-        """Whether full contact is likely, and the FFT pairs this took: from the pressure of the closed contact on the next grid."""
+        """Whether full contact is likely, and the FFT pairs this took: from the pressure of the
+        closed contact on the next grid."""
         if self.step is None:
             return True, 0.0
         coarse, likely, pairs = self.step.problem(problem), False, 0.0
@@ -186,8 +231,15 @@ class Nested:
         return bool(likely), float(pairs)
 
 
-def _roughly_solved(problem: Problem, make_solver: MakeSolver, g: np.ndarray, reduction: float, search: Search | None) -> Solver:
-    """A solver that has come from the gap g to a residual that is so much smaller, and to the load that `search`, if any, is after."""
+def _roughly_solved(
+    problem: Problem,
+    make_solver: MakeSolver,
+    g: np.ndarray,
+    reduction: float,
+    search: Search | None,
+) -> Solver:
+    """A solver that has come from the gap g to a residual that is so much smaller, and to the load
+    that `search`, if any, is after."""
     solver = make_solver(problem)
     solver.start(g)
     progress = solver.progress()
@@ -202,10 +254,17 @@ def _roughly_solved(problem: Problem, make_solver: MakeSolver, g: np.ndarray, re
     return solver
 
 
-def _prolong(problem: Problem, step: Decimation, coarse: Problem | None, solver: Solver | None, full: bool,
-             into: np.ndarray | None) -> np.ndarray:
-    """The gap on the grid of `problem` from a solver on the coarse one, whose gap is lost; coarse and solver: the coarse problem, None
-    where this rank has no part in it. into: memory for the gap, or None."""
+def _prolong(
+    problem: Problem,
+    step: Decimation,
+    coarse: Problem | None,
+    solver: Solver | None,
+    full: bool,
+    into: np.ndarray | None,
+) -> np.ndarray:
+    """The gap on the grid of `problem` from a solver on the coarse one, whose gap is lost; coarse
+    and solver: the coarse problem, None where this rank has no part in it. into: memory for the
+    gap, or None."""
     fine, real = problem.grid, problem.dtype.type
     out = fine.empty(problem.dtype) if into is None else into
     if full:
@@ -218,14 +277,31 @@ def _prolong(problem: Problem, step: Decimation, coarse: Problem | None, solver:
         u[:inner, :points] -= coarse.h
         u *= real(coarse.grid.a / fine.a)
     before, after = _heights_around(problem)
-    heights, rows, coarse_rows = (before, problem.h, after), (fine.rows[0], fine.n[0]), (int(step.beside[fine.comm.rank]), step.n[0])
+    heights, rows, coarse_rows = (
+        (before, problem.h, after),
+        (fine.rows[0], fine.n[0]),
+        (int(step.beside[fine.comm.rank]), step.n[0]),
+    )
     halved = tuple(k == 2 for k in step.steps)
-    prolong_gap(step.around(u), step.around(p), heights, out, rows, coarse_rows, halved, real(1 / problem.body.scale(fine)),
-                problem.body.near(fine).astype(problem.dtype), fine.nominal)
+    prolong_gap(
+        step.around(u),
+        step.around(p),
+        heights,
+        out,
+        rows,
+        coarse_rows,
+        halved,
+        real(1 / problem.body.scale(fine)),
+        problem.body.near(fine).astype(problem.dtype),
+        fine.nominal,
+    )
     return out
 
 
 def _heights_around(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    """The rows of h before and after this rank's rows of the grid; beyond the surface, where there are none, they do not count."""
+    """The rows of h before and after this rank's rows of the grid; beyond the surface, where there
+    are none, they do not count."""
     grid = problem.grid
-    return neighbours(grid.comm, problem.heights, grid.starts, SWEEPS, np.minimum(grid.starts, grid.nominal[0]))
+    return neighbours(
+        grid.comm, problem.heights, grid.starts, SWEEPS, np.minimum(grid.starts, grid.nominal[0])
+    )

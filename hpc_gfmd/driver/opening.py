@@ -1,7 +1,8 @@
 """The search for a load at which the gap is nearly closed.
 
-There the mean gap is about a power of how much less the load is than what closes the gap everywhere, which is known beforehand
-(closing.py): beside that load the curve over log p0 has no end to its slope, over log(p0/(closes_at - p0)) it is nearly straight.
+There the mean gap is about a power of how much less the load is than what closes the gap
+everywhere, which is known beforehand (closing.py): beside that load the curve over log p0 has no
+end to its slope, over log(p0/(closes_at - p0)) it is nearly straight.
 """
 
 from __future__ import annotations
@@ -21,11 +22,17 @@ if TYPE_CHECKING:
     from .wall import Wall
 
 NEARLY = 0.2  # of E* g_rms: full contact takes 0.3 to 20
-SLOPE, DOUBT = 1.5, 2.0  # 1 where a single point opens, up to 2.5 at the bottom of a bowl; of the first guess, one for a single point
+SLOPE, DOUBT = (
+    1.5,
+    2.0,
+    # 1 where a single point opens, up to 2.5 at the bottom of a bowl; of the first guess, one for a
+    # single point
+)
 
 
 def _single(load: Prescribed, surface: Surface, body: Body) -> float:
-    """How much less than what closes the gap opens a single point to the mean gap that is asked for, in the program's units."""
+    """How much less than what closes the gap opens a single point to the mean gap that is asked
+    for, in the program's units."""
     grid = surface.grid
     return load.value / surface.height_unit * grid.N * float(body.near(grid)[0])
 
@@ -45,7 +52,8 @@ class Opening(GapSearch):
 
     @classmethod
     def of(cls, load: Prescribed, closed: Contact, wall: Wall) -> Opening:
-        """closed: at the load that closes the gap. It begins where a single point would open so far."""
+        """closed: at the load that closes the gap. It begins where a single point would open so
+        far."""
         closes_at = closed.p_mean / closed.pressure_unit
         x = log(max(closes_at / _single(load, closed.surface, closed.body) - 1, 1.0))
         target, offsets = load.value / closed.surface.slope, Offsets(wall)

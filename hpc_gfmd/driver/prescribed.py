@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Prescribed:
-    """What a load is to give. quantity: "gap_mean", "a_r" or "approach"; value: in the scene's units."""
+    """What a load is to give. quantity: "gap_mean", "a_r" or "approach"; value: in the scene's
+    units."""
 
     quantity: str
     value: float
@@ -27,21 +28,38 @@ class Prescribed:
         return self.quantity == "a_r" and self.value == 1
 
 
-def prescribed(name: str, values: Sequence[float], surface: Surface, wall: Wall, resolution: float) -> tuple[Prescribed, ...]:
-    """Prescribed loads from the key of a scene's [load] and its values; wall: of the surface; resolution: least length over the largest
-    height that rounding errors leave as accurate as asked. A gap of 0 is full contact. Raises SceneError for what cannot be had."""
+def prescribed(
+    name: str, values: Sequence[float], surface: Surface, wall: Wall, resolution: float
+) -> tuple[Prescribed, ...]:
+    """Prescribed loads from the key of a scene's [load] and its values; wall: of the surface;
+    resolution: least length over the largest height that rounding errors leave as accurate as
+    asked. A gap of 0 is full contact. Raises SceneError for what cannot be had."""
     if name == "a_r":
         for value in values:
             if value * surface.grid.N < 0.5:
-                raise SceneError(f"load.a_r: found {value:g}, less than half of one of {surface.grid.N} points, "
-                                 f"allowed: {1 / surface.grid.N:.3g} to 1")
+                raise SceneError(
+                    f"load.a_r: found {value:g}, less than half of one of {surface.grid.N} points, "
+                    f"allowed: {1 / surface.grid.N:.3g} to 1"
+                )
         return tuple(Prescribed(name, float(value)) for value in values)
     unit = surface.h_rms if name == "gap_over_h_rms" else 1.0
     largest, gap = wall.top * surface.slope / unit, name != "approach"
     for value in values:
         if gap and not value < largest:
-            raise SceneError(f"load.{name}: found {said(value)}, allowed: below {like(value, largest)}, where the highest peak touches")
+            raise SceneError(
+                f"load.{name}: found {said(value)}, allowed: below {like(value, largest)}, where"
+                " the highest peak touches"
+            )
         if 0 < value < resolution * largest:
-            raise SceneError(f"load.{name}: found {said(value)}, allowed: above {like(value, resolution * largest)}, "
-                             "what rounding errors leave")
-    return tuple(Prescribed("gap_mean" if gap else name, float(value) * unit) if value else Prescribed("a_r", 1.0) for value in values)
+            raise SceneError(
+                f"load.{name}: found {said(value)}, allowed: above"
+                f" {like(value, resolution * largest)}, what rounding errors leave"
+            )
+    return tuple(
+        (
+            Prescribed("gap_mean" if gap else name, float(value) * unit)
+            if value
+            else Prescribed("a_r", 1.0)
+        )
+        for value in values
+    )

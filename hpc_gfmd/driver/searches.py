@@ -11,7 +11,9 @@ from .gap import ApproachSearch, GapSearch
 from .opening import Opening
 from .search import Search
 
-SEARCHES: dict[str, type[Search]] = {search.kind: search for search in (AreaSearch, GapSearch, ApproachSearch, Opening)}
+SEARCHES: dict[str, type[Search]] = {
+    search.kind: search for search in (AreaSearch, GapSearch, ApproachSearch, Opening)
+}
 
 
 def numbers_of(search: Search | Closing) -> dict[str, Any]:
@@ -21,4 +23,6 @@ def numbers_of(search: Search | Closing) -> dict[str, Any]:
 
 def restored(numbers: dict[str, Any]) -> Search:
     """The Search of a checkpoint."""
-    return SEARCHES[numbers["kind"]].restored({name: value for name, value in numbers.items() if name != "kind"})
+    return SEARCHES[numbers["kind"]].restored(
+        {name: value for name, value in numbers.items() if name != "kind"}
+    )

@@ -1,4 +1,5 @@
-"""How long a scene will take, from a measurement of a few seconds that is kept in the user's cache."""
+"""How long a scene will take, from a measurement of a few seconds that is kept in the user's
+cache."""
 
 import json
 import os
@@ -12,26 +13,40 @@ from ..scene import Scene
 from .precision import first_precision
 from .sweep import Sweep
 
-SAMPLE = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 2, "lam_l_over_lam_s": 256, "lam_s_over_a": 2, "seed": 1}
-# FFT pairs to an accuracy of 1e-3, everything counted, and further ones per decade, for the default solver
+SAMPLE = {
+    "kind": "self-affine",
+    "hurst": 0.8,
+    "L_over_lam_l": 2,
+    "lam_l_over_lam_s": 256,
+    "lam_s_over_a": 2,
+    "seed": 1,
+}
+# FFT pairs to an accuracy of 1e-3, everything counted, and further ones per decade, for the default
+# solver
 PAIRS, PAIRS_PER_DECADE = 9.0, 2.8
 SEARCHING = 1.5  # times as many where the mean pressures have to be found
 BASELINE_PAIRS = {"gfmd": 150.0, "fire": 400.0, "ccg": 150.0}
 
 
 def expected_seconds(scene: Scene, n: tuple[int, int], ranks: int, cores: int) -> float:
-    """Seconds of solving all loads of a scene on `ranks` ranks that share `cores` cores of this machine."""
+    """Seconds of solving all loads of a scene on `ranks` ranks that share `cores` cores of this
+    machine."""
     settings = scene.solver
     decades = -np.log10(settings.tolerance) - 3
-    pairs = BASELINE_PAIRS.get(settings.name, PAIRS) * max(0.6, 1 + decades * PAIRS_PER_DECADE / PAIRS)
+    pairs = BASELINE_PAIRS.get(settings.name, PAIRS) * max(
+        0.6, 1 + decades * PAIRS_PER_DECADE / PAIRS
+    )
     points = n[0] * n[1]
     work = points * np.log2(max(points, 2))
     loads = len(scene.load.given[1]) * (SEARCHING if scene.load.found else 1.0)
-    return float(loads * pairs * work * seconds_per_work(first_precision(settings)) / min(ranks, cores))
+    return float(
+        loads * pairs * work * seconds_per_work(first_precision(settings)) / min(ranks, cores)
+    )
 
 
 def seconds_per_work(dtype: DTypeLike) -> float:
-    """Seconds per FFT pair (with everything that goes along with it) and N log2 N; measured once, then read."""
+    """Seconds per FFT pair (with everything that goes along with it) and N log2 N; measured once,
+    then read."""
     path = cache_folder() / f"speed-{np.dtype(dtype).name}.json"
     try:
         known = json.loads(path.read_text())
@@ -40,7 +55,12 @@ def seconds_per_work(dtype: DTypeLike) -> float:
     except (OSError, ValueError, KeyError, TypeError):
         pass
     value = _measure(dtype)
-    keep(path, json.dumps({"host": os.uname().nodename, "seconds_per_work": value, "time": time.time()}).encode())
+    keep(
+        path,
+        json.dumps(
+            {"host": os.uname().nodename, "seconds_per_work": value, "time": time.time()}
+        ).encode(),
+    )
     return value
 
 
@@ -49,7 +69,9 @@ def _measure(dtype: DTypeLike) -> float:
     from ..surface import build_surface
 
     precision = "single" if np.dtype(dtype) == np.float32 else "double"
-    scene = Scene.from_dict({"surface": SAMPLE, "load": {"p_star": 0.05}, "solver": {"precision": precision}})
+    scene = Scene.from_dict(
+        {"surface": SAMPLE, "load": {"p_star": 0.05}, "solver": {"precision": precision}}
+    )
     sweep = Sweep(lambda d: build_surface(scene.surface, SerialComm(), d), scene.solver)
     best = np.inf
     for p_star in (0.05, 0.4, 0.01):  # far apart: each starts anew

@@ -14,9 +14,10 @@ TIE = 64.0  # times the rounding error of heights: as high
 
 
 class Wall(NamedTuple):
-    """points: of the surface; highest: those as high as the highest peak, which touch at any load; top: mean gap where it just touches,
-    over the unit of slopes; steepness: rms slope between neighbours in a row, in that unit; lowest: gap at that peak, which on coarse
-    grids is not that of the surface, as top."""
+    """points: of the surface; highest: those as high as the highest peak, which touch at any load;
+    top: mean gap where it just touches, over the unit of slopes; steepness: rms slope between
+    neighbours in a row, in that unit; lowest: gap at that peak, which on coarse grids is not that
+    of the surface, as top."""
 
     points: int
     highest: int
@@ -33,4 +34,10 @@ class Wall(NamedTuple):
         tie = TIE * float(np.finfo(h.dtype).eps) * (total / grid.N - lowest)
         highest = grid.comm.sum([np.count_nonzero(h <= lowest + tie)])[0]
         steepness = np.sqrt(squares / grid.N) * grid.a / grid.spacings[1]
-        return cls(grid.N, int(highest), float(total / grid.N - lowest) * grid.a, float(steepness), float(lowest) * grid.a)
+        return cls(
+            grid.N,
+            int(highest),
+            float(total / grid.N - lowest) * grid.a,
+            float(steepness),
+            float(lowest) * grid.a,
+        )

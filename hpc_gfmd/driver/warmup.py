@@ -1,4 +1,5 @@
-"""Compile every kernel on one rank, once per installation; the other ranks then find them in the cache."""
+"""Compile every kernel on one rank, once per installation; the other ranks then find them in the
+cache."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -18,16 +19,31 @@ from .precision import first_precision
 from .sweep import Sweep
 
 Observable = Callable[[Contact], Any]
-TINY = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 1, "lam_l_over_lam_s": 8, "lam_s_over_a": 10, "seed": 1}
+TINY = {
+    "kind": "self-affine",
+    "hurst": 0.8,
+    "L_over_lam_l": 1,
+    "lam_l_over_lam_s": 8,
+    "lam_s_over_a": 10,
+    "seed": 1,
+}
 PRECISIONS = {np.dtype(np.float32): "single", np.dtype(np.float64): "double"}
 
 
-def compile_once(comm: Comm, settings: Solver, boundary: str | tuple[str, str] = "periodic", material: Material | None = None,
-                 observe: Iterable[Observable] | None = None, say: Callable[[str], object] | None = None) -> None:
-    """Solve and evaluate a tiny contact with the same solver, precision, boundary and material, first on rank 0, then on the others.
+def compile_once(
+    comm: Comm,
+    settings: Solver,
+    boundary: str | tuple[str, str] = "periodic",
+    material: Material | None = None,
+    observe: Iterable[Observable] | None = None,
+    say: Callable[[str], object] | None = None,
+) -> None:
+    """Solve and evaluate a tiny contact with the same solver, precision, boundary and material,
+    first on rank 0, then on the others.
 
-    observe: the functions of a Contact that will be called; default: the observables that a result has where the scene names none.
-    say: function of a text, called on rank 0 before something is compiled that has not been kept. Collective.
+    observe: the functions of a Contact that will be called; default: the observables that a result
+    has where the scene names none. say: function of a text, called on rank 0 before something is
+    compiled that has not been kept. Collective.
     """
     observe = observables_named(None).values() if observe is None else observe
     with guarded(comm, "compiling"):
@@ -48,19 +64,38 @@ def _tiny_contact(settings: Solver, *how: Any) -> None:
 def _plain(material: Material) -> dict[str, Any]:
     """A material as a table of numbers without units."""
     given = {key: getattr(material, key) for key in material.model_dump(exclude_none=True)}
-    return {key: float(value) if isinstance(value, float) else value for key, value in given.items()}
+    return {
+        key: float(value) if isinstance(value, float) else value for key, value in given.items()
+    }
 
 
-def _tiny_contact_in(precision: str, settings: Solver, boundary: str | tuple[str, str], material: Material | None,
-                     observe: Iterable[Observable]) -> None:
+def _tiny_contact_in(
+    precision: str,
+    settings: Solver,
+    boundary: str | tuple[str, str],
+    material: Material | None,
+    observe: Iterable[Observable],
+) -> None:
     solver = settings.model_dump(exclude_none=True) | {"max_iterations": 3, "precision": precision}
-    scene = Scene.from_dict({"surface": TINY | {"boundary": boundary}, "load": {"p_star": 0.05}, "solver": solver,
-                             "material": _plain(material) if material else {}})
+    scene = Scene.from_dict(
+        {
+            "surface": TINY | {"boundary": boundary},
+            "load": {"p_star": 0.05},
+            "solver": solver,
+            "material": _plain(material) if material else {},
+        }
+    )
     body = body_of(scene.material, scene.surface.free)
-    sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver, body=body)
+    sweep = Sweep(
+        lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver, body=body
+    )
     contact = sweep.solve(0.05).contact
-    sweep.solver.expected_area(1.0)  # which a contact that is not accurate may not have been asked for
+    sweep.solver.expected_area(
+        1.0
+    )  # which a contact that is not accurate may not have been asked for
     for function in observe:
         function(contact)
     grid, dtype = sweep.surface.grid, sweep.dtype
-    Multilevel(grid, HALF_SPACE, dtype, grid.n[0], coarsest_points=0).sweep()  # levels that only larger grids spread
+    Multilevel(
+        grid, HALF_SPACE, dtype, grid.n[0], coarsest_points=0
+    ).sweep()  # levels that only larger grids spread

@@ -1,12 +1,16 @@
-"""Kernels of the projected, preconditioned conjugate gradients: one pass before and one after the Fourier transform.
+"""Kernels of the projected, preconditioned conjugate gradients: one pass before and one after the
+Fourier transform.
 
-State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in half the width (halfwidth.py): one that is as rough costs no
-iteration. Contact A = {g <= 0 and p > 0}, the active set; free F = the rest. `rows` = (i0, i1) are the local rows of one pass, x is
-scratch (>= i1 - i0, n_y) that begins with row i0; `transfer` is the tuple of tables that Transfer.tables has (operators/coarsening.py).
+State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in half the width
+(halfwidth.py): one that is as rough costs no iteration. Contact A = {g <= 0 and p > 0}, the active
+set; free F = the rest. `rows` = (i0, i1) are the local rows of one pass, x is scratch (>= i1 - i0,
+n_y) that begins with row i0; `transfer` is the tuple of tables that Transfer.tables has
+(operators/coarsening.py).
 
-Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a slab). Beyond it
-there is no wall: g is the displacement u itself and does not count. So every row has two parts, of which the second is empty on a
-periodic grid; each has a loop of its own, because one for both would not use vectors.
+Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first
+rows and points of a slab). Beyond it there is no wall: g is the displacement u itself and does not
+count. So every row has two parts, of which the second is empty on a periodic grid; each has a loop
+of its own, because one for both would not use vectors.
 """
 
 from typing import NamedTuple
@@ -19,10 +23,11 @@ from .multilevel import combine_rows, interpolate_row, restrict_row
 
 
 class UpdateSums(NamedTuple):
-    """What `update_state` adds up over its rows, in its order; the kernel itself returns a plain tuple, which costs nothing to make.
+    """What `update_state` adds up over its rows, in its order; the kernel itself returns a plain
+    tuple, which costs nothing to make.
 
-    rr, pp: p^2 on F and everywhere; pd: p d on F; dx, px: d x and p x on F; contact: points; gap; opening, closing: points that would
-    open, and close, if the same step were made again.
+    rr, pp: p^2 on F and everywhere; pd: p d on F; dx, px: d x and p x on F; contact: points; gap;
+    opening, closing: points that would open, and close, if the same step were made again.
     """
 
     rr: float
@@ -45,9 +50,10 @@ class UpdateSums(NamedTuple):
 def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
     """Write the next step to d and x: d = max(g - a z - b d, 0) - g on F, 0 on A. Returns <p, d>.
 
-    step: (a, b, coupling, compliance). z = compliance (p + coupling P z_coarse) is formed on the fly; coupling = 0 gives a plain
-    projected gradient step. d has half the width, and x is what it stands for: K is applied to what the gap is changed by. A point that
-    is clipped, whose gap shall be 0, has a step of -infinity in d and none for the next time. scratch: (>= 2, n_y).
+    step: (a, b, coupling, compliance). z = compliance (p + coupling P z_coarse) is formed on the
+    fly; coupling = 0 gives a plain projected gradient step. d has half the width, and x is what it
+    stands for: K is applied to what the gap is changed by. A point that is clipped, whose gap shall
+    be 0, has a step of -infinity in d and none for the next time. scratch: (>= 2, n_y).
     """
     i0, i1 = rows
     k0, f_x, mode, j0, f, _ = transfer
@@ -90,25 +96,30 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
 
 @kernel
 def update_state(state, x, s, excess, rows, coarse, edges, transfer, inside, scratch):
-    """g += s d, p += s x, and everything that the next step needs of the new state = (g, p, d); returns
-    UpdateSums. d begins with row i0, as x.
+    """g += s d, p += s x, and everything that the next step needs of the new state = (g, p, d);
+    returns UpdateSums. d begins with row i0, as x.
 
-    Restricts p on F and excess p on A, the indicator of A, and x on F to the coarser grid: coarse (3, coarse rows + 2, m) with halo
-    gets the rows that belong to this pass alone, edges (2, 3, m) the first and the last, which it shares. scratch: (6, n_y).
+    Restricts p on F and excess p on A, the indicator of A, and x on F to the coarser grid: coarse
+    (3, coarse rows + 2, m) with halo gets the rows that belong to this pass alone, edges (2, 3, m)
+    the first and the last, which it shares. scratch: (6, n_y).
     """
     g, p, _ = state
     i0, i1 = rows
     k0, f_x = transfer[:2]
     RR = PP = PD = DX = PX = CONTACT = GAP = OPENING = CLOSING = 0.0
     ends = k0[i0], k0[i1 - 1] + 1
-    scratch[3:6] = 0  # 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
+    scratch[3:6] = (
+        0  # 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
+    )
     i = i0
     while i < i1:
         K = k0[i]
         end = i + 1
         while end < i1 and k0[end] == K:
             end += 1
-        rr, pp, pd, dx, px, contact, gap, opening, closing = _update_rows(state, x, s, i0, i, end, inside)
+        rr, pp, pd, dx, px, contact, gap, opening, closing = _update_rows(
+            state, x, s, i0, i, end, inside
+        )
         RR += rr
         PP += pp
         PD += pd
@@ -171,13 +182,17 @@ def _update_rows(state, x, s, i0, start, end, inside):
 
 @inline
 def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows):
-    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F and excess p on A, the indicator of A, x on F.
+    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F and excess p on A,
+    the indicator of A, x on F.
 
-    A loop of its own, and rows of one array: with more pointers than this the compiler gives up on vectors.
+    A loop of its own, and rows of one array: with more pointers than this the compiler gives up on
+    vectors.
     """
     n = g.shape[1]
     zero, one = g.dtype.type(0), g.dtype.type(1)
-    if end == start + 2 and start + 1 != inside[0]:  # two rows, both of the surface or both beyond it
+    if (
+        end == start + 2 and start + 1 != inside[0]
+    ):  # two rows, both of the surface or both beyond it
         k = start + 1
         f0, f1 = f_x[start], f_x[k]
         inner = points_inside(k, inside)
@@ -226,7 +241,8 @@ def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows):
 
 @inline
 def _scatter_row(rows, c0, n, K, ends, edges, coarse, transfer):
-    """Restrict coarse row K, complete in rows[c0:c0 + 3, :n], along the other axis to where it belongs; ends: first and last of all."""
+    """Restrict coarse row K, complete in rows[c0:c0 + 3, :n], along the other axis to where it
+    belongs; ends: first and last of all."""
     _, _, mode, j0, f, factor = transfer
     for c in range(3):
         target = edges[0, c] if K == ends[0] else (edges[1, c] if K == ends[1] else coarse[c, K])

@@ -1,7 +1,8 @@
-"""Where numba keeps compiled kernels: in a folder for each state of their sources, versions and kind of processor.
+"""Where numba keeps compiled kernels: in a folder for each state of their sources, versions and
+kind of processor.
 
-numba looks at the source file of a kernel only, but other files' functions are compiled into it. What it cannot read or write it
-raises; `sound` then empties the folder and begins again.
+numba looks at the source file of a kernel only, but other files' functions are compiled into it.
+What it cannot read or write it raises; `sound` then empties the folder and begins again.
 """
 
 import hashlib
@@ -32,7 +33,12 @@ ATTEMPTS = 100  # on a disk without room every kernel may fail once: when it is 
 @cache
 def stamp() -> str:
     """Changes with any kernel and with all that makes machine code of them."""
-    made_by = (numba.__version__, llvmlite.__version__, numpy.__version__, binding.get_host_cpu_name())
+    made_by = (
+        numba.__version__,
+        llvmlite.__version__,
+        numpy.__version__,
+        binding.get_host_cpu_name(),
+    )
     digest = hashlib.sha256(" ".join(made_by).encode())
     for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.read_bytes())
@@ -41,7 +47,8 @@ def stamp() -> str:
 
 @contextmanager
 def cached() -> Iterator[bool]:
-    """Block in which numba is told the folder; gives whether there is one that can be written. NUMBA_CACHE_DIR moves it."""
+    """Block in which numba is told the folder; gives whether there is one that can be written.
+    NUMBA_CACHE_DIR moves it."""
     users, path = numba.config.CACHE_DIR, folder()
     numba.config.CACHE_DIR = str(path or users)
     try:
@@ -52,10 +59,15 @@ def cached() -> Iterator[bool]:
 
 @contextmanager
 def announced(say: Callable[[str], object] | None) -> Iterator[None]:
-    """Block in which say(text), if it is not None, is called once, before the first kernel that has not been kept is compiled."""
+    """Block in which say(text), if it is not None, is called once, before the first kernel that has
+    not been kept is compiled."""
     here = folder()
     kept = here is not None and any(here.rglob("*.nbi"))
-    text = "compiling what this scene needs in addition, once (some seconds)" if kept else "compiling, once (about 20 s)"
+    text = (
+        "compiling what this scene needs in addition, once (some seconds)"
+        if kept
+        else "compiling, once (about 20 s)"
+    )
     with event.install_listener("numba:compile", _Once(partial(say, text) if say else None)):
         yield
 
@@ -97,7 +109,8 @@ def _folder(root: Path, state: str) -> Path | None:
 
 
 def sound(call: Callable[[], T]) -> T:
-    """call(), again and with emptied folders where numba fails to read or to write them; returns what it returned."""
+    """call(), again and with emptied folders where numba fails to read or to write them; returns
+    what it returned."""
     for _ in range(ATTEMPTS):
         try:
             return call()
@@ -109,7 +122,9 @@ def sound(call: Callable[[], T]) -> T:
 
 
 def _of_numbas_cache(traceback: TracebackType | None) -> bool:
-    return any(frame.f_globals.get("__name__") == "numba.core.caching" for frame, _ in walk_tb(traceback))
+    return any(
+        frame.f_globals.get("__name__") == "numba.core.caching" for frame, _ in walk_tb(traceback)
+    )
 
 
 def _empty() -> None:

@@ -1,9 +1,10 @@
 """Kernels of constrained conjugate gradients on the pressure.
 
-Local slabs: pressure p >= 0 (the iterate), contact = {p > 0}; gap0 = S p + h - offset, the gap up to a constant; t the search
-direction. The constant is the mean of gap0 in contact, `shift`: e = gap0 - shift is the gap, and in contact it is what is left to be
-done. x is scratch, rows from 0. Sums are in double precision over rows. Where the surface ends within the grid, `inside` is the shape
-of this rank's part of it; beyond it p = 0 and gap0 = S p - offset.
+Local slabs: pressure p >= 0 (the iterate), contact = {p > 0}; gap0 = S p + h - offset, the gap up
+to a constant; t the search direction. The constant is the mean of gap0 in contact, `shift`: e =
+gap0 - shift is the gap, and in contact it is what is left to be done. x is scratch, rows from 0.
+Sums are in double precision over rows. Where the surface ends within the grid, `inside` is the
+shape of this rank's part of it; beyond it p = 0 and gap0 = S p - offset.
 """
 
 from .jit import kernel
@@ -11,7 +12,8 @@ from .jit import kernel
 
 @kernel
 def start_pressure(g, p, x, p0, inside, i0, i1):
-    """p = p0 + x where the gap is closed (x = K u), no tension, 0 elsewhere; returns the sum of p."""
+    """p = p0 + x where the gap is closed (x = K u), no tension, 0 elsewhere; returns the sum of
+    p."""
     zero = p.dtype.type(0)
     total = 0.0
     for i in range(i0, i1):
@@ -38,7 +40,8 @@ def gap_in_contact(gap0, p, x, i0, i1, shift):
 
 @kernel
 def conjugate_direction(t, p, x, i0, i1, b):
-    """t <- x + b t in contact, 0 elsewhere; returns the sum of x and the number of points in contact."""
+    """t <- x + b t in contact, 0 elsewhere; returns the sum of x and the number of points in
+    contact."""
     zero = p.dtype.type(0)
     total = 0.0
     contact = 0
@@ -90,7 +93,8 @@ def response_sums(p, x, i0, i1):
 
 @kernel
 def pressure_step(p, t, gap0, x, i0, i1, shift, tau, kick, inside):
-    """p <- max(p - tau t, 0) in contact; where the gap out of contact is negative, p = -kick e; also to x.
+    """p <- max(p - tau t, 0) in contact; where the gap out of contact is negative, p = -kick e;
+    also to x.
 
     Returns the sum of p and the number of points taken into contact.
     """
@@ -116,7 +120,8 @@ def pressure_step(p, t, gap0, x, i0, i1, shift, tau, kick, inside):
 
 @kernel
 def new_gap(p, gap0, h, x, i0, i1, scale, offset):
-    """p <- scale p and gap0 = scale x + h - offset, x = S p before scaling; returns the sum of gap0 in contact, contact points."""
+    """p <- scale p and gap0 = scale x + h - offset, x = S p before scaling; returns the sum of gap0
+    in contact, contact points."""
     zero = p.dtype.type(0)
     total = 0.0
     contact = 0
@@ -138,7 +143,8 @@ def new_gap(p, gap0, h, x, i0, i1, scale, offset):
 
 @kernel
 def feasible_state(p, gap0, g, p_out, shift, inside):
-    """The feasible state: p_out = p, g = 0 in contact and max(e, 0) elsewhere; e itself beyond the surface.
+    """The feasible state: p_out = p, g = 0 in contact and max(e, 0) elsewhere; e itself beyond the
+    surface.
 
     Returns sums: e^2 in contact, e^2 where negative out of contact, points in contact, g.
     """

@@ -1,4 +1,5 @@
-"""Kernels of the certificate and of the cheap observables. Sums are in double precision whatever the fields are."""
+"""Kernels of the certificate and of the cheap observables. Sums are in double precision whatever
+the fields are."""
 
 from typing import NamedTuple
 
@@ -7,15 +8,20 @@ import numpy as np
 from .jit import kernel, making_arrays, points_inside
 
 BINS, PER_OCTAVE = 160, 4  # of squares: down to 2^-40 of the largest
-GROUP, ROUNDED = 32, 1.00001  # points that are looked at together; more than rounding in single precision makes of a number
+GROUP, ROUNDED = (
+    32,
+    1.00001,
+)  # points that are looked at together; more than rounding in single precision makes of a number
 
-# Fields are local slabs (n_loc, n_y), x scratch (>= i1 - i0, n_y) that begins with row i0, h its part of the
-# nominal area. Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first rows and points of a
-# slab); beyond it g is the displacement u itself, and nothing is closed. Not a part of an array: its rows would not use vectors.
+# Fields are local slabs (n_loc, n_y), x scratch (>= i1 - i0, n_y) that begins with row i0, h its
+# part of the nominal area. Where the surface ends within the grid, `inside` is the shape of this
+# rank's part of it (the first rows and points of a slab); beyond it g is the displacement u itself,
+# and nothing is closed. Not a part of an array: its rows would not use vectors.
 
 
 class KktSums(NamedTuple):
-    """Sums over points: p^2 and p^4 out of contact, p^2 and p in contact, |p| g, points in contact, gap."""
+    """Sums over points: p^2 and p^4 out of contact, p^2 and p in contact, |p| g, points in contact,
+    gap."""
 
     open_pp: float
     open_p4: float
@@ -46,9 +52,12 @@ def displacement_rows(g, h, x, i0, i1, level):
 
 @making_arrays
 def kkt_residuals(g, p, x, p0, inside, i0, i1):
-    """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0; returns KktSums and KktExtremes."""
+    """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0;
+    returns KktSums and KktExtremes."""
     open_pp = open_p4 = closed_pp = closed_p = pg = gap = contact = 0.0
-    worst = np.zeros((2, g.shape[1]))  # row after row: one maximum over all points would not use vectors
+    worst = np.zeros(
+        (2, g.shape[1])
+    )  # row after row: one maximum over all points would not use vectors
     for i in range(i0, i1):
         m = points_inside(i, inside)
         for j in range(m, np.uint64(g.shape[1])):
@@ -56,7 +65,11 @@ def kkt_residuals(g, p, x, p0, inside, i0, i1):
             p[i, j] = p_new
             open_pp += p_new * p_new
             open_p4 += (p_new * p_new) * (p_new * p_new)
-        for j in range(m):  # products and selections instead of branches: those keep the compiler from using vectors
+        for j in range(
+            m
+            # products and selections instead of branches: those keep the compiler from using
+            # vectors
+        ):
             p_new = p0 + x[i - i0, j]
             gij = 1.0 * g[i, j]
             p[i, j] = p_new
@@ -74,7 +87,9 @@ def kkt_residuals(g, p, x, p0, inside, i0, i1):
             tension = closed * -p_new
             worst[0, j] = -gij if -gij > worst[0, j] else worst[0, j]
             worst[1, j] = tension if tension > worst[1, j] else worst[1, j]
-    return KktSums(open_pp, open_p4, closed_pp, closed_p, pg, contact, gap), KktExtremes(worst[0].max(), worst[1].max())
+    return KktSums(open_pp, open_p4, closed_pp, closed_p, pg, contact, gap), KktExtremes(
+        worst[0].max(), worst[1].max()
+    )
 
 
 @kernel
@@ -91,12 +106,15 @@ def open_moments(g, p, inside):
 
 @kernel
 def count_uncertain(g, p, inside, below, compliance, tie, sure, largest, counts):
-    """Count the points that errors of the pressure might move into contact or out of it, by the square of what that takes.
+    """Count the points that errors of the pressure might move into contact or out of it, by the
+    square of what that takes.
 
-    It takes |p| where g <= 0, elsewhere g/compliance less the pressure that is left there, which closes the point by itself.
-    counts (2, BINS), points in contact and out of it: bin k holds squares from largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all
-    smaller ones. Less than tie: on either side right, not counted; less than sure: takes nothing. Returns how many points are closed,
-    and how often rows and columns close or open, the first point being after the last one. below: the row after this slab.
+    It takes |p| where g <= 0, elsewhere g/compliance less the pressure that is left there, which
+    closes the point by itself. counts (2, BINS), points in contact and out of it: bin k holds
+    squares from largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones. Less than tie:
+    on either side right, not counted; less than sure: takes nothing. Returns how many points are
+    closed, and how often rows and columns close or open, the first point being after the last one.
+    below: the row after this slab.
     """
     real = g.dtype.type
     reach, stiffness, zero = real(ROUNDED * np.sqrt(largest)), real(1 / compliance), real(0)
@@ -108,14 +126,22 @@ def count_uncertain(g, p, inside, below, compliance, tie, sure, largest, counts)
             across += (row[j] <= 0) != (after[j] <= 0)
         along += (row[0] <= 0) != (row[-1] <= 0)
         for j0 in range(0, n, GROUP):
-            here, pressure, right = row[j0:j0 + GROUP], p[i, j0:j0 + GROUP], row[j0 + 1:j0 + GROUP + 1]
+            here, pressure, right = (
+                row[j0 : j0 + GROUP],
+                p[i, j0 : j0 + GROUP],
+                row[j0 + 1 : j0 + GROUP + 1],
+            )
             for j in range(here.shape[0]):
                 closed += here[j] <= 0
             for j in range(right.shape[0]):
                 along += (here[j] <= 0) != (right[j] <= 0)
             near = 0
             for j in range(here.shape[0]):  # with vectors: few groups have any
-                near += (stiffness * here[j] - max(pressure[j], zero) if here[j] > 0 else abs(pressure[j])) <= reach
+                near += (
+                    stiffness * here[j] - max(pressure[j], zero)
+                    if here[j] > 0
+                    else abs(pressure[j])
+                ) <= reach
             if near == 0:
                 continue
             for j in range(here.shape[0]):
@@ -134,7 +160,8 @@ def count_uncertain(g, p, inside, below, compliance, tie, sure, largest, counts)
 
 @kernel
 def dual_rows(g, p, x, scale, inside, i0, i1):
-    """x = e = p^ - p with the admissible pressure p^ = scale p in contact, 0 elsewhere; returns the sum of p^ g (0 if g >= 0)."""
+    """x = e = p^ - p with the admissible pressure p^ = scale p in contact, 0 elsewhere; returns the
+    sum of p^ g (0 if g >= 0)."""
     total = 0.0
     for i in range(i0, i1):
         m = points_inside(i, inside)
@@ -151,9 +178,11 @@ def dual_rows(g, p, x, scale, inside, i0, i1):
 
 @kernel
 def contact_edges(g, p, inside, below_g, below_p, around):
-    """Segments between a contact point and a point out of contact, in this slab: those along x and those along y.
+    """Segments between a contact point and a point out of contact, in this slab: those along x and
+    those along y.
 
-    below: the first row after the slab; around: whether the last point of a row is beside the first.
+    below: the first row after the slab; around: whether the last point of a row is beside the
+    first.
     """
     rows, n = inside
     along_x = along_y = 0

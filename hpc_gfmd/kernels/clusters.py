@@ -1,4 +1,5 @@
-"""Union-find on pieces of clusters that know how often the way from one piece to another crosses the borders of the periodic cell."""
+"""Union-find on pieces of clusters that know how often the way from one piece to another crosses
+the borders of the periodic cell."""
 
 from .jit import inline, kernel
 
@@ -23,11 +24,13 @@ def _top(node, parent, shift):
 
 @kernel
 def join(edges, parent, shift, wraps):
-    """Make one tree of all pieces that edges (m, 4) join: piece a, piece b, borders crossed from a to b along x and along y.
+    """Make one tree of all pieces that edges (m, 4) join: piece a, piece b, borders crossed from a
+    to b along x and along y.
 
-    parent (n,): each piece its own at first, its root at the end; shift (n, 2): 0 at first, then borders crossed from the root to the
-    piece; wraps (2,): becomes true for an axis where two ways to the same piece differ, that is where a closed one goes around the cell
-    (Newman and Ziff 2001, after Machta et al. 1996).
+    parent (n,): each piece its own at first, its root at the end; shift (n, 2): 0 at first, then
+    borders crossed from the root to the piece; wraps (2,): becomes true for an axis where two ways
+    to the same piece differ, that is where a closed one goes around the cell (Newman and Ziff 2001,
+    after Machta et al. 1996).
     """
     for k in range(edges.shape[0]):
         a, b = edges[k, 0], edges[k, 1]

@@ -1,8 +1,9 @@
 """Kernels of damped dynamics: one pass before and one after the Fourier transform.
 
-State, local slabs: gap g >= 0, pressure p, displacement d of the last time step (a velocity). Contact A = {g <= 0 and p > 0}, free
-F = the rest; beyond a surface that ends, outside of `inside`, there is no wall, and g is the displacement u itself. Inside a row sums
-are in the precision of the fields, over rows in double precision.
+State, local slabs: gap g >= 0, pressure p, displacement d of the last time step (a velocity).
+Contact A = {g <= 0 and p > 0}, free F = the rest; beyond a surface that ends, outside of `inside`,
+there is no wall, and g is the displacement u itself. Inside a row sums are in the precision of the
+fields, over rows in double precision.
 """
 
 from typing import NamedTuple
@@ -24,9 +25,11 @@ class DynamicsSums(NamedTuple):
 
 @kernel
 def verlet_step(g, p, d, x, i0, i1, a, b, inside):
-    """One time step d <- b d - a p, g <- g + d, on rows i0..i1; x (scratch, rows from 0): the change of g.
+    """One time step d <- b d - a p, g <- g + d, on rows i0..i1; x (scratch, rows from 0): the
+    change of g.
 
-    The constraint g >= 0 stops what hits the wall (zero restitution): there g = 0 and d = 0, but x is how far it still went.
+    The constraint g >= 0 stops what hits the wall (zero restitution): there g = 0 and d = 0, but x
+    is how far it still went.
     """
     zero = g.dtype.type(0)
     for i in range(i0, i1):

@@ -1,6 +1,8 @@
-"""Half the width, for numbers that may be wrong by 1/128 of themselves: of float64 float32, of float32 its first 16 bits (bfloat16).
+"""Half the width, for numbers that may be wrong by 1/128 of themselves: of float64 float32, of
+float32 its first 16 bits (bfloat16).
 
-Kernels are given arrays of float32 or of uint16. Sixteen bits are cut off, not rounded: nothing becomes larger than it was.
+Kernels are given arrays of float32 or of uint16. Sixteen bits are cut off, not rounded: nothing
+becomes larger than it was.
 """
 
 import numpy as np
@@ -83,4 +85,6 @@ class Widened:
 def narrowed(numbers, dtype):
     """An array of numbers in half the width of `dtype`."""
     numbers = np.asarray(numbers, np.float32)
-    return numbers if half(dtype) == np.float32 else (numbers.view(np.uint32) >> 16).astype(np.uint16)
+    return (
+        numbers if half(dtype) == np.float32 else (numbers.view(np.uint32) >> 16).astype(np.uint16)
+    )

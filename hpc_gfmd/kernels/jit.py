@@ -9,17 +9,21 @@ import numpy as np
 
 from .cache import cached
 
-# NaN and infinity must stay visible, so no "nnan" and "ninf"; "reassoc" is what lets a sum use the vector unit.
+# NaN and infinity must stay visible, so no "nnan" and "ninf"; "reassoc" is what lets a sum use the
+# vector unit.
 FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
 
 
 def kernel(function: Callable[..., Any], makes_arrays: bool = False) -> Any:
     """Compile on first use, keep in the cache, release the GIL.
 
-    makes_arrays: or returns some. Only then references to arrays are counted, to every row that a loop takes, which is slow.
+    makes_arrays: or returns some. Only then references to arrays are counted, to every row that a
+    loop takes, which is slow.
     """
     with cached() as possible:
-        return numba.njit(nogil=True, error_model="numpy", fastmath=FASTMATH, cache=possible, _nrt=makes_arrays)(function)
+        return numba.njit(
+            nogil=True, error_model="numpy", fastmath=FASTMATH, cache=possible, _nrt=makes_arrays
+        )(function)
 
 
 inline = kernel  # a piece of a kernel; LLVM inlines it where it is used
@@ -28,8 +32,10 @@ making_arrays = partial(kernel, makes_arrays=True)
 
 @inline
 def points_inside(i: int, inside: tuple[int, int]) -> np.uint64:
-    """How many points of row i belong to the surface, where `inside` is the shape of a slab's part of it.
+    """How many points of row i belong to the surface, where `inside` is the shape of a slab's part
+    of it.
 
-    Without a sign: a loop that begins at a number that might be negative, counted from the end, does not use vectors.
+    Without a sign: a loop that begins at a number that might be negative, counted from the end,
+    does not use vectors.
     """
     return np.uint64(inside[1] if i < inside[0] else 0)

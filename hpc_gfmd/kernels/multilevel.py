@@ -1,11 +1,14 @@
-"""Transfer between a grid and the next coarser one, and the sweep over the coarsest levels, which one rank holds.
+"""Transfer between a grid and the next coarser one, and the sweep over the coarsest levels, which
+one rank holds.
 
-Along an axis of n points that is coarsened to m = ceil(n/2), coarse point J sits at fine position J n/m: fine point i lies between
-J0 = floor(i m/n) and J0 + 1 with weight f = i m/n - J0 of the latter. P is linear interpolation, R = (m/n)^2 P^T (full weighting).
+Along an axis of n points that is coarsened to m = ceil(n/2), coarse point J sits at fine position J
+n/m: fine point i lies between J0 = floor(i m/n) and J0 + 1 with weight f = i m/n - J0 of the
+latter. P is linear interpolation, R = (m/n)^2 P^T (full weighting).
 
-`transfer` is the tuple of tables that Transfer.tables has (operators/coarsening.py): k0, f_x: coarse row (halo counted) and weight f of
-each own fine row; mode of the column axis: 0 not coarsened, 1 even n (f = 0, 1/2, 0, ...), 2 general (tables j0, f); factor (m/n)^2.
-Arrays with halo rows have one row before and one after the rank's own rows.
+`transfer` is the tuple of tables that Transfer.tables has (operators/coarsening.py): k0, f_x:
+coarse row (halo counted) and weight f of each own fine row; mode of the column axis: 0 not
+coarsened, 1 even n (f = 0, 1/2, 0, ...), 2 general (tables j0, f); factor (m/n)^2. Arrays with halo
+rows have one row before and one after the rank's own rows.
 """
 
 import numpy as np
@@ -22,7 +25,11 @@ def restrict_row(fine, coarse, factor, mode, j0, f):
     if mode == 1:
         half = factor * fine.dtype.type(0.5)
         before = half * fine[n - 1]
-        for J in range(m):  # even and odd points are read together: vectors of every second point alone would be gathered
+        for J in range(
+            m
+            # even and odd points are read together: vectors of every second point alone would be
+            # gathered
+        ):
             after = half * fine[2 * J + 1]
             coarse[J] = factor * fine[2 * J] + after + before
             before = after
@@ -81,7 +88,8 @@ def combine_rows(coarse, k, f, out):
 
 @kernel
 def join_edges(coarse, edges, lo, hi, shared):
-    """Store the first and the last row of one pass, edges (2, c, m), as rows lo and hi of coarse (c, rows + 2, m).
+    """Store the first and the last row of one pass, edges (2, c, m), as rows lo and hi of coarse
+    (c, rows + 2, m).
 
     shared: whether the pass before ended in row lo; passes are joined in their order.
     """
@@ -97,9 +105,11 @@ def join_edges(coarse, edges, lo, hi, shared):
 
 @making_arrays
 def restrict_level(fine, coarse, transfer):
-    """coarse = factor P^T fine for all fields: fine (c, rows + 2, n) with valid own rows; coarse (c, rows' + 2, m), halo included.
+    """coarse = factor P^T fine for all fields: fine (c, rows + 2, n) with valid own rows; coarse
+    (c, rows' + 2, m), halo included.
 
-    Rows are added up first: that is contiguous, and leaves half as many rows to restrict along the other axis.
+    Rows are added up first: that is contiguous, and leaves half as many rows to restrict along the
+    other axis.
     """
     k0, f_x, mode, j0, f, factor = transfer
     c, rows, n = fine.shape
@@ -111,7 +121,7 @@ def restrict_level(fine, coarse, transfer):
         i = 0
         while i < rows - 2:
             K = k0[i]
-            i = gather_rows(fine[k, 1:rows - 1], k0, f_x, i, here, after)
+            i = gather_rows(fine[k, 1 : rows - 1], k0, f_x, i, here, after)
             restrict_row(here, coarse[k, K], factor, mode, j0, f)
             if i == rows - 2:
                 restrict_row(after, coarse[k, K + 1], factor, mode, j0, f)
@@ -119,9 +129,11 @@ def restrict_level(fine, coarse, transfer):
 
 @inline
 def gather_rows(fine, k0, f_x, i, here, after):
-    """Add up the rows i, i + 1, ... that lie beside the same coarse row: here = after + sum of (1 - f_x) row, after = sum of f_x row.
+    """Add up the rows i, i + 1, ... that lie beside the same coarse row: here = after + sum of (1 -
+    f_x) row, after = sum of f_x row.
 
-    Returns the row that comes next. There are two of them wherever the axis is halved: those take one pass.
+    Returns the row that comes next. There are two of them wherever the axis is halved: those take
+    one pass.
     """
     rows, n = fine.shape
     end = i + 1
@@ -148,10 +160,11 @@ def gather_rows(fine, k0, f_x, i, here, after):
 
 @making_arrays
 def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer, nominal):
-    """out = r/(weight + damping t) + coupling P z_coarse on own rows; rt: (>=2, rows + 2, n). Returns <r, out>, <x, out>, <r, r>,
-    <t, t>, <r, t>, <t, s> and <r, s>.
+    """out = r/(weight + damping t) + coupling P z_coarse on own rows; rt: (>=2, rows + 2, n).
+    Returns <r, out>, <x, out>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>.
 
-    x is the third field of rt if there is one; s is the product of nominal = (rows,), (n,). out may be rt[0].
+    x is the third field of rt if there is one; s is the product of nominal = (rows,), (n,). out may
+    be rt[0].
     """
     s_x, s_y = nominal
     k0, f_x, mode, j0, f, _ = transfer
@@ -194,11 +207,13 @@ def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer, nominal
 
 @making_arrays
 def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling, mode, at):
-    """The sweep over the levels that one rank holds completely, in place: r of the finest of them becomes z.
+    """The sweep over the levels that one rank holds completely, in place: r of the finest of them
+    becomes z.
 
-    r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of level 0 are given. mode: flat, added
-    to z on level `at` times its product with r there. Returns the sums over levels of softness times <r, r>, <t, t> and <r, t>, each as
-    a sum over the points of level 0, and the mean of r.
+    r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of
+    level 0 are given. mode: flat, added to z on level `at` times its product with r there. Returns
+    the sums over levels of softness times <r, r>, <t, t> and <r, t>, each as a sum over the points
+    of level 0, and the mean of r.
     """
     levels = shapes.shape[0]
     rr = tt = rt = 0.0
@@ -208,8 +223,8 @@ def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling, 
         n_x, n_y = shapes[k]
         m_x, m_y = shapes[k + 1]
         a, b = offsets[k], offsets[k + 1]
-        _restrict(r[a:a + n_x * n_y].reshape(n_x, n_y), r[b:b + m_x * m_y].reshape(m_x, m_y))
-        _restrict(t[a:a + n_x * n_y].reshape(n_x, n_y), t[b:b + m_x * m_y].reshape(m_x, m_y))
+        _restrict(r[a : a + n_x * n_y].reshape(n_x, n_y), r[b : b + m_x * m_y].reshape(m_x, m_y))
+        _restrict(t[a : a + n_x * n_y].reshape(n_x, n_y), t[b : b + m_x * m_y].reshape(m_x, m_y))
     amplitude = r.dtype.type(0)
     for i in range(mode.shape[0]):
         amplitude += mode[i] * r[offsets[at] + i]
@@ -217,7 +232,7 @@ def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling, 
         n_x, n_y = shapes[k]
         a = offsets[k]
         weight = weights[k]
-        here, contact = r[a:a + n_x * n_y], t[a:a + n_x * n_y]
+        here, contact = r[a : a + n_x * n_y], t[a : a + n_x * n_y]
         mean = here.mean() if k == levels - 1 else mean
         s = u = v = 0.0
         for i in range(here.shape[0]):
@@ -232,7 +247,11 @@ def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling, 
         if k < levels - 1:
             m_x, m_y = shapes[k + 1]
             b = offsets[k + 1]
-            _interpolate(r[b:b + m_x * m_y].reshape(m_x, m_y), r[a:a + n_x * n_y].reshape(n_x, n_y), coupling)
+            _interpolate(
+                r[b : b + m_x * m_y].reshape(m_x, m_y),
+                r[a : a + n_x * n_y].reshape(n_x, n_y),
+                coupling,
+            )
         if k == at:
             for i in range(mode.shape[0]):
                 r[a + i] += amplitude * mode[i]

@@ -1,4 +1,5 @@
-"""Kernels on spectra: blocks of W columns as rows of the transform leave them, (n_x, W), and transposed, (W, n_x), to be transformed.
+"""Kernels on spectra: blocks of W columns as rows of the transform leave them, (n_x, W), and
+transposed, (W, n_x), to be transformed.
 
 |q| is computed on the fly, other stiffnesses stand in tables that are even in q_x: (W, n_x//2 + 1).
 """
@@ -10,13 +11,15 @@ from .lines import WIDTH, move_line, publish, stream_line
 
 TILE = 8  # complex numbers of single precision in a cache line
 PIECE = 1024  # numbers that are summed up in their own precision
-STREAMED = 4 * 2**20  # bytes of a spectrum above which it is not expected to stay in a cache until it is read
+STREAMED = (
+    4 * 2**20
+)  # bytes of a spectrum above which it is not expected to stay in a cache until it is read
 
 
 @kernel
 def to_blocks(rows, blocks, edges, n_loc, i0, count):
-    """Copy `count` transformed rows, shape (R, n_c), to rows i0.. of n_loc of the blocks, which lie one after another; edges: first
-    column of each of them, and n_c."""
+    """Copy `count` transformed rows, shape (R, n_c), to rows i0.. of n_loc of the blocks, which lie
+    one after another; edges: first column of each of them, and n_c."""
     source, target = rows.view(np.float64), blocks.view(np.float64)
     n = source.shape[1]
     words = n // rows.shape[1]
@@ -59,12 +62,12 @@ def from_blocks(blocks, rows, edges, n_loc, i0, count):
 
 @kernel
 def transpose(memory, first, rows, columns):
-    """columns (W, n_x) = a block (n_x, W) transposed, a cache line of either at a time. The block is in pieces: its rows
-    rows[k, 0] <= i < rows[k, 1] stand at memory[first[k]:]."""
+    """columns (W, n_x) = a block (n_x, W) transposed, a cache line of either at a time. The block
+    is in pieces: its rows rows[k, 0] <= i < rows[k, 1] stand at memory[first[k]:]."""
     W = columns.shape[0]
     for k in range(first.shape[0]):
         i0, n = rows[k, 0], rows[k, 1] - rows[k, 0]
-        block = memory[first[k]:first[k] + n * W].reshape(n, W)
+        block = memory[first[k] : first[k] + n * W].reshape(n, W)
         whole = n - n % TILE
         for i in range(0, whole, TILE):
             for w in range(W):
@@ -81,7 +84,7 @@ def transpose_back(columns, memory, first, rows):
     W = columns.shape[0]
     for k in range(first.shape[0]):
         i0, n = rows[k, 0], rows[k, 1] - rows[k, 0]
-        block = memory[first[k]:first[k] + n * W].reshape(n, W)
+        block = memory[first[k] : first[k] + n * W].reshape(n, W)
         whole = n - n % TILE
         for i in range(0, whole, TILE):
             for w in range(W):
@@ -94,17 +97,18 @@ def transpose_back(columns, memory, first, rows):
 
 @kernel
 def multiply_stiffness(columns, q_x, q_y, weight, factor):
-    """columns *= factor |q|, in place; returns sum(weight factor |q| |columns|^2) of the values before.
+    """columns *= factor |q|, in place; returns sum(weight factor |q| |columns|^2) of the values
+    before.
 
-    columns: (W, 2 n_x), real and imaginary parts in turn; q_x: (2 n_x,), every number twice; q_y, weight: (W,), weight is the
-    multiplicity of a column in the half spectrum, 0 for padding.
+    columns: (W, 2 n_x), real and imaginary parts in turn; q_x: (2 n_x,), every number twice; q_y,
+    weight: (W,), weight is the multiplicity of a column in the half spectrum, 0 for padding.
     """
     W, n = columns.shape
     energy = 0.0
     for w in range(W):
         qy2 = q_y[w] * q_y[w]
         for i in range(0, n, PIECE):
-            piece, q = columns[w, i:i + PIECE], q_x[i:i + PIECE]
+            piece, q = columns[w, i : i + PIECE], q_x[i : i + PIECE]
             e = q_y.dtype.type(0)
             for j in range(piece.shape[0]):
                 k = factor * np.sqrt(q[j] * q[j] + qy2)
@@ -117,14 +121,15 @@ def multiply_stiffness(columns, q_x, q_y, weight, factor):
 
 @kernel
 def multiply_compliance(columns, q_x, q_y, weight, factor):
-    """columns *= factor/|q|, in place, and 0 at q = 0; returns sum(weight factor/|q| |columns|^2) of the values before."""
+    """columns *= factor/|q|, in place, and 0 at q = 0; returns sum(weight factor/|q| |columns|^2)
+    of the values before."""
     W, n = columns.shape
     energy = 0.0
     zero = q_y.dtype.type(0)
     for w in range(W):
         qy2 = q_y[w] * q_y[w]
         for i in range(0, n, PIECE):
-            piece, q = columns[w, i:i + PIECE], q_x[i:i + PIECE]
+            piece, q = columns[w, i : i + PIECE], q_x[i : i + PIECE]
             e = zero
             for j in range(piece.shape[0]):
                 q2 = q[j] * q[j] + qy2
@@ -138,9 +143,11 @@ def multiply_compliance(columns, q_x, q_y, weight, factor):
 
 @kernel
 def multiply_by_table(columns, table, weight, factor):
-    """columns *= factor table, in place; returns sum(weight factor table |columns|^2) of the values before.
+    """columns *= factor table, in place; returns sum(weight factor table |columns|^2) of the values
+    before.
 
-    columns: (W, 2 n_x), real and imaginary parts in turn; table: (W, n_x//2 + 1) for q_x = 0 and the positive ones; weight: (W,).
+    columns: (W, 2 n_x), real and imaginary parts in turn; table: (W, n_x//2 + 1) for q_x = 0 and
+    the positive ones; weight: (W,).
     """
     energy = 0.0
     for w in range(columns.shape[0]):
@@ -150,7 +157,8 @@ def multiply_by_table(columns, table, weight, factor):
 
 @kernel
 def divide_by_table(columns, table, weight, factor):
-    """columns *= factor/table, and 0 where the table is; returns sum(weight factor/table |columns|^2) of the values before."""
+    """columns *= factor/table, and 0 where the table is; returns sum(weight factor/table
+    |columns|^2) of the values before."""
     energy = 0.0
     for w in range(columns.shape[0]):
         energy += weight[w] * _multiply(columns[w], table[w], factor, True)
@@ -178,7 +186,8 @@ def _multiply(column, table, factor, divide):
 
 @kernel
 def spectrum_sums(columns, q_x, q_y, weight):
-    """sum(weight |columns|^2) and sum(weight q^2 |columns|^2), both without q = 0; columns: (W, n_x) complex."""
+    """sum(weight |columns|^2) and sum(weight q^2 |columns|^2), both without q = 0; columns: (W,
+    n_x) complex."""
     W, n_x = columns.shape
     s0 = 0.0
     s2 = 0.0

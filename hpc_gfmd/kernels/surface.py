@@ -1,4 +1,5 @@
-"""Random self-affine spectra. The number of a mode depends on (seed, its signed mode numbers) alone."""
+"""Random self-affine spectra. The number of a mode depends on (seed, its signed mode numbers)
+alone."""
 
 import numpy as np
 
@@ -28,9 +29,11 @@ def _uniform(x):
 
 @inline
 def _mode(k_x, k_y, spectrum):
-    """Amplitude of the mode (k_x, k_y), any signs: the conjugate of that of (-k_x, -k_y); 0 outside the band.
+    """Amplitude of the mode (k_x, k_y), any signs: the conjugate of that of (-k_x, -k_y); 0 outside
+    the band.
 
-    spectrum: (seed, aspect, low, high, rolloff, exponent); wave numbers k are in units of 2 pi/L_x, aspect = L_y/L_x.
+    spectrum: (seed, aspect, low, high, rolloff, exponent); wave numbers k are in units of 2 pi/L_x,
+    aspect = L_y/L_x.
     """
     seed, aspect, low, high, rolloff, exponent = spectrum
     y = k_y / aspect
@@ -40,24 +43,29 @@ def _mode(k_x, k_y, spectrum):
     mirrored = k_y < 0 or (k_y == 0 and k_x < 0)
     if mirrored:
         k_x, k_y = -k_x, -k_y
-    word = _mix(_mix(_mix(seed) ^ (np.uint64(np.int64(k_x)) * _D)) ^ (np.uint64(np.int64(k_y)) * _A))
+    word = _mix(
+        _mix(_mix(seed) ^ (np.uint64(np.int64(k_x)) * _D)) ^ (np.uint64(np.int64(k_y)) * _A)
+    )
     amplitude = max(k, rolloff) ** (-exponent)
     re = _uniform(word) * amplitude
     im = _uniform(_mix(word)) * amplitude
     if (k_x == 0 or k_y == 0) and k > high * (1 - 1e-12):
-        # On the coarsest grid this is a Nyquist mode, of which a grid sees only twice the real part. With both parts equal
-        # the power seen there is that of the surface, so all grids agree on heights and on h_rms, g_rms.
+        # On the coarsest grid this is a Nyquist mode, of which a grid sees only twice the real
+        # part. With both parts equal the power seen there is that of the surface, so all grids
+        # agree on heights and on h_rms, g_rms.
         im = re
     return re, (-im if mirrored else im)
 
 
 @kernel
 def self_affine(block, keep, factor, j0, columns, n_y, spectrum):
-    """block = keep block + factor modes; block: complete columns (W, n_x) of the half spectrum; spectrum: as of `_mode`.
+    """block = keep block + factor modes; block: complete columns (W, n_x) of the half spectrum;
+    spectrum: as of `_mode`.
 
     Column w is mode number k_y = j0 + w, w < columns.
 
-    A mode number of exactly half the points is the sum of the two modes that the grid cannot tell apart.
+    A mode number of exactly half the points is the sum of the two modes that the grid cannot tell
+    apart.
     """
     W, n_x = block.shape
     for w in range(W):

@@ -1,4 +1,5 @@
-"""The duality gap of the certificate: half an FFT pair, so only on request (and for solvers without error estimates of their own)."""
+"""The duality gap of the certificate: half an FFT pair, so only on request (and for solvers without
+error estimates of their own)."""
 
 from __future__ import annotations
 
@@ -9,7 +10,8 @@ if TYPE_CHECKING:
 
 
 def duality_gap(contact: Contact) -> float | None:
-    """G/(p0 gap_mean): bounds the error of the energy from above (see driver/certificate.py); None where it was not asked for."""
+    """G/(p0 gap_mean): bounds the error of the energy from above (see driver/certificate.py); None
+    where it was not asked for."""
     return contact.certificate.duality_gap
 
 

@@ -20,7 +20,15 @@ def gap_over_h_rms(contact: Contact) -> float | None:
 
 def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
     """Mean gap over g_rms lam_s; only for surfaces whose lam_s is known."""
-    return contact.gap_mean / (contact.g_rms * contact.lam_s) if contact.lam_s and contact.g_rms > 0 else None
+    return (
+        contact.gap_mean / (contact.g_rms * contact.lam_s)
+        if contact.lam_s and contact.g_rms > 0
+        else None
+    )
 
 
-OBSERVABLES = {"gap_mean": gap_mean, "gap_over_h_rms": gap_over_h_rms, "gap_over_g_rms_lam_s": gap_over_g_rms_lam_s}
+OBSERVABLES = {
+    "gap_mean": gap_mean,
+    "gap_over_h_rms": gap_over_h_rms,
+    "gap_over_g_rms_lam_s": gap_over_g_rms_lam_s,
+}

@@ -1,8 +1,10 @@
 """Contact patches: how many, how large, and how their sizes are distributed.
 
-Points belong to one patch where they share a side (4-connected), also across the periodic border: the boundary of the contact is made
-of such sides, and it is what others count (scipy, ContactMechanics). Whether two points that share a corner only would be joined on a
-finer grid nobody knows; names that end in _8 join them (8-connected). Sizes are areas, in the unit of length squared.
+Points belong to one patch where they share a side (4-connected), also across the periodic border:
+the boundary of the contact is made of such sides, and it is what others count (scipy,
+ContactMechanics). Whether two points that share a corner only would be joined on a finer grid
+nobody knows; names that end in _8 join them (8-connected). Sizes are areas, in the unit of length
+squared.
 """
 
 from __future__ import annotations
@@ -32,7 +34,11 @@ def _of_patches(corners: bool) -> tuple[Observable, ...]:
         return int(contact.surface.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
 
     def largest(contact: Contact) -> float:
-        return float(contact.surface.grid.comm.max([contact.clusters(corners=corners).sizes.max(initial=0)])[0]) * _area(contact)
+        return float(
+            contact.surface.grid.comm.max([contact.clusters(corners=corners).sizes.max(initial=0)])[
+                0
+            ]
+        ) * _area(contact)
 
     def mean(contact: Contact) -> float | None:
         patches = number(contact)
@@ -45,17 +51,22 @@ def _sizes(corners: bool) -> Counted:
     """The distribution of patch sizes: see `sizes`."""
 
     def sizes(contact: Contact) -> Distribution | None:
-        """edges of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points); density: share of the patches per area, integrates
-        to 1. None without a patch."""
+        """edges of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points); density: share
+        of the patches per area, integrates to 1. None without a patch."""
         comm, found = contact.surface.grid.comm, contact.clusters(corners=corners).sizes
         largest = comm.max([found.max(initial=0)])[0]
         if largest == 0:
             return None
         octaves = int(np.log2(largest)) + 1
-        edges = np.unique(np.ceil(2.0 ** (np.arange(BINS_PER_OCTAVE * octaves + 1) / BINS_PER_OCTAVE)))
+        edges = np.unique(
+            np.ceil(2.0 ** (np.arange(BINS_PER_OCTAVE * octaves + 1) / BINS_PER_OCTAVE))
+        )
         edges = edges[: np.searchsorted(edges, largest, "right") + 1]
         counts = comm.sum(np.histogram(found, edges)[0])
-        return {"edges": edges * _area(contact), "density": counts / counts.sum() / (np.diff(edges) * _area(contact))}
+        return {
+            "edges": edges * _area(contact),
+            "density": counts / counts.sum() / (np.diff(edges) * _area(contact)),
+        }
 
     return sizes
 

@@ -13,12 +13,15 @@ ON_REQUEST = True
 
 
 def perimeter(contact: Contact) -> float:
-    """Length of the edges of all patches, from the sides between points that touch and points that do not.
+    """Length of the edges of all patches, from the sides between points that touch and points that
+    do not.
 
-    By Cauchy and Crofton: a line of length S with no preferred direction crosses the rows and the columns of a grid as often as the
-    sides of grid points say, whose lengths add up to 4/pi S, whatever the shape of a point. So it is pi/4 of those lengths (as in
-    Yastrebov, Anciaux, Molinari 2017), an average over directions: an edge along x or y alone counts pi/4 of its length. Contacts that
-    vary along one axis only have such edges alone: there it is the lengths themselves.
+    By Cauchy and Crofton: a line of length S with no preferred direction crosses the rows and the
+    columns of a grid as often as the sides of grid points say, whose lengths add up to 4/pi S,
+    whatever the shape of a point. So it is pi/4 of those lengths (as in Yastrebov, Anciaux,
+    Molinari 2017), an average over directions: an edge along x or y alone counts pi/4 of its
+    length. Contacts that vary along one axis only have such edges alone: there it is the lengths
+    themselves.
     """
     (along_x, along_y), grid = contact.edges, contact.surface.grid
     a_x, a_y = grid.spacings

@@ -1,4 +1,5 @@
-"""Power spectra and autocorrelations of heights, pressure and gap, averaged over directions: see operators/spectra.py."""
+"""Power spectra and autocorrelations of heights, pressure and gap, averaged over directions: see
+operators/spectra.py."""
 
 from __future__ import annotations
 
@@ -15,5 +16,8 @@ def _of(name: str, what: str) -> Counted:
     return lambda contact: getattr(contact.spectra, what)(name)
 
 
-DISTRIBUTIONS = {f"{name}_{end}": _of(name, what) for end, what in (("spectrum", "power"), ("autocorrelation", "autocorrelation"))
-                 for name in FIELDS}
+DISTRIBUTIONS = {
+    f"{name}_{end}": _of(name, what)
+    for end, what in (("spectrum", "power"), ("autocorrelation", "autocorrelation"))
+    for name in FIELDS
+}

@@ -12,12 +12,18 @@ ON_REQUEST = True
 
 
 def stiffness(contact: Contact) -> float | None:
-    """-dp/d(mean gap) while no point changes sides, with a relative error of at most the accuracy asked for.
+    """-dp/d(mean gap) while no point changes sides, with a relative error of at most the accuracy
+    asked for.
 
-    None in full contact, where it is infinite, where nothing touches, and where it was not found to that accuracy.
+    None in full contact, where it is infinite, where nothing touches, and where it was not found to
+    that accuracy.
     """
     compliance = contact.tangent.compliance
-    return contact.pressure_unit / (compliance * contact.surface.height_unit) if 0 < compliance < inf else None
+    return (
+        contact.pressure_unit / (compliance * contact.surface.height_unit)
+        if 0 < compliance < inf
+        else None
+    )
 
 
 OBSERVABLES = {"stiffness": stiffness}

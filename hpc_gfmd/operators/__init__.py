@@ -1,1 +1,2 @@
-"""What acts on whole fields: an elastic body, and the multilevel preconditioner with the hierarchy it stands on."""
+"""What acts on whole fields: an elastic body, and the multilevel preconditioner with the hierarchy
+it stands on."""

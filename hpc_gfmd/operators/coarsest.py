@@ -19,8 +19,9 @@ COUPLING = 1.05  # of what comes from the coarser levels
 class CoarsestLevels:
     """levels: finest first, with their weights and softness, see multilevel.py.
 
-    mode, at: a field that M has as one more function, flat, empty where there is none, and the level that it is on; r, t: z and the
-    contact of the last sweep on all levels, flat, which begin at `offsets`.
+    mode, at: a field that M has as one more function, flat, empty where there is none, and the
+    level that it is on; r, t: z and the contact of the last sweep on all levels, flat, which begin
+    at `offsets`.
     """
 
     def __init__(self, levels: Sequence[Level], weights: np.ndarray, softness: np.ndarray):
@@ -39,16 +40,26 @@ class CoarsestLevels:
         return self.r.nbytes + self.t.nbytes
 
     def sweep(self, r: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, list[float], float]:
-        """z on the first level from r and t there; the sums over levels of softness times <r, r>, <t, t> and <r, t>, as sums over the
-        points of the first; the mean of r."""
+        """z on the first level from r and t there; the sums over levels of softness times <r, r>,
+        <t, t> and <r, t>, as sums over the points of the first; the mean of r."""
         n = r.size
         self.r[:n] = r.ravel()
         self.t[:n] = t.ravel()
-        *squares, mean = sweep_coarsest(self.r, self.t, self.shapes, self.offsets, self.weights, self.softness,
-                                        self.damping, self.coupling, self.mode, self.at)
+        *squares, mean = sweep_coarsest(
+            self.r,
+            self.t,
+            self.shapes,
+            self.offsets,
+            self.weights,
+            self.softness,
+            self.damping,
+            self.coupling,
+            self.mode,
+            self.at,
+        )
         return self.r[:n].reshape(r.shape), squares, mean
 
     def contact(self, k: int) -> np.ndarray:
         """t of level k in the last sweep."""
         n = self.shapes[k]
-        return self.t[self.offsets[k]:self.offsets[k] + n[0] * n[1]].reshape(n)
+        return self.t[self.offsets[k] : self.offsets[k] + n[0] * n[1]].reshape(n)

@@ -1,4 +1,5 @@
-"""Applying the stiffness K of an elastic body, or its compliance S = 1/K, to fields: p = p0 + K u in the units of problem.py."""
+"""Applying the stiffness K of an elastic body, or its compliance S = 1/K, to fields: p = p0 + K u
+in the units of problem.py."""
 
 from __future__ import annotations
 
@@ -19,10 +20,11 @@ RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 
 
 class Elastic:
-    """Applies K, or its inverse S, to fields that the caller makes and uses a few rows at a time. body: see bodies/.
+    """Applies K, or its inverse S, to fields that the caller makes and uses a few rows at a time.
+    body: see bodies/.
 
-    `pairs` counts the FFT pairs done so far on this grid (a transform in one direction is half a pair). `mean` is this rank's share of
-    the mean of the last field that was multiplied.
+    `pairs` counts the FFT pairs done so far on this grid (a transform in one direction is half a
+    pair). `mean` is this rank's share of the mean of the last field that was multiplied.
     """
 
     def __init__(self, grid: Grid, body: Body, dtype: DTypeLike):
@@ -40,7 +42,12 @@ class Elastic:
         del self.fft, self.multipliers
         self.grid.forget_fft(self.dtype)
 
-    def _columns(self, multiply: Callable[[np.ndarray, int], float], backward: bool = True, add: Columns | None = None) -> float:
+    def _columns(
+        self,
+        multiply: Callable[[np.ndarray, int], float],
+        backward: bool = True,
+        add: Columns | None = None,
+    ) -> float:
         self.multipliers.couple(self.fft, multiply == self.multipliers.compliance)
 
         def apply(block: np.ndarray, m: int) -> float:
@@ -53,11 +60,13 @@ class Elastic:
         return float(sum(self.fft.columns(apply, backward=backward)))
 
     def pressure_rows(self, fill: RowFunction, passes: Passes | None = None) -> list:
-        """First third of an application of K: rows of u are made by fill; returns what it returned."""
+        """First third of an application of K: rows of u are made by fill; returns what it
+        returned."""
         return self.fft.forward_rows(fill, passes)
 
     def pressure_columns(self, add: Columns | None = None) -> float:
-        """Second third; returns this rank's share of <u, K u>, summed over all points. add(block, m) completes the columns first."""
+        """Second third; returns this rank's share of <u, K u>, summed over all points. add(block,
+        m) completes the columns first."""
         return self._columns(self.multipliers.stiffness, add=add)
 
     def use_rows(self, use: RowFunction, passes: Passes | None = None) -> list:
@@ -66,11 +75,13 @@ class Elastic:
         return self.fft.backward_rows(use, passes)
 
     def displacement_columns(self) -> float:
-        """After `pressure_rows` of a pressure: S p with zero mean, for `use_rows`; returns this rank's share of <p, S p>."""
+        """After `pressure_rows` of a pressure: S p with zero mean, for `use_rows`; returns this
+        rank's share of <p, S p>."""
         return self._columns(self.multipliers.compliance)
 
     def compliance_columns(self) -> float:
-        """After `pressure_rows` of a pressure: this rank's share of <p, S p>. Half a pair in all, nothing is transformed back."""
+        """After `pressure_rows` of a pressure: this rank's share of <p, S p>. Half a pair in all,
+        nothing is transformed back."""
         self.pairs += 0.5
         return self._columns(self.multipliers.compliance, backward=False)
 

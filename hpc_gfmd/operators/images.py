@@ -1,13 +1,16 @@
-"""What the images of a surface that ends add to its displacement in a periodic cell, and how to take that out again.
+"""What the images of a surface that ends add to its displacement in a periodic cell, and how to
+take that out again.
 
-S of free space and that of the cell differ by c(r), the sum over the images of the origin. Between points of a surface that leaves a
-part of the cell free c is smooth: an operator T on the lowest modes of the cell gives it to ten digits. What T does beyond the
-surface, where the pressure is 0, is arbitrary: it is the least one, in the norm of S, so that S + T is positive and nearly S. It leaves
-the mean alone but for a constant, because load control does not know which point is at rest: on the surface other modes have to stand
-for the mean, and the more digits they give, the less S + T is like S. Seven it is.
+S of free space and that of the cell differ by c(r), the sum over the images of the origin. Between
+points of a surface that leaves a part of the cell free c is smooth: an operator T on the lowest
+modes of the cell gives it to ten digits. What T does beyond the surface, where the pressure is 0,
+is arbitrary: it is the least one, in the norm of S, so that S + T is positive and nearly S. It
+leaves the mean alone but for a constant, because load control does not know which point is at rest:
+on the surface other modes have to stand for the mean, and the more digits they give, the less S + T
+is like S. Seven it is.
 
-Modes are products of cos (parity 1) and sin (-1) of both coordinates, from the middle of the surface, orthonormal over the cell; T does
-not mix parities. Lengths are in any unit, E* = 1.
+Modes are products of cos (parity 1) and sin (-1) of both coordinates, from the middle of the
+surface, orthonormal over the cell; T does not mix parities. Lengths are in any unit, E* = 1.
 """
 
 from dataclasses import dataclass
@@ -15,21 +18,29 @@ from functools import lru_cache
 
 import numpy as np
 
-NEEDED, ALONE = 20 / 3, 11  # modes along an axis, times the free part of the cell over its length; where the other axis is periodic
+NEEDED, ALONE = (
+    20 / 3,
+    11,
+    # modes along an axis, times the free part of the cell over its length; where the other axis is
+    # periodic
+)
 NODES = 6.0  # points of the surface at which c is met, over the modes
 LEAST = 1e-12  # product of two singular values, over the largest, that counts
 SOFTEST = 0.65  # the least of S + T over S, about: of the modes that the constant is chosen by
-# The largest, which says to which singular value over the largest, at least MEAN, other modes stand for the mean: with more digits a
-# solve takes more iterations.
+# The largest, which says to which singular value over the largest, at least MEAN, other modes stand
+# for the mean: with more digits a solve takes more iterations.
 STIFFEST, MEAN = 2.4, 1e-8
-WIDTH = 0.08  # of the charge that is added and subtracted in the sum over images (Ewald), over the root of the cell's area
+# of the charge that is added and subtracted in the sum over images (Ewald), over the root of the
+# cell's area
+WIDTH = 0.08
 PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 
 
 @dataclass(frozen=True)
 class Images:
-    """T by parities along x and y, (stack, m, m), of the modes in the order of `stacked`. constant: of the kernel, what T leaves to
-    the mean: S of a uniform pressure on the whole cell, over its area."""
+    """T by parities along x and y, (stack, m, m), of the modes in the order of `stacked`. constant:
+    of the kernel, what T leaves to the mean: S of a uniform pressure on the whole cell, over its
+    area."""
 
     T: dict[tuple[int, int], np.ndarray]
     free: tuple[bool, bool]
@@ -37,7 +48,8 @@ class Images:
     constant: float
 
     def stacked(self, a: np.ndarray) -> np.ndarray:
-        """Numbers of modes (m_x, m_y) as T has them, (stack, m): a periodic axis does not couple."""
+        """Numbers of modes (m_x, m_y) as T has them, (stack, m): a periodic axis does not
+        couple."""
         if all(self.free):
             return a.reshape(1, -1)
         return a.T if self.free[0] else a
@@ -46,7 +58,7 @@ class Images:
         """(S + T)^-1 - 1/S, as T is stacked, 0 for the mean; S: of all modes k_x, k_y >= 0."""
         out = {}
         for (a, b), T in self.T.items():
-            here = S[int(a < 0):, int(b < 0):].copy()
+            here = S[int(a < 0) :, int(b < 0) :].copy()
             if a > 0 and b > 0:
                 here[0, 0] = 1.0
             here, diagonal = self.stacked(here), np.arange(T.shape[1])
@@ -59,9 +71,17 @@ class Images:
 
 
 @lru_cache(maxsize=16)
-def images(cell: tuple[float, float], inside: tuple[float, float], free: tuple[bool, bool], modes: tuple[int, int]) -> Images:
-    """cell: sizes; inside: those of the surface in it; free: where it ends; modes: the highest along each axis."""
-    k = {axis: {1: np.arange(modes[axis] + 1), -1: np.arange(1, modes[axis] + 1)} for axis in (0, 1)}
+def images(
+    cell: tuple[float, float],
+    inside: tuple[float, float],
+    free: tuple[bool, bool],
+    modes: tuple[int, int],
+) -> Images:
+    """cell: sizes; inside: those of the surface in it; free: where it ends; modes: the highest
+    along each axis."""
+    k = {
+        axis: {1: np.arange(modes[axis] + 1), -1: np.arange(1, modes[axis] + 1)} for axis in (0, 1)
+    }
     q = 2 * np.pi * np.hypot(k[0][1][:, None] / cell[0], k[1][1] / cell[1])
     T, axes = {}, [_Nodes(*axis) for axis in zip(cell, inside, modes)]
     if all(free):
@@ -78,13 +98,14 @@ def images(cell: tuple[float, float], inside: tuple[float, float], free: tuple[b
         if a > 0:
             stack[0], _ = _without_mean(stack[0], 2 * np.pi / cell[along] * k[along][1], X.even)
         for b in (1, -1):
-            T[(a, b) if along == 0 else (b, a)] = np.array(stack)[int(b < 0):]
+            T[(a, b) if along == 0 else (b, a)] = np.array(stack)[int(b < 0) :]
     return Images(T, free, modes, np.nan)
 
 
 class _Nodes:
-    """Points of one half of the surface along an axis, for functions of either parity. fits: by parity, the basis = U s V', V as S
-    weights it; even: the even basis turned to as few rows as it has columns."""
+    """Points of one half of the surface along an axis, for functions of either parity. fits: by
+    parity, the basis = U s V', V as S weights it; even: the even basis turned to as few rows as it
+    has columns."""
 
     def __init__(self, cell: float, inside: float, modes: int):
         half = int(np.ceil(NODES * (modes + 1) / 2))
@@ -92,7 +113,10 @@ class _Nodes:
         self.offsets = np.arange(2 * half) * step
         k = np.arange(modes + 1)
         phase = 2 * np.pi / cell * np.outer((self._i + 0.5) * step, k)
-        even, odd = np.cos(phase) * np.where(k > 0, np.sqrt(2), 1) / np.sqrt(cell), np.sin(phase[:, 1:]) * np.sqrt(2 / cell)
+        even, odd = (
+            np.cos(phase) * np.where(k > 0, np.sqrt(2), 1) / np.sqrt(cell),
+            np.sin(phase[:, 1:]) * np.sqrt(2 / cell),
+        )
         self.even: np.ndarray = np.linalg.qr(even)[1]
         self.fits = {1: self._fit(even, np.maximum(k, 1)), -1: self._fit(odd, k[1:])}
 
@@ -103,7 +127,8 @@ class _Nodes:
         return U, s, V.T * root[:, None]
 
     def pairs(self, parity: int) -> list[tuple[float, np.ndarray]]:
-        """The part of an even function of the distance that keeps a parity: weights, and which of the offsets they are of."""
+        """The part of an even function of the distance that keeps a parity: weights, and which of
+        the offsets they are of."""
         i, j = self._i[:, None], self._i
         return [(0.5, abs(i - j)), (0.5 * parity, i + j + 1)]
 
@@ -111,7 +136,8 @@ class _Nodes:
 def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
     """The least T with basis T basis' = D of the offsets along some axes, each with a parity.
 
-    Of small singular values only products with large ones count: of the others nothing is left but rounding errors.
+    Of small singular values only products with large ones count: of the others nothing is left but
+    rounding errors.
     """
     fits, size = [nodes.fits[parity] for nodes, parity in axes], np.ones(())
     for (nodes, parity), (U, s, _) in zip(axes, fits):
@@ -127,11 +153,13 @@ def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
 
 
 def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, float]:
-    """The same on the surface but for a constant, which is the second thing returned, with 0 for the mean (the first mode, q = 0).
+    """The same on the surface but for a constant, which is the second thing returned, with 0 for
+    the mean (the first mode, q = 0).
 
-    On the surface the mean is `one` of the other modes. With t of the mean and A of the others in T, modes scaled so that S is 1, T is
-    A + one t' + t one' + x one one', x free by the constant. In the plane of `one` and t two eigenvalues over those of 1 + A are then
-    not 1: x is such that the smaller is SOFTEST. `one` has as many singular values as leave the larger below STIFFEST.
+    On the surface the mean is `one` of the other modes. With t of the mean and A of the others in
+    T, modes scaled so that S is 1, T is A + one t' + t one' + x one one', x free by the constant.
+    In the plane of `one` and t two eigenvalues over those of 1 + A are then not 1: x is such that
+    the smaller is SOFTEST. `one` has as many singular values as leave the larger below STIFFEST.
     """
     root = np.sqrt(2 / q[1:])  # of S
     U, s, V = np.linalg.svd(basis[:, 1:] * root, full_matrices=False)
@@ -139,7 +167,11 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
     V, one = V[seen].T, basis[:, 0] @ U[:, seen] / s[seen]
     A, t = V.T @ (T[1:, 1:] / np.outer(root, root)) @ V, V.T @ (T[0, 1:] / root)
     u, v = np.linalg.solve(np.linalg.cholesky(np.eye(len(one)) + A), np.transpose([one, t])).T
-    uu, uv, vv = np.cumsum(u * u), np.cumsum(u * v), np.cumsum(v * v)  # of ever more singular values
+    uu, uv, vv = (
+        np.cumsum(u * u),
+        np.cumsum(u * v),
+        np.cumsum(v * v),
+    )  # of ever more singular values
     many = max(int(np.searchsorted(uu * vv - uv**2, (1 - SOFTEST) * (STIFFEST - 1))), 1)
     uu, uv, vv = uu[many - 1], uv[many - 1], vv[many - 1]
     V, A, one, t = V[:, :many], A[:many, :many], one[:many], t[:many]
@@ -151,7 +183,8 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
 
 
 def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
-    """c at the offsets x, y in a cell X, Y of which both axes are free: Ewald's sum, without the origin itself."""
+    """c at the offsets x, y in a cell X, Y of which both axes are free: Ewald's sum, without the
+    origin itself."""
     from scipy.special import erf, erfc
 
     sigma = WIDTH * np.sqrt(X * Y)
@@ -164,13 +197,18 @@ def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
             if i or j:
                 r = np.hypot(x[:, None] - i * X, y - j * Y)
                 c -= erfc(r / 2 / sigma) / (np.pi * r)
-    q_x, q_y = (2 * np.pi / length * np.arange(int(np.ceil(6.2 / sigma * length / (2 * np.pi))) + 1) for length in (X, Y))
+    q_x, q_y = (
+        2 * np.pi / length * np.arange(int(np.ceil(6.2 / sigma * length / (2 * np.pi))) + 1)
+        for length in (X, Y)
+    )
     q = np.hypot(q_x[:, None], q_y)
     with np.errstate(divide="ignore"):
         S = np.where(q > 0, 2 / q * erfc(q * sigma), 0.0)
     S[1:] *= 2
     S[:, 1:] *= 2
-    return c - (np.cos(np.outer(x, q_x)) @ S @ np.cos(np.outer(q_y, y)) - 4 * sigma / np.sqrt(np.pi)) / (X * Y)
+    return c - (
+        np.cos(np.outer(x, q_x)) @ S @ np.cos(np.outer(q_y, y)) - 4 * sigma / np.sqrt(np.pi)
+    ) / (X * Y)
 
 
 def kernel_of_wave(x: np.ndarray, X: float, q: float) -> np.ndarray:
@@ -181,4 +219,8 @@ def kernel_of_wave(x: np.ndarray, X: float, q: float) -> np.ndarray:
         count = 1 + int(np.ceil(40 / (q * X)))
         return -2 / np.pi * sum(k0(q * abs(x - j * X)) for j in range(-count, count + 1) if j)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return 2 / np.pi * np.where(x > 0, np.log(2 * np.sin(np.pi * x / X) / x), np.log(2 * np.pi / X))
+        return (
+            2
+            / np.pi
+            * np.where(x > 0, np.log(2 * np.sin(np.pi * x / X) / x), np.log(2 * np.pi / X))
+        )

@@ -2,14 +2,15 @@
 
     M r = sum over levels of P ... P (weight_l + DAMPING theta_l)^-1 R ... R r
 
-weight_l is the body's stiffness on that level (bodies/base.py), theta_l the local contact fraction: the restricted indicator of the
-contact. Damping each level by it is what keeps the spectrum of M K on the free points narrow at every load, without a parameter to
-tune.
+weight_l is the body's stiffness on that level (bodies/base.py), theta_l the local contact fraction:
+the restricted indicator of the contact. Damping each level by it is what keeps the spectrum of M K
+on the free points narrow at every load, without a parameter to tune.
 
-The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the indicator of A, and x) and interpolate
-from it. Every rank restricts to the window of coarse rows that its fine rows touch; windows are added up on the ranks that own the
-rows: those beside the fine rows, or fewer and fewer of them as levels get small (coarsening.py). The rest of the levels is small enough
-for rank 0 alone.
+The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the
+indicator of A, and x) and interpolate from it. Every rank restricts to the window of coarse rows
+that its fine rows touch; windows are added up on the ranks that own the rows: those beside the fine
+rows, or fewer and fewer of them as levels get small (coarsening.py). The rest of the levels is
+small enough for rank 0 alone.
 """
 
 from __future__ import annotations
@@ -39,15 +40,17 @@ if TYPE_CHECKING:
 
 COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
 RANK_POINTS = 2048  # of a level on one rank, at least: fewer take less time than a message
-# <r, S r> of a field of zero mean is at most so many times the compliance of the shortest wave times the sum over levels of
-# <r, r>/weight. On all kinds of grids the largest eigenvalue is 2.21; of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
+# <r, S r> of a field of zero mean is at most so many times the compliance of the shortest wave
+# times the sum over levels of <r, r>/weight. On all kinds of grids the largest eigenvalue is 2.21;
+# of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
 EQUIVALENCE = 1.8
 
 
 @dataclass(frozen=True)
 class Step:
-    """From one level to the next coarser one, as one rank sees it. starts: first row of every rank on the coarse level, and their
-    number; windows: between the rows that ranks write to and those that they own."""
+    """From one level to the next coarser one, as one rank sees it. starts: first row of every rank
+    on the coarse level, and their number; windows: between the rows that ranks write to and those
+    that they own."""
 
     transfer: Transfer
     starts: np.ndarray
@@ -59,21 +62,32 @@ class Step:
         return int(self.starts[self.windows.rank + 1] - self.starts[self.windows.rank])
 
     def traffic(self, fields: int) -> tuple[int, int]:
-        """(bytes for an itemsize of 1, messages) that this rank sends in a sweep, of so many fields down and one up."""
+        """(bytes for an itemsize of 1, messages) that this rank sends in a sweep, of so many fields
+        down and one up."""
         down, up = self.windows.sent_rows(True), self.windows.sent_rows(False)
-        return (fields * sum(down.values()) + sum(up.values())) * self.transfer.m[1], len(down) + len(up)
+        return (fields * sum(down.values()) + sum(up.values())) * self.transfer.m[1], len(
+            down
+        ) + len(up)
 
 
-def steps_of(grid: Grid, dtype: DTypeLike, coarsest_points: int | None = None) -> tuple[list[Step], list[Level]]:
-    """The Steps down to the first level that rank 0 has alone, and the levels, of the rank that grid.comm says. No memory."""
+def steps_of(
+    grid: Grid, dtype: DTypeLike, coarsest_points: int | None = None
+) -> tuple[list[Step], list[Level]]:
+    """The Steps down to the first level that rank 0 has alone, and the levels, of the rank that
+    grid.comm says. No memory."""
     hierarchy, rank = levels(grid), grid.comm.rank
-    if len(hierarchy) == 1:  # a single point: a coarse level that equals it, so that there is always one
+    if (
+        len(hierarchy) == 1
+    ):  # a single point: a coarse level that equals it, so that there is always one
         hierarchy = hierarchy * 2
     steps, starts = [], grid.starts
     for fine, coarse in zip(hierarchy, hierarchy[1:]):
         transfer = Transfer(fine.n, coarse.n, starts, rank, dtype)
         points = coarse.n[0] * coarse.n[1]
-        last = points <= (COARSEST_POINTS if coarsest_points is None else coarsest_points) or coarse is hierarchy[-1]
+        last = (
+            points <= (COARSEST_POINTS if coarsest_points is None else coarsest_points)
+            or coarse is hierarchy[-1]
+        )
         starts = gathered(transfer.coarse_starts, points, points if last else RANK_POINTS)
         steps.append(Step(transfer, starts, Windows(rank, starts, transfer.lo, transfer.hi)))
         if last:
@@ -83,7 +97,8 @@ def steps_of(grid: Grid, dtype: DTypeLike, coarsest_points: int | None = None) -
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """What the sweep of a grid, body and precision needs besides memory for fields, made once. surface: see nominal.py."""
+    """What the sweep of a grid, body and precision needs besides memory for fields, made once.
+    surface: see nominal.py."""
 
     steps: list[Step]
     levels: list[Level]
@@ -93,20 +108,33 @@ class Hierarchy:
     gap_mode: GapMode
 
     @classmethod
-    def of(cls, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None) -> Hierarchy:
+    def of(
+        cls, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None
+    ) -> Hierarchy:
         """The one that there is, or a new one."""
         made, key = _hierarchies.setdefault(grid, {}), (body, dtype, coarsest_points)
         if key not in made:
             steps, levels = steps_of(grid, dtype, coarsest_points)
-            weights, softness = (np.resize(a, len(levels)) for a in (body.weights(grid), body.softness(grid)))  # as often as levels
+            weights, softness = (
+                np.resize(a, len(levels)) for a in (body.weights(grid), body.softness(grid))
+            )  # as often as levels
             weights, alone = weights.astype(dtype), len(steps)
-            made[key] = cls(steps, levels, weights, softness, NominalArea(grid, levels, softness, alone),
-                            GapMode(grid, body, levels[alone:], weights[alone:]))
+            made[key] = cls(
+                steps,
+                levels,
+                weights,
+                softness,
+                NominalArea(grid, levels, softness, alone),
+                GapMode(grid, body, levels[alone:], weights[alone:]),
+            )
         return made[key]
 
 
 _hierarchies: WeakKeyDictionary[Grid, dict[tuple, Hierarchy]] = WeakKeyDictionary()
-FIELDS = 3, 2  # of the first step, which has x besides p on F and the indicator of A, and of all others
+FIELDS = (
+    3,
+    2,
+)  # of the first step, which has x besides p on F and the indicator of A, and of all others
 
 
 def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
@@ -116,9 +144,17 @@ def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
 
 
 class Multilevel:
-    """The sweep for one grid and body in one precision. longest: rows per pass of the solver; coarsest_points: see COARSEST_POINTS."""
+    """The sweep for one grid and body in one precision. longest: rows per pass of the solver;
+    coarsest_points: see COARSEST_POINTS."""
 
-    def __init__(self, grid: Grid, body: Body, dtype: DTypeLike, longest: int, coarsest_points: int | None = None):
+    def __init__(
+        self,
+        grid: Grid,
+        body: Body,
+        dtype: DTypeLike,
+        longest: int,
+        coarsest_points: int | None = None,
+    ):
         self.grid, self.comm = grid, grid.comm
         self.dtype: np.dtype = np.dtype(dtype)
         self.damping, self.coupling = np.array([DAMPING, COUPLING], self.dtype)
@@ -127,16 +163,26 @@ class Multilevel:
         self.weights, self.softness, self.gap_mode = known.weights, known.softness, known.gap_mode
 
         self.distributed = len(self.steps) - 1  # coarse levels that more than one rank may have
-        # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write to and read from.
-        self.fields = [np.zeros((FIELDS[min(k, 1)], step.transfer.window_rows, step.transfer.m[1]), self.dtype)
-                       for k, step in enumerate(self.steps)]
+        # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write
+        # to and read from.
+        self.fields = [
+            np.zeros((FIELDS[min(k, 1)], step.transfer.window_rows, step.transfer.m[1]), self.dtype)
+            for k, step in enumerate(self.steps)
+        ]
         self.owned = [self._owned(step, field) for step, field in zip(self.steps[:-1], self.fields)]
         starts = [grid.starts, *(step.starts for step in self.steps)]
-        # Of every level: what the indicator of the nominal area is a product of, on this rank's rows.
-        self.nominal = [(x[rows[self.comm.rank]:rows[self.comm.rank + 1]].astype(dtype), y.astype(dtype))
-                        for (x, y), rows in zip(self.surface.s, starts)]
+        # Of every level: what the indicator of the nominal area is a product of, on this rank's
+        # rows.
+        self.nominal = [
+            (x[rows[self.comm.rank] : rows[self.comm.rank + 1]].astype(dtype), y.astype(dtype))
+            for (x, y), rows in zip(self.surface.s, starts)
+        ]
         last = slice(len(self.steps), None)
-        self.coarsest = CoarsestLevels(self.levels[last], self.weights[last], self.softness[last]) if self.comm.rank == 0 else None
+        self.coarsest = (
+            CoarsestLevels(self.levels[last], self.weights[last], self.softness[last])
+            if self.comm.rank == 0
+            else None
+        )
 
         first = self.transfers[0]
         self.passes = first.passes(longest)
@@ -144,13 +190,18 @@ class Multilevel:
         self.hi = np.array([first.k0[b - 1] + 1 for _, b in self.passes], np.int64)
         # One thread joins every pass as soon as it is done; with several they all have to be kept.
         self.in_order = grid.threads == 1
-        self.edges = np.zeros((1 if self.in_order else len(self.passes), 2, 3, first.m[1]), self.dtype)
+        self.edges = np.zeros(
+            (1 if self.in_order else len(self.passes), 2, 3, first.m[1]), self.dtype
+        )
 
     def _owned(self, step: Step, field: np.ndarray) -> np.ndarray:
-        """Memory for the rows of a level that this rank owns, with a row before and after: the window where that is the same."""
+        """Memory for the rows of a level that this rank owns, with a row before and after: the
+        window where that is the same."""
         if step.windows.in_place:
             return field
-        return np.zeros((field.shape[0], step.owned + 2 if step.owned else 0, field.shape[2]), self.dtype)
+        return np.zeros(
+            (field.shape[0], step.owned + 2 if step.owned else 0, field.shape[2]), self.dtype
+        )
 
     @property
     def transfers(self) -> list[Transfer]:
@@ -161,15 +212,36 @@ class Multilevel:
     def nbytes(self) -> int:
         """Bytes held on this rank."""
         gathered_rows = [a for a, field in zip(self.owned, self.fields) if a is not field]
-        return sum(a.nbytes for a in [*self.fields, *gathered_rows, self.edges]) + (self.coarsest.nbytes if self.coarsest else 0)
+        return sum(a.nbytes for a in [*self.fields, *gathered_rows, self.edges]) + (
+            self.coarsest.nbytes if self.coarsest else 0
+        )
 
-    def update_rows(self, k: int, g: np.ndarray, p: np.ndarray, d: np.ndarray, x: np.ndarray, s: float, scratch: np.ndarray,
-                    excess: float = 0.0) -> tuple[float, ...]:
-        """Pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of the pass. Returns its UpdateSums as a plain
-        tuple."""
+    def update_rows(
+        self,
+        k: int,
+        g: np.ndarray,
+        p: np.ndarray,
+        d: np.ndarray,
+        x: np.ndarray,
+        s: float,
+        scratch: np.ndarray,
+        excess: float = 0.0,
+    ) -> tuple[float, ...]:
+        """Pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of the
+        pass. Returns its UpdateSums as a plain tuple."""
         edges = self.edges[0 if self.in_order else k]
-        sums = update_state((g, p, d), x, s, self.dtype.type(excess), self.passes[k], self.fields[0], edges, self.transfers[0].tables,
-                            self.grid.inside, scratch)
+        sums = update_state(
+            (g, p, d),
+            x,
+            s,
+            self.dtype.type(excess),
+            self.passes[k],
+            self.fields[0],
+            edges,
+            self.transfers[0].tables,
+            self.grid.inside,
+            scratch,
+        )
         if self.in_order:
             self._join(k)
         return sums
@@ -180,7 +252,9 @@ class Multilevel:
             self.fields[0][:, 0] = 0
             self.fields[0][:, -1] = 0
         shared = k > 0 and self.hi[k - 1] == self.lo[k]
-        join_edges(self.fields[0], self.edges[0 if self.in_order else k], self.lo[k], self.hi[k], shared)
+        join_edges(
+            self.fields[0], self.edges[0 if self.in_order else k], self.lo[k], self.hi[k], shared
+        )
 
     @property
     def z(self) -> np.ndarray:
@@ -195,15 +269,19 @@ class Multilevel:
     @mode.setter
     def mode(self, text: str) -> None:
         if self.coarsest:
-            self.coarsest.at, self.coarsest.mode = self.gap_mode.at or 0, np.frombuffer(b64decode(text), self.dtype).copy()
+            self.coarsest.at, self.coarsest.mode = (
+                self.gap_mode.at or 0,
+                np.frombuffer(b64decode(text), self.dtype).copy(),
+            )
 
     def sweep(self, anew: bool = False) -> tuple[float, ...]:
-        """From what the update passes restricted to level 1, make z on level 1 (own rows and halo). anew: by an M that has the gap mode
-        of this contact.
+        """From what the update passes restricted to level 1, make z on level 1 (own rows and halo).
+        anew: by an M that has the gap mode of this contact.
 
-        Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times N/N_1: M' is M without the
-        finest level; of the sums over these levels of softness times <r, r>, <t, t> and <r, t>, r and t being p on F and the
-        indicator of A restricted to the level, times N/N_l; of the mean of p on F; and, where the surface ends, of the sums over these
+        Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times
+        N/N_1: M' is M without the finest level; of the sums over these levels of softness times <r,
+        r>, <t, t> and <r, t>, r and t being p on F and the indicator of A restricted to the level,
+        times N/N_l; of the mean of p on F; and, where the surface ends, of the sums over these
         levels of softness times <t, s> and <r, s>, s being 1 on the surface and 0 beyond.
         """
         if not self.passes:
@@ -229,42 +307,53 @@ class Multilevel:
         return rz * ratio, xz * ratio, *sums[:3], mean, *sums[3:]
 
     def _add_up(self, k: int, rows: np.ndarray) -> None:
-        """The rows of level k + 1 that this rank owns, (fields, rows, m): the sum over all windows."""
+        """The rows of level k + 1 that this rank owns, (fields, rows, m): the sum over all
+        windows."""
         if not np.may_share_memory(rows, self.fields[k]):
             rows[...] = 0
-        self.steps[k].windows.add(self.comm, self.fields[k][:len(rows)], rows)
+        self.steps[k].windows.add(self.comm, self.fields[k][: len(rows)], rows)
 
     def _hand_out(self, k: int, z: np.ndarray) -> None:
         """z on this rank's rows of level k + 1, (1, rows, m), into all windows."""
         self.steps[k].windows.fill(self.comm, z, self.fields[k][:1])
 
     def without_mean(self, squares: float, mean2: float) -> float:
-        """sum over levels of softness <r, t> for r and t less their means; squares: that of r and t themselves, of all levels and
-        ranks; mean2: product of the means."""
+        """sum over levels of softness <r, t> for r and t less their means; squares: that of r and t
+        themselves, of all levels and ranks; mean2: product of the means."""
         return float(squares - self.grid.cell_points * mean2 * np.sum(self.softness))
 
-    def response(self, contact: float, tt: float, ts: float, rt: float, rs: float, mean: float) -> tuple[float, float]:
-        """share^2 |v|_S^2 and share <v, S r> over the compliance of the shortest wave, by sums over levels: v = t/share - s is the test
-        pressure of bounds.py, share that of the surface in contact; on the finest level s is left out. contact: points; the others:
-        sums over all ranks of what `sweep` returned."""
+    def response(
+        self, contact: float, tt: float, ts: float, rt: float, rs: float, mean: float
+    ) -> tuple[float, float]:
+        """share^2 |v|_S^2 and share <v, S r> over the compliance of the shortest wave, by sums over
+        levels: v = t/share - s is the test pressure of bounds.py, share that of the surface in
+        contact; on the finest level s is left out. contact: points; the others: sums over all ranks
+        of what `sweep` returned."""
         share, norm = contact / self.grid.N, self.surface.norm
         if not self.grid.padded:
             return max(contact + tt - share**2 * norm, 0.0), self.without_mean(rt, mean * share)
         return max(contact + tt - 2 * share * ts + share**2 * norm, 0.0), rt - share * rs
 
-    def restrict(self, g: np.ndarray, p: np.ndarray, excess: float, d: np.ndarray | None = None) -> UpdateSums:
-        """From a state that no step has led to, what the update passes restrict; returns UpdateSums, with <p, d> on F where there is a
-        d. excess: see kernels/bpx.py."""
+    def restrict(
+        self, g: np.ndarray, p: np.ndarray, excess: float, d: np.ndarray | None = None
+    ) -> UpdateSums:
+        """From a state that no step has led to, what the update passes restrict; returns
+        UpdateSums, with <p, d> on F where there is a d. excess: see kernels/bpx.py."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
         scratch = zeros_aligned((6, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
         none, nowhere = self.dtype.type(0), np.zeros(still.shape, half(self.dtype))
-        sums = [self.update_rows(k, g, p, nowhere if d is None else d[i0:i1], still, none, scratch, excess)
-                for k, (i0, i1) in enumerate(self.passes)]
+        sums = [
+            self.update_rows(
+                k, g, p, nowhere if d is None else d[i0:i1], still, none, scratch, excess
+            )
+            for k, (i0, i1) in enumerate(self.passes)
+        ]
         return UpdateSums.total(sums)
 
     def _sweep_coarsest(self, anew: bool) -> tuple[float, ...]:
-        """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these levels."""
+        """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these
+        levels."""
         last, step = len(self.steps) - 1, self.steps[-1]
         n, m = step.transfer.m
         rows = np.empty((len(self.fields[last]), n if self.coarsest else 0, m), self.dtype)
@@ -272,13 +361,18 @@ class Multilevel:
         if not self.coarsest:
             self._hand_out(last, rows[:1])
             return (0.0,) * 8
-        r_s, t_s = (self.surface.products_of_coarsest(field) if self.grid.padded else 0.0 for field in rows[:2])
+        r_s, t_s = (
+            self.surface.products_of_coarsest(field) if self.grid.padded else 0.0
+            for field in rows[:2]
+        )
         if anew:
             self._find_mode(self.coarsest, rows[1])
         z, squares, mean = self.coarsest.sweep(rows[0], rows[1])
         self._hand_out(last, z[None])
         ratio = self.grid.cell_points / (n * m)
-        products = (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))  # where level 1 itself is one of them
+        products = (
+            (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))
+        )  # where level 1 itself is one of them
         return *products, *(a * ratio for a in squares), t_s, r_s, mean
 
     def _find_mode(self, coarsest: CoarsestLevels, t: np.ndarray) -> None:
@@ -292,8 +386,16 @@ class Multilevel:
 
     def _smooth(self, k: int) -> tuple[float, ...]:
         a, z = self.owned[k], self.fields[k + 1][0]
-        return smooth_level(a, z, a[0], self.weights[k + 1], self.damping, self.coupling, self.transfers[k + 1].tables,
-                            self.nominal[k + 1])
+        return smooth_level(
+            a,
+            z,
+            a[0],
+            self.weights[k + 1],
+            self.damping,
+            self.coupling,
+            self.transfers[k + 1].tables,
+            self.nominal[k + 1],
+        )
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> float:

@@ -1,4 +1,5 @@
-"""The indicator s of the nominal area, 1 on the surface and 0 beyond, on the levels of a grid, and sums of fields with it.
+"""The indicator s of the nominal area, 1 on the surface and 0 beyond, on the levels of a grid, and
+sums of fields with it.
 
 On every level s is a product of two functions of one coordinate: no field is needed for it.
 """
@@ -13,12 +14,15 @@ from .coarsening import Level, restrict_axis, restrict_axis_back
 
 
 class NominalArea:
-    """levels, softness: of the grid, see operators/multilevel.py; alone: the first level that one rank has complete. N_l: points of a
-    level, N: of the grid."""
+    """levels, softness: of the grid, see operators/multilevel.py; alone: the first level that one
+    rank has complete. N_l: points of a level, N: of the grid."""
 
     def __init__(self, grid: Any, levels: Sequence[Level], softness: Iterable[float], alone: int):
         self.levels, self.alone = levels, alone
-        self.weights = [softness_l * grid.cell_points / (level.n[0] * level.n[1]) for softness_l, level in zip(softness, levels)]
+        self.weights = [
+            softness_l * grid.cell_points / (level.n[0] * level.n[1])
+            for softness_l, level in zip(softness, levels)
+        ]
         self.s = [[(np.arange(n) < m).astype(float) for n, m in zip(grid.n, grid.nominal)]]
         for level in levels[1:]:
             self.s.append([restrict_axis(s, n) for s, n in zip(self.s[-1], level.n)])
@@ -26,20 +30,27 @@ class NominalArea:
     @cached_property
     def norm(self) -> float:
         """sum over the coarse levels of softness <s, s> N/N_l."""
-        return float(sum(weight * np.dot(x, x) * np.dot(y, y) for weight, (x, y) in zip(self.weights[1:], self.s[1:])))
+        return float(
+            sum(
+                weight * np.dot(x, x) * np.dot(y, y)
+                for weight, (x, y) in zip(self.weights[1:], self.s[1:])
+            )
+        )
 
     def products_of_coarsest(self, field: np.ndarray) -> float:
-        """softness <field, s> N/N_l, summed over the levels from `alone` on; field: complete, on the first of them."""
+        """softness <field, s> N/N_l, summed over the levels from `alone` on; field: complete, on
+        the first of them."""
         along_x, along_y = self._tables
         return float(np.vdot(along_x, field @ along_y.astype(field.dtype)))
 
     @cached_property
     def _tables(self) -> tuple[np.ndarray, np.ndarray]:
-        """A, B, a column for each of these levels: the sum of A (f B) is `products_of_coarsest` of f."""
+        """A, B, a column for each of these levels: the sum of A (f B) is `products_of_coarsest` of
+        f."""
         columns: tuple[list, list] = [], []
         for k in range(self.alone, len(self.levels)):
             for axis, s in enumerate(self.s[k]):
-                for finer in reversed(self.levels[self.alone:k]):
+                for finer in reversed(self.levels[self.alone : k]):
                     s = restrict_axis_back(s, finer.n[axis])
                 columns[axis].append(s if axis else self.weights[k] * s)
         return np.transpose(columns[0]), np.transpose(columns[1])

@@ -1,12 +1,14 @@
-"""Power spectra and autocorrelations of the fields of a contact, averaged over directions, by the transforms of its grid.
+"""Power spectra and autocorrelations of the fields of a contact, averaged over directions, by the
+transforms of its grid.
 
 With f_q = (1/N) sum_r f(r) exp(-i q.r), without the mean (q = 0):
 
-    C(q) = L_x L_y <|f_q|^2>        averaged over the wave vectors in a ring,    sum_q C(q)/(L_x L_y) = variance of f
-    A(r) = <f(x) f(x + r)>          averaged over x and over the distances r in a ring (minimal image),    A(0) = variance of f
+    C(q) = L_x L_y <|f_q|^2>        averaged over the wave vectors in a ring,    sum_q C(q)/(L_x
+    L_y) = variance of f A(r) = <f(x) f(x + r)>          averaged over x and over the distances r in
+    a ring (minimal image),    A(0) = variance of f
 
-Rings are RINGS to a factor of two, beginning at the longest wave and at the nearest neighbours; q and r are means over their points.
-Along one axis alone (the other has one point) C is L <|f_q|^2>.
+Rings are RINGS to a factor of two, beginning at the longest wave and at the nearest neighbours; q
+and r are means over their points. Along one axis alone (the other has one point) C is L <|f_q|^2>.
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ class Spectra:
         self._lengths = [size for size, n in zip(self.grid.sizes, self.grid.n) if n > 1] or [1.0]
 
     def power(self, name: str) -> dict[str, np.ndarray] | None:
-        """Radial power spectrum of "heights", "pressure" or "gap": {"q": in 1/length, "power": C}; None on a grid of one point."""
+        """Radial power spectrum of "heights", "pressure" or "gap": {"q": in 1/length, "power": C};
+        None on a grid of one point."""
         q_x, q_y = self.grid.q_x / self.grid.a, self.grid.q_y / self.grid.a
         longest = 2 * np.pi / max(self._lengths)
         weight = self.grid.multiplicity(np.arange(len(q_y)))
@@ -45,15 +48,21 @@ class Spectra:
             mine = slice(*self.fft.columns_of(m))
             q = np.hypot(q_x, q_y[mine, None])
             use = (q > 0) & (weight[mine, None] > 0)
-            squares = scale * (block.real.astype(np.float64) ** 2 + block.imag.astype(np.float64) ** 2)
-            return _ring_sums(q[use], longest, np.broadcast_to(weight[mine, None], q.shape)[use], squares[use])
+            squares = scale * (
+                block.real.astype(np.float64) ** 2 + block.imag.astype(np.float64) ** 2
+            )
+            return _ring_sums(
+                q[use], longest, np.broadcast_to(weight[mine, None], q.shape)[use], squares[use]
+            )
 
         q, power = self._means(self._columns(name, sums, backward=False))
         self.pairs += 0.5
         return {"q": q, "power": power} if len(q) else None
 
     def autocorrelation(self, name: str) -> dict[str, np.ndarray]:
-        """Radial autocorrelation of "heights", "pressure" or "gap": {"r": distances, up to half of the cell, "correlation": A}."""
+        """Radial autocorrelation of "heights", "pressure" or "gap": {"r": distances, up to half of
+        the cell, "correlation": A}."""
+
         def square(block: np.ndarray, m: int) -> None:
             block *= self.fft.dtype.type(self.fft.scale)
             block[...] = block.real**2 + block.imag**2
@@ -62,28 +71,45 @@ class Spectra:
 
         self._columns(name, square, backward=True)
         self.pairs += 1.0
-        x, y = (np.minimum(np.arange(n), n - np.arange(n)) * spacing for n, spacing in zip(self.grid.n, self.grid.spacings))
+        x, y = (
+            np.minimum(np.arange(n), n - np.arange(n)) * spacing
+            for n, spacing in zip(self.grid.n, self.grid.spacings)
+        )
         x = x[slice(*self.grid.rows)]
-        nearest = min(a for a, n in zip(self.grid.spacings, self.grid.n) if n > 1) if self.grid.N > 1 else 1.0
+        nearest = (
+            min(a for a, n in zip(self.grid.spacings, self.grid.n) if n > 1)
+            if self.grid.N > 1
+            else 1.0
+        )
 
         def sums(i0: int, i1: int, values: np.ndarray) -> np.ndarray:
             r = np.hypot(x[i0:i1, None], y)
             use = r <= min(self._lengths) / 2
-            return _ring_sums(r[use], nearest, np.ones(np.count_nonzero(use)), values[: i1 - i0][use])
+            return _ring_sums(
+                r[use], nearest, np.ones(np.count_nonzero(use)), values[: i1 - i0][use]
+            )
 
         r, correlation = self._means(self.fft.backward_rows(sums))
         return {"r": r, "correlation": self._unit(name) ** 2 * correlation}
 
     def _unit(self, name: str) -> float:
-        return self.contact.pressure_unit if name == "pressure" else self.contact.surface.height_unit
+        return (
+            self.contact.pressure_unit if name == "pressure" else self.contact.surface.height_unit
+        )
 
     def _columns(self, name: str, apply: Callable[[np.ndarray, int], Any], backward: bool) -> list:
-        """Transform a field, in the program's units, and call apply(block, m) on its columns; returns what that returned."""
+        """Transform a field, in the program's units, and call apply(block, m) on its columns;
+        returns what that returned."""
         contact, surface = self.contact, self.contact.surface
         field = {"pressure": contact.p, "gap": contact.g, "heights": surface.h}[name]
         if field is not None:
+
             def fill(i0: int, i1: int, out: np.ndarray) -> None:
-                out[: i1 - i0] = field[i0:i1] if name != "pressure" else np.where(contact.touching(i0, i1), field[i0:i1], 0)
+                out[: i1 - i0] = (
+                    field[i0:i1]
+                    if name != "pressure"
+                    else np.where(contact.touching(i0, i1), field[i0:i1], 0)
+                )
 
             self.fft.forward_rows(fill)
             return self.fft.columns(apply, backward=backward)
@@ -97,7 +123,8 @@ class Spectra:
         return self.fft.columns(added, forward=False, backward=backward)
 
     def _means(self, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Means over the rings (distance, value) of what all blocks of all ranks summed up, without empty rings."""
+        """Means over the rings (distance, value) of what all blocks of all ranks summed up, without
+        empty rings."""
         comm = self.grid.comm
         rings = int(comm.max([max((part.shape[1] for part in parts), default=0)])[0])
         total = np.zeros((3, rings))
@@ -108,8 +135,11 @@ class Spectra:
         return distances[filled] / counts[filled], values[filled] / counts[filled]
 
 
-def _ring_sums(distance: np.ndarray, first: float, weight: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Sums over the points in each ring of (weight, weight distance, weight value), (3, rings); ring 0 is distance 0."""
+def _ring_sums(
+    distance: np.ndarray, first: float, weight: np.ndarray, values: np.ndarray
+) -> np.ndarray:
+    """Sums over the points in each ring of (weight, weight distance, weight value), (3, rings);
+    ring 0 is distance 0."""
     with np.errstate(divide="ignore"):
         ring = np.maximum(1 + np.floor(RINGS * np.log2(distance / first) + 0.5), 0).astype(np.int64)
     return np.stack([np.bincount(ring, w) for w in (weight, weight * distance, weight * values)])

@@ -1,15 +1,18 @@
-"""The response to a small change of the load while no point changes sides: the tangent of the load curve.
+"""The response to a small change of the load while no point changes sides: the tangent of the load
+curve.
 
 With the points F out of contact, p0 + dp changes the displacement by v dp where
 
     1 + (K v)(r) = 0 on F,    v = 0 in contact,    d(mean gap)/dp0 = mean(v),
 
-a linear problem, symmetric and positive definite: conjugate gradients, preconditioned as the solver is, without a projection. With
-b = 1 on F as the right-hand side the wanted number is b K_FF^-1 b, and each step adds alpha <r, z> to it: the sum rises, and what is
-still missing is the squared energy norm of the error (Hestenes and Stiefel 1952; in finite precision Strakos and Tichy 2002).
+a linear problem, symmetric and positive definite: conjugate gradients, preconditioned as the solver
+is, without a projection. With b = 1 on F as the right-hand side the wanted number is b K_FF^-1 b,
+and each step adds alpha <r, z> to it: the sum rises, and what is still missing is the squared
+energy norm of the error (Hestenes and Stiefel 1952; in finite precision Strakos and Tichy 2002).
 
-Where the surface ends within the grid, F has the points beyond it, too, but the mean gap is over the surface alone: the mean of v there
-is added up instead, whose error is of first order in that of v.
+Where the surface ends within the grid, F has the points beyond it, too, but the mean gap is over
+the surface alone: the mean of v there is added up instead, whose error is of first order in that of
+v.
 """
 
 from __future__ import annotations
@@ -36,16 +39,20 @@ MAX_STEPS = 1000
 
 @dataclass(frozen=True)
 class Tangent:
-    """compliance: -d(mean gap)/dp0 in the problem's units, 0 in full contact, inf where nothing touches, nan where it was not found to
-    the accuracy asked for; error: estimated, relative; pairs: FFT pairs it took."""
+    """compliance: -d(mean gap)/dp0 in the problem's units, 0 in full contact, inf where nothing
+    touches, nan where it was not found to the accuracy asked for; error: estimated, relative;
+    pairs: FFT pairs it took."""
 
     compliance: float
     error: float
     pairs: float
 
 
-def tangent(grid: Grid, body: Body, contact: np.ndarray, dtype: DTypeLike, accuracy: float) -> Tangent:
-    """The Tangent of the contact of a body: a local slab that is true where points touch. Collective.
+def tangent(
+    grid: Grid, body: Body, contact: np.ndarray, dtype: DTypeLike, accuracy: float
+) -> Tangent:
+    """The Tangent of the contact of a body: a local slab that is true where points touch.
+    Collective.
 
     Needs four fields and the levels of the preconditioner besides the transforms.
     """
@@ -77,7 +84,9 @@ class _Response:
         self.elastic = Elastic(grid, body, dtype)
         self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
         rows, n_y = grid.shape
-        self.residual_and_contact = np.zeros((2, rows + 2, n_y), dtype)  # with the halo rows that the transfer expects
+        self.residual_and_contact = np.zeros(
+            (2, rows + 2, n_y), dtype
+        )  # with the halo rows that the transfer expects
         self.residual, self.contact = self.residual_and_contact[:, 1:-1]
         self.contact[...] = contact
         self.residual[...] = 1 - self.contact
@@ -88,11 +97,23 @@ class _Response:
 
     def _precondition(self) -> float:
         """z = M r; returns <r, z>."""
-        levels, transfer, nominal = self.levels, self.levels.transfers[0].tables, self.levels.nominal[0]
+        levels, transfer, nominal = (
+            self.levels,
+            self.levels.transfers[0].tables,
+            self.levels.nominal[0],
+        )
         restrict_level(self.residual_and_contact, levels.fields[0][:2], transfer)
         levels.sweep_levels()
-        rz, *_ = smooth_level(self.residual_and_contact, levels.z, self.z, levels.weights[0], levels.damping, levels.coupling, transfer,
-                              nominal)
+        rz, *_ = smooth_level(
+            self.residual_and_contact,
+            levels.z,
+            self.z,
+            levels.weights[0],
+            levels.damping,
+            levels.coupling,
+            transfer,
+            nominal,
+        )
         return float(self.comm.sum([rz])[0])
 
     def step(self) -> float:
@@ -107,7 +128,11 @@ class _Response:
             d *= beta
             d += z[i0:i1] * (1 - self.contact[i0:i1])
             x[: i1 - i0] = d
-            return d[: max(self.grid.inside[0] - i0, 0), : self.grid.inside[1]].sum(dtype=np.float64) if self.grid.padded else 0.0
+            return (
+                d[: max(self.grid.inside[0] - i0, 0), : self.grid.inside[1]].sum(dtype=np.float64)
+                if self.grid.padded
+                else 0.0
+            )
 
         inner = sum(self.elastic.pressure_rows(fill))
         dKd, inner = self.comm.sum([self.elastic.pressure_columns(), inner]).tolist()

@@ -1,4 +1,5 @@
-"""What makes a result file open in other programs: coordinates and units (xarray, netCDF), and the group that ParaView reads."""
+"""What makes a result file open in other programs: coordinates and units (xarray, netCDF), and the
+group that ParaView reads."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
@@ -8,13 +9,22 @@ from numpy.typing import ArrayLike
 
 Attributes = Mapping[str, Any]
 
-SIGNS = "lengths count away from the wall: gap = displacement + initial gap >= 0, initial gap = -heights; pressures push"
-LENGTH, PRESSURE = ("unit", "unit of physical_sizes"), ("pressure_unit", "unit of E_star")  # attribute of the surface; or else
+SIGNS = (
+    "lengths count away from the wall: gap = displacement + initial gap >= 0, initial gap ="
+    " -heights; pressures push"
+)
+LENGTH, PRESSURE = (
+    ("unit", "unit of physical_sizes"),
+    ("pressure_unit", "unit of E_star"),
+)  # attribute of the surface; or else
 FIELDS = {  # what it is measured in, long_name
     "pressure": (PRESSURE, "contact pressure, 0 where the gap is open"),
     "gap": (LENGTH, "gap between the deformed surface and the wall, displacement + initial gap"),
     "displacement": (LENGTH, "displacement of the elastic surface away from the wall"),
-    "heights": (LENGTH, "heights of the rigid wall, peaks up, measured from the highest; initial gap = -heights"),
+    "heights": (
+        LENGTH,
+        "heights of the rigid wall, peaks up, measured from the highest; initial gap = -heights",
+    ),
     "x": (LENGTH, "position along the first axis"),
     "y": (LENGTH, "position along the second axis"),
     "p": (PRESSURE, "mean pressure"),
@@ -23,8 +33,12 @@ FIELDS = {  # what it is measured in, long_name
 
 
 def describe(file: Any) -> None:
-    """Add to a file that has all its groups and fields: x, y, loads; steps/NNNN/x, y, p beside fields; VTKHDF, views of the fields."""
-    surface, steps = file["surface"], [file["steps"][name] for name in sorted(file.get("steps", ()), key=int)]
+    """Add to a file that has all its groups and fields: x, y, loads; steps/NNNN/x, y, p beside
+    fields; VTKHDF, views of the fields."""
+    surface, steps = (
+        file["surface"],
+        [file["steps"][name] for name in sorted(file.get("steps", ()), key=int)],
+    )
     about = surface.attrs
     if "n" not in about:
         return  # before the surface is made
@@ -48,7 +62,10 @@ def describe(file: Any) -> None:
 def coordinates(group: Any, surface: Attributes, loads: ArrayLike) -> list:
     """The dimension scales loads, x and y of a group."""
     values = {"loads": np.array(loads)}
-    values |= {name: np.arange(n) * (size / n) for name, n, size in zip("xy", surface["n"], surface["physical_sizes"], strict=True)}
+    values |= {
+        name: np.arange(n) * (size / n)
+        for name, n, size in zip("xy", surface["n"], surface["physical_sizes"], strict=True)
+    }
     for name, numbers in values.items():
         group.create_dataset(name, data=numbers).make_scale(name)
         name_it(group[name], surface)
@@ -64,15 +81,28 @@ def name_it(dataset: Any, surface: Attributes, scales: Sequence = ()) -> None:
         axis.attach_scale(scale)
 
 
-def image(file: Any, surface: Attributes, loads: np.ndarray, names: Iterable[str], create: Callable[[Any, str], Any]) -> Any:
-    """VTKHDF's ImageData with arrays of these names, made by create(group, name): (loads, x, y), or (x, y) of one load.
+def image(
+    file: Any,
+    surface: Attributes,
+    loads: np.ndarray,
+    names: Iterable[str],
+    create: Callable[[Any, str], Any],
+) -> Any:
+    """VTKHDF's ImageData with arrays of these names, made by create(group, name): (loads, x, y), or
+    (x, y) of one load.
 
     VTK's first axis is the last one of an array, our y; Direction turns it back, so that x is x.
     """
     (n_x, n_y), (size_x, size_y) = surface["n"], surface["physical_sizes"]
     vtk = file.create_group("VTKHDF")
-    vtk.attrs.update(Type=np.bytes_("ImageData"), Version=[2, 0], WholeExtent=[0, n_y - 1, 0, n_x - 1, 0, 0], Origin=[0.0, 0.0, 0.0],
-                     Spacing=[size_y / n_y, size_x / n_x, 1.0], Direction=[0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0])
+    vtk.attrs.update(
+        Type=np.bytes_("ImageData"),
+        Version=[2, 0],
+        WholeExtent=[0, n_y - 1, 0, n_x - 1, 0, 0],
+        Origin=[0.0, 0.0, 0.0],
+        Spacing=[size_y / n_y, size_x / n_x, 1.0],
+        Direction=[0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0],
+    )
     for name in names:
         create(vtk.require_group("PointData"), name)
     if len(loads) > 1:
@@ -92,7 +122,9 @@ def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes) ->
         if len(steps) == 1:
             group[name] = sources[0]  # a hard link
             return
-        layout = h5py.VirtualLayout((len(steps), *surface["n"]), np.result_type(*(one.dtype for one in sources)))
+        layout = h5py.VirtualLayout(
+            (len(steps), *surface["n"]), np.result_type(*(one.dtype for one in sources))
+        )
         for k, one in enumerate(sources):
             layout[k] = h5py.VirtualSource(".", one.name, one.shape, one.dtype)
         name_it(group.create_virtual_dataset(name, layout), surface, scales)

@@ -1,5 +1,6 @@
-"""The folder beside a result file, OUT.h5.partial, where a run keeps what is finished until all of it is: one run at a time has it, by
-a lock that the kernel gives back when its holder dies, however it dies."""
+"""The folder beside a result file, OUT.h5.partial, where a run keeps what is finished until all of
+it is: one run at a time has it, by a lock that the kernel gives back when its holder dies, however
+it dies."""
 
 import fcntl
 import os
@@ -26,13 +27,16 @@ def partial_folder(path: str | os.PathLike) -> Path:
 
 def step_files(folder: Path) -> dict[int, Path]:
     """Finished steps by index."""
-    return dict(sorted((int(p.stem[5:]), p) for p in folder.glob("step-*.h5") if p.stem[5:].isdigit()))
+    return dict(
+        sorted((int(p.stem[5:]), p) for p in folder.glob("step-*.h5") if p.stem[5:].isdigit())
+    )
 
 
 def acquire(folder: Path) -> int:
     """Lock `folder`, made if it is missing, and return the open descriptor that holds the lock.
 
-    Raises SceneError naming the holder if another process has it. A file system without locks is accepted.
+    Raises SceneError naming the holder if another process has it. A file system without locks is
+    accepted.
     """
     folder.mkdir(exist_ok=True)
     descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
@@ -41,7 +45,9 @@ def acquire(folder: Path) -> int:
             holder = file.read(200).strip() or "another process"
         raise SceneError(f"{folder.with_suffix('')}: another run is writing this file ({holder})")
     # the holder before us may have removed the folder between our open and our lock
-    if not ((folder / LOCK).exists() and os.path.samestat(os.fstat(descriptor), os.stat(folder / LOCK))):
+    if not (
+        (folder / LOCK).exists() and os.path.samestat(os.fstat(descriptor), os.stat(folder / LOCK))
+    ):
         os.close(descriptor)
         return acquire(folder)
     with suppress(OSError):  # a full disk is noticed soon
@@ -58,7 +64,8 @@ def is_held(folder: Path) -> bool:
 
 
 def clear(folder: Path, keep_lock: bool = False) -> None:
-    """Remove what is ours, the head first: a folder without a head that nobody holds is nobody's run."""
+    """Remove what is ours, the head first: a folder without a head that nobody holds is nobody's
+    run."""
     for file in sorted(folder.glob("*"), key=lambda file: not file.name.startswith(HEAD)):
         if _OURS.fullmatch(file.name):
             file.unlink(missing_ok=True)

@@ -1,4 +1,5 @@
-"""Reading result files, what an interrupted run left, and checkpoints. Executes nothing, needs no MPI."""
+"""Reading result files, what an interrupted run left, and checkpoints. Executes nothing, needs no
+MPI."""
 
 import json
 import os
@@ -15,8 +16,9 @@ from ..scene.model import parse_toml
 from .folder import HEAD, is_held, partial_folder, step_files
 
 FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
-# An attribute of each group with all its texts, as JSON of fixed length. HDF5 keeps texts of any length, which other programs expect,
-# where it has no checksums and where a flipped bit may crash it: we read them from nowhere else.
+# An attribute of each group with all its texts, as JSON of fixed length. HDF5 keeps texts of any
+# length, which other programs expect, where it has no checksums and where a flipped bit may crash
+# it: we read them from nowhere else.
 RECORD = "record"
 
 
@@ -24,9 +26,11 @@ RECORD = "record"
 class Result:
     """What a result file says.
 
-    path: of the file, None in memory; head, surface, steps: attributes of the root, the surface and each load step; indices: numbers of
-    the steps; status: of the whole run ("running" or "interrupted" if it was never finished); fields: per step {name: Stored}, or
-    Slab in memory; folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line each.
+    path: of the file, None in memory; head, surface, steps: attributes of the root, the surface and
+    each load step; indices: numbers of the steps; status: of the whole run ("running" or
+    "interrupted" if it was never finished); fields: per step {name: Stored}, or Slab in memory;
+    folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line
+    each.
     """
 
     path: Path | None
@@ -46,36 +50,55 @@ class Result:
 
     @property
     def scene(self) -> Scene:
-        """The same; where heights were an array, with the sizes and the boundary alone as its surface."""
+        """The same; where heights were an array, with the sizes and the boundary alone as its
+        surface."""
         table = parse_toml(self.scene_toml, str(self.path))
-        return (Scene if "kind" in table.get("surface", {}) else ArrayScene).from_dict(table, str(self.path))
+        return (Scene if "kind" in table.get("surface", {}) else ArrayScene).from_dict(
+            table, str(self.path)
+        )
 
     @property
     def missing_loads(self) -> str:
         """Which of the loads that its scene asks for are not there, as a text."""
-        key, loads = next((key, value) for key, value in tomllib.loads(self.scene_toml)["load"].items() if isinstance(value, list))
-        left = [f"{k + 1} ({key} = {value})" for k, value in enumerate(loads) if k not in self.indices]
-        return f"loads {', '.join(left)} of {len(loads)} are not there" if left else "all loads are there"
+        key, loads = next(
+            (key, value)
+            for key, value in tomllib.loads(self.scene_toml)["load"].items()
+            if isinstance(value, list)
+        )
+        left = [
+            f"{k + 1} ({key} = {value})" for k, value in enumerate(loads) if k not in self.indices
+        ]
+        return (
+            f"loads {', '.join(left)} of {len(loads)} are not there"
+            if left
+            else "all loads are there"
+        )
 
 
 def read_result(path: str | os.PathLike) -> Result:
-    """The result file, or, if there is none, what an interrupted run left beside it. Raises SceneError (one line) if there is nothing,
-    or the file is no HDF5, damaged, foreign or of another version."""
+    """The result file, or, if there is none, what an interrupted run left beside it. Raises
+    SceneError (one line) if there is nothing, or the file is no HDF5, damaged, foreign or of
+    another version."""
     path, folder = Path(path), partial_folder(path)
     if not path.exists() and folder.is_dir():
         return read_partial(path)
     result, newer = _read(path), folder / HEAD
     if newer.exists() and newer.stat().st_mtime_ns > path.stat().st_mtime_ns:
-        note = f"a newer run was interrupted, or is running: {len(step_files(folder))} finished load steps in {folder}"
+        note = (
+            f"a newer run was interrupted, or is running: {len(step_files(folder))} finished load"
+            f" steps in {folder}"
+        )
         return replace(result, notes=(note,))
     return result
 
 
 def read_partial(path: str | os.PathLike) -> Result:
-    """The finished steps of a run that has not written `path` yet, status "interrupted" (or "running").
+    """The finished steps of a run that has not written `path` yet, status "interrupted" (or
+    "running").
 
-    Every file in the folder is a result file of its own, with one load step or none, so that one which is damaged says nothing about
-    the others: it is left out, and named in `notes`. Raises SceneError as read_result.
+    Every file in the folder is a result file of its own, with one load step or none, so that one
+    which is damaged says nothing about the others: it is left out, and named in `notes`. Raises
+    SceneError as read_result.
     """
     path, folder = Path(path), partial_folder(path)
     if not (folder / HEAD).exists():
@@ -94,14 +117,25 @@ def read_partial(path: str | os.PathLike) -> Result:
             notes.append(f"left out: {error}")
     if not parts:
         raise SceneError(notes[0].removeprefix("left out: "))
-    steps, indices, fields = ([one for part in parts for one in getattr(part, name)] for name in ("steps", "indices", "fields"))
-    return replace(parts[0], path=path, steps=steps, indices=indices, fields=fields, folder=folder, notes=tuple(notes),
-                   status="running" if is_held(folder) else "interrupted")
+    steps, indices, fields = (
+        [one for part in parts for one in getattr(part, name)]
+        for name in ("steps", "indices", "fields")
+    )
+    return replace(
+        parts[0],
+        path=path,
+        steps=steps,
+        indices=indices,
+        fields=fields,
+        folder=folder,
+        notes=tuple(notes),
+        status="running" if is_held(folder) else "interrupted",
+    )
 
 
 def read_checkpoint(path: Path, solver: str, identity: str) -> Result | None:
-    """A file of the same layout with the state of a solver in the place of a load step; None if there is none. Raises SceneError as
-    read_result, and for another solver or scene."""
+    """A file of the same layout with the state of a solver in the place of a load step; None if
+    there is none. Raises SceneError as read_result, and for another solver or scene."""
     found = _read(path, CHECKPOINT) if path.exists() else None
     if found and (found.head.get("solver"), found.head.get("identity")) != (solver, identity):
         of = "another scene" if found.head.get("solver") == solver else found.head.get("solver")
@@ -110,30 +144,67 @@ def read_checkpoint(path: Path, solver: str, identity: str) -> Result | None:
 
 
 def _read(path: Path, kind: str = FORMAT) -> Result:
-    """All that one file says, its load steps in the order of their numbers; whatever goes wrong is one SceneError."""
+    """All that one file says, its load steps in the order of their numbers; whatever goes wrong is
+    one SceneError."""
     import h5py
 
-    unfit = ("no such file" if not path.exists() else
-             f"is the folder of a run, allowed: {path.with_suffix('')}" if path.is_dir() and path.suffix == ".partial" else
-             "is a folder, not a result file" if path.is_dir() else
-             "is no file" if not path.is_file() else
-             "no permission to read it" if not os.access(path, os.R_OK) else
-             "not an HDF5 file" if not h5py.is_hdf5(path) else None)
+    unfit = (
+        "no such file"
+        if not path.exists()
+        else (
+            f"is the folder of a run, allowed: {path.with_suffix('')}"
+            if path.is_dir() and path.suffix == ".partial"
+            else (
+                "is a folder, not a result file"
+                if path.is_dir()
+                else (
+                    "is no file"
+                    if not path.is_file()
+                    else (
+                        "no permission to read it"
+                        if not os.access(path, os.R_OK)
+                        else "not an HDF5 file"
+                        if not h5py.is_hdf5(path)
+                        else None
+                    )
+                )
+            )
+        )
+    )
     if unfit is not None:
         raise SceneError(f"{path}: {unfit}")
     try:
         with h5py.File(path, "r", locking=False) as file:
             version = file.attrs.get("format_version")
             if version not in (None, FORMAT_VERSION):
-                raise SceneError(f"{path}: format_version is {one_line(str(version))}, this program reads {FORMAT_VERSION}")
+                raise SceneError(
+                    f"{path}: format_version is {one_line(str(version))}, this program reads"
+                    f" {FORMAT_VERSION}"
+                )
             head = _attributes(file) if version is not None else {}
             if head.get("format") != kind:
-                raise SceneError(f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd (format = {kind!r})")
-            surface, group = _attributes(inside(file, "surface")), inside(file, "steps") if "steps" in file else ()
-            steps = {int(name): inside(group, name) for name in sorted(filter(str.isdigit, group), key=int)}
+                raise SceneError(
+                    f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd"
+                    f" (format = {kind!r})"
+                )
+            surface, group = (
+                _attributes(inside(file, "surface")),
+                inside(file, "steps") if "steps" in file else (),
+            )
+            steps = {
+                int(name): inside(group, name)
+                for name in sorted(filter(str.isdigit, group), key=int)
+            }
             fields = [_fields(path, step, surface.get("n", [])) for step in steps.values()]
-            return Result(path, surface, [_attributes(step) for step in steps.values()], list(steps),
-                          str(head.get("status", "unknown")), head, fields)
+            return Result(
+                path,
+                surface,
+                [_attributes(step) for step in steps.values()],
+                list(steps),
+                str(head.get("status", "unknown")),
+                head,
+                fields,
+            )
     except SceneError:
         raise
     except Exception as error:
@@ -141,18 +212,25 @@ def _read(path: Path, kind: str = FORMAT) -> Result:
 
 
 def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
-    """The fields in a group of an open file, to be read slab by slab later. Raises ValueError if one does not fit the surface."""
+    """The fields in a group of an open file, to be read slab by slab later. Raises ValueError if
+    one does not fit the surface."""
     found = {}
     for name in group:
         data = inside(group, name)
         if len(getattr(data, "shape", ())) == 2:
             if data.dtype.kind not in "fc" or list(data.shape) != list(n):
-                raise ValueError(f"{name} holds {data.shape} of {data.dtype}, the surface has {tuple(n)} points")
-            found[name] = Stored(path, data.name.lstrip("/"), data.shape, data.dtype, int(data.attrs[CHECKSUM]))
+                raise ValueError(
+                    f"{name} holds {data.shape} of {data.dtype}, the surface has {tuple(n)} points"
+                )
+            found[name] = Stored(
+                path, data.name.lstrip("/"), data.shape, data.dtype, int(data.attrs[CHECKSUM])
+            )
     return found
 
 
 def _attributes(group: Any) -> dict:
     """As Python numbers, texts and lists, in the order in which they were written."""
     texts = json.loads(group.attrs[RECORD])
-    return {name: group.attrs[name].tolist() if text is None else text for name, text in texts.items()}
+    return {
+        name: group.attrs[name].tolist() if text is None else text for name, text in texts.items()
+    }

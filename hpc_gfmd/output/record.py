@@ -1,7 +1,8 @@
 """The result file while it is being written.
 
-Everything finished goes at once into the folder OUT.h5.partial, one file per load step, and at the end all of it becomes OUT.h5 in one
-rename. So nothing finished is lost, and nothing half-written has a final name. Beside them lies the last checkpoint.
+Everything finished goes at once into the folder OUT.h5.partial, one file per load step, and at the
+end all of it becomes OUT.h5 in one rename. So nothing finished is lost, and nothing half-written
+has a final name. Beside them lies the last checkpoint.
 """
 
 import json
@@ -19,35 +20,73 @@ from ..parallel.guard import on_rank_0, one_line
 from ..parallel.h5 import Stored, io_way, write_file
 from .describe import SIGNS, describe
 from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
-from .read import CHECKPOINT, FORMAT, FORMAT_VERSION, RECORD, Result, read_checkpoint, read_partial, read_result
+from .read import (
+    CHECKPOINT,
+    FORMAT,
+    FORMAT_VERSION,
+    RECORD,
+    Result,
+    read_checkpoint,
+    read_partial,
+    read_result,
+)
 
 
 class RunFile(AbstractContextManager):
     """The result file of one run. All methods are collective.
 
-    path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; head: root attributes, among them `scene` (TOML text),
-    `identity` (of the scene), `versions`; surface: attributes; resume: keep the finished steps of an interrupted run of the same
-    identity, otherwise they are removed; force: replace even what is no result of this scene; how: as of parallel.h5.write_file.
+    path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; head: root
+    attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`; surface:
+    attributes; resume: keep the finished steps of an interrupted run of the same identity,
+    otherwise they are removed; force: replace even what is no result of this scene; how: as of
+    parallel.h5.write_file.
 
-    finished: indices of the steps that are already there; notes: what was found, a line each; earlier: root attributes of the run
-    that is resumed which hold for this one, too.
-    Raises SceneError if the folder is missing or not writable, another run holds the file, it is something else that may not be
-    replaced, or resume finds another scene.
+    finished: indices of the steps that are already there; notes: what was found, a line each;
+    earlier: root attributes of the run that is resumed which hold for this one, too.
+    Raises SceneError if the folder is missing or not writable, another run holds the file, it is
+    something else that may not be replaced, or resume finds another scene.
     """
 
-    def __init__(self, comm: Comm, path: str | os.PathLike, n: Any, rows: tuple[int, int], head: dict, surface: dict, *,
-                 resume: bool = False, force: bool = False, **how: Any):
+    def __init__(
+        self,
+        comm: Comm,
+        path: str | os.PathLike,
+        n: Any,
+        rows: tuple[int, int],
+        head: dict,
+        surface: dict,
+        *,
+        resume: bool = False,
+        force: bool = False,
+        **how: Any,
+    ):
         self.comm, self.path, self.partial = comm, followed(path), partial_folder(path)
         self._points, self._how, self._resume = ((int(n[0]), int(n[1])), rows), how, resume
         self._lock: int | None = None
         try:
-            left, self.notes = on_rank_0(comm, f"opening {self.path}", lambda: self._claim(head.get("identity"), force))
+            left, self.notes = on_rank_0(
+                comm, f"opening {self.path}", lambda: self._claim(head.get("identity"), force)
+            )
             self.finished = left.indices
             self._steps = {_group(index): step for index, step in zip(left.indices, left.steps)}
-            self._fields = {field.dataset: field for fields in left.fields for field in fields.values()}
-            self.earlier = {name: left.head[name] for name in ("start_time", "heights") if name in left.head}
-            self._head = {"format": FORMAT, "format_version": FORMAT_VERSION, "ranks": comm.size, "io": io_way(comm), "signs": SIGNS,
-                          "start_time": datetime.now(UTC).isoformat(timespec="seconds")} | self.earlier | head
+            self._fields = {
+                field.dataset: field for fields in left.fields for field in fields.values()
+            }
+            self.earlier = {
+                name: left.head[name] for name in ("start_time", "heights") if name in left.head
+            }
+            self._head = (
+                {
+                    "format": FORMAT,
+                    "format_version": FORMAT_VERSION,
+                    "ranks": comm.size,
+                    "io": io_way(comm),
+                    "signs": SIGNS,
+                    "start_time": datetime.now(UTC).isoformat(timespec="seconds"),
+                }
+                | self.earlier
+                | head
+            )
             self._surface = dict(surface)
             self.update()
         except GfmdError:
@@ -55,40 +94,74 @@ class RunFile(AbstractContextManager):
             raise
 
     def update(self, surface: dict | None = None, height_field: Any = None, **head: Any) -> None:
-        """Add attributes of the surface, root attributes, and the local slab of the heights, kept once for all load steps."""
+        """Add attributes of the surface, root attributes, and the local slab of the heights, kept
+        once for all load steps."""
         self._surface |= surface or {}
         self._head |= head
         heights = {} if height_field is None else {"surface/heights": height_field}
         self._fields |= self._write(self.partial / HEAD, "running", {}, heights)
 
-    def write_step(self, index: int, attributes: dict, fields: dict[str, Any] | None = None) -> None:
-        """One finished load step: numbers and {name: local slab, shape (rows, n_y)} of the fields asked for.
+    def write_step(
+        self, index: int, attributes: dict, fields: dict[str, Any] | None = None
+    ) -> None:
+        """One finished load step: numbers and {name: local slab, shape (rows, n_y)} of the fields
+        asked for.
 
-        Raises GfmdError on every rank if it cannot be written; steps written before stay as they are.
+        Raises GfmdError on every rank if it cannot be written; steps written before stay as they
+        are.
         """
         slabs = {f"{_group(index)}/{key}": data for key, data in (fields or {}).items()}
-        self._fields |= self._write(self.partial / f"step-{index:04d}.h5", "running", {_group(index): attributes}, slabs)
+        self._fields |= self._write(
+            self.partial / f"step-{index:04d}.h5", "running", {_group(index): attributes}, slabs
+        )
         self._steps[_group(index)] = attributes
         self.finished = sorted({*self.finished, index})
 
-    def write_checkpoint(self, grid: Any, solver: str, step: int, state: tuple[dict, dict], seconds: float | None = None) -> None:
-        """Where the run can go on: solver: its name; step: index of the load; state: (arrays, numbers) of Sweep.state on `grid`;
-        seconds: spent on the load so far, None at its beginning."""
+    def write_checkpoint(
+        self,
+        grid: Any,
+        solver: str,
+        step: int,
+        state: tuple[dict, dict],
+        seconds: float | None = None,
+    ) -> None:
+        """Where the run can go on: solver: its name; step: index of the load; state: (arrays,
+        numbers) of Sweep.state on `grid`; seconds: spent on the load so far, None at its
+        beginning."""
         name, (arrays, numbers) = _group(step), state
-        groups = {"/": {"format": CHECKPOINT, "format_version": FORMAT_VERSION, "solver": solver, "identity": self._head["identity"]},
-                  "surface": {"n": list(grid.n)}, name: {"seconds": seconds, "numbers": numbers}}
+        groups = {
+            "/": {
+                "format": CHECKPOINT,
+                "format_version": FORMAT_VERSION,
+                "solver": solver,
+                "identity": self._head["identity"],
+            },
+            "surface": {"n": list(grid.n)},
+            name: {"seconds": seconds, "numbers": numbers},
+        }
         slabs = {f"{name}/{key}": array for key, array in arrays.items()}
-        write_file(self.comm, self.partial / STATE, grid.n, grid.rows, slabs, lambda file: set_attributes(file, groups))
+        write_file(
+            self.comm,
+            self.partial / STATE,
+            grid.n,
+            grid.rows,
+            slabs,
+            lambda file: set_attributes(file, groups),
+        )
 
     def checkpoint(self, solver: str) -> Result | None:
         """The last one, None if there is none. Raises SceneError as read_checkpoint."""
         wanted = self.partial / STATE, solver, self._head["identity"]
-        return on_rank_0(self.comm, f"reading {self.partial / STATE}", lambda: read_checkpoint(*wanted))
+        return on_rank_0(
+            self.comm, f"reading {self.partial / STATE}", lambda: read_checkpoint(*wanted)
+        )
 
     def finish(self, status: str, **head: Any) -> None:
-        """Compose OUT.h5 from the finished steps, put it in place of any older one and remove the folder.
+        """Compose OUT.h5 from the finished steps, put it in place of any older one and remove the
+        folder.
 
-        Raises GfmdError on every rank if that fails, or the fields of a step are damaged; the finished steps stay in the folder.
+        Raises GfmdError on every rank if that fails, or the fields of a step are damaged; the
+        finished steps stay in the folder.
         """
         self._head |= {"end_time": datetime.now(UTC).isoformat(timespec="seconds")} | head
         try:
@@ -98,7 +171,8 @@ class RunFile(AbstractContextManager):
         on_rank_0(self.comm, f"removing {self.partial}", lambda: self.close(keep=False))
 
     def close(self, keep: bool = True) -> None:
-        """Give the file back; what is there can be resumed, unless it is not to be kept or was never begun."""
+        """Give the file back; what is there can be resumed, unless it is not to be kept or was
+        never begun."""
         if self._lock is not None:
             if not keep or not (self.partial / HEAD).exists():
                 clear(self.partial)
@@ -107,10 +181,13 @@ class RunFile(AbstractContextManager):
 
     def __exit__(self, kind: type | None, *_: object) -> None:
         refused = kind is not None and issubclass(kind, SceneError)
-        self.close(keep=not refused or bool(self.finished) or self._resume)  # a wrong scene leaves nothing behind
+        self.close(
+            keep=not refused or bool(self.finished) or self._resume
+        )  # a wrong scene leaves nothing behind
 
     def _claim(self, identity: str | None, force: bool) -> tuple[Result, list[str]]:
-        """Rank 0: folder and lock; what an earlier run left that is resumed, perhaps nothing, and notes."""
+        """Rank 0: folder and lock; what an earlier run left that is resumed, perhaps nothing, and
+        notes."""
         if not self.path.parent.is_dir():
             raise SceneError(f"output.path: the folder {self.path.parent} does not exist")
         if self.path.is_dir():
@@ -119,19 +196,34 @@ class RunFile(AbstractContextManager):
         try:
             self._lock = acquire(self.partial)
         except OSError as error:
-            raise SceneError(f"output.path: cannot write to {self.path.parent}: {one_line(error)}") from None
-        left, whose, files = None, "that cannot be read", step_files(self.partial) if (self.partial / HEAD).exists() else {}
+            raise SceneError(
+                f"output.path: cannot write to {self.path.parent}: {one_line(error)}"
+            ) from None
+        left, whose, files = (
+            None,
+            "that cannot be read",
+            step_files(self.partial) if (self.partial / HEAD).exists() else {},
+        )
         with suppress(SceneError):  # nothing, or nothing that can be read
             left = read_partial(self.path)
             notes += left.notes
-            whose = "of the same scene" if left.head.get("identity") == identity else "of another scene"
+            whose = (
+                "of the same scene" if left.head.get("identity") == identity else "of another scene"
+            )
         if self._resume and left is not None:
             if whose == "of another scene":
-                raise SceneError(f"{self.partial}: belongs to another scene; remove it or change output.path")
-            return left, [*notes, f"resuming: {len(left.steps)} finished load steps found in {self.partial}"]
+                raise SceneError(
+                    f"{self.partial}: belongs to another scene; remove it or change output.path"
+                )
+            return left, [
+                *notes,
+                f"resuming: {len(left.steps)} finished load steps found in {self.partial}",
+            ]
         if files and whose == "of another scene" and not force:
-            raise SceneError(f"output.path: {self.partial} holds {len(files)} finished load steps {whose}, allowed: another path, or "
-                             f"--force to remove them")
+            raise SceneError(
+                f"output.path: {self.partial} holds {len(files)} finished load steps {whose},"
+                " allowed: another path, or --force to remove them"
+            )
         if left is not None or files:
             notes += [f"removed an interrupted run {whose} ({len(files)} files of load steps)"]
         clear(self.partial, keep_lock=True)
@@ -141,23 +233,46 @@ class RunFile(AbstractContextManager):
         """What is said of the file that will be replaced; raises SceneError if it may not be."""
         try:
             same = read_result(self.path).head.get("identity") == identity
-            what = "holds a result of this scene, which this run replaces" if same else "holds the result of another scene"
+            what = (
+                "holds a result of this scene, which this run replaces"
+                if same
+                else "holds the result of another scene"
+            )
         except SceneError as error:
             same, what = False, f"exists and is no result that can be read ({error})"
         if not (same or force):
-            raise SceneError(f"output.path: {self.path} {what}, allowed: another path, or --force to overwrite it")
+            raise SceneError(
+                f"output.path: {self.path} {what}, allowed: another path, or --force to"
+                " overwrite it"
+            )
         return f"{self.path} {what}" + ("" if same else ": overwritten")
 
-    def _write(self, path: Path, status: str, steps: dict[str, dict], fields: dict[str, Any]) -> dict[str, Stored]:
+    def _write(
+        self, path: Path, status: str, steps: dict[str, dict], fields: dict[str, Any]
+    ) -> dict[str, Stored]:
         groups = {"/": self._head | {"status": status}, "surface": self._surface, **steps}
-        return write_file(self.comm, path, *self._points, fields, lambda file: describe(set_attributes(file, groups)), **self._how)
+        return write_file(
+            self.comm,
+            path,
+            *self._points,
+            fields,
+            lambda file: describe(set_attributes(file, groups)),
+            **self._how,
+        )
 
 
 def set_attributes(file: Any, groups: dict[str, dict]) -> Any:
     """The file with attributes of groups; a dict as JSON, None not at all."""
     for name, attributes in groups.items():
-        found = {key: json.dumps(value) if isinstance(value, dict) else value for key, value in attributes.items() if value is not None}
-        texts = {key: value if np.asarray(value).dtype.kind == "U" else None for key, value in found.items()}
+        found = {
+            key: json.dumps(value) if isinstance(value, dict) else value
+            for key, value in attributes.items()
+            if value is not None
+        }
+        texts = {
+            key: value if np.asarray(value).dtype.kind == "U" else None
+            for key, value in found.items()
+        }
         file.require_group(name).attrs.update(found | {RECORD: np.bytes_(json.dumps(texts))})
     return file
 

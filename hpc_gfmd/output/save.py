@@ -13,14 +13,19 @@ from .record import RunFile
 
 def in_memory(result: Result) -> Result:
     """The Result without what refers to a solver or to a file."""
+
     def copy(field: Any) -> Slab:
         return Slab(field.read(), getattr(field, "start", 0), field.shape)
 
-    return replace(result, fields=[{name: copy(field) for name, field in fields.items()} for fields in result.fields])
+    return replace(
+        result,
+        fields=[{name: copy(field) for name, field in fields.items()} for fields in result.fields],
+    )
 
 
 def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: Any) -> Path:
-    """Write a result file as a run does; rows: of the fields, on this rank. Collective. See Solutions.save."""
+    """Write a result file as a run does; rows: of the fields, on this rank. Collective. See
+    Solutions.save."""
     path, said = Path(path), result.surface
     if path.suffix.lower() not in (".h5", ".hdf5"):
         raise SceneError(f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5")
@@ -28,7 +33,11 @@ def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: An
     def slab(field: Any) -> Any:
         return field.data if isinstance(field, Slab) else field
 
-    head = {name: value for name, value in result.head.items() if name not in ("status", "end_time", "io")}
+    head = {
+        name: value
+        for name, value in result.head.items()
+        if name not in ("status", "end_time", "io")
+    }
     with RunFile(comm, path, said["n"], rows, head, said, force=force) as file:
         for note in file.notes if comm.rank == 0 else ():
             warnings.warn(note, stacklevel=3)  # where the caller of Solution.save is
@@ -36,6 +45,10 @@ def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: An
         if heights is not None:
             file.update(height_field=slab(heights))
         for index, (step, fields) in enumerate(zip(result.steps, result.fields, strict=True)):
-            file.write_step(index, step, {name: slab(field) for name, field in fields.items() if name != "heights"})
+            file.write_step(
+                index,
+                step,
+                {name: slab(field) for name, field in fields.items() if name != "heights"},
+            )
         file.finish(result.status)
     return path

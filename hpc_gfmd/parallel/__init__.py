@@ -1,1 +1,2 @@
-"""Everything that knows of other processes: communicator, slab transforms, halo rows, parallel HDF5."""
+"""Everything that knows of other processes: communicator, slab transforms, halo rows, parallel
+HDF5."""

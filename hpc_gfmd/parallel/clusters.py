@@ -1,9 +1,12 @@
-"""Connected clusters of points on slabs, periodic or free: how large they are and whether one of them percolates.
+"""Connected clusters of points on slabs, periodic or free: how large they are and whether one of
+them percolates.
 
-Every rank labels its rows strip by strip (scipy) and keeps of each strip no more than the sizes of its pieces and the labels along its
-borders. Pieces that touch across the borders of strips, and of the periodic cell, are joined; then the blocks of rows of two ranks, of
-twice two, and so on up a tree: of each block only the clusters matter that reach its first or its last row. Messages are as long as two
-rows, a rank gets one for each doubling of their number at most, and the result is the same on any number of ranks.
+Every rank labels its rows strip by strip (scipy) and keeps of each strip no more than the sizes of
+its pieces and the labels along its borders. Pieces that touch across the borders of strips, and of
+the periodic cell, are joined; then the blocks of rows of two ranks, of twice two, and so on up a
+tree: of each block only the clusters matter that reach its first or its last row. Messages are as
+long as two rows, a rank gets one for each doubling of their number at most, and the result is the
+same on any number of ranks.
 """
 
 from __future__ import annotations
@@ -23,29 +26,42 @@ if TYPE_CHECKING:
 STRIP_POINTS = 2**20  # labelled at a time
 NOTHING = -1  # label of a point outside the mask
 NO_EDGES = np.zeros((0, 4), np.int64)
-FIRST_ROW, LAST_ROW, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4, 8  # what edges of the cell a cluster reaches
+FIRST_ROW, LAST_ROW, FIRST_COLUMN, LAST_COLUMN = (
+    1,
+    2,
+    4,
+    8,
+)  # what edges of the cell a cluster reaches
 
 
 @dataclass(frozen=True)
 class Clusters:
-    """sizes: points of the clusters that this rank counts; those of all ranks together are all clusters, each once. percolates: along
-    x, along y, the same on all ranks."""
+    """sizes: points of the clusters that this rank counts; those of all ranks together are all
+    clusters, each once. percolates: along x, along y, the same on all ranks."""
 
     sizes: np.ndarray
     percolates: tuple[bool, bool]
 
 
-def find_clusters(comm: Comm, mask: Callable[[int, int], np.ndarray], rows: tuple[int, int], n: tuple[int, int],
-                  periodic: tuple[bool, bool] = (True, True), corners: bool = False) -> Clusters:
+def find_clusters(
+    comm: Comm,
+    mask: Callable[[int, int], np.ndarray],
+    rows: tuple[int, int],
+    n: tuple[int, int],
+    periodic: tuple[bool, bool] = (True, True),
+    corners: bool = False,
+) -> Clusters:
     """The Clusters of the points where a mask is true. Collective.
 
-    mask(i0, i1): local rows i0 <= i < i1, shape (i1 - i0, n_y), bool; rows: (start, stop) of this rank, may be empty; n: (n_x, n_y);
-    periodic: whether opposite edges touch, along x and along y; corners: whether points belong together that share a corner only
-    (8-connected), instead of a side (4-connected).
+    mask(i0, i1): local rows i0 <= i < i1, shape (i1 - i0, n_y), bool; rows: (start, stop) of this
+    rank, may be empty; n: (n_x, n_y); periodic: whether opposite edges touch, along x and along y;
+    corners: whether points belong together that share a corner only (8-connected), instead of a
+    side (4-connected).
 
-    A cluster percolates along a periodic axis where it holds a closed way that goes around the cell along that axis, so that the
-    cluster has no end there if the cell is repeated (a way that goes around both axes counts for both); along a free one where it
-    reaches from the first point to the last.
+    A cluster percolates along a periodic axis where it holds a closed way that goes around the cell
+    along that axis, so that the cluster has no end there if the cell is repeated (a way that goes
+    around both axes counts for both); along a free one where it reaches from the first point to the
+    last.
     """
     around_y, counted = (0, 1) if periodic[1] else None, _Counted()
 
@@ -55,12 +71,18 @@ def find_clusters(comm: Comm, mask: Callable[[int, int], np.ndarray], rows: tupl
         lower = lower.renumbered(len(upper.sizes))
         edges = _between(upper.last, lower.first, (0, 0), corners, around_y)
         sizes, sides = np.append(upper.sizes, lower.sizes), np.append(upper.sides, lower.sides)
-        return _Joined(edges, sizes, sides, upper.wraps | lower.wraps).block(upper.first, lower.last, counted)
+        return _Joined(edges, sizes, sides, upper.wraps | lower.wraps).block(
+            upper.first, lower.last, counted
+        )
 
     block = _local_block(mask, rows, n, periodic, corners, counted) if rows[0] < rows[1] else None
     block, wraps = comm.reduce(block, join_blocks), np.zeros(2, np.bool_)
     if block is not None:
-        across = _between(block.last, block.first, (1, 0), corners, around_y) if periodic[0] else NO_EDGES
+        across = (
+            _between(block.last, block.first, (1, 0), corners, around_y)
+            if periodic[0]
+            else NO_EDGES
+        )
         whole = _Joined(across, block.sizes, block.sides, block.wraps)
         counted.add(whole.sizes, whole.sides)
         wraps = whole.wraps
@@ -77,7 +99,8 @@ def _reaches(sides: np.ndarray, first: int) -> bool:
 
 @dataclass(frozen=True)
 class _Line:
-    """labels: of points in a row or column; shift (2, points): borders crossed from the root of its cluster to the point."""
+    """labels: of points in a row or column; shift (2, points): borders crossed from the root of its
+    cluster to the point."""
 
     labels: np.ndarray
     shift: np.ndarray
@@ -101,8 +124,9 @@ class _Line:
 
 @dataclass(frozen=True)
 class _Block:
-    """The clusters of consecutive rows that reach the first or the last of them. sizes, sides (bits): of what they have in these rows;
-    wraps (2,): whether any cluster of these rows goes around the cell."""
+    """The clusters of consecutive rows that reach the first or the last of them. sizes, sides
+    (bits): of what they have in these rows; wraps (2,): whether any cluster of these rows goes
+    around the cell."""
 
     first: _Line
     last: _Line
@@ -131,30 +155,42 @@ class _Counted:
         return np.concatenate(sizes), np.concatenate(sides)
 
 
-def _between(a: _Line, b: _Line, across: tuple[int, int], corners: bool, around: tuple[int, int] | None) -> np.ndarray:
-    """Edges (m, 4) of points that touch on neighbouring lines a, b. across: borders crossed from a to b, (x, y); around: None, or those
-    crossed from the last point of a line to its first."""
+def _between(
+    a: _Line, b: _Line, across: tuple[int, int], corners: bool, around: tuple[int, int] | None
+) -> np.ndarray:
+    """Edges (m, 4) of points that touch on neighbouring lines a, b. across: borders crossed from a
+    to b, (x, y); around: None, or those crossed from the last point of a line to its first."""
     points = len(a.labels)
     pairs = [(slice(None), slice(None), (0, 0))]
     if corners:
         pairs += [(slice(0, -1), slice(1, None), (0, 0)), (slice(1, None), slice(0, -1), (0, 0))]
         if around is not None:
             back = -around[0], -around[1]
-            pairs += [(slice(points - 1, None), slice(0, 1), around), (slice(0, 1), slice(points - 1, None), back)]
+            pairs += [
+                (slice(points - 1, None), slice(0, 1), around),
+                (slice(0, 1), slice(points - 1, None), back),
+            ]
     found = []
     for on_a, on_b, along in pairs:
         crossed = a.shift[:, on_a] - b.shift[:, on_b] + np.add(across, along)[:, None]
         edges = np.stack([a.labels[on_a], b.labels[on_b], *crossed], axis=1)
         edges = edges[(edges[:, :2] != NOTHING).all(axis=1)]
         again = (edges[1:] == edges[:-1]).all(axis=1)
-        found.append(edges[np.append(True, ~again)[:len(edges)]])
+        found.append(edges[np.append(True, ~again)[: len(edges)]])
     return np.concatenate(found)
 
 
 class _Joined:
-    """Pieces after `join`: parent, shift and wraps as there; sizes and sides (bits) of whole clusters at their roots, else 0."""
+    """Pieces after `join`: parent, shift and wraps as there; sizes and sides (bits) of whole
+    clusters at their roots, else 0."""
 
-    def __init__(self, edges: np.ndarray, sizes: np.ndarray, sides: np.ndarray, wraps: ArrayLike = (False, False)):
+    def __init__(
+        self,
+        edges: np.ndarray,
+        sizes: np.ndarray,
+        sides: np.ndarray,
+        wraps: ArrayLike = (False, False),
+    ):
         pieces = len(sizes)
         self.parent, self.shift = np.arange(pieces), np.zeros((pieces, 2), dtype=np.int64)
         self.wraps = np.array(wraps, np.bool_)
@@ -164,17 +200,30 @@ class _Joined:
         np.bitwise_or.at(self.sides, self.parent, sides)
 
     def block(self, first: _Line, last: _Line, counted: _Counted) -> _Block:
-        """The _Block of rows from line `first` to line `last`; clusters that reach neither are counted."""
+        """The _Block of rows from line `first` to line `last`; clusters that reach neither are
+        counted."""
         reached = np.zeros(len(self.sizes), np.bool_)
         for line in (first, last):
             reached[self.parent[line.labels[line.labels != NOTHING]]] = True
         counted.add(self.sizes[~reached], self.sides[~reached])
         number = np.cumsum(reached) - 1
-        return _Block(first.of_roots(self, number), last.of_roots(self, number), self.sizes[reached], self.sides[reached], self.wraps)
+        return _Block(
+            first.of_roots(self, number),
+            last.of_roots(self, number),
+            self.sizes[reached],
+            self.sides[reached],
+            self.wraps,
+        )
 
 
-def _local_block(mask: Callable[[int, int], np.ndarray], rows: tuple[int, int], n: tuple[int, int], periodic: tuple[bool, bool],
-                 corners: bool, counted: _Counted) -> _Block:
+def _local_block(
+    mask: Callable[[int, int], np.ndarray],
+    rows: tuple[int, int],
+    n: tuple[int, int],
+    periodic: tuple[bool, bool],
+    corners: bool,
+    counted: _Counted,
+) -> _Block:
     """The _Block of the rows of one rank, which has some."""
     from scipy import ndimage
 
@@ -186,8 +235,10 @@ def _local_block(mask: Callable[[int, int], np.ndarray], rows: tuple[int, int], 
     for i0 in range(0, rows[1] - rows[0], strip):
         labels, found = ndimage.label(mask(i0, min(i0 + strip, rows[1] - rows[0])), structure)
         sizes.append(np.bincount(labels.ravel(), minlength=found + 1)[1:])
-        top, bottom, left, right = (np.where(one > 0, one + (count - 1), NOTHING).astype(np.int64)
-                                    for one in (labels[0], labels[-1], labels[:, 0], labels[:, -1]))
+        top, bottom, left, right = (
+            np.where(one > 0, one + (count - 1), NOTHING).astype(np.int64)
+            for one in (labels[0], labels[-1], labels[:, 0], labels[:, -1])
+        )
         if lines:
             edges.append(_between(lines[-1], _Line.of(top), (0, 0), corners, around_y))
         if around_y is not None:
@@ -196,10 +247,16 @@ def _local_block(mask: Callable[[int, int], np.ndarray], rows: tuple[int, int], 
 
         reached = np.zeros(found + 1, np.uint8)
         at_end = rows[0] + i0 + len(labels) == n[0]
-        for side, line, there in ((FIRST_ROW, labels[0], rows[0] + i0 == 0), (LAST_ROW, labels[-1], at_end),
-                                  (FIRST_COLUMN, labels[:, 0], True), (LAST_COLUMN, labels[:, -1], True)):
+        for side, line, there in (
+            (FIRST_ROW, labels[0], rows[0] + i0 == 0),
+            (LAST_ROW, labels[-1], at_end),
+            (FIRST_COLUMN, labels[:, 0], True),
+            (LAST_COLUMN, labels[:, -1], True),
+        ):
             if there:
                 reached[line] |= side
         sides.append(reached[1:])
         count += found
-    return _Joined(np.concatenate(edges), np.concatenate(sizes), np.concatenate(sides)).block(lines[0], lines[-1], counted)
+    return _Joined(np.concatenate(edges), np.concatenate(sizes), np.concatenate(sides)).block(
+        lines[0], lines[-1], counted
+    )

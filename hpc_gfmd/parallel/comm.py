@@ -14,7 +14,8 @@ T = TypeVar("T")
 
 
 class SerialComm:
-    """One process: every reduction is the identity. parent: the communicator that this is a part of."""
+    """One process: every reduction is the identity. parent: the communicator that this is a part
+    of."""
 
     rank, size = 0, 1
     mpi: Any = None
@@ -41,7 +42,8 @@ class SerialComm:
         return [obj]
 
     def alltoall(self, arrays: list[np.ndarray]) -> list[np.ndarray]:
-        """The list of what every rank had for this one; arrays: one for each rank, of two axes and one dtype."""
+        """The list of what every rank had for this one; arrays: one for each rank, of two axes and
+        one dtype."""
         return arrays
 
     def allgather_int(self, number: int) -> np.ndarray:
@@ -53,7 +55,8 @@ class SerialComm:
         return np.asarray(values, dtype=np.float64)
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
-        """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled from it; contiguous arrays."""
+        """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled
+        from it; contiguous arrays."""
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
         """send, receive: (array, bytes for or from each rank, their offsets)."""
@@ -63,7 +66,8 @@ class SerialComm:
         return obj
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        """The objects of all ranks in their order, joined two at a time by join(one, next one), on rank 0; None on the others."""
+        """The objects of all ranks in their order, joined two at a time by join(one, next one), on
+        rank 0; None on the others."""
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
@@ -84,7 +88,8 @@ class SerialComm:
 
 @dataclass
 class Traffic:
-    """What this rank has sent to others: bytes and messages. A reduction is counted as log2(ranks) messages, as in a tree."""
+    """What this rank has sent to others: bytes and messages. A reduction is counted as log2(ranks)
+    messages, as in a tree."""
 
     bytes: int = 0
     messages: int = 0
@@ -101,8 +106,8 @@ def stages(size: int) -> int:
 
 
 class MpiComm:
-    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`, which says what they do; sent: its Traffic,
-    that of parts of it counted."""
+    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`, which
+    says what they do; sent: its Traffic, that of parts of it counted."""
 
     def __init__(self, mpi: Any, parent: "MpiComm | None" = None):
         self.mpi, self.parent = mpi, parent
@@ -144,8 +149,14 @@ class MpiComm:
         lengths = [np.array([a.nbytes for a in arrays]), shapes.prod(axis=1) * dtype.itemsize]
         offsets = [np.cumsum(n) - n for n in lengths]
         found = np.empty(lengths[1].sum() // dtype.itemsize, dtype)
-        self.alltoall_bytes((np.concatenate([a.ravel() for a in arrays]), lengths[0], offsets[0]), (found, lengths[1], offsets[1]))
-        return [part.reshape(shape) for part, shape in zip(np.split(found, offsets[1][1:] // dtype.itemsize), shapes)]
+        self.alltoall_bytes(
+            (np.concatenate([a.ravel() for a in arrays]), lengths[0], offsets[0]),
+            (found, lengths[1], offsets[1]),
+        )
+        return [
+            part.reshape(shape)
+            for part, shape in zip(np.split(found, offsets[1][1:] // dtype.itemsize), shapes)
+        ]
 
     def allgather_int(self, number: int) -> np.ndarray:
         found = np.empty(self.size, np.int64)
@@ -168,8 +179,13 @@ class MpiComm:
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
         from mpi4py import MPI
 
-        self.mpi.Alltoallv([send[0].view(np.uint8), *send[1:], MPI.BYTE], [receive[0].view(np.uint8), *receive[1:], MPI.BYTE])
-        self.sent.add(sum(send[1]) - send[1][self.rank], np.count_nonzero(send[1]) - (send[1][self.rank] > 0))
+        self.mpi.Alltoallv(
+            [send[0].view(np.uint8), *send[1:], MPI.BYTE],
+            [receive[0].view(np.uint8), *receive[1:], MPI.BYTE],
+        )
+        self.sent.add(
+            sum(send[1]) - send[1][self.rank], np.count_nonzero(send[1]) - (send[1][self.rank] > 0)
+        )
 
     def sendrecv(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
         requests = [self.mpi.isend(obj, dest=rank) for rank in ranks]
@@ -179,8 +195,8 @@ class MpiComm:
         return found
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        """The objects of all ranks in their order, joined two at a time by join(one, next one), on rank 0; None on the others. Up a
-        tree: a rank gets log2(ranks) messages at most."""
+        """The objects of all ranks in their order, joined two at a time by join(one, next one), on
+        rank 0; None on the others. Up a tree: a rank gets log2(ranks) messages at most."""
         step = 1
         while step < self.size:
             if self.rank % (2 * step):
@@ -192,7 +208,8 @@ class MpiComm:
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
-        """The communicator of these ranks alone, rank 0 first; None on others. Made once: MPI has few of them. Collective."""
+        """The communicator of these ranks alone, rank 0 first; None on others. Made once: MPI has
+        few of them. Collective."""
         from mpi4py import MPI
 
         ranks = tuple(map(int, ranks))
@@ -200,7 +217,13 @@ class MpiComm:
             return self
         if ranks not in self._among:
             mpi = self.mpi.Split(0 if self.rank in ranks else MPI.UNDEFINED, self.rank)
-            made = None if mpi == MPI.COMM_NULL else SerialComm(self) if len(ranks) == 1 else MpiComm(mpi, self)
+            made = (
+                None
+                if mpi == MPI.COMM_NULL
+                else SerialComm(self)
+                if len(ranks) == 1
+                else MpiComm(mpi, self)
+            )
             self._among[ranks] = made
         return self._among[ranks]
 
@@ -209,13 +232,17 @@ class MpiComm:
 
     @cached_property
     def machine(self) -> "Comm":
-        """The communicator of the ranks on the same machine. Collective where it is asked for first."""
+        """The communicator of the ranks on the same machine. Collective where it is asked for
+        first."""
         return MpiComm(same_machine(self.mpi), self)
 
     @cached_property
     def node(self) -> "Comm":
-        """That of the ranks that have memory in common with this one: all on the machine, or none. Collective as `machine`."""
-        return self.machine if self.machine.size > 1 and can_share(self.machine) else SerialComm(self)
+        """That of the ranks that have memory in common with this one: all on the machine, or none.
+        Collective as `machine`."""
+        return (
+            self.machine if self.machine.size > 1 and can_share(self.machine) else SerialComm(self)
+        )
 
     @cached_property
     def node_ranks(self) -> np.ndarray:

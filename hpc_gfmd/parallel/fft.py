@@ -1,20 +1,23 @@
 """Slab-decomposed two-dimensional real FFT in passes that work on cache-sized pieces.
 
-Every rank owns a slab of rows of the real field. A transform is never done on a whole field: the caller hands in functions that
-make or use a few rows at a time (they stay in cache between the caller's arithmetic and the row transform), and functions that
-work on a few complete columns of the spectrum (likewise). One field of complex numbers is all the memory a convolution needs:
+Every rank owns a slab of rows of the real field. A transform is never done on a whole field: the
+caller hands in functions that make or use a few rows at a time (they stay in cache between the
+caller's arithmetic and the row transform), and functions that work on a few complete columns of the
+spectrum (likewise). One field of complex numbers is all the memory a convolution needs:
 
     forward_rows(fill)    fill(i0, i1, x) makes rows i0..i1 of the real field -> row spectra
-    columns(apply)        transpose a block of columns, transform it, apply(block, m), and all of it back
-    backward_rows(use)    use(i0, i1, x) gets rows i0..i1 of the convolved field
+    columns(apply)        transpose a block of columns, transform it, apply(block, m), and all of it
+    back backward_rows(use)    use(i0, i1, x) gets rows i0..i1 of the convolved field
 
-The columns are cut into M blocks of nearly the same width; block m = k P + r belongs to rank r. The row spectra are stored block by
-block. To be transformed a block is transposed: contiguous columns (width, n_x) are transformed up to twice as fast. What ranks on the
-same node have of it is read where it stands, in memory that they have in common (shared.py), and written back there; what ranks on
-other nodes have is sent, in the all-to-all number k, whose send buffers are contiguous as they stand. Nothing is padded.
+The columns are cut into M blocks of nearly the same width; block m = k P + r belongs to rank r. The
+row spectra are stored block by block. To be transformed a block is transposed: contiguous columns
+(width, n_x) are transformed up to twice as fast. What ranks on the same node have of it is read
+where it stands, in memory that they have in common (shared.py), and written back there; what ranks
+on other nodes have is sent, in the all-to-all number k, whose send buffers are contiguous as they
+stand. Nothing is padded.
 
-Convention: h_q = (1/N) sum_r h(r) exp(-i q r), h(r) = sum_q h_q exp(i q r). The transforms here leave out 1/N in both directions;
-`scale` = 1/N is folded into the kernels that work on columns.
+Convention: h_q = (1/N) sum_r h(r) exp(-i q r), h(r) = sum_q h_q exp(i q r). The transforms here
+leave out 1/N in both directions; `scale` = 1/N is folded into the kernels that work on columns.
 """
 
 from __future__ import annotations
@@ -38,16 +41,21 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 Passes = Sequence[tuple[int, int]]  # row ranges (i0, i1)
-Scratch = tuple[np.ndarray, ...]  # of a thread: real rows, their spectra, columns, what other nodes have sent
+Scratch = tuple[
+    np.ndarray, ...
+]  # of a thread: real rows, their spectra, columns, what other nodes have sent
 
 
 class SlabFFT(Layout):
     """Transforms of one grid in one precision.
 
-    n: (n_x, n_y) global; starts: first row of each rank plus n_x; dtype: of the real field; threads: of this rank.
+    n: (n_x, n_y) global; starts: first row of each rank plus n_x; dtype: of the real field;
+    threads: of this rank.
     """
 
-    def __init__(self, comm: Comm, n: tuple[int, int], starts: ArrayLike, dtype: DTypeLike, threads: int = 1):
+    def __init__(
+        self, comm: Comm, n: tuple[int, int], starts: ArrayLike, dtype: DTypeLike, threads: int = 1
+    ):
         self.comm = comm
         self.dtype: np.dtype = np.dtype(dtype)
         complex_dtype = np.result_type(self.dtype, np.complex64)
@@ -57,33 +65,47 @@ class SlabFFT(Layout):
         self.threads = threads
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._memory, first, self.blocks = self._common(complex_dtype)
-        self._rows = np.stack([self.starts[self.node_ranks], self.starts[self.node_ranks + 1]], axis=1)  # of the node
+        self._rows = np.stack(
+            [self.starts[self.node_ranks], self.starts[self.node_ranks + 1]], axis=1
+        )  # of the node
         self._far_rows = _runs(np.repeat(self.far, np.diff(self.starts)))
         own = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
         self._own_widths = np.diff(self.edges).reshape(self.K, self.size)[:, self.rank].tolist()
-        self._first = first + np.diff(self._rows)[:, 0] * own[:, None]  # where the node's rows of this rank's blocks begin
+        self._first = (
+            first + np.diff(self._rows)[:, 0] * own[:, None]
+        )  # where the node's rows of this rank's blocks begin
         self._scratch = []
         for _ in range(threads):
             received = (n_x * self.W,) if self.far.any() else (0,)
-            self._scratch.append((zeros_aligned((self.R, n_y), self.dtype), zeros_aligned((self.R, self.n_c), complex_dtype),
-                                  zeros_aligned((self.W, n_x), complex_dtype), zeros_aligned(received, complex_dtype)))
+            self._scratch.append(
+                (
+                    zeros_aligned((self.R, n_y), self.dtype),
+                    zeros_aligned((self.R, self.n_c), complex_dtype),
+                    zeros_aligned((self.W, n_x), complex_dtype),
+                    zeros_aligned(received, complex_dtype),
+                )
+            )
         real, half, columns, _ = self._scratch[0]
         self._rounds = [(self.sent(k), self.received(k)) for k in range(self.K)]
-        self.plans = planned(comm, self.dtype, lambda: Plans(real, half, [columns[:w] for w in self.widths]),
-                             (real.shape, columns.shape, *self.widths))
+        self.plans = planned(
+            comm,
+            self.dtype,
+            lambda: Plans(real, half, [columns[:w] for w in self.widths]),
+            (real.shape, columns.shape, *self.widths),
+        )
         for a in (real, half, columns):
             a[...] = 0  # planning has left noise
 
     def _common(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(memory, first, blocks): memory that the ranks of the node have in common, where the part of each begins in it, and that of
-        this rank, which holds its rows of the blocks."""
+        """(memory, first, blocks): memory that the ranks of the node have in common, where the part
+        of each begins in it, and that of this rank, which holds its rows of the blocks."""
         node, length = self.comm.node, self.n_loc * self.n_c
         if node.size == 1:
             blocks = zeros_aligned((length,), dtype)
             return blocks, np.zeros(1, int), blocks
         memory, offsets = common_memory(node, length * dtype.itemsize)
         memory, first = memory.view(dtype), offsets // dtype.itemsize
-        blocks = memory[first[node.rank]:][:length]
+        blocks = memory[first[node.rank] :][:length]
         blocks[...] = 0  # every rank its own: pages belong where they are touched first
         return memory, first, blocks
 
@@ -101,8 +123,11 @@ class SlabFFT(Layout):
         """The row ranges [(i0, i1), ...], local, that one pass handles at a time."""
         return [(i, min(i + self.R, self.n_loc)) for i in range(0, self.n_loc, self.R)]
 
-    def forward_rows(self, fill: Callable[[int, int, np.ndarray], T], passes: Passes | None = None) -> list[T]:
-        """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill recolumns, in the order of the passes."""
+    def forward_rows(
+        self, fill: Callable[[int, int, np.ndarray], T], passes: Passes | None = None
+    ) -> list[T]:
+        """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill recolumns,
+        in the order of the passes."""
 
         def one(i0: int, i1: int, scratch: Scratch) -> T:
             real, half = scratch[:2]
@@ -113,8 +138,11 @@ class SlabFFT(Layout):
 
         return self._map(one, passes or self.passes())
 
-    def backward_rows(self, use: Callable[[int, int, np.ndarray], T], passes: Passes | None = None) -> list[T]:
-        """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use recolumns, in order."""
+    def backward_rows(
+        self, use: Callable[[int, int, np.ndarray], T], passes: Passes | None = None
+    ) -> list[T]:
+        """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use
+        recolumns, in order."""
 
         def one(i0: int, i1: int, scratch: Scratch) -> T:
             real, half = scratch[:2]
@@ -126,15 +154,20 @@ class SlabFFT(Layout):
 
     def first_columns(self, count: int) -> np.ndarray:
         """The first columns of the row spectra, (n_loc, count) complex."""
-        blocks = [self._slab(m, m + 1).reshape(self.n_loc, self.edges[m + 1] - self.edges[m])
-                  for m in range(np.searchsorted(self.edges, count))]
+        blocks = [
+            self._slab(m, m + 1).reshape(self.n_loc, self.edges[m + 1] - self.edges[m])
+            for m in range(np.searchsorted(self.edges, count))
+        ]
         return np.concatenate(blocks, axis=1)[:, :count]
 
-    def columns(self, apply: Callable[[np.ndarray, int], T], forward: bool = True, backward: bool = True) -> list[T]:
-        """Call apply(block, m) on every block of complete columns of this rank, block: (width, n_x); returns the results in order.
+    def columns(
+        self, apply: Callable[[np.ndarray, int], T], forward: bool = True, backward: bool = True
+    ) -> list[T]:
+        """Call apply(block, m) on every block of complete columns of this rank, block: (width,
+        n_x); returns the results in order.
 
-        forward/backward=False leaves out the transform along axis 0 (and what goes before and after it) on that side; a block that was
-        not transformed forward is all zero. Collective.
+        forward/backward=False leaves out the transform along axis 0 (and what goes before and after
+        it) on that side; a block that was not transformed forward is all zero. Collective.
         """
         sends = self.far.any()
         at_once = self.threads if sends else self.K
@@ -168,14 +201,24 @@ class SlabFFT(Layout):
 
     def _slab(self, first: int, last: int) -> np.ndarray:
         """The memory of some blocks of this rank's rows."""
-        return self.blocks[self.n_loc * self.edges[first]:self.n_loc * self.edges[last]]
+        return self.blocks[self.n_loc * self.edges[first] : self.n_loc * self.edges[last]]
 
-    def _one_block(self, k: int, columns: np.ndarray, received: np.ndarray | None, apply: Callable[[np.ndarray, int], T], forward: bool,
-                   backward: bool) -> T:
-        """This rank's block number k; received: rows of it that come from other nodes, and go back there."""
+    def _one_block(
+        self,
+        k: int,
+        columns: np.ndarray,
+        received: np.ndarray | None,
+        apply: Callable[[np.ndarray, int], T],
+        forward: bool,
+        backward: bool,
+    ) -> T:
+        """This rank's block number k; received: rows of it that come from other nodes, and go back
+        there."""
         m = k * self.size + self.rank
         width = self._own_widths[k]
-        for_plan = columns[:next(w for w in self.widths if w >= width)]  # as many as there is a plan for
+        for_plan = columns[
+            : next(w for w in self.widths if w >= width)
+        ]  # as many as there is a plan for
         columns = for_plan[:width]
         pieces = [(_moved(self._memory), self._first[k], self._rows)]
         if received is not None:
@@ -199,13 +242,14 @@ class SlabFFT(Layout):
         return self._slab(k * self.size, (k + 1) * self.size)
 
     def _map(self, one: Callable[[int, int, Scratch], T], ranges: Passes) -> list[T]:
-        """one(a, b, scratch) for all ranges, on all threads; results in the order of the ranges whatever the thread count."""
+        """one(a, b, scratch) for all ranges, on all threads; results in the order of the ranges
+        whatever the thread count."""
         if self._pool is None or len(ranges) == 1:
             return [one(a, b, self._scratch[0]) for a, b in ranges]
         share = -(-len(ranges) // self.threads)
 
         def work(t: int) -> list[T]:
-            return [one(a, b, self._scratch[t]) for a, b in ranges[t * share:(t + 1) * share]]
+            return [one(a, b, self._scratch[t]) for a, b in ranges[t * share : (t + 1) * share]]
 
         return [r for part in self._pool.map(work, range(self.threads)) for r in part]
 

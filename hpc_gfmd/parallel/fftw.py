@@ -15,8 +15,8 @@ MODULES = {"float64": "fftw_xfftn", "float32": "fftwf_xfftn"}
 def load_fftw() -> dict[str, Any] | None:
     """mpi4py-fft's modules of FFTW by the names of their real numbers; None where they are missing.
 
-    Its packages import mpi4py, which starts MPI, or, where told not to, is left as it is for whoever needs MPI later in this process:
-    the compiled modules are taken without them.
+    Its packages import mpi4py, which starts MPI, or, where told not to, is left as it is for
+    whoever needs MPI later in this process: the compiled modules are taken without them.
     """
     if "mpi4py_fft" in sys.modules:
         return _compiled()
@@ -36,7 +36,9 @@ def load_fftw() -> dict[str, Any] | None:
 
 def _compiled() -> dict[str, Any] | None:
     try:
-        return {real: import_module(f"mpi4py_fft.fftw.{module}") for real, module in MODULES.items()}
+        return {
+            real: import_module(f"mpi4py_fft.fftw.{module}") for real, module in MODULES.items()
+        }
     except ImportError:
         return None
 

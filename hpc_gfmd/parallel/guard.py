@@ -1,4 +1,5 @@
-"""Blocks of work that fail on all ranks or on none: a rank that raises while others wait hangs the job."""
+"""Blocks of work that fail on all ranks or on none: a rank that raises while others wait hangs the
+job."""
 
 import re
 from collections.abc import Callable, Iterator
@@ -16,8 +17,9 @@ T = TypeVar("T")
 def guarded(comm: Comm, doing: str) -> Iterator[None]:
     """Collective block: when any rank fails inside it, every rank leaves it with an error.
 
-    `doing` starts the message ("writing contact.h5"). The block itself must hold no collective call that a
-    failing rank would skip, unless in a guarded block of its own. A GfmdError stays what it is, anything else becomes one.
+    `doing` starts the message ("writing contact.h5"). The block itself must hold no collective call
+    that a failing rank would skip, unless in a guarded block of its own. A GfmdError stays what it
+    is, anything else becomes one.
     """
     error: GfmdError | None = None
     try:
@@ -31,7 +33,8 @@ def guarded(comm: Comm, doing: str) -> Iterator[None]:
 
 
 def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
-    """What work() gives on rank 0, for all ranks; where it fails, every rank leaves with its error, as of `guarded`. Collective."""
+    """What work() gives on rank 0, for all ranks; where it fails, every rank leaves with its error,
+    as of `guarded`. Collective."""
     found = None
     with guarded(comm, doing):
         if comm.rank == 0:
@@ -40,7 +43,8 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
 
 
 def agree(comm: Comm, error: Exception | None) -> None:
-    """Raise on every rank if any rank has an error (an exception or None): the first one's, as the same type."""
+    """Raise on every rank if any rank has an error (an exception or None): the first one's, as the
+    same type."""
     if comm.size == 1:
         if error is not None:
             raise error
@@ -49,7 +53,11 @@ def agree(comm: Comm, error: Exception | None) -> None:
     if first == comm.size:
         return
     kind, text = comm.bcast(None if error is None else (type(error), str(error)), first)
-    raise error if error is not None else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))
+    raise (
+        error
+        if error is not None
+        else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))
+    )
 
 
 def one_line(error: BaseException) -> str:

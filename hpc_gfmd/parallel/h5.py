@@ -1,9 +1,11 @@
-"""HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows: by MPI-IO where there are several.
+"""HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows:
+by MPI-IO where there are several.
 
-A file is written in three moves: rank 0 puts its layout (attributes, empty datasets), made in memory, into NAME.tmp and takes the disk
-space for all of it; all ranks fill in their rows; once that is on the disk rank 0 renames it to NAME. Whatever dies in between, NAME
-is either the old file or the complete new one. The space is taken first because HDF5 does not survive a full disk, and Open MPI was
-seen to report success on one.
+A file is written in three moves: rank 0 puts its layout (attributes, empty datasets), made in
+memory, into NAME.tmp and takes the disk space for all of it; all ranks fill in their rows; once
+that is on the disk rank 0 renames it to NAME. Whatever dies in between, NAME is either the old file
+or the complete new one. The space is taken first because HDF5 does not survive a full disk, and
+Open MPI was seen to report success on one.
 """
 
 import io
@@ -21,8 +23,11 @@ from .comm import Comm, SerialComm
 from .guard import guarded, on_rank_0
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
-CHECKSUM = "checksum"  # attribute of a field; HDF5's own, Fletcher-32, needs chunks and is five times as slow as writing
-PIECE_BYTES = 2**26  # per rank and call: little extra memory, and far below the 2 GB where MPI-IO fails
+# attribute of a field; HDF5's own, Fletcher-32, needs chunks and is five times as slow as writing
+CHECKSUM = "checksum"
+PIECE_BYTES = (
+    2**26
+)  # per rank and call: little extra memory, and far below the 2 GB where MPI-IO fails
 PACKED = {"shuffle": True, "compression": "gzip", "compression_opts": 1}
 _SLACK, _PER_CHUNK = 2**16, 64  # bytes, generous; what is not needed is given back
 
@@ -36,12 +41,23 @@ class Stored:
     shape: tuple[int, int]
     dtype: np.dtype
     checksum: int
-    passed: tuple[int, int] = (0, 0)  # how many rows were read one after the other from the first on, and their checksum
+    passed: tuple[int, int] = (
+        0,
+        0,
+    )  # how many rows were read one after the other from the first on, and their checksum
 
-    def pieces(self, comm: Comm | None = None, rows: tuple[int, int] | None = None) -> Iterator[tuple[int, np.ndarray]]:
-        """(start, rows from there on), ... as many on every rank; rows: (start, stop) of this one (default: all of one process).
-        Collective; raises GfmdError, for damaged numbers after the last row of a pass over all of them, in one call or several."""
-        comm, rows, found, doing = comm or SerialComm(), rows or (0, self.shape[0]), 0, f"reading {self.path}"
+    def pieces(
+        self, comm: Comm | None = None, rows: tuple[int, int] | None = None
+    ) -> Iterator[tuple[int, np.ndarray]]:
+        """(start, rows from there on), ... as many on every rank; rows: (start, stop) of this one
+        (default: all of one process). Collective; raises GfmdError, for damaged numbers after the
+        last row of a pass over all of them, in one call or several."""
+        comm, rows, found, doing = (
+            comm or SerialComm(),
+            rows or (0, self.shape[0]),
+            0,
+            f"reading {self.path}",
+        )
         with opened(comm, self.path, "r", doing) as file:
             for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
                 with guarded(comm, doing):  # before the others begin to read together
@@ -66,15 +82,21 @@ class Stored:
         return found
 
     def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
-        """Rows start <= i < stop. Not collective: every rank may read what it needs. Raises GfmdError as `pieces`."""
+        """Rows start <= i < stop. Not collective: every rank may read what it needs. Raises
+        GfmdError as `pieces`."""
         return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
 
 
 def driver(comm: Comm) -> dict[str, Any]:
-    """Keywords of h5py.File: by MPI-IO, where opening and closing are collective, on several ranks if HDF5 has it."""
+    """Keywords of h5py.File: by MPI-IO, where opening and closing are collective, on several ranks
+    if HDF5 has it."""
     import h5py
 
-    return {"driver": "mpio", "comm": comm.mpi} if comm.size > 1 and h5py.get_config().mpi else {"locking": False}
+    return (
+        {"driver": "mpio", "comm": comm.mpi}
+        if comm.size > 1 and h5py.get_config().mpi
+        else {"locking": False}
+    )
 
 
 def io_way(comm: Comm) -> str:
@@ -82,16 +104,30 @@ def io_way(comm: Comm) -> str:
     return driver(comm).get("driver", "serial")
 
 
-def write_file(comm: Comm, path: Path, n: tuple[int, int], rows: tuple[int, int], fields: Mapping[str, Any],
-               describe: Callable = lambda file: None, compressed: bool = False, dtype: str | None = None) -> dict[str, Stored]:
+def write_file(
+    comm: Comm,
+    path: Path,
+    n: tuple[int, int],
+    rows: tuple[int, int],
+    fields: Mapping[str, Any],
+    describe: Callable = lambda file: None,
+    compressed: bool = False,
+    dtype: str | None = None,
+) -> dict[str, Stored]:
     """Write one HDF5 file, all of it or nothing; returns its fields. Collective.
 
-    n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; fields: {dataset: local slab, which is only sliced, or Stored}, with
-    the same names on every rank; describe(file): called by rank 0 when the datasets are there, still empty; compressed: rows are
-    chunks (so that none belongs to two ranks), shuffled and packed; dtype: as stored (default: as they come).
-    Raises GfmdError on every rank when any of them fails (disk full, folder gone, field of a wrong shape, Stored one damaged).
+    n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; fields: {dataset: local slab,
+    which is only sliced, or Stored}, with the same names on every rank; describe(file): called by
+    rank 0 when the datasets are there, still empty; compressed: rows are chunks (so that none
+    belongs to two ranks), shuffled and packed; dtype: as stored (default: as they come). Raises
+    GfmdError on every rank when any of them fails (disk full, folder gone, field of a wrong shape,
+    Stored one damaged).
     """
-    tmp, doing, together = path.with_name(path.name + ".tmp"), f"writing {path}", io_way(comm) == "mpio"
+    tmp, doing, together = (
+        path.with_name(path.name + ".tmp"),
+        f"writing {path}",
+        io_way(comm) == "mpio",
+    )
     types, stored = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}, {}
     try:
         on_rank_0(comm, doing, lambda: _lay_out(tmp, n, types, describe, compressed))
@@ -120,7 +156,8 @@ def write_file(comm: Comm, path: Path, n: tuple[int, int], rows: tuple[int, int]
 
 
 def sync(path: Path, wait: bool = True) -> None:
-    """Bring a file or folder to the disk, or have the system begin to: the disk is busy then while the next piece is made."""
+    """Bring a file or folder to the disk, or have the system begin to: the disk is busy then while
+    the next piece is made."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor) if wait else os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
@@ -130,21 +167,26 @@ def sync(path: Path, wait: bool = True) -> None:
 
 @contextmanager
 def opened(comm: Comm, path: Path, mode: str, doing: str) -> Iterator[Any]:
-    """An h5py file, by MPI-IO where it can be; otherwise each rank's own to read ("r"), rank 0's alone to write ("r+"). Collective."""
+    """An h5py file, by MPI-IO where it can be; otherwise each rank's own to read ("r"), rank 0's
+    alone to write ("r+"). Collective."""
     import h5py
 
     how = driver(comm)
     with guarded(comm, doing):
         os.stat(path)  # before ranks that see it wait for one that does not
     with guarded(comm, doing):
-        file = h5py.File(path, mode, libver=VERSIONS, **how) if "comm" in how or mode == "r" or comm.rank == 0 else nullcontext()
+        file = (
+            h5py.File(path, mode, libver=VERSIONS, **how)
+            if "comm" in how or mode == "r" or comm.rank == 0
+            else nullcontext()
+        )
     with guarded(comm, doing), file:
         yield file
 
 
 def inside(group: Any, name: str) -> Any:
-    """The group or dataset `name`. Raises ValueError if it, or its numbers, lie in another file: a link, a virtual or an external
-    dataset could name any one of the machine."""
+    """The group or dataset `name`. Raises ValueError if it, or its numbers, lie in another file: a
+    link, a virtual or an external dataset could name any one of the machine."""
     import h5py
 
     found = group[name]
@@ -155,15 +197,24 @@ def inside(group: Any, name: str) -> Any:
     return found
 
 
-def _lay_out(path: Path, n: tuple[int, int], types: Mapping[str, np.dtype], describe: Callable[[Any], object], compressed: bool) -> Any:
-    """The file without the numbers of the fields, and the disk space for all of it. One process only."""
+def _lay_out(
+    path: Path,
+    n: tuple[int, int],
+    types: Mapping[str, np.dtype],
+    describe: Callable[[Any], object],
+    compressed: bool,
+) -> Any:
+    """The file without the numbers of the fields, and the disk space for all of it. One process
+    only."""
     import h5py
 
     image, space = io.BytesIO(), _SLACK * bool(types)
     with h5py.File(image, "w", libver=VERSIONS) as file:
         for name, dtype in types.items():
             how = PACKED | {"chunks": (1, n[1])} if compressed else {}
-            file.create_dataset(name, n, dtype, fill_time="never", **how).attrs.create(CHECKSUM, 0, dtype="uint64")
+            file.create_dataset(name, n, dtype, fill_time="never", **how).attrs.create(
+                CHECKSUM, 0, dtype="uint64"
+            )
             numbers = n[0] * n[1] * dtype.itemsize
             space += numbers + compressed * (numbers // 500 + _PER_CHUNK * n[0])
         describe(file)
@@ -176,8 +227,9 @@ def _lay_out(path: Path, n: tuple[int, int], types: Mapping[str, np.dtype], desc
             raise OSError(error.errno, f"{error.strerror} ({space / 1e6:.4g} MB needed)") from None
 
 
-def _parts(comm: Comm, field: Any, dtype: np.dtype, n: tuple[int, int], rows: tuple[int, int],
-           doing: str) -> Iterator[tuple[int, np.ndarray]]:
+def _parts(
+    comm: Comm, field: Any, dtype: np.dtype, n: tuple[int, int], rows: tuple[int, int], doing: str
+) -> Iterator[tuple[int, np.ndarray]]:
     """(start, rows from there on), ... of a Stored field or a local slab."""
     if isinstance(field, Stored):
         yield from field.pieces(comm, rows)
@@ -195,14 +247,22 @@ def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, 
     ranks = comm.size if io_way(comm) == "serial" else 1  # of which rank 0 has a piece each
     step = max(1, PIECE_BYTES // (row_bytes * ranks))
     calls = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
-    return [(min(i, rows[1]), min(i + step, rows[1])) for i in range(rows[0], rows[0] + calls * step, step)]
+    return [
+        (min(i, rows[1]), min(i + step, rows[1]))
+        for i in range(rows[0], rows[0] + calls * step, step)
+    ]
 
 
 def _transfer(dataset: Any, start: int, rows: np.ndarray, what: str) -> None:
-    """HDF5's "read" or "write", collective by MPI-IO; low-level because h5py's own leaves out ranks without rows."""
+    """HDF5's "read" or "write", collective by MPI-IO; low-level because h5py's own leaves out ranks
+    without rows."""
     from h5py import h5fd, h5p, h5s
 
-    memory, space, how = h5s.create_simple(rows.shape), dataset.id.get_space(), h5p.create(h5p.DATASET_XFER)
+    memory, space, how = (
+        h5s.create_simple(rows.shape),
+        dataset.id.get_space(),
+        h5p.create(h5p.DATASET_XFER),
+    )
     if dataset.file.driver == "mpio":
         how.set_dxpl_mpio(h5fd.MPIO_COLLECTIVE)
     space.select_hyperslab((start, 0), rows.shape)
@@ -210,9 +270,13 @@ def _transfer(dataset: Any, start: int, rows: np.ndarray, what: str) -> None:
 
 
 def _checksum(rows: np.ndarray, start: int) -> int:
-    """Of rows start, start + 1, ...: the sum of their words, times an odd number of the row; adds up over pieces and ranks."""
+    """Of rows start, start + 1, ...: the sum of their words, times an odd number of the row; adds
+    up over pieces and ranks."""
     words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
-    return int(words.sum(axis=1, dtype=np.uint64) @ np.arange(2 * start + 1, 2 * (start + len(rows)), 2, dtype=np.uint64))
+    return int(
+        words.sum(axis=1, dtype=np.uint64)
+        @ np.arange(2 * start + 1, 2 * (start + len(rows)), 2, dtype=np.uint64)
+    )
 
 
 def _total(comm: Comm, checksum: int) -> int:

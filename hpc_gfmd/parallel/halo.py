@@ -1,8 +1,10 @@
-"""Rows of a field that other ranks own: windows of rows, filled from their owners or added to them. Arrays: (..., rows, m).
+"""Rows of a field that other ranks own: windows of rows, filled from their owners or added to them.
+Arrays: (..., rows, m).
 
-The rows 0 <= i < n of a field form a ring. Rank r owns the rows starts[r] <= i < starts[r + 1], perhaps none, and has a window
-lo[r] <= i < hi[r] of the ring, which may reach around it. Halo rows are windows, and so are the rows that a rank has before they are
-gathered on fewer ranks. A rank talks to those alone whose rows or windows meet its own.
+The rows 0 <= i < n of a field form a ring. Rank r owns the rows starts[r] <= i < starts[r + 1],
+perhaps none, and has a window lo[r] <= i < hi[r] of the ring, which may reach around it. Halo rows
+are windows, and so are the rows that a rank has before they are gathered on fewer ranks. A rank
+talks to those alone whose rows or windows meet its own.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -16,7 +18,8 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True)
 class Piece:
-    """Rows that the window of one rank and the rows of another one have in common; peer: the other one, whoever that is here."""
+    """Rows that the window of one rank and the rows of another one have in common; peer: the other
+    one, whoever that is here."""
 
     peer: int
     window: slice
@@ -27,27 +30,50 @@ class Piece:
 
 
 class Windows:
-    """Who has to send which rows to whom; no memory, no message. n: length of the ring, more than starts[-1] where the last rows
-    belong to nobody: those are left as they are."""
+    """Who has to send which rows to whom; no memory, no message. n: length of the ring, more than
+    starts[-1] where the last rows belong to nobody: those are left as they are."""
 
-    def __init__(self, rank: int, starts: ArrayLike, lo: np.ndarray, hi: np.ndarray, n: int | None = None):
+    def __init__(
+        self, rank: int, starts: ArrayLike, lo: np.ndarray, hi: np.ndarray, n: int | None = None
+    ):
         starts, lo, hi = (np.asarray(a, np.int64) for a in (starts, lo, hi))
         n = int(starts[-1]) if n is None else n
         self.rank = rank
-        taken = list(_met(int(lo[rank]), int(hi[rank]), starts[:-1], starts[1:], n, range(lo[rank] // n, -(-hi[rank] // n))))
+        taken = list(
+            _met(
+                int(lo[rank]),
+                int(hi[rank]),
+                starts[:-1],
+                starts[1:],
+                n,
+                range(lo[rank] // n, -(-hi[rank] // n)),
+            )
+        )
         turns = range(int(lo.min()) // n, -(-int(hi.max()) // n))
         given = list(_met(int(starts[rank]), int(starts[rank + 1]), lo, hi, n, [-t for t in turns]))
-        # A halo around a rank's own rows lives in one array with them, which then has nothing to be copied.
+        # A halo around a rank's own rows lives in one array with them, which then has nothing to be
+        # copied.
         width = int(starts[0] - lo[0])
-        self.in_place = bool(np.all((hi <= lo) | ((starts[:-1] - lo == width) & (hi - starts[1:] == width))))
+        self.in_place = bool(
+            np.all((hi <= lo) | ((starts[:-1] - lo == width) & (hi - starts[1:] == width)))
+        )
         self.interior = slice(width, width + int(starts[rank + 1] - starts[rank]))
-        self.own = [Piece(peer, slice(*here), slice(*there)) for peer, here, there in taken if peer == rank]
-        self.take = _by_peer(Piece(peer, slice(*here), slice(*there)) for peer, here, there in taken if peer != rank)
-        self.give = _by_peer(Piece(peer, slice(*there), slice(*here)) for peer, here, there in given if peer != rank)
+        self.own = [
+            Piece(peer, slice(*here), slice(*there)) for peer, here, there in taken if peer == rank
+        ]
+        self.take = _by_peer(
+            Piece(peer, slice(*here), slice(*there)) for peer, here, there in taken if peer != rank
+        )
+        self.give = _by_peer(
+            Piece(peer, slice(*there), slice(*here)) for peer, here, there in given if peer != rank
+        )
 
     def fill(self, comm: Any, owned: np.ndarray, window: np.ndarray) -> None:
         """Copy the rows of all windows from those that own them."""
-        send = {peer: np.concatenate([owned[..., piece.owned, :] for piece in pieces], axis=-2) for peer, pieces in self.give.items()}
+        send = {
+            peer: np.concatenate([owned[..., piece.owned, :] for piece in pieces], axis=-2)
+            for peer, pieces in self.give.items()
+        }
         receive = {peer: _room(pieces, window) for peer, pieces in self.take.items()}
         comm.exchange(send, receive)
         for piece in self._apart(owned, window):
@@ -58,7 +84,10 @@ class Windows:
 
     def add(self, comm: Any, window: np.ndarray, owned: np.ndarray) -> None:
         """Add the rows of all windows to those that own them: the transpose of `fill`."""
-        send = {peer: np.concatenate([window[..., piece.window, :] for piece in pieces], axis=-2) for peer, pieces in self.take.items()}
+        send = {
+            peer: np.concatenate([window[..., piece.window, :] for piece in pieces], axis=-2)
+            for peer, pieces in self.take.items()
+        }
         receive = {peer: _room(pieces, owned) for peer, pieces in self.give.items()}
         comm.exchange(send, receive)
         for piece in self._apart(owned, window):
@@ -74,12 +103,16 @@ class Windows:
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
         """{rank: rows sent to it} by `add` or by `fill`."""
-        return {peer: sum(map(len, pieces)) for peer, pieces in (self.take if adding else self.give).items()}
+        return {
+            peer: sum(map(len, pieces))
+            for peer, pieces in (self.take if adding else self.give).items()
+        }
 
 
 def _met(first: Any, last: Any, lo: Any, hi: Any, n: int, turns: Iterable[int]) -> Iterator[tuple]:
-    """(rank, (rows of [first, last) counted from first), (rows of that rank's [lo, hi) counted from lo)) where [first, last) meets
-    [lo, hi) of each rank shifted by some turns of the ring, in the order of the first interval for each turn."""
+    """(rank, (rows of [first, last) counted from first), (rows of that rank's [lo, hi) counted from
+    lo)) where [first, last) meets [lo, hi) of each rank shifted by some turns of the ring, in the
+    order of the first interval for each turn."""
     for turn in turns:
         a, b = np.maximum(lo + turn * n, first), np.minimum(hi + turn * n, last)
         for rank in np.flatnonzero(a < b):
@@ -88,7 +121,8 @@ def _met(first: Any, last: Any, lo: Any, hi: Any, n: int, turns: Iterable[int]) 
 
 
 def _by_peer(pieces: Iterable[Piece]) -> dict[int, list[Piece]]:
-    """{peer: its pieces in the order of the window}: both sides of a message then have the same order."""
+    """{peer: its pieces in the order of the window}: both sides of a message then have the same
+    order."""
     found: dict[int, list[Piece]] = {}
     for piece in sorted(pieces, key=lambda piece: (piece.peer, piece.window.start)):
         found.setdefault(piece.peer, []).append(piece)
@@ -103,10 +137,20 @@ def _parts(pieces: Sequence[Piece], rows: np.ndarray) -> list[np.ndarray]:
     return np.split(rows, np.cumsum([len(piece) for piece in pieces])[:-1], axis=-2)
 
 
-def rows_of(comm: Any, a: np.ndarray, starts: ArrayLike, lo: np.ndarray, hi: np.ndarray, n: int | None = None) -> np.ndarray:
-    """The rows lo[rank] <= i < hi[rank] of the field of which this rank's part is a; rows that belong to nobody are 0. Collective."""
+def rows_of(
+    comm: Any,
+    a: np.ndarray,
+    starts: ArrayLike,
+    lo: np.ndarray,
+    hi: np.ndarray,
+    n: int | None = None,
+) -> np.ndarray:
+    """The rows lo[rank] <= i < hi[rank] of the field of which this rank's part is a; rows that
+    belong to nobody are 0. Collective."""
     window = np.zeros((*a.shape[:-2], int(hi[comm.rank] - lo[comm.rank]), a.shape[-1]), a.dtype)
-    _windows(comm.rank, n, *(np.asarray(rows, np.int64).tobytes() for rows in (starts, lo, hi))).fill(comm, a, window)
+    _windows(
+        comm.rank, n, *(np.asarray(rows, np.int64).tobytes() for rows in (starts, lo, hi))
+    ).fill(comm, a, window)
     return window
 
 
@@ -116,21 +160,26 @@ def _windows(rank: int, n: int | None, *rows: bytes) -> Windows:
     return Windows(rank, starts, lo, hi, n)
 
 
-def neighbours(comm: Any, a: np.ndarray, starts: np.ndarray, width: int,
-               owned: ArrayLike | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """The `width` rows before and after the rows of this rank, as `starts` has them. owned: the starts of those that a field has on
-    each rank, if these are not all. Collective."""
+def neighbours(
+    comm: Any, a: np.ndarray, starts: np.ndarray, width: int, owned: ArrayLike | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """The `width` rows before and after the rows of this rank, as `starts` has them. owned: the
+    starts of those that a field has on each rank, if these are not all. Collective."""
     first, last = np.asarray(starts)[:-1], np.asarray(starts)[1:]
     owned, n = starts if owned is None else owned, int(starts[-1])
-    return rows_of(comm, a, owned, first - width, first, n), rows_of(comm, a, owned, last, last + width, n)
+    return rows_of(comm, a, owned, first - width, first, n), rows_of(
+        comm, a, owned, last, last + width, n
+    )
 
 
 def next_row(comm: Any, a: np.ndarray, starts: ArrayLike) -> np.ndarray:
-    """The row after this rank's rows, of which a (..., >= 0 rows, m) has the first; starts: first row of every rank, and their number.
-    Periodic, ranks without rows are skipped. Collective."""
+    """The row after this rank's rows, of which a (..., >= 0 rows, m) has the first; starts: first
+    row of every rank, and their number. Periodic, ranks without rows are skipped. Collective."""
     rank, filled = comm.rank, np.flatnonzero(np.diff(starts))
     source = int(filled[np.searchsorted(filled, rank, "right") % len(filled)])
     here = int(np.searchsorted(filled, rank))
-    first = int(filled[here - 1]) - (comm.size if here == 0 else 0)  # all from the one before that has rows want our first one
+    first = int(filled[here - 1]) - (
+        comm.size if here == 0 else 0
+    )  # all from the one before that has rows want our first one
     wanted = [r % comm.size for r in range(first, rank)] if a.shape[-2] else []
     return comm.sendrecv(a[..., 0, :].copy() if a.shape[-2] else None, wanted, source)

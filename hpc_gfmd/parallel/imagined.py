@@ -1,4 +1,5 @@
-"""A rank of a run that nobody started: enough for whatever asks who has what, without memory and messages."""
+"""A rank of a run that nobody started: enough for whatever asks who has what, without memory and
+messages."""
 
 from typing import Any
 
@@ -7,8 +8,8 @@ from numpy.typing import ArrayLike
 
 
 class Imagined:
-    """Rank `rank` of `size`, as a communicator that cannot send. nodes: that of every rank (default: each has one to itself, so that
-    everything between ranks is a message)."""
+    """Rank `rank` of `size`, as a communicator that cannot send. nodes: that of every rank
+    (default: each has one to itself, so that everything between ranks is a message)."""
 
     mpi = parent = None
 
@@ -24,4 +25,8 @@ class Imagined:
     def subcomm(self, ranks: Any) -> "Imagined | None":
         """The communicator of these ranks alone, None where this rank is not one of them."""
         place = int(np.searchsorted(ranks, self.rank))
-        return Imagined(place, len(ranks), self._nodes[ranks]) if place < len(ranks) and ranks[place] == self.rank else None
+        return (
+            Imagined(place, len(ranks), self._nodes[ranks])
+            if place < len(ranks) and ranks[place] == self.rank
+            else None
+        )

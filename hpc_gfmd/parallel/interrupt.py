@@ -16,7 +16,8 @@ _running: "Interrupt | None" = None  # the Interrupt that listens: signals are s
 
 
 class Stopped(Exception):
-    """What long work between two iterations is left with when the run is to stop; number: of the signal."""
+    """What long work between two iterations is left with when the run is to stop; number: of the
+    signal."""
 
     def __init__(self, number: int):
         super().__init__(f"stopped by signal {number}")
@@ -24,15 +25,21 @@ class Stopped(Exception):
 
 
 def check(comm: Comm) -> None:
-    """Raise Stopped on all ranks of a communicator if one of them was sent a signal while an Interrupt listens. Collective.
+    """Raise Stopped on all ranks of a communicator if one of them was sent a signal while an
+    Interrupt listens. Collective.
 
-    Time that is up is left to `poll`: however short it is, a run then comes to an iteration and a checkpoint of it. Only for the
-    communicator of the run and parts of it: what a rank does on its own, such as compiling, it does to the end.
+    Time that is up is left to `poll`: however short it is, a run then comes to an iteration and a
+    checkpoint of it. Only for the communicator of the run and parts of it: what a rank does on its
+    own, such as compiling, it does to the end.
     """
     whole: Any = comm
     while whole.parent is not None:
         whole = whole.parent
-    if _running is not None and whole is _running.comm and (number := int(comm.max([_running.signal])[0])):
+    if (
+        _running is not None
+        and whole is _running.comm
+        and (number := int(comm.max([_running.signal])[0]))
+    ):
         stop(number)
 
 
@@ -44,10 +51,11 @@ def stop(number: int) -> NoReturn:
 
 
 class Interrupt:
-    """Listens from `with` on. deadline: seconds from now, or None; every: seconds between checkpoints.
+    """Listens from `with` on. deadline: seconds from now, or None; every: seconds between
+    checkpoints.
 
-    A second signal ends the process at once. Handlers that were there before come back at the end, those that were not installed from
-    Python, too.
+    A second signal ends the process at once. Handlers that were there before come back at the end,
+    those that were not installed from Python, too.
     """
 
     def __init__(self, comm: Comm, deadline: float | None = None, every: float | None = None):
@@ -89,18 +97,26 @@ class Interrupt:
         return 130 if self.agreed == signal.SIGINT else 143
 
     def poll(self) -> tuple[bool, bool]:
-        """(stop, save), the same on all ranks: whether to stop now, and whether a checkpoint is due. Collective."""
+        """(stop, save), the same on all ranks: whether to stop now, and whether a checkpoint is
+        due. Collective."""
         now = time.monotonic()
         late = self.deadline is not None and now - self.begun > self.deadline
         due = self.every is not None and self.comm.rank == 0 and now - self.last > self.every
-        stop, due = (int(x) for x in self.comm.max([self.signal or (signal.SIGTERM if late else 0), due]))
+        stop, due = (
+            int(x) for x in self.comm.max([self.signal or (signal.SIGTERM if late else 0), due])
+        )
         if stop:
             self.agreed = stop
         return bool(stop), bool(due)
 
     def cheap(self) -> bool:
-        """Whether a checkpoint now would take little beside the time since the last one, the same on all ranks. Collective."""
-        return bool(self.comm.max([self.comm.rank == 0 and self.cost < CHEAP * (time.monotonic() - self.last)])[0])
+        """Whether a checkpoint now would take little beside the time since the last one, the same
+        on all ranks. Collective."""
+        return bool(
+            self.comm.max(
+                [self.comm.rank == 0 and self.cost < CHEAP * (time.monotonic() - self.last)]
+            )[0]
+        )
 
     def saved(self, begun: float) -> None:
         """A checkpoint has been written; it was begun at that time.monotonic()."""
@@ -109,7 +125,8 @@ class Interrupt:
 
 
 def _sigaction(number: int, new: Any = None) -> Any:
-    """What handles a signal, as the system knows it; new: what is to do so from now on, as a previous call gave it."""
+    """What handles a signal, as the system knows it; new: what is to do so from now on, as a
+    previous call gave it."""
     old = ctypes.create_string_buffer(SIGACTION_BYTES)
     ctypes.CDLL(None).sigaction(int(number), new, old)
     return old

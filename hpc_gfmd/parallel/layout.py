@@ -1,4 +1,5 @@
-"""Who has which rows of a field and which columns of its spectrum, and what ranks have to send each other: for fft.py."""
+"""Who has which rows of a field and which columns of its spectrum, and what ranks have to send each
+other: for fft.py."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -7,7 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 COLUMN_BYTES = 256 * 1024  # of a block of columns, which is transposed in the second-level cache
-ROW_BYTES = 256 * 1024  # of the spectra of one pass of rows: these share the second-level cache with the rows of the caller's fields
+ROW_BYTES = (
+    256 * 1024
+    # of the spectra of one pass of rows: these share the second-level cache with the rows of the
+    # caller's fields
+)
 MIN_WIDTH, MAX_WIDTH = 8, 64
 
 
@@ -17,14 +22,23 @@ def row_starts(n_x: int, size: int) -> np.ndarray:
 
 
 class Layout:
-    """Who has which rows of a field and which columns of its half spectrum, and what is sent: no memory, no message.
+    """Who has which rows of a field and which columns of its half spectrum, and what is sent: no
+    memory, no message.
 
-    n: (n_x, n_y) global; starts: first row of each rank plus n_x; itemsize: of a complex number; node_ranks: those that have memory in
-    common with this one, itself among them. edges: first column of every block, and their number n_c; K: blocks of each rank; W:
-    columns of the widest block; R: rows that are transformed at a time; far: which ranks have to be sent what they want.
+    n: (n_x, n_y) global; starts: first row of each rank plus n_x; itemsize: of a complex number;
+    node_ranks: those that have memory in common with this one, itself among them. edges: first
+    column of every block, and their number n_c; K: blocks of each rank; W: columns of the widest
+    block; R: rows that are transformed at a time; far: which ranks have to be sent what they want.
     """
 
-    def __init__(self, n: Sequence[int], starts: ArrayLike, rank: int, itemsize: int, node_ranks: ArrayLike | None = None):
+    def __init__(
+        self,
+        n: Sequence[int],
+        starts: ArrayLike,
+        rank: int,
+        itemsize: int,
+        node_ranks: ArrayLike | None = None,
+    ):
         self.n, self.starts, self.rank, self.itemsize = n, np.asarray(starts), rank, itemsize
         self.size = len(self.starts) - 1
         self.n_c = n[1] // 2 + 1
@@ -39,14 +53,16 @@ class Layout:
         self.far[self.node_ranks] = False
 
     def _edges(self) -> np.ndarray:
-        """Blocks of complete columns that fit the cache. On several ranks all have the same number of them, and as many columns but for
-        one: the last blocks are the wider ones, so that all others begin on cache lines, as those of one rank do, which needs no such
-        balance."""
+        """Blocks of complete columns that fit the cache. On several ranks all have the same number
+        of them, and as many columns but for one: the last blocks are the wider ones, so that all
+        others begin on cache lines, as those of one rank do, which needs no such balance."""
         wanted = int(np.clip(COLUMN_BYTES // (self.n[0] * self.itemsize), MIN_WIDTH, MAX_WIDTH))
         if self.size > 1:
             K = max(1, round(self.n_c / self.size / wanted))
             edges = row_starts(self.n_c, K * self.size)
-            return edges if self.n_c < K * self.size else self.n_c - edges[::-1]  # q = 0 is in block 0
+            return (
+                edges if self.n_c < K * self.size else self.n_c - edges[::-1]
+            )  # q = 0 is in block 0
         K = -(-self.n_c // wanted)
         W = -(-self.n_c // K)
         if K > 1:
@@ -87,17 +103,25 @@ class Layout:
 
     def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Bytes to every rank, and their offsets in the slab of the all-to-all number k."""
-        edges = self.edges[k * self.size:(k + 1) * self.size + 1]
-        return self.far * np.diff(edges) * (self.n_loc * self.itemsize), (edges[:-1] - edges[0]) * (self.n_loc * self.itemsize)
+        edges = self.edges[k * self.size : (k + 1) * self.size + 1]
+        return self.far * np.diff(edges) * (self.n_loc * self.itemsize), (edges[:-1] - edges[0]) * (
+            self.n_loc * self.itemsize
+        )
 
     def received(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Bytes from every rank of complete columns, and their offsets."""
         j0, j1 = self.columns_of(k * self.size + self.rank)
-        return self.far * np.diff(self.starts) * ((j1 - j0) * self.itemsize), self.starts[:-1] * ((j1 - j0) * self.itemsize)
+        return self.far * np.diff(self.starts) * ((j1 - j0) * self.itemsize), self.starts[:-1] * (
+            (j1 - j0) * self.itemsize
+        )
 
     def traffic(self) -> tuple[int, int]:
-        """(bytes, messages) that this rank sends to ranks on other nodes in a transform there and back."""
-        widths, rows = np.diff(self.edges).reshape(self.K, self.size), np.diff(self.starts) * self.far
+        """(bytes, messages) that this rank sends to ranks on other nodes in a transform there and
+        back."""
+        widths, rows = (
+            np.diff(self.edges).reshape(self.K, self.size),
+            np.diff(self.starts) * self.far,
+        )
         mine = widths[:, self.rank]
         nbytes = (self.n_loc * widths[:, self.far].sum() + rows.sum() * mine.sum()) * self.itemsize
         there = np.count_nonzero(widths[:, self.far]) * (self.n_loc > 0)

@@ -8,11 +8,14 @@ from .launcher import launched, launcher_rank
 from .world import world
 
 
-def leave_together(exit_code: int, seconds: float = 10.0, say: Callable[[], object] | None = None) -> None:
-    """Wait until all ranks are about to leave with an error: mpirun ends the others, silently, as soon as one has left.
+def leave_together(
+    exit_code: int, seconds: float = 10.0, say: Callable[[], object] | None = None
+) -> None:
+    """Wait until all ranks are about to leave with an error: mpirun ends the others, silently, as
+    soon as one has left.
 
-    Not for ever: a rank that is alone with its error ends the job after `seconds`. say(): rank 0 calls it at once, another rank
-    where it is left alone, so that it is heard once.
+    Not for ever: a rank that is alone with its error ends the job after `seconds`. say(): rank 0
+    calls it at once, another rank where it is left alone, so that it is heard once.
     """
     say = say or (lambda: None)
     if launcher_rank() == 0:

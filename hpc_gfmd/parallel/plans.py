@@ -1,7 +1,9 @@
-"""One-dimensional transforms of many rows or columns at once: FFTW through mpi4py-fft, or scipy.fft where that is missing.
+"""One-dimensional transforms of many rows or columns at once: FFTW through mpi4py-fft, or scipy.fft
+where that is missing.
 
-Rows are called as plan(input, output) on arrays of the planned shape, columns as plan(array), in place, with one of the numbers of
-columns that were planned. Plans work without normalisation in both directions.
+Rows are called as plan(input, output) on arrays of the planned shape, columns as plan(array), in
+place, with one of the numbers of columns that were planned. Plans work without normalisation in
+both directions.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,10 +14,11 @@ from .fftw import load_fftw
 
 
 class Plans:
-    """The four transforms of a slab: rows forward and back (real <-> complex), columns forward and back (complex).
+    """The four transforms of a slab: rows forward and back (real <-> complex), columns forward and
+    back (complex).
 
-    real: (R, n_y), half: (R, n_y//2 + 1), blocks: (some columns, n_x) each: scratch arrays of the shapes to plan for. Their contents
-    are lost.
+    real: (R, n_y), half: (R, n_y//2 + 1), blocks: (some columns, n_x) each: scratch arrays of the
+    shapes to plan for. Their contents are lost.
     """
 
     def __init__(self, real: np.ndarray, half: np.ndarray, blocks: Sequence[np.ndarray]):
@@ -28,7 +31,10 @@ class Plans:
         def plan(x: np.ndarray, out: np.ndarray, kind: int) -> Callable:
             return fftw.FFT(x, out, (1,), kind, 1, fftw.FFTW_MEASURE)
 
-        self.rows_forward, self.rows_backward = plan(real, half, fftw.R2C), plan(half, real, fftw.C2R)
+        self.rows_forward, self.rows_backward = (
+            plan(real, half, fftw.R2C),
+            plan(half, real, fftw.C2R),
+        )
         forward = {len(block): plan(block, block, fftw.C2C_FORWARD) for block in blocks}
         backward = {len(block): plan(block, block, fftw.C2C_BACKWARD) for block in blocks}
         self.columns_forward = lambda x: forward[len(x)](x, x)
@@ -51,4 +57,3 @@ class Plans:
 
         self.rows_forward, self.rows_backward = rows_forward, rows_backward
         self.columns_forward, self.columns_backward = columns_forward, columns_backward
-

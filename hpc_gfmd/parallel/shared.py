@@ -1,7 +1,9 @@
-"""Memory that the ranks of a node have in common: each reads and writes the parts of the others as its own, without a message.
+"""Memory that the ranks of a node have in common: each reads and writes the parts of the others as
+its own, without a message.
 
-It is a file without a name (memfd) that all of them map: it needs no room in /dev/shm and is gone with the last process that maps it,
-however that ends. MPI's own shared windows have to be freed by all ranks together, which objects that Python frees cannot promise.
+It is a file without a name (memfd) that all of them map: it needs no room in /dev/shm and is gone
+with the last process that maps it, however that ends. MPI's own shared windows have to be freed by
+all ranks together, which objects that Python frees cannot promise.
 """
 
 import mmap
@@ -14,9 +16,11 @@ PAGE = mmap.PAGESIZE
 
 
 def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
-    """(memory, offsets): the bytes of all ranks of a communicator, zero, and where those of each rank begin; nbytes: of this rank.
+    """(memory, offsets): the bytes of all ranks of a communicator, zero, and where those of each
+    rank begin; nbytes: of this rank.
 
-    Raises OSError on all ranks where they cannot have it together, such as on several machines. Collective.
+    Raises OSError on all ranks where they cannot have it together, such as on several machines.
+    Collective.
     """
     offsets = np.concatenate([[0], np.cumsum(-(-comm.allgather_int(nbytes) // PAGE) * PAGE)])
     total = max(int(offsets[-1]), PAGE)
@@ -27,7 +31,9 @@ def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
             os.ftruncate(made, total)
         except OSError as found:
             error = found
-    pid, there, token = (int(number) for number in comm.bcast_float([os.getpid(), -1 if error else made, token]))
+    pid, there, token = (
+        int(number) for number in comm.bcast_float([os.getpid(), -1 if error else made, token])
+    )
     try:
         if there >= 0:
             memory = _mapped(f"/proc/{pid}/fd/{there}", token, total)
@@ -62,7 +68,8 @@ def _mapped(path: str, token: int, total: int) -> np.ndarray:
 
 
 def can_share(comm: Any) -> bool:
-    """Whether the ranks of a communicator can have memory in common: on one machine, and allowed to. Collective."""
+    """Whether the ranks of a communicator can have memory in common: on one machine, and allowed
+    to. Collective."""
     try:
         memory, offsets = common_memory(comm, 8)
     except OSError:

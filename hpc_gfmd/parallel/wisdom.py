@@ -1,8 +1,10 @@
-"""FFTW's memory of measured plans ("wisdom"): kept from run to run, the same on all ranks, kept with every checkpoint.
+"""FFTW's memory of measured plans ("wisdom"): kept from run to run, the same on all ranks, kept
+with every checkpoint.
 
-The same plan rounds in the same way, and planning by measurement takes seconds. So rank 0 plans, with what the user's cache knows, and
-the others take over its wisdom. There is one file for each kind of machine and precision, of bounded size; nobody waits for anybody:
-of what two runs measure at the same moment one may be lost, and is measured again some day.
+The same plan rounds in the same way, and planning by measurement takes seconds. So rank 0 plans,
+with what the user's cache knows, and the others take over its wisdom. There is one file for each
+kind of machine and precision, of bounded size; nobody waits for anybody: of what two runs measure
+at the same moment one may be lost, and is measured again some day.
 """
 
 from __future__ import annotations
@@ -30,15 +32,22 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-LIMIT = 2**20  # bytes beyond which a file is left, and begun anew; this process forgets beyond twice that, not in the middle of a run
+LIMIT = (
+    2**20
+    # bytes beyond which a file is left, and begun anew; this process forgets beyond twice that, not
+    # in the middle of a run
+)
 
 
 def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashable) -> T:
-    """make() makes plans by measurement; returns what it returned, planned alike on all ranks. shapes: of these plans. Collective."""
+    """make() makes plans by measurement; returns what it returned, planned alike on all ranks.
+    shapes: of these plans. Collective."""
     if load_fftw() is None:
         return make()
     wisdom = _wisdom(np.dtype(dtype).name)
-    if comm.size == 1 and shapes in wisdom.made:  # writing out all that FFTW knows takes longer than making a plan that is known
+    if (
+        comm.size == 1 and shapes in wisdom.made
+    ):  # writing out all that FFTW knows takes longer than making a plan that is known
         return make()
     wisdom.made.add(shapes)
     wisdom.version = wisdom.version if comm.size > 1 else None
@@ -56,8 +65,9 @@ def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashabl
 
 
 def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
-    """Give all ranks what rank 0 knows. It is up to a megabyte, which takes longer to read than to send, and for most grids the same as
-    for the one before: it is sent where a rank has another version. Collective."""
+    """Give all ranks what rank 0 knows. It is up to a megabyte, which takes longer to read than to
+    send, and for most grids the same as for the one before: it is sent where a rank has another
+    version. Collective."""
     text = wisdom.text() if comm.rank == 0 else None
     version = comm.bcast(text and hashlib.sha256(text).digest())
     if comm.max([version != wisdom.version])[0]:
@@ -74,7 +84,8 @@ def keep_with(folder: str | PathLike) -> None:
 
 
 def take_from(folder: str | PathLike) -> None:
-    """Plan as the run did that wrote this folder; what is not there or of another kind of machine is measured."""
+    """Plan as the run did that wrote this folder; what is not there or of another kind of machine
+    is measured."""
     for path in Path(folder).glob("wisdom-*"):
         name = path.name.removeprefix("wisdom-")
         if load_fftw() is not None and name in ("float32", "float64"):
@@ -82,8 +93,9 @@ def take_from(folder: str | PathLike) -> None:
 
 
 class _Wisdom:
-    """The wisdom of this process in one precision. What it knows already wins over what is read. made: shapes of plans it has made;
-    version: of what rank 0 has sent, None where something else is known."""
+    """The wisdom of this process in one precision. What it knows already wins over what is read.
+    made: shapes of plans it has made; version: of what rank 0 has sent, None where something else
+    is known."""
 
     def __init__(self, name: str):
         libraries = load_fftw()
@@ -97,7 +109,9 @@ class _Wisdom:
         # The first plan initialises the threads of FFTW, which forgets wisdom read before it.
         self.library.FFT(tiny, tiny, (0,), self.library.C2C_FORWARD, 1, self.library.FFTW_ESTIMATE)
         # Wisdom begins with a line that tells version and instruction sets.
-        self.kind = hashlib.sha256(self.text().split(b"\n", 1)[0] + processor().encode()).hexdigest()[:16]
+        self.kind = hashlib.sha256(
+            self.text().split(b"\n", 1)[0] + processor().encode()
+        ).hexdigest()[:16]
 
     @property
     def path(self) -> Path:
@@ -105,8 +119,8 @@ class _Wisdom:
         return cache_folder() / "wisdom" / f"{self.kind}-{self.name}"
 
     def read(self) -> set[bytes]:
-        """Know what is in the cache, too; returns its lines. The file is taken over only where it has changed: that takes longer than
-        making plans that are known."""
+        """Know what is in the cache, too; returns its lines. The file is taken over only where it
+        has changed: that takes longer than making plans that are known."""
         stamp = _stamp(self.path)
         if stamp is None or stamp != self._stamp:
             self._lines, self._stamp = self.add(_content(self.path, LIMIT)), stamp
@@ -127,7 +141,11 @@ class _Wisdom:
             with tempfile.NamedTemporaryFile() as file:
                 file.write(text)
                 file.flush()
-                return _lines(text) if text and self.library.import_wisdom(os.fsencode(file.name)) else set()
+                return (
+                    _lines(text)
+                    if text and self.library.import_wisdom(os.fsencode(file.name))
+                    else set()
+                )
         except OSError:
             return set()
 

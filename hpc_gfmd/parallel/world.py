@@ -1,4 +1,5 @@
-"""The communicator of a run: of all processes that a launcher started, or what a caller gives; and the threads of each rank."""
+"""The communicator of a run: of all processes that a launcher started, or what a caller gives; and
+the threads of each rank."""
 
 import os
 import sys
@@ -20,8 +21,8 @@ _world: Comm | None = None
 def world() -> Comm:
     """The communicator of all processes of this run.
 
-    Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all do the same work; SceneError for
-    a HPC_GFMD_LAUNCHER that means nothing.
+    Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all
+    do the same work; SceneError for a HPC_GFMD_LAUNCHER that means nothing.
     """
     global _world
     if _world is None:
@@ -29,63 +30,83 @@ def world() -> Comm:
             raise SceneError(f'{LAUNCHER}: found "{os.environ[LAUNCHER]}", allowed: "mpi", "none"')
         by_launcher, size = launched()
         if not by_launcher and (srun_size() or 1) > 1 and not os.environ.get(LAUNCHER):
-            raise GfmdError(f"srun started {srun_size()} processes without MPI, allowed: srun --mpi=pmix, or mpirun (where each is "
-                            f"to run on its own: {LAUNCHER}=none)")
+            raise GfmdError(
+                f"srun started {srun_size()} processes without MPI, allowed: srun --mpi=pmix, or"
+                f" mpirun (where each is to run on its own: {LAUNCHER}=none)"
+            )
         _world = SerialComm()
         if by_launcher and size != 1:
             try:
                 from mpi4py import MPI
             except ImportError as error:
-                raise GfmdError(f"started by an MPI launcher{f' on {size} ranks' if size else ''}, but mpi4py cannot be imported "
-                                f"({error}): install the extra 'mpi' or run without the launcher") from None
+                raise GfmdError(
+                    f"started by an MPI launcher{f' on {size} ranks' if size else ''}, but mpi4py"
+                    f" cannot be imported ({error}): install the extra 'mpi' or run without the"
+                    " launcher"
+                ) from None
             if MPI.COMM_WORLD.Get_size() > 1:
                 _world = MpiComm(MPI.COMM_WORLD)
                 sys.excepthook = _abort_on_error(MPI.COMM_WORLD, sys.excepthook)
             elif size and size > 1:
-                raise GfmdError(f"the launcher started {size} processes but mpi4py sees one: mpi4py and mpirun belong to different "
-                                "MPI libraries")
+                raise GfmdError(
+                    f"the launcher started {size} processes but mpi4py sees one: mpi4py and mpirun"
+                    " belong to different MPI libraries"
+                )
     return _world
 
 
 def comm_of(given: Any) -> Comm:
-    """The communicator that a caller means: None for this process alone, one of mpi4py, or one of this file. Raises SceneError."""
+    """The communicator that a caller means: None for this process alone, one of mpi4py, or one of
+    this file. Raises SceneError."""
     if given is None or isinstance(given, SerialComm | MpiComm):
         return given or SerialComm()
     if not hasattr(given, "Allreduce"):
-        raise SceneError(f"comm: found {type(given).__name__}, allowed: a communicator of mpi4py, such as MPI.COMM_WORLD")
+        raise SceneError(
+            f"comm: found {type(given).__name__}, allowed: a communicator of mpi4py, such as"
+            " MPI.COMM_WORLD"
+        )
     return MpiComm(given) if given.Get_size() > 1 else SerialComm()
 
 
 def threads_of(comm: Comm, wanted: int | str) -> int:
-    """Threads for each rank: a number as it is; "auto": what Slurm was asked for (--cpus-per-task), else the cores that this rank may
-    use, shared with the ranks beside it.
+    """Threads for each rank: a number as it is; "auto": what Slurm was asked for (--cpus-per-task),
+    else the cores that this rank may use, shared with the ranks beside it.
 
-    Raises SceneError on all ranks for more than some machine can bear: every thread takes memory of its own. Collective.
+    Raises SceneError on all ranks for more than some machine can bear: every thread takes memory of
+    its own. Collective.
     """
     if wanted != "auto":
         wanted = int(wanted)
         most = int(comm.min([THREADS_PER_CORE * (os.cpu_count() or 1)])[0])
         if wanted > most:
-            raise SceneError(f"machine.threads: found {wanted}, allowed on this machine: up to {most} ({THREADS_PER_CORE} per core)")
+            raise SceneError(
+                f"machine.threads: found {wanted}, allowed on this machine: up to {most}"
+                f" ({THREADS_PER_CORE} per core)"
+            )
         return wanted
     cores = sorted(os.sched_getaffinity(0))
     of_slurm = os.environ.get("SLURM_CPUS_PER_TASK", "")
     if comm.min([of_slurm.isdigit() and int(of_slurm)])[0] > 0:
         return min(int(of_slurm), len(cores))
-    together = comm.machine.allgather(cores).count(cores)  # ranks that are bound elsewhere do not share our cores
+    together = comm.machine.allgather(cores).count(
+        cores
+    )  # ranks that are bound elsewhere do not share our cores
     return max(1, len(cores) // together)
 
 
 def ranks_per_node(ranks: int, threads: int) -> int:
-    """How many of so many ranks share a node, as long as nobody says: as many as Slurm starts on one, else as the cores that this
-    process may use are enough for."""
+    """How many of so many ranks share a node, as long as nobody says: as many as Slurm starts on
+    one, else as the cores that this process may use are enough for."""
     return min(ranks, tasks_per_node() or max(1, len(os.sched_getaffinity(0)) // threads))
 
 
 def _abort_on_error(mpi: Any, hook: Hook) -> Hook:
-    """An exception that nobody caught on one rank ends all ranks: the others would wait for it forever."""
+    """An exception that nobody caught on one rank ends all ranks: the others would wait for it
+    forever."""
 
-    def excepthook(kind: type[BaseException], value: BaseException, traceback: TracebackType | None) -> None:
+    def excepthook(
+        kind: type[BaseException], value: BaseException, traceback: TracebackType | None
+    ) -> None:
         hook(kind, value, traceback)
         unfailing(sys.stderr).flush()
         mpi.Abort(1)

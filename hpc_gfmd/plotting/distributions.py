@@ -38,11 +38,17 @@ def _of(drawn: Drawn, k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
     step = drawn.result.steps[drawn.chosen[k]]
     if stored(step, name):
         share = {"pressure": step.get("a_r", 1.0), "gap": 1 - step.get("a_r", 0.0)}.get(name, 1.0)
-        return np.array(step[f"{name}_edges"], dtype=float), share * np.array(step[f"{name}_density"], dtype=float)
+        return np.array(step[f"{name}_edges"], dtype=float), share * np.array(
+            step[f"{name}_density"], dtype=float
+        )
     fields = drawn.fields(k)
     if name not in fields:
         return np.zeros(1), np.zeros(0)
-    return density({n: fields[n] for n in ("pressure", "gap") if n in fields}, name, drawn.units.of(name, [step["p"]]).unit)
+    return density(
+        {n: fields[n] for n in ("pressure", "gap") if n in fields},
+        name,
+        drawn.units.of(name, [step["p"]]).unit,
+    )
 
 
 def _pressures(ax: Any, drawn: Drawn) -> None:
@@ -53,15 +59,35 @@ def _pressures(ax: Any, drawn: Drawn) -> None:
         if not len(values):
             continue
         edges, values = _coarser(edges, values, np.linspace(0, edges[-1], BINS + 1))
-        lowest, highest = min(lowest, values[values > 0].min() * scale.unit), max(highest, values.max() * scale.unit)
+        lowest, highest = (
+            min(lowest, values[values > 0].min() * scale.unit),
+            max(highest, values.max() * scale.unit),
+        )
         some = values > 0
-        ax.plot((edges[1:] + edges[:-1])[some] / 2 / scale.unit, values[some] * scale.unit, "o", markersize=2.5, color=COLOURS[k],
-                label=_label(drawn, k))
+        ax.plot(
+            (edges[1:] + edges[:-1])[some] / 2 / scale.unit,
+            values[some] * scale.unit,
+            "o",
+            markersize=2.5,
+            color=COLOURS[k],
+            label=_label(drawn, k),
+        )
         if drawn.theory and drawn.theory.density:
             x = np.linspace(0, edges[-1], 301)[1:]
             expected = drawn.theory.density(x, drawn.result.steps[drawn.chosen[k]]["p"])
-            ax.plot(x / scale.unit, expected * scale.unit, label=f"{drawn.theory.name} (lines)", **THEORY | {"color": COLOURS[k]})
-    ax.set(xlabel=scale.label("p"), ylabel=scale.density_label("P(p)"), yscale="log", xlim=(0, None), title="pressure in the contact")
+            ax.plot(
+                x / scale.unit,
+                expected * scale.unit,
+                label=f"{drawn.theory.name} (lines)",
+                **THEORY | {"color": COLOURS[k]},
+            )
+    ax.set(
+        xlabel=scale.label("p"),
+        ylabel=scale.density_label("P(p)"),
+        yscale="log",
+        xlim=(0, None),
+        title="pressure in the contact",
+    )
     if highest:
         ax.set_ylim(lowest / 2, highest * 3)
 
@@ -70,14 +96,33 @@ def _gaps(ax: Any, drawn: Drawn) -> None:
     found = [_of(drawn, k, "gap") for k in range(len(drawn.chosen))]
     scale = drawn.units.heights([edges[-1] for edges, _ in found])
     for k, (edges, values) in enumerate(found):
-        edges = edges[1:] if len(edges) and edges[0] == 0 else edges  # all smaller gaps together have no place on this axis
-        values = values[len(values) - len(edges) + 1:]
+        edges = (
+            edges[1:] if len(edges) and edges[0] == 0 else edges
+        )  # all smaller gaps together have no place on this axis
+        values = values[len(values) - len(edges) + 1 :]
         if len(values):
-            edges, values = _coarser(edges, values, np.geomspace(edges[0], edges[-1], int(10 * np.log10(edges[-1] / edges[0])) + 2))
+            edges, values = _coarser(
+                edges,
+                values,
+                np.geomspace(edges[0], edges[-1], int(10 * np.log10(edges[-1] / edges[0])) + 2),
+            )
             some = values > 0
-            ax.plot(np.sqrt(edges[1:] * edges[:-1])[some] / scale.unit, values[some] * scale.unit, "o-", markersize=2, linewidth=0.8,
-                    color=COLOURS[k], label=_label(drawn, k))
-    ax.set(xlabel=scale.label("g"), ylabel=scale.density_label("P(g)"), xscale="log", yscale="log", title="gap outside")
+            ax.plot(
+                np.sqrt(edges[1:] * edges[:-1])[some] / scale.unit,
+                values[some] * scale.unit,
+                "o-",
+                markersize=2,
+                linewidth=0.8,
+                color=COLOURS[k],
+                label=_label(drawn, k),
+            )
+    ax.set(
+        xlabel=scale.label("g"),
+        ylabel=scale.density_label("P(g)"),
+        xscale="log",
+        yscale="log",
+        title="gap outside",
+    )
     _no_more_than(ax, 5)
 
 
@@ -88,8 +133,22 @@ def _patches(ax: Any, drawn: Drawn) -> None:
         if len(values):
             some = values > 0
             area = np.sqrt(edges[1:] * edges[:-1])[some] / scale.unit**2
-            ax.plot(area, values[some] * scale.unit**2, "o-", markersize=2.5, linewidth=0.8, color=COLOURS[k], label=_label(drawn, k))
-    ax.set(xlabel=scale.label("A", 2), ylabel=scale.density_label("P(A)", 2), xscale="log", yscale="log", title="contact patches")
+            ax.plot(
+                area,
+                values[some] * scale.unit**2,
+                "o-",
+                markersize=2.5,
+                linewidth=0.8,
+                color=COLOURS[k],
+                label=_label(drawn, k),
+            )
+    ax.set(
+        xlabel=scale.label("A", 2),
+        ylabel=scale.density_label("P(A)", 2),
+        xscale="log",
+        yscale="log",
+        title="contact patches",
+    )
 
 
 PANELS = {"pressure": _pressures, "gap": _gaps, "patches": _patches}
@@ -107,7 +166,9 @@ def _coarser(edges: np.ndarray, values: Any, wanted: np.ndarray) -> tuple[np.nda
     chosen = np.unique(np.abs(edges[:, None] - wanted).argmin(axis=0))
     if len(chosen) < 2:
         return edges, values
-    return edges[chosen], np.add.reduceat(values * np.diff(edges), chosen[:-1])[: len(chosen) - 1] / np.diff(edges[chosen])
+    return edges[chosen], np.add.reduceat(values * np.diff(edges), chosen[:-1])[
+        : len(chosen) - 1
+    ] / np.diff(edges[chosen])
 
 
 def _label(drawn: Drawn, k: int) -> str:

@@ -10,12 +10,25 @@ from .pictures import plot
 from .style import Picture
 
 
-def height_map(heights: Any, sizes: tuple[float, ...] = (1.0, 1.0), unit: str = "", title: str = "surface", window: Any = None,
-               dpi: float | None = None) -> Picture:
-    """The picture of heights (n_x, n_y), peaks up, on a cell of these sizes; unit: "m" where both are in it; window, dpi: see plot.
-    Returns a matplotlib Figure."""
-    surface = {"n": list(heights.shape), "physical_sizes": list(sizes), "h_rms": float(heights.std()), "unit": unit}
+def height_map(
+    heights: Any,
+    sizes: tuple[float, ...] = (1.0, 1.0),
+    unit: str = "",
+    title: str = "surface",
+    window: Any = None,
+    dpi: float | None = None,
+) -> Picture:
+    """The picture of heights (n_x, n_y), peaks up, on a cell of these sizes; unit: "m" where both
+    are in it; window, dpi: see plot. Returns a matplotlib Figure."""
+    surface = {
+        "n": list(heights.shape),
+        "physical_sizes": list(sizes),
+        "h_rms": float(heights.std()),
+        "unit": unit,
+    }
     fields: Any = {"heights": Slab(heights, 0, heights.shape)}
     head = {"scene": f"title = {json.dumps(title)}"}
-    result = Result(Path(title), surface, [{"status": "converged"}], [0], "converged", head, [fields])
+    result = Result(
+        Path(title), surface, [{"status": "converged"}], [0], "converged", head, [fields]
+    )
     return plot(result, "heights", window=window, dpi=dpi)

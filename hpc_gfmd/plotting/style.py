@@ -1,4 +1,5 @@
-"""How all pictures look: colours that colour-blind readers can tell apart, sizes as printed in a journal of two columns."""
+"""How all pictures look: colours that colour-blind readers can tell apart, sizes as printed in a
+journal of two columns."""
 
 import io
 from collections.abc import Iterator
@@ -24,7 +25,9 @@ DPI = 200
 def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
     """A colour map without its ends."""
     whole = matplotlib.colormaps[name]
-    return LinearSegmentedColormap.from_list(f"{name}_part", whole([low + (high - low) * k / 255 for k in range(256)]))
+    return LinearSegmentedColormap.from_list(
+        f"{name}_part", whole([low + (high - low) * k / 255 for k in range(256)])
+    )
 
 
 # A single touching point must show on its ground, whatever its pressure.
@@ -83,7 +86,9 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
     for ax in fig.axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
-    fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(columns, max(1, len(handles))))
+    fig.legend(
+        list(handles.values()), list(handles), loc=loc, ncols=min(columns, max(1, len(handles)))
+    )
 
 
 def legend_below(fig: Any) -> None:

@@ -1,4 +1,5 @@
-"""Passes over the fields of a load step, slab by slab: maps small enough to draw, and distributions."""
+"""Passes over the fields of a load step, slab by slab: maps small enough to draw, and
+distributions."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,8 +14,9 @@ _DECADES = (-12, 8)  # of the distributions, relative to their unit
 
 @dataclass(frozen=True)
 class Survey:
-    """contact: share of each pixel that touches, or None; means: {name: pixel means}, those of pressure over the points that touch (0
-    where none does); largest: {name: largest value of a point}."""
+    """contact: share of each pixel that touches, or None; means: {name: pixel means}, those of
+    pressure over the points that touch (0 where none does); largest: {name: largest value of a
+    point}."""
 
     contact: np.ndarray | None
     means: dict
@@ -22,15 +24,29 @@ class Survey:
 
 
 def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
-    """Look at the fields of one load step; pixels: at most so many along each axis; window: points (i0, i1, j0, j1), default: all."""
-    i0, i1, j0, j1 = window or (0, next(iter(fields.values())).shape[0], 0, next(iter(fields.values())).shape[1])
+    """Look at the fields of one load step; pixels: at most so many along each axis; window: points
+    (i0, i1, j0, j1), default: all."""
+    i0, i1, j0, j1 = window or (
+        0,
+        next(iter(fields.values())).shape[0],
+        0,
+        next(iter(fields.values())).shape[1],
+    )
     f_x, f_y = (max(1, -(-n // pixels)) for n in (i1 - i0, j1 - j0))
     parts: dict[str, list] = {}
     largest = dict.fromkeys(fields, -np.inf)
     for slab in _slabs(fields, i0, i1, f_x, slice(j0, j1)):
         touching = _touching(slab)
         if touching is not None:
-            slab = slab | {"contact": touching} | ({"pressure": np.where(touching, slab["pressure"], 0)} if "pressure" in slab else {})
+            slab = (
+                slab
+                | {"contact": touching}
+                | (
+                    {"pressure": np.where(touching, slab["pressure"], 0)}
+                    if "pressure" in slab
+                    else {}
+                )
+            )
         for name, values in slab.items():
             parts.setdefault(name, []).append(_pixel_sums(values, f_x, f_y))
             if name in largest:
@@ -38,14 +54,19 @@ def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
     sums: dict[str, Any] = {name: np.concatenate(blocks) for name, blocks in parts.items()}
     points = np.outer(np.diff([*range(i0, i1, f_x), i1]), np.diff([*range(j0, j1, f_y), j1]))
     count = sums.pop("contact", None)
-    means = {name: total / (np.maximum(count, 1) if name == "pressure" else points) for name, total in sums.items()}
+    means = {
+        name: total / (np.maximum(count, 1) if name == "pressure" else points)
+        for name, total in sums.items()
+    }
     return Survey(None if count is None else count / points, means, largest)
 
 
 def density(fields: dict, name: str, unit: float) -> tuple[np.ndarray, np.ndarray]:
-    """(edges, density) of "pressure" over the points that touch, or of "gap" over the others; it integrates to their share of the area.
+    """(edges, density) of "pressure" over the points that touch, or of "gap" over the others; it
+    integrates to their share of the area.
 
-    Logarithmic bins, PER_DECADE in a decade, without empty ones at the ends; unit: any magnitude of the values.
+    Logarithmic bins, PER_DECADE in a decade, without empty ones at the ends; unit: any magnitude of
+    the values.
     """
     edges = unit * np.logspace(*_DECADES, (_DECADES[1] - _DECADES[0]) * PER_DECADE + 1)
     counts, shape = np.zeros(len(edges) - 1), fields[name].shape
@@ -54,7 +75,7 @@ def density(fields: dict, name: str, unit: float) -> tuple[np.ndarray, np.ndarra
         counts += np.histogram(slab[name][touching if name == "pressure" else ~touching], edges)[0]
     filled = np.flatnonzero(counts)
     some = slice(filled[0], filled[-1] + 1) if len(filled) else slice(0, 0)
-    edges = edges[some.start:some.stop + 1]
+    edges = edges[some.start : some.stop + 1]
     return edges, counts[some] / np.diff(edges) / (shape[0] * shape[1])
 
 
@@ -64,11 +85,16 @@ def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Ite
     rows = max(1, SLAB_BYTES // (8 * shape[1]) // multiple) * multiple
     for start in range(i0, i1, rows):
         stop = min(start + rows, i1)
-        yield {name: np.asarray(field.read(start, stop), dtype=np.float64)[:, columns] for name, field in fields.items()}
+        yield {
+            name: np.asarray(field.read(start, stop), dtype=np.float64)[:, columns]
+            for name, field in fields.items()
+        }
 
 
 def _touching(slab: dict) -> Any:
-    return slab["gap"] <= 0 if "gap" in slab else slab["pressure"] > 0 if "pressure" in slab else None
+    return (
+        slab["gap"] <= 0 if "gap" in slab else slab["pressure"] > 0 if "pressure" in slab else None
+    )
 
 
 def _pixel_sums(values: Any, f_x: int, f_y: int) -> np.ndarray:

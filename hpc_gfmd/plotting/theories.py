@@ -1,4 +1,5 @@
-"""What theory says of a surface, where there is one: Persson's of self-affine surfaces, Hertz' of spheres, Westergaard's of waves."""
+"""What theory says of a surface, where there is one: Persson's of self-affine surfaces, Hertz' of
+spheres, Westergaard's of waves."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,9 +19,9 @@ from .units import Scale, good
 
 @dataclass(frozen=True)
 class Theory:
-    """area(p), gap(p), approach(p): relative contact area, mean gap, approach under the mean pressures p; density(x, p): of the local
-    pressure x > 0, integrates to the area; all in the units of the result, None where it does not say. height: what heights are
-    measured in."""
+    """area(p), gap(p), approach(p): relative contact area, mean gap, approach under the mean
+    pressures p; density(x, p): of the local pressure x > 0, integrates to the area; all in the
+    units of the result, None where it does not say. height: what heights are measured in."""
 
     name: str
     area: Callable | None
@@ -31,7 +32,8 @@ class Theory:
 
 
 def theory_of(result: Result) -> Theory | None:
-    """The theory of a Result's surface; None for measured ones, layers, and where a theory is only of periodic or of free ones."""
+    """The theory of a Result's surface; None for measured ones, layers, and where a theory is only
+    of periodic or of free ones."""
     try:
         scene = Scene.from_toml(result.scene_toml)
     except SceneError:
@@ -56,7 +58,9 @@ def _persson(surface: Any, E_star: float, found: Any) -> Theory | None:
         profile = SlopeProfile.from_spectrum(q, spectrum)
 
         def gap(p: Any) -> np.ndarray:
-            in_h_rms = persson.mean_gap_spectrum(q, spectrum, p / unit * profile.g_rms) / profile.h_rms
+            in_h_rms = (
+                persson.mean_gap_spectrum(q, spectrum, p / unit * profile.g_rms) / profile.h_rms
+            )
             return h_rms * np.ma.masked_less(in_h_rms, 1e-12)
 
     def density(x: Any, p: Any) -> np.ndarray:
@@ -67,17 +71,30 @@ def _persson(surface: Any, E_star: float, found: Any) -> Theory | None:
 
 
 def _hertz(surface: Any, E_star: float, _: object) -> Theory:
-    radius, area = float(surface.radius), float(surface.physical_sizes[0]) * float(surface.physical_sizes[1])
+    radius, area = (
+        float(surface.radius),
+        float(surface.physical_sizes[0]) * float(surface.physical_sizes[1]),
+    )
 
     def contact(p: Any) -> Any:
         return Hertz(radius, p * area, E_star)
 
     def density(x: Any, p: Any) -> np.ndarray:
         hertz = contact(p)
-        return np.where(x <= hertz.peak_pressure, 2 * pi * hertz.a**2 * x / (hertz.peak_pressure**2 * area), np.nan)
+        return np.where(
+            x <= hertz.peak_pressure,
+            2 * pi * hertz.a**2 * x / (hertz.peak_pressure**2 * area),
+            np.nan,
+        )
 
-    return Theory("Hertz", lambda p: pi * contact(p).a ** 2 / area, None, density,
-                  (lambda p: contact(p).approach) if all(surface.free) else None, Scale(float(surface.physical_sizes[0]), "L_x", True))
+    return Theory(
+        "Hertz",
+        lambda p: pi * contact(p).a ** 2 / area,
+        None,
+        density,
+        (lambda p: contact(p).approach) if all(surface.free) else None,
+        Scale(float(surface.physical_sizes[0]), "L_x", True),
+    )
 
 
 def _westergaard(surface: Any, E_star: float, _: object) -> Theory | None:
@@ -92,9 +109,17 @@ def _westergaard(surface: Any, E_star: float, _: object) -> Theory | None:
 
     def density(x: Any, p: Any) -> np.ndarray:
         solved = contact(p)
-        where = np.linspace(0, length / 2 * float(solved.a_r), 2001)  # p falls from the crest to the edge
+        where = np.linspace(
+            0, length / 2 * float(solved.a_r), 2001
+        )  # p falls from the crest to the edge
         pressures = solved.pressure(where)
         slope = np.abs(np.gradient(where, pressures, edge_order=1))
         return np.interp(x, pressures[::-1], 2 / length * slope[::-1], right=np.nan)
 
-    return Theory("Westergaard", lambda p: contact(p).a_r, lambda p: contact(p).gap_mean, density, height=height)
+    return Theory(
+        "Westergaard",
+        lambda p: contact(p).a_r,
+        lambda p: contact(p).gap_mean,
+        density,
+        height=height,
+    )

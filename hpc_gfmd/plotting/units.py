@@ -1,4 +1,5 @@
-"""What pictures are scaled with: units with SI prefixes where a result knows them, otherwise what makes numbers dimensionless."""
+"""What pictures are scaled with: units with SI prefixes where a result knows them, otherwise what
+makes numbers dimensionless."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -15,7 +16,8 @@ def good(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class Scale:
-    """Numbers over `unit`; name: of an absolute unit ("MPa"), or the formula of a relative one ("E^* \\bar{g}"), or "" for neither."""
+    """Numbers over `unit`; name: of an absolute unit ("MPa"), or the formula of a relative one
+    ("E^* \\bar{g}"), or "" for neither."""
 
     unit: float
     name: str = ""
@@ -38,13 +40,16 @@ class Scale:
         """Of a density over it: "$P(p)$ (1/MPa)" or "$P(p) \\cdot E^*$"."""
         raised = f"^{power}" if power > 1 else ""
         if not self.relative:
-            return f"${symbol}$" + (f" (1/{self.name}{f'${raised}$' if raised else ''})" if self.name else "")
+            return f"${symbol}$" + (
+                f" (1/{self.name}{f'${raised}$' if raised else ''})" if self.name else ""
+            )
         return f"${symbol} \\cdot {self._formula}{raised}$"
 
     def value(self, symbol: str, number: float) -> str:
         """ "$p = 20$ MPa"."""
         over = f"/{self._formula}" if self.relative else ""
-        return f"${symbol}{over} = {number / self.unit:.3g}$ {'' if self.relative else self.name}".rstrip()
+        name = "" if self.relative else self.name
+        return f"${symbol}{over} = {number / self.unit:.3g}$ {name}".rstrip()
 
 
 class Units:
@@ -52,19 +57,32 @@ class Units:
 
     def __init__(self, result: Result, theory: Any = None, dimensionless: bool = False) -> None:
         surface = result.surface
-        self.length_unit, self.pressure_unit = ("" if dimensionless else surface.get(unit, "") for unit in ("unit", "pressure_unit"))
+        self.length_unit, self.pressure_unit = (
+            "" if dimensionless else surface.get(unit, "") for unit in ("unit", "pressure_unit")
+        )
         self.size = surface.get("physical_sizes", (1.0, 1.0))[0]
-        self.height_scale = theory.height if theory and theory.height else Scale(surface.get("h_rms") or 0.0, r"\bar{h}", True)
+        self.height_scale = (
+            theory.height
+            if theory and theory.height
+            else Scale(surface.get("h_rms") or 0.0, r"\bar{h}", True)
+        )
         slope = surface.get("g_rms")
-        moduli = [step["p"] / step["p_star"] / slope for step in result.steps
-                  if good(slope) and good(step.get("p_star")) and good(step.get("p"))]
+        moduli = [
+            step["p"] / step["p_star"] / slope
+            for step in result.steps
+            if good(slope) and good(step.get("p_star")) and good(step.get("p"))
+        ]
         self.rough = surface.get("kind", "self-affine") not in ("wave", "sphere")
         name, factor = (r"E^* \bar{g}", slope) if self.rough else ("E^*", 1.0)
         self.pressure_scale = Scale(moduli[0] * factor, name, True) if moduli else Scale(1.0)
 
     def lengths(self, values: Any = ()) -> Scale:
         """Of positions."""
-        return _absolute(values or [self.size], self.length_unit) if self.length_unit else Scale(self.size, "L_x", True)
+        return (
+            _absolute(values or [self.size], self.length_unit)
+            if self.length_unit
+            else Scale(self.size, "L_x", True)
+        )
 
     def heights(self, values: Any) -> Scale:
         """Of gaps and heights."""

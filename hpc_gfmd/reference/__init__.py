@@ -1,11 +1,13 @@
-"""Reference data: contact area and mean gap of self-affine surfaces against p_star, H and eps_f, with uncertainties.
+"""Reference data: contact area and mean gap of self-affine surfaces against p_star, H and eps_f,
+with uncertainties.
 
     from hpc_gfmd import reference
     a_r, sigma = reference.contact_area(0.05, hurst=0.8, eps_f=1 / 256)
 
-Extrapolated to large cells and fine grids, interpolated along all three. The mean gap ends at a smaller p_star than the contact area:
-above, it closes (contact everywhere) in some cells. The data file is made from stored runs by
-`hpc-gfmd study curves --level desk --no-run --reference FILE`. Reading it needs neither MPI nor compiled kernels.
+Extrapolated to large cells and fine grids, interpolated along all three. The mean gap ends at a
+smaller p_star than the contact area: above, it closes (contact everywhere) in some cells. The data
+file is made from stored runs by `hpc-gfmd study curves --level desk --no-run --reference FILE`.
+Reading it needs neither MPI nor compiled kernels.
 """
 
 import numpy as np
@@ -16,7 +18,9 @@ from .data import Reference, load
 __all__ = ["Reference", "contact_area", "load", "mean_gap"]
 
 
-def contact_area(p_star: ArrayLike, hurst: float, eps_f: float) -> tuple[float | np.ndarray, float | np.ndarray]:
+def contact_area(
+    p_star: ArrayLike, hurst: float, eps_f: float
+) -> tuple[float | np.ndarray, float | np.ndarray]:
     """Relative contact area of a self-affine surface, interpolated in the shipped data.
 
     Parameters
@@ -39,7 +43,9 @@ def contact_area(p_star: ArrayLike, hurst: float, eps_f: float) -> tuple[float |
     return load().at("a_r", p_star, hurst, eps_f)
 
 
-def mean_gap(p_star: ArrayLike, hurst: float, eps_f: float, unit: str = "h_rms") -> tuple[float | np.ndarray, float | np.ndarray]:
+def mean_gap(
+    p_star: ArrayLike, hurst: float, eps_f: float, unit: str = "h_rms"
+) -> tuple[float | np.ndarray, float | np.ndarray]:
     """Mean gap of a self-affine surface, interpolated in the shipped data.
 
     Parameters

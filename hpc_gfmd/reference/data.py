@@ -43,11 +43,14 @@ class Reference:
     sigma: dict[str, np.ndarray]
     provenance: dict[str, Any]
 
-    def at(self, quantity: str, p_star: ArrayLike, hurst: float, eps_f: float) -> tuple[float | np.ndarray, float | np.ndarray]:
+    def at(
+        self, quantity: str, p_star: ArrayLike, hurst: float, eps_f: float
+    ) -> tuple[float | np.ndarray, float | np.ndarray]:
         """A quantity and its uncertainty.
 
-        Interpolated is the logarithm of the ratio to Persson's theory, which varies little: by splines along ln p_star and hurst and a
-        parabola along ln eps_f. The uncertainty is that of the points in between, as if all erred alike.
+        Interpolated is the logarithm of the ratio to Persson's theory, which varies little: by
+        splines along ln p_star and hurst and a parabola along ln eps_f. The uncertainty is that of
+        the points in between, as if all erred alike.
 
         Parameters
         ----------
@@ -74,14 +77,25 @@ class Reference:
             raise SceneError(f"quantity: found {quantity!r}, allowed: {', '.join(QUANTITIES)}")
         loads = self.p_star[quantity]
         wanted = _within("p_star", p_star, loads)
-        weights = np.outer(_weights(float(_within("hurst", hurst, self.hurst)), self.hurst),
-                           _weights(float(np.log(_within("eps_f", eps_f, self.eps_f))), np.log(self.eps_f)))
-        ratio = np.array([[np.log(value / _persson(quantity, loads, H, f)) for f, value in zip(self.eps_f, values, strict=True)]
-                          for H, values in zip(self.hurst, self.value[quantity], strict=True)])
+        weights = np.outer(
+            _weights(float(_within("hurst", hurst, self.hurst)), self.hurst),
+            _weights(float(np.log(_within("eps_f", eps_f, self.eps_f))), np.log(self.eps_f)),
+        )
+        ratio = np.array(
+            [
+                [
+                    np.log(value / _persson(quantity, loads, H, f))
+                    for f, value in zip(self.eps_f, values, strict=True)
+                ]
+                for H, values in zip(self.hurst, self.value[quantity], strict=True)
+            ]
+        )
         x, at = np.log(loads), np.log(wanted)
         spline = make_interp_spline(x, np.einsum("hf,hfp->p", weights, ratio), k=min(3, len(x) - 1))
         value = np.exp(spline(at)) * _persson(quantity, wanted, hurst, eps_f)
-        sigma = value * np.interp(at, x, np.einsum("hf,hfp->p", np.abs(weights), self.sigma[quantity]))
+        sigma = value * np.interp(
+            at, x, np.einsum("hf,hfp->p", np.abs(weights), self.sigma[quantity])
+        )
         return (value, sigma) if wanted.ndim else (float(value), float(sigma))
 
 
@@ -105,7 +119,11 @@ def _weights(x: float, known: np.ndarray) -> np.ndarray:
 def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> np.ndarray:
     from ..theory import persson
 
-    return persson.contact_area(p_star) if quantity == "a_r" else persson.mean_gap(p_star, float(hurst), float(eps_f))
+    return (
+        persson.contact_area(p_star)
+        if quantity == "a_r"
+        else persson.mean_gap(p_star, float(hurst), float(eps_f))
+    )
 
 
 def load(path: str | Path | None = None) -> Reference:
@@ -135,7 +153,10 @@ def _read(path: Path | Traversable) -> Reference:
         if data["format"] != FORMAT:
             raise ValueError(f"format {data['format']!r}")
         hurst, eps_f = _array(data["hurst"]), _array(data["eps_f"])
-        p_star, value, sigma = ({name: _array(data[kind][name]) for name in QUANTITIES} for kind in ("p_star", "value", "sigma"))
+        p_star, value, sigma = (
+            {name: _array(data[kind][name]) for name in QUANTITIES}
+            for kind in ("p_star", "value", "sigma")
+        )
         for name in QUANTITIES:
             shape = len(hurst), len(eps_f), len(p_star[name])
             if not value[name].shape == sigma[name].shape == shape or not (value[name] > 0).all():

@@ -1,7 +1,8 @@
 """The scene: what is asked, as frozen and validated numbers.
 
-`load_scene` reads a TOML file, `Scene.from_toml` a text (as stored in a result file), `Scene.from_dict` a
-dictionary; each raises `SceneError` with one line that names the key, what was found and what is allowed.
+`load_scene` reads a TOML file, `Scene.from_toml` a text (as stored in a result file),
+`Scene.from_dict` a dictionary; each raises `SceneError` with one line that names the key, what was
+found and what is allowed.
 """
 
 from .load import check_names, load_scene, with_overrides
@@ -10,5 +11,20 @@ from .settings import Load, Machine, Material, Output, Solver
 from .surface import File, SelfAffine, Sphere, Wave
 from .table import has_unit
 
-__all__ = ["ArrayScene", "File", "Load", "Machine", "Material", "Output", "Scene", "SelfAffine", "Solver", "Sphere", "Wave",
-           "check_names", "has_unit", "load_scene", "with_overrides"]
+__all__ = [
+    "ArrayScene",
+    "File",
+    "Load",
+    "Machine",
+    "Material",
+    "Output",
+    "Scene",
+    "SelfAffine",
+    "Solver",
+    "Sphere",
+    "Wave",
+    "check_names",
+    "has_unit",
+    "load_scene",
+    "with_overrides",
+]

@@ -23,14 +23,15 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def shown(value: object) -> str:
-    """`value` in a few printable characters of one line, as TOML would have it where that is short."""
+    """`value` in a few printable characters of one line, as TOML would have it where that is
+    short."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict):
         return "a table"
     try:
         return one_line(_short.repr(value))
-    except ValueError:      # an integer of more digits than Python prints
+    except ValueError:  # an integer of more digits than Python prints
         return "a huge integer"
 
 
@@ -44,20 +45,29 @@ Model = type[BaseModel]
 
 
 def explain(error: ValidationError, scene: Model, kinds: Mapping[str, Model], data: dict) -> str:
-    """All errors in one line, as far as it does not become too long. `kinds` are the models of [surface] by their kind."""
-    lines: dict[tuple, str] = {}      # several errors of one key (alternatives of a type, entries of a list) are one
+    """All errors in one line, as far as it does not become too long. `kinds` are the models of
+    [surface] by their kind."""
+    lines: dict[
+        tuple, str
+    ] = {}  # several errors of one key (alternatives of a type, entries of a list) are one
     # a misspelt key first: it explains the "missing" that comes with it
-    for item in sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden"):
-        if item["type"] != "default_factory_not_called":    # only follows from another error
+    for item in sorted(
+        error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden"
+    ):
+        if item["type"] != "default_factory_not_called":  # only follows from another error
             key, line = _line(item, scene, kinds, data)
             lines.setdefault(key, line)
     found = list(lines.values())
-    shown = [line for k, line in enumerate(found) if k == 0 or len("; ".join(found[:k + 1])) <= LONGEST]
-    return "; ".join(shown) + (f" (and {len(found) - len(shown)} more)" if len(shown) < len(found) else "")
+    shown = [
+        line for k, line in enumerate(found) if k == 0 or len("; ".join(found[: k + 1])) <= LONGEST
+    ]
+    return "; ".join(shown) + (
+        f" (and {len(found) - len(shown)} more)" if len(shown) < len(found) else ""
+    )
 
 
 def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tuple[tuple, str]:
-    if not item["loc"]:         # a rule on the whole scene
+    if not item["loc"]:  # a rule on the whole scene
         return (), str(item["ctx"]["error"])
     name, *rest = item["loc"]
     model = _model(scene, name)
@@ -66,11 +76,15 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
     path, key = printable(name), (name, *rest[:1])
     if item["type"] == "extra_forbidden":
         inner = item["input"] if not rest and isinstance(item["input"], dict) else ()
-        return key, _unknown(rest[-1] if rest else name, model if rest else None, path, scene, kinds, inner)
+        return key, _unknown(
+            rest[-1] if rest else name, model if rest else None, path, scene, kinds, inner
+        )
     if item["type"].startswith("union_tag"):
         return key, _kind(data[name].get("kind"), kinds)
     if not rest:
-        if item["type"] == "value_error" and model:     # a rule on the whole table brings its own words
+        if (
+            item["type"] == "value_error" and model
+        ):  # a rule on the whole table brings its own words
             return key, f"{path}: {item['ctx']['error']}"
         found = shown(data[name]) if name in data else "nothing"
         return key, f"{path}: found {found}, allowed: {allowed(scene.model_fields[name])}"
@@ -84,39 +98,74 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
         path, found = f"{path}[{rest[1]}]", shown(value[rest[1]])
     elif rest[1:] and isinstance(value, dict) and rest[1] in value:
         path, found = f"{path}.{printable(rest[1])}", shown(value[rest[1]])
-    guess = f"{ONLY}, " if item["type"] == "literal_error" and is_not_modelled(str(item["input"])) else ""
-    return key, f"{path}: found {found}, {guess}allowed: {allowed(model.model_fields[field])}{_limits(item)}"
+    guess = (
+        f"{ONLY}, "
+        if item["type"] == "literal_error" and is_not_modelled(str(item["input"]))
+        else ""
+    )
+    return (
+        key,
+        (
+            f"{path}: found {found}, {guess}allowed:"
+            f" {allowed(model.model_fields[field])}{_limits(item)}"
+        ),
+    )
 
 
 def _limits(item: Any) -> str:
     """Of all numbers, where one that makes sense is beyond them."""
     beyond = {"greater_than_equal": "ge", "less_than_equal": "le"}.get(item["type"])
-    return f", from {SMALLEST:g} to {LARGEST:g}" if beyond and item["ctx"][beyond] in (SMALLEST, LARGEST) and item["input"] > 0 else ""
+    return (
+        f", from {SMALLEST:g} to {LARGEST:g}"
+        if beyond and item["ctx"][beyond] in (SMALLEST, LARGEST) and item["input"] > 0
+        else ""
+    )
 
 
 def _model(scene: Model, table: str) -> Model | None:
     annotation = scene.model_fields[table].annotation if table in scene.model_fields else None
-    return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
+    return (
+        annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
+    )
 
 
-def _unknown(name: str, model: Model | None, table: str, scene: Model, kinds: Mapping[str, Model], inner: Iterable[str]) -> str:
-    """An unknown key: the most similar one of the same table, and where the same name is a key of another one, that, too. inner: its
-    own keys, if it is a table."""
+def _unknown(
+    name: str,
+    model: Model | None,
+    table: str,
+    scene: Model,
+    kinds: Mapping[str, Model],
+    inner: Iterable[str],
+) -> str:
+    """An unknown key: the most similar one of the same table, and where the same name is a key of
+    another one, that, too. inner: its own keys, if it is a table."""
     here = list((model or scene).model_fields)
     tables = {key: _model(scene, key) for key in scene.model_fields}
-    elsewhere = {field: f"{key}.{field}" for key, other in tables.items() if other is not None for field in other.model_fields}
-    elsewhere |= {field: f"surface.{field}" for kind in kinds.values() for field in kind.model_fields}
+    elsewhere = {
+        field: f"{key}.{field}"
+        for key, other in tables.items()
+        if other is not None
+        for field in other.model_fields
+    }
+    elsewhere |= {
+        field: f"surface.{field}" for kind in kinds.values() for field in kind.model_fields
+    }
     path, prefix = (f"{table}.{printable(name)}", f"{table}.") if model else (table, "")
     if any(map(is_not_modelled, (name, *inner))):
         return f"{path}: {ONLY}, allowed: {', '.join(here)}"
     guess = prefix + nearest(name, here)
     other = name if name in scene.model_fields else elsewhere.get(name, path)
     if other != path:
-        guess = f"{guess} ({other} is a key, too)" if model else other  # without a table it is a key that lost its own
+        guess = (
+            f"{guess} ({other} is a key, too)" if model else other
+        )  # without a table it is a key that lost its own
     return f"{path}: unknown key, nearest: {guess}, allowed: {', '.join(here)}"
 
 
 def _kind(found: object, kinds: Mapping[str, Model]) -> str:
     allowed = ", ".join(f'"{kind}"' for kind in kinds)
     guess = f'nearest: "{nearest(found, kinds)}", ' if isinstance(found, str) else ""
-    return f"surface.kind: found {'nothing' if found is None else shown(found)}, {guess}allowed: {allowed}"
+    return (
+        f"surface.kind: found {'nothing' if found is None else shown(found)}, {guess}allowed:"
+        f" {allowed}"
+    )

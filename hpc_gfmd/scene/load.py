@@ -11,14 +11,16 @@ from ..not_modelled import ONLY, is_not_modelled
 from .explain import nearest, printable, shown
 from .model import Scene, parse_toml
 
-MAX_BYTES = 1 << 20     # no scene is longer; a data file given by mistake often is
+MAX_BYTES = 1 << 20  # no scene is longer; a data file given by mistake often is
 
 
 def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
-    """Read a scene file and apply overrides "table.key=value", each value in TOML or else a plain string.
+    """Read a scene file and apply overrides "table.key=value", each value in TOML or else a plain
+    string.
 
-    An override may replace a whole table: "load={pressure = [0.1]}". A relative surface path, in the file or
-    in an override, counts from the folder of the scene file and becomes absolute. Raises SceneError.
+    An override may replace a whole table: "load={pressure = [0.1]}". A relative surface path, in
+    the file or in an override, counts from the folder of the scene file and becomes absolute.
+    Raises SceneError.
     """
     origin = printable(str(path))
     data = parse_toml(_read(path, origin), origin)
@@ -28,7 +30,8 @@ def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
 
 
 def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
-    """The scene with overrides "table.key=value" of that one table. Raises SceneError for others."""
+    """The scene with overrides "table.key=value" of that one table. Raises SceneError for
+    others."""
     data = scene.model_dump(exclude_none=True)
     for override in overrides:
         if not override.strip().startswith(f"{table}."):
@@ -37,19 +40,32 @@ def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
     return Scene.from_dict(data, "--set") if overrides else scene
 
 
-def check_names(scene: Scene, solvers: Iterable[str], observables: Iterable[str],
-                fields: Iterable[str], distributions: Iterable[str] = ()) -> None:
+def check_names(
+    scene: Scene,
+    solvers: Iterable[str],
+    observables: Iterable[str],
+    fields: Iterable[str],
+    distributions: Iterable[str] = (),
+) -> None:
     """Compare the names in the scene with those that the registries know.
 
     Raises SceneError naming the nearest one.
     """
-    for key, found, known in (("solver.name", [scene.solver.name], {"auto", *solvers}),
-                              ("output.observables", scene.output.observables or (), set(observables)),
-                              ("output.fields", scene.output.fields, set(fields)),
-                              ("output.distributions", scene.output.distributions, set(distributions))):
+    for key, found, known in (
+        ("solver.name", [scene.solver.name], {"auto", *solvers}),
+        ("output.observables", scene.output.observables or (), set(observables)),
+        ("output.fields", scene.output.fields, set(fields)),
+        ("output.distributions", scene.output.distributions, set(distributions)),
+    ):
         for name in found:
             if name not in known:
-                guess = f"{ONLY}, " if is_not_modelled(name) else f'nearest: "{nearest(name, known)}", ' if known else ""
+                guess = (
+                    f"{ONLY}, "
+                    if is_not_modelled(name)
+                    else f'nearest: "{nearest(name, known)}", '
+                    if known
+                    else ""
+                )
                 allowed = ", ".join(sorted(known)) or "none"
                 raise SceneError(f"{key}: found {shown(name)}, {guess}allowed: {allowed}")
 
@@ -62,16 +78,22 @@ def _read(path: str | PathLike, origin: str) -> str:
         with open(path, "rb") as file:
             raw = file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise SceneError(f"{origin}: cannot read this scene file: {error.strerror or error}") from None
-    except ValueError as error:     # a null byte in the name
+        raise SceneError(
+            f"{origin}: cannot read this scene file: {error.strerror or error}"
+        ) from None
+    except ValueError as error:  # a null byte in the name
         raise SceneError(f"{origin}: cannot read this scene file: {error}") from None
     if len(raw) > MAX_BYTES:
-        raise SceneError(f"{origin}: found more than {MAX_BYTES} bytes, allowed: a scene file in TOML")
+        raise SceneError(
+            f"{origin}: found more than {MAX_BYTES} bytes, allowed: a scene file in TOML"
+        )
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise SceneError(f"{origin}: found byte 0x{raw[error.start]:02x} at position {error.start}, "
-                         "allowed: UTF-8 text in TOML") from None
+        raise SceneError(
+            f"{origin}: found byte 0x{raw[error.start]:02x} at position {error.start}, "
+            "allowed: UTF-8 text in TOML"
+        ) from None
     if not text.strip():
         raise SceneError(f"{origin}: found an empty file, allowed: at least [surface] and [load]")
     return text
@@ -88,8 +110,10 @@ def apply_override(data: dict[str, Any], override: str) -> None:
         table = table.setdefault(part, {})
         if not isinstance(table, dict):
             before = ".".join(path[:depth])
-            raise SceneError(f"--set: found {shown(key)}, but {printable(before)} is no table, "
-                             "allowed: table.key=value")
+            raise SceneError(
+                f"--set: found {shown(key)}, but {printable(before)} is no table, "
+                "allowed: table.key=value"
+            )
     table[path[-1]] = _value(value.strip())
 
 

@@ -18,8 +18,8 @@ from .table import Table, Text, alike, has_unit, key
 
 LOADED_LENGTHS = ("gap_mean", "approach")
 LENGTHS = ("physical_sizes", "h_rms", "amplitude", "radius")
-RESOLVED = 8        # points in a wave length; with fewer the contact is one of single points
-TOUCHING = 100      # fewer contact points than this say little about a rough contact
+RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
+TOUCHING = 100  # fewer contact points than this say little about a rough contact
 
 
 class Scene(Table):
@@ -27,56 +27,100 @@ class Scene(Table):
 
     title: Text = key("what the result is called", "one line of text", "", said="none")
     surface: AnySurface = key("the rigid rough wall", "a table [surface]")
-    material: Material = key("the elastic solid that is pressed against it", "a table [material]", Material())
+    material: Material = key(
+        "the elastic solid that is pressed against it", "a table [material]", Material()
+    )
     load: Load = key("how hard", "a table [load]")
     solver: Solver = key("which algorithm, and when it may stop", "a table [solver]", Solver())
     output: Output = key("the result file, and what goes into it", "a table [output]", Output())
-    machine: Machine = key("speed and limits, nothing of which changes the answer", "a table [machine]", Machine())
+    machine: Machine = key(
+        "speed and limits, nothing of which changes the answer", "a table [machine]", Machine()
+    )
 
     @model_validator(mode="after")
     def _rough(self) -> Self:
         name, _ = self.load.given
-        if isinstance(self.surface, Wave) and self.surface.amplitude == 0 and name not in ("pressure", "force", "approach"):
-            raise ValueError(f"load.{name}: found a flat surface (amplitude = 0), allowed: load.pressure")
+        if (
+            isinstance(self.surface, Wave)
+            and self.surface.amplitude == 0
+            and name not in ("pressure", "force", "approach")
+        ):
+            raise ValueError(
+                f"load.{name}: found a flat surface (amplitude = 0), allowed: load.pressure"
+            )
         return self
 
     @model_validator(mode="after")
     def _units(self) -> Self:
         surface, material = self.surface, self.material
-        measured = isinstance(surface, File)  # its file may know units: what is built of it is compared later
-        lengths = {} if measured else {f"surface.{key}": getattr(surface, key) for key in LENGTHS if hasattr(surface, key)}
-        lengths |= {} if measured else {f"load.{key}": getattr(self.load, key) for key in LOADED_LENGTHS}
+        measured = isinstance(
+            surface, File
+        )  # its file may know units: what is built of it is compared later
+        lengths = (
+            {}
+            if measured
+            else {
+                f"surface.{key}": getattr(surface, key) for key in LENGTHS if hasattr(surface, key)
+            }
+        )
+        lengths |= (
+            {} if measured else {f"load.{key}": getattr(self.load, key) for key in LOADED_LENGTHS}
+        )
         pressures = {f"load.{key}": getattr(self.load, key) for key in ("pressure", "force")}
-        pressures |= {f"material.{key}": getattr(material, key) for key in (("E_star",) if material.E1 is None else ("E1", "E2"))}
+        pressures |= {
+            f"material.{key}": getattr(material, key)
+            for key in (("E_star",) if material.E1 is None else ("E1", "E2"))
+        }
         alike("lengths", lengths | {"material.thickness": None if measured else material.thickness})
         alike("pressures and forces" if self.load.force else "pressures", pressures)
         if self.load.force and not measured:
-            alike("lengths and forces", {"surface.physical_sizes": surface.physical_sizes, "load.force": self.load.force})
+            alike(
+                "lengths and forces",
+                {"surface.physical_sizes": surface.physical_sizes, "load.force": self.load.force},
+            )
         return self
 
     @model_validator(mode="after")
     def _load_fits(self) -> Self:
         if self.load.force and not any(self.surface.free):
-            raise ValueError("load.force: found periodic boundaries, allowed: with a free boundary (with periodic ones: load.pressure)")
-        if self.load.approach and not (all(self.surface.free) or self.material.thickness is not None):
-            raise ValueError("load.approach: found a half-space that gives way without end, allowed: with free boundaries along both "
-                             "axes, or material.thickness")
+            raise ValueError(
+                "load.force: found periodic boundaries, allowed: with a free boundary (with"
+                " periodic ones: load.pressure)"
+            )
+        if self.load.approach and not (
+            all(self.surface.free) or self.material.thickness is not None
+        ):
+            raise ValueError(
+                "load.approach: found a half-space that gives way without end, allowed: with free"
+                " boundaries along both axes, or material.thickness"
+            )
         return self
 
     @property
     def length_unit(self) -> str:
-        """"m" where lengths were given with units, else ""; of a height map its surface knows."""
-        return "m" if isinstance(self.surface.physical_sizes, tuple) and has_unit(self.surface.physical_sizes) else ""
+        """ "m" where lengths were given with units, else ""; of a height map its surface knows."""
+        return (
+            "m"
+            if isinstance(self.surface.physical_sizes, tuple)
+            and has_unit(self.surface.physical_sizes)
+            else ""
+        )
 
     @property
     def pressure_unit(self) -> str:
-        """"Pa" where pressures were given with units, else ""."""
-        return "Pa" if has_unit(self.material.E_star if self.material.E1 is None else self.material.E1) else ""
+        """ "Pa" where pressures were given with units, else ""."""
+        return (
+            "Pa"
+            if has_unit(self.material.E_star if self.material.E1 is None else self.material.E1)
+            else ""
+        )
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any], origin: str = "scene",
-                  folder: str | Path | None = None) -> "Scene":
-        """Validate tables as read from TOML; a relative surface path counts from `folder` where one is given.
+    def from_dict(
+        cls, data: dict[str, Any], origin: str = "scene", folder: str | Path | None = None
+    ) -> "Scene":
+        """Validate tables as read from TOML; a relative surface path counts from `folder` where one
+        is given.
 
         Raises SceneError, beginning with `origin`.
         """
@@ -85,30 +129,43 @@ class Scene(Table):
             path = surface.get("path")
             if path and isinstance(path, str):
                 data = data | {"surface": surface | {"path": str(Path(folder).absolute() / path)}}
-            elif path and isinstance(path, list) and all(one and isinstance(one, str) for one in path):
-                data = data | {"surface": surface | {"path": [str(Path(folder).absolute() / one) for one in path]}}
+            elif (
+                path
+                and isinstance(path, list)
+                and all(one and isinstance(one, str) for one in path)
+            ):
+                data = data | {
+                    "surface": (
+                        surface | {"path": [str(Path(folder).absolute() / one) for one in path]}
+                    )
+                }
         try:
             return cls.model_validate(data)
         except ValidationError as error:
             raise SceneError(f"{origin}: {explain(error, cls, KINDS, data)}") from None
 
     @classmethod
-    def from_toml(cls, text: str, origin: str = "scene", folder: str | Path | None = None) -> "Scene":
+    def from_toml(
+        cls, text: str, origin: str = "scene", folder: str | Path | None = None
+    ) -> "Scene":
         """Parse and validate TOML text. Raises SceneError."""
         return cls.from_dict(parse_toml(text, origin), origin, folder)
 
     def to_toml(self) -> str:
-        """The scene as TOML with every default written out; `from_toml` gives back an equal scene."""
+        """The scene as TOML with every default written out; `from_toml` gives back an equal
+        scene."""
         return tomli_w.dumps(self.model_dump(exclude_none=True))
 
     def identity(self) -> str:
         """SHA-256 (hex) of all that changes the answer or what is kept of it.
 
-        [machine], the title, the path of the result and its (lossless) compression do not count, nor does the
-        order of fields, observables and distributions. A height map counts by its path, not by its content.
+        [machine], the title, the path of the result and its (lossless) compression do not count,
+        nor does the order of fields, observables and distributions. A height map counts by its
+        path, not by its content.
         """
-        data = self.model_dump(mode="json", exclude={"machine": True, "title": True,
-                                                     "output": {"path", "compression"}})
+        data = self.model_dump(
+            mode="json", exclude={"machine": True, "title": True, "output": {"path", "compression"}}
+        )
         for names in ("fields", "observables", "distributions"):
             data["output"][names] = data["output"][names] and sorted(data["output"][names])
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
@@ -122,42 +179,62 @@ class Scene(Table):
         """What is legal but may not mean what the user thinks, one line each."""
         surface, found = self.surface, []
         if isinstance(surface, Wave):
-            found += [f"surface: {n} points along {axis} for {k} periods, fewer than {RESOLVED} points a period"
-                      for axis, n, k in zip("xy", surface.n, surface.periods) if n < RESOLVED * k]
+            found += [
+                f"surface: {n} points along {axis} for {k} periods, fewer than {RESOLVED} points a"
+                " period"
+                for axis, n, k in zip("xy", surface.n, surface.periods)
+                if n < RESOLVED * k
+            ]
         if not isinstance(surface, SelfAffine):
             return found
         if surface.eps_f > 1 / 8:
-            found.append(f"surface: lam_l_over_lam_s = {surface.lam_l_over_lam_s:g} is hardly self-affine")
+            found.append(
+                f"surface: lam_l_over_lam_s = {surface.lam_l_over_lam_s:g} is hardly self-affine"
+            )
         if surface.aspect < surface.eps_t:
             found.append("surface: L_y is shorter than lam_l, the roughness is not isotropic")
         n_x, n_y = surface.n
         scale = 1.0 if self.load.p_star else surface.g_rms and surface.g_rms * self.material.E_star
-        areas = [2 * p / scale for p in self.load.p0(scale, 1.0, math.prod(surface.physical_sizes))] if scale else []  # about
+        areas = (
+            [2 * p / scale for p in self.load.p0(scale, 1.0, math.prod(surface.physical_sizes))]
+            if scale
+            else []
+        )  # about
         _, values = self.load.given
         for load, area in zip(values, self.load.a_r or areas):
             if area * n_x * n_y < TOUCHING:
-                found.append(f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch")
+                found.append(
+                    f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch"
+                )
         return found
 
 
 class ArrayScene(Scene):
-    """The same of heights that are an array in memory: of the surface only its sizes are asked for."""
+    """The same of heights that are an array in memory: of the surface only its sizes are asked
+    for."""
 
     surface: Surface = key(  # type: ignore[assignment]
-        "the sizes of the heights", "a table [surface]", Surface())
+        "the sizes of the heights", "a table [surface]", Surface()
+    )
 
     @model_validator(mode="after")
     def _known_by_points(self) -> Self:
         if self.solver.low_memory:
-            raise ValueError('solver.low_memory: found true, allowed: with surface.kind = "self-affine", in a scene')
+            raise ValueError(
+                'solver.low_memory: found true, allowed: with surface.kind = "self-affine", in a'
+                " scene"
+            )
         return self
 
 
 def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:
-    """TOML text as a dictionary. Raises SceneError with the line number where the parser knows it."""
+    """TOML text as a dictionary. Raises SceneError with the line number where the parser knows
+    it."""
     try:
         return tomllib.loads(text)
     except RecursionError:
-        raise SceneError(f"{origin}: found values nested too deeply, allowed: a scene in TOML") from None
+        raise SceneError(
+            f"{origin}: found values nested too deeply, allowed: a scene in TOML"
+        ) from None
     except ValueError as error:
         raise SceneError(f"{origin}: not valid TOML: {one_line(str(error))}") from None

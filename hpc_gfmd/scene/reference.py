@@ -1,4 +1,5 @@
-"""All keys of a scene with what their models say of them: as text, and as a page of the documentation."""
+"""All keys of a scene with what their models say of them: as text, and as a page of the
+documentation."""
 
 import json
 import textwrap
@@ -16,13 +17,17 @@ from .surface import KINDS, Surface
 from .table import allowed
 
 WIDTH = 100
-UNITS = {"length": "in the unit of the surface, or with a unit", "pressure": "in the unit of the moduli, or with a unit",
-         "force": "in the unit of the moduli times that of the surface squared, or with a unit"}
+UNITS = {
+    "length": "in the unit of the surface, or with a unit",
+    "pressure": "in the unit of the moduli, or with a unit",
+    "force": "in the unit of the moduli times that of the surface squared, or with a unit",
+}
 
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table: what help and templates say of it. default: None where there is none; example: a value as it may stand."""
+    """A key of a table: what help and templates say of it. default: None where there is none;
+    example: a value as it may stand."""
 
     name: str
     meaning: str
@@ -35,7 +40,11 @@ class Key:
     def facts(self) -> str:
         """Default, unit and allowed values."""
         first = "must be given" if self.default is None else f"default {self.default}"
-        return "; ".join(part for part in (first, UNITS.get(self.unit, self.unit and f"in {self.unit}"), self.allowed) if part)
+        return "; ".join(
+            part
+            for part in (first, UNITS.get(self.unit, self.unit and f"in {self.unit}"), self.allowed)
+            if part
+        )
 
 
 @dataclass(frozen=True)
@@ -51,22 +60,62 @@ class Section:
     @property
     def heading(self) -> str:
         """How a scene writes it."""
-        return f'[{self.table}] of kind = "{self.kind}"' if self.kind else f"[{self.table}]" if self.table else "title"
+        return (
+            f'[{self.table}] of kind = "{self.kind}"'
+            if self.kind
+            else f"[{self.table}]"
+            if self.table
+            else "title"
+        )
 
 
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
-    """All of them; names: those that a key takes, which the scene does not know: {"output.observables": [...]}."""
-    tables: dict[str, Any] = {name: field for name, field in Scene.model_fields.items() if allowed(field).startswith("a table")}
-    found = [Section("", "the scene", "A key before the first table.", (_key("", "title", Scene.model_fields["title"], {}),))]
+    """All of them; names: those that a key takes, which the scene does not know:
+    {"output.observables": [...]}."""
+    tables: dict[str, Any] = {
+        name: field
+        for name, field in Scene.model_fields.items()
+        if allowed(field).startswith("a table")
+    }
+    found = [
+        Section(
+            "",
+            "the scene",
+            "A key before the first table.",
+            (_key("", "title", Scene.model_fields["title"], {}),),
+        )
+    ]
     for table, field in tables.items():
-        models: dict[str, Any] = {"": Surface, **KINDS} if table == "surface" else {"": field.annotation}
+        models: dict[str, Any] = (
+            {"": Surface, **KINDS} if table == "surface" else {"": field.annotation}
+        )
         for kind, model in models.items():
-            keys = [_key(table, name, item, names or {}) for name, item in model.model_fields.items() if name != "kind"]
+            keys = [
+                _key(table, name, item, names or {})
+                for name, item in model.model_fields.items()
+                if name != "kind"
+            ]
             if table == "surface" and not kind:
-                keys.insert(0, Key("kind", "which wall", ", ".join(map(json.dumps, KINDS)), example="self-affine"))
+                keys.insert(
+                    0,
+                    Key(
+                        "kind",
+                        "which wall",
+                        ", ".join(map(json.dumps, KINDS)),
+                        example="self-affine",
+                    ),
+                )
                 common = keys
             about = " ".join(model.__doc__.split())
-            found.append(Section(table, field.description, about, tuple(key for key in keys if not kind or key not in common), kind))
+            found.append(
+                Section(
+                    table,
+                    field.description,
+                    about,
+                    tuple(key for key in keys if not kind or key not in common),
+                    kind,
+                )
+            )
     return found
 
 
@@ -76,26 +125,43 @@ def toml(value: Any) -> str:
 
 
 def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
-    """The keys for a terminal: all, or those of a table, or those of one name ("accuracy", "solver.accuracy"). Raises SceneError."""
+    """The keys for a terminal: all, or those of a table, or those of one name ("accuracy",
+    "solver.accuracy"). Raises SceneError."""
     lines = []
     for section in _chosen(key, sections(names)):
         lines += ["", *textwrap.wrap(f"{section.heading}: {section.about}", WIDTH)]
         for entry in section.keys:
             indent = " " * 22
-            lines += textwrap.wrap(entry.meaning, WIDTH, initial_indent=f"  {entry.name:<18}  ", subsequent_indent=indent)
-            lines += textwrap.wrap(entry.facts, WIDTH, initial_indent=indent, subsequent_indent=indent)
+            lines += textwrap.wrap(
+                entry.meaning,
+                WIDTH,
+                initial_indent=f"  {entry.name:<18}  ",
+                subsequent_indent=indent,
+            )
+            lines += textwrap.wrap(
+                entry.facts, WIDTH, initial_indent=indent, subsequent_indent=indent
+            )
     return "\n".join(lines[1:])
 
 
 def markdown(names: Mapping[str, Any] | None = None) -> str:
     """The same as a page."""
-    lines = ["# The keys of a scene", "", "Made by `hpc-gfmd help scene --markdown`. Lengths are in the unit of the surface, pressures "
-             'in that of the moduli, or both are texts with units ("100 um", "50 GPa").']
+    lines = [
+        "# The keys of a scene",
+        "",
+        (
+            "Made by `hpc-gfmd help scene --markdown`. Lengths are in the unit of the surface,"
+            ' pressures in that of the moduli, or both are texts with units ("100 um", "50 GPa").'
+        ),
+    ]
     columns = ["", "| key | meaning | default | unit | allowed |", "|---|---|---|---|---|"]
     for section in sections(names):
         lines += ["", f"## {section.heading}", "", section.about, *columns]
-        lines += [f"| `{key.name}` | {key.meaning} | {key.default or 'must be given'} | {key.unit} | {key.allowed} |"
-                  for key in section.keys]
+        lines += [
+            f"| `{key.name}` | {key.meaning} | {key.default or 'must be given'} | {key.unit} |"
+            f" {key.allowed} |"
+            for key in section.keys
+        ]
     return "\n".join(lines)
 
 
@@ -104,18 +170,46 @@ def _key(table: str, name: str, field: Any, names: Mapping[str, Any]) -> Key:
     default = said["said"] or (None if field.default is PydanticUndefined else toml(field.default))
     known = names.get(f"{table}.{name}")
     what = said["allowed"] + (f": {', '.join(sorted(known))}" if known else "")
-    example = field.default if said["example"] is None and field.default is not PydanticUndefined else said["example"]
-    return Key(name, field.description, what, said["unit"], "none" if default == "null" else default, example)
+    example = (
+        field.default
+        if said["example"] is None and field.default is not PydanticUndefined
+        else said["example"]
+    )
+    return Key(
+        name,
+        field.description,
+        what,
+        said["unit"],
+        "none" if default == "null" else default,
+        example,
+    )
 
 
 def _chosen(key: str | None, found: list[Section]) -> list[Section]:
     if key is None or key in {section.table for section in found if section.table}:
         return [section for section in found if key in (None, section.table)]
     table, _, name = key.rpartition(".")
-    fits = [replace(s, keys=tuple(key for key in s.keys if key.name == name)) for s in found if table in ("", s.table)]
+    fits = [
+        replace(s, keys=tuple(key for key in s.keys if key.name == name))
+        for s in found
+        if table in ("", s.table)
+    ]
     fits = [section for section in fits if section.keys]
     if not fits:
-        known = {name for s in found for name in (s.table, *(k.name for k in s.keys), *(f"{s.table}.{k.name}" for k in s.keys)) if name}
-        why = ONLY if is_not_modelled(key) else f"which is no key of a scene, nearest: {nearest(key, known)}"
+        known = {
+            name
+            for s in found
+            for name in (
+                s.table,
+                *(k.name for k in s.keys),
+                *(f"{s.table}.{k.name}" for k in s.keys),
+            )
+            if name
+        }
+        why = (
+            ONLY
+            if is_not_modelled(key)
+            else f"which is no key of a scene, nearest: {nearest(key, known)}"
+        )
         raise SceneError(f"help scene: found {printable(key)}, {why}")
     return fits

@@ -37,13 +37,16 @@ SOLIDS = ("E1", "nu1", "E2", "nu2")
 PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 Parameter = Annotated[int, Field(ge=-MAX_INT, le=MAX_INT)] | float
 Names = Annotated[tuple[Path, ...], LIST, DISTINCT]
-Fields = Annotated[tuple[Literal["pressure", "gap", "displacement", "heights"], ...], LIST, DISTINCT]
+Fields = Annotated[
+    tuple[Literal["pressure", "gap", "displacement", "heights"], ...], LIST, DISTINCT
+]
 POISSON = "a number above -1 and up to 0.5"
 NAMES = "a list of names, each once"
 
 
 def effective_modulus(E1: float, nu1: float, E2: float = float("inf"), nu2: float = 0.0) -> float:
-    """E* of two linear elastic solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod); the second one is rigid by default."""
+    """E* of two linear elastic solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod); the
+    second one is rigid by default."""
     return 1 / ((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
 
 
@@ -53,20 +56,45 @@ def _E_star(given: dict) -> float:
 
 
 class Material(Table):
-    """The effective modulus E_star (default 1), one solid that presses against a rigid counterface, or both; `E_star` has the value in
-    any case. With a thickness the solid is a layer on a rigid base, and its nu1 counts beside E1 or E_star."""
+    """The effective modulus E_star (default 1), one solid that presses against a rigid counterface,
+    or both; `E_star` has the value in any case. With a thickness the solid is a layer on a rigid
+    base, and its nu1 counts beside E1 or E_star."""
 
-    E1: Pressure | None = key("Young's modulus of the elastic solid (alone with nu1: against a rigid one)", MODULUS, None,
-                              unit="pressure", example="50 GPa")
+    E1: Pressure | None = key(
+        "Young's modulus of the elastic solid (alone with nu1: against a rigid one)",
+        MODULUS,
+        None,
+        unit="pressure",
+        example="50 GPa",
+    )
     nu1: PoissonRatio | None = key("its Poisson ratio", POISSON, None, example=0.3)
-    E2: Pressure | None = key("Young's modulus of the other solid, whose roughness counts to the wall's", MODULUS, None,
-                              unit="pressure", example="2 GPa")
+    E2: Pressure | None = key(
+        "Young's modulus of the other solid, whose roughness counts to the wall's",
+        MODULUS,
+        None,
+        unit="pressure",
+        example="2 GPa",
+    )
     nu2: PoissonRatio | None = key("its Poisson ratio", POISSON, None, example=0.4)
-    E_star: Pressure = key("effective modulus, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", MODULUS, default_factory=_E_star,
-                           unit="pressure", example=1.0, said="1, or from E1, nu1, E2, nu2")
-    thickness: Length | None = key("makes the elastic solid a layer of this thickness on a rigid base (needs nu1)", LENGTH, None,
-                                   unit="length", example=0.05, said="a half-space")
-    base: Literal["bonded", "frictionless"] = key("how the layer is held by its base", '"bonded" or "frictionless"', "bonded")
+    E_star: Pressure = key(
+        "effective modulus, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
+        MODULUS,
+        default_factory=_E_star,
+        unit="pressure",
+        example=1.0,
+        said="1, or from E1, nu1, E2, nu2",
+    )
+    thickness: Length | None = key(
+        "makes the elastic solid a layer of this thickness on a rigid base (needs nu1)",
+        LENGTH,
+        None,
+        unit="length",
+        example=0.05,
+        said="a half-space",
+    )
+    base: Literal["bonded", "frictionless"] = key(
+        "how the layer is held by its base", '"bonded" or "frictionless"', "bonded"
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -79,18 +107,27 @@ class Material(Table):
         else:
             ways |= {"nu1": "E_star = 1", "E_star, nu1": ""}
         if ", ".join(found) not in ways:
-            allowed = "; ".join(f"{way} ({why})" if why else way for way, why in ways.items() if way)
+            allowed = "; ".join(
+                f"{way} ({why})" if why else way for way, why in ways.items() if way
+            )
             with_it = "" if self.thickness is None else "thickness with "
-            raise ValueError(f"found {with_it}{', '.join(found) or 'nothing else'}, allowed: {with_it}{allowed}")
+            raise ValueError(
+                f"found {with_it}{', '.join(found) or 'nothing else'}, allowed: {with_it}{allowed}"
+            )
         return self
 
     @model_validator(mode="after")
     def _layer(self) -> Self:
         if self.thickness is None and "base" in self.model_fields_set:
-            raise ValueError(f'found base = "{self.base}" without thickness, allowed: both, or none')
+            raise ValueError(
+                f'found base = "{self.base}" without thickness, allowed: both, or none'
+            )
         if self.thickness is not None and self.base == "bonded" and self.nu1 == 0.5:
-            raise ValueError('found nu1 = 0.5 with thickness and base = "bonded", allowed: nu1 below 0.5, or base = "frictionless" '
-                             "(an incompressible bonded layer does not give way to a uniform pressure)")
+            raise ValueError(
+                'found nu1 = 0.5 with thickness and base = "bonded", allowed: nu1 below 0.5, or'
+                ' base = "frictionless" (an incompressible bonded layer does not give way to a'
+                " uniform pressure)"
+            )
         return self
 
     @model_serializer(mode="wrap")
@@ -104,22 +141,50 @@ class Material(Table):
 
 
 class Load(Table):
-    """The loads of a sweep, in order: mean pressures, or what the mean pressure has to give, which is then found."""
+    """The loads of a sweep, in order: mean pressures, or what the mean pressure has to give, which
+    is then found."""
 
-    p_star: Loads | None = key("mean pressures p0/(E* g_rms), solved in this order", POSITIVES, None, example=[0.01, 0.1])
-    pressure: Pressures | None = key("mean pressures instead of p_star; they push, so that they are positive",
-                                     'a number greater than 0, plain or as "20 MPa", or a list of them', None,
-                                     unit="pressure", example=["2 MPa", "20 MPa"])
-    gap_mean: Gaps | None = key("mean gaps, whose pressures are found; 0: full contact",
-                                'a number from 0, plain or as "50 nm", or a list of them', None, unit="length", example="50 nm")
-    gap_over_h_rms: RelativeGaps | None = key("the same, over the rms height", "a number from 0, or a list of them", None, example=0.5)
-    a_r: Areas | None = key("relative contact areas, whose pressures are found; met to the accuracy or to one point",
-                            "a number above 0 and up to 1, or a list of them", None, example=[0.01, 0.1])
-    force: Forces | None = key("forces on a surface that ends", 'a number greater than 0, plain or as "5 mN", or a list of them', None,
-                               unit="force", example="5 mN")
-    approach: Lengths | None = key("how far the bodies come together after they touch (free boundaries along both axes, or a layer)",
-                                   'a number greater than 0, plain or as "10 nm", or a list of them', None, unit="length",
-                                   example="10 nm")
+    p_star: Loads | None = key(
+        "mean pressures p0/(E* g_rms), solved in this order", POSITIVES, None, example=[0.01, 0.1]
+    )
+    pressure: Pressures | None = key(
+        "mean pressures instead of p_star; they push, so that they are positive",
+        'a number greater than 0, plain or as "20 MPa", or a list of them',
+        None,
+        unit="pressure",
+        example=["2 MPa", "20 MPa"],
+    )
+    gap_mean: Gaps | None = key(
+        "mean gaps, whose pressures are found; 0: full contact",
+        'a number from 0, plain or as "50 nm", or a list of them',
+        None,
+        unit="length",
+        example="50 nm",
+    )
+    gap_over_h_rms: RelativeGaps | None = key(
+        "the same, over the rms height", "a number from 0, or a list of them", None, example=0.5
+    )
+    a_r: Areas | None = key(
+        "relative contact areas, whose pressures are found; met to the accuracy or to one point",
+        "a number above 0 and up to 1, or a list of them",
+        None,
+        example=[0.01, 0.1],
+    )
+    force: Forces | None = key(
+        "forces on a surface that ends",
+        'a number greater than 0, plain or as "5 mN", or a list of them',
+        None,
+        unit="force",
+        example="5 mN",
+    )
+    approach: Lengths | None = key(
+        "how far the bodies come together after they touch (free boundaries along both axes, or a"
+        " layer)",
+        'a number greater than 0, plain or as "10 nm", or a list of them',
+        None,
+        unit="length",
+        example="10 nm",
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -132,7 +197,11 @@ class Load(Table):
     @property
     def given(self) -> tuple[str, tuple[float, ...]]:
         """The key that is given, and its values."""
-        return next((name, values) for name in type(self).model_fields if (values := getattr(self, name)) is not None)
+        return next(
+            (name, values)
+            for name in type(self).model_fields
+            if (values := getattr(self, name)) is not None
+        )
 
     @property
     def found(self) -> bool:
@@ -140,7 +209,8 @@ class Load(Table):
         return not (self.p_star or self.pressure or self.force)
 
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
-        """The mean pressures, in the unit of E_star, on a surface of realised g_rms and an area; none where they have to be found."""
+        """The mean pressures, in the unit of E_star, on a surface of realised g_rms and an area;
+        none where they have to be found."""
         _, values = self.given
         scale = E_star * g_rms if self.p_star else 1 / area if self.force else 1.0
         return () if self.found else tuple(float(value) * scale for value in values)
@@ -149,25 +219,46 @@ class Load(Table):
 class Solver(Table):
     """Which algorithm, and when it may stop: at an accuracy or at a residual."""
 
-    name: Text = key("the algorithm; gfmd is that of the paper", '"auto" or the name of a solver', "auto")
-    residual: Fraction | None = key("instead of accuracy: rms pressure at points where the gap is open, over the mean pressure",
-                                    FRACTION, None, example=1e-8)
-    accuracy: Fraction | None = key("wanted relative accuracy of contact area, mean gap and pressure field", FRACTION,
-                                    default_factory=lambda given: 1e-3 if given.get("residual") is None else None,
-                                    example=1e-3, said="0.001, unless residual is given")
-    precision: Literal["auto", "single", "double"] = key("of the floating-point numbers; auto: double where a load needs it",
-                                                         '"auto", "single" or "double"', "auto")
-    max_iterations: Whole = key("of one load, after which it ends as not converged", "a whole number from 1", 100_000)
+    name: Text = key(
+        "the algorithm; gfmd is that of the paper", '"auto" or the name of a solver', "auto"
+    )
+    residual: Fraction | None = key(
+        "instead of accuracy: rms pressure at points where the gap is open, over the mean pressure",
+        FRACTION,
+        None,
+        example=1e-8,
+    )
+    accuracy: Fraction | None = key(
+        "wanted relative accuracy of contact area, mean gap and pressure field",
+        FRACTION,
+        default_factory=lambda given: 1e-3 if given.get("residual") is None else None,
+        example=1e-3,
+        said="0.001, unless residual is given",
+    )
+    precision: Literal["auto", "single", "double"] = key(
+        "of the floating-point numbers; auto: double where a load needs it",
+        '"auto", "single" or "double"',
+        "auto",
+    )
+    max_iterations: Whole = key(
+        "of one load, after which it ends as not converged", "a whole number from 1", 100_000
+    )
     nested: Literal["auto"] | bool = key("begin on coarser grids", '"auto", true or false', "auto")
-    low_memory: bool = key("make the heights anew where they are needed (self-affine surfaces only): half the memory, longer", SWITCH,
-                           False)
+    low_memory: bool = key(
+        "make the heights anew where they are needed (self-affine surfaces only): half the memory,"
+        " longer",
+        SWITCH,
+        False,
+    )
     options: dict[str, Parameter] = key("the solver's own parameters", "a table of numbers", {})
 
     @model_validator(mode="after")
     def _one(self) -> Self:
         not_both(self, "accuracy", "residual")
         if self.accuracy is None and self.residual is None:
-            raise ValueError("found neither accuracy nor residual, allowed: one of accuracy, residual")
+            raise ValueError(
+                "found neither accuracy nor residual, allowed: one of accuracy, residual"
+            )
         return self
 
     @property
@@ -180,14 +271,28 @@ class Output(Table):
     """The result file and what goes into it: numbers, maps, distributions."""
 
     path: Annotated[Path, Field(pattern=r"[^/]\.([hH]5|[hH][dD][fF]5)$")] = key(
-        "the result file, in a folder that exists", "a path that ends in .h5 or .hdf5", "contact.h5")
+        "the result file, in a folder that exists", "a path that ends in .h5 or .hdf5", "contact.h5"
+    )
     fields: Fields = key(
         "maps that are kept; pictures of the contact need pressure or gap",
-        'a list out of "pressure", "gap", "displacement", "heights", each once', (), example=["pressure", "gap"], said="none")
-    observables: Names | None = key("numbers of each load", NAMES, None, example=["a_r", "gap_mean"], said="all the cheap ones")
-    distributions: Names = key("histograms and spectra of each load", NAMES, (), example=["pressure", "gap"], said="none")
-    dtype: Literal["single", "double"] | None = key("precision of the stored fields", '"single" or "double"', None, example="single",
-                                                    said="as solved")
+        'a list out of "pressure", "gap", "displacement", "heights", each once',
+        (),
+        example=["pressure", "gap"],
+        said="none",
+    )
+    observables: Names | None = key(
+        "numbers of each load", NAMES, None, example=["a_r", "gap_mean"], said="all the cheap ones"
+    )
+    distributions: Names = key(
+        "histograms and spectra of each load", NAMES, (), example=["pressure", "gap"], said="none"
+    )
+    dtype: Literal["single", "double"] | None = key(
+        "precision of the stored fields",
+        '"single" or "double"',
+        None,
+        example="single",
+        said="as solved",
+    )
     compression: bool = key("compress the stored fields without loss", SWITCH, False)
 
 
@@ -195,9 +300,22 @@ class Machine(Table):
     """Speed and limits only: nothing here changes the answer."""
 
     threads: Annotated[int, Field(ge=1, le=65536)] | Literal["auto"] = key(
-        "threads of each rank", 'a whole number from 1 to 65536, or "auto"', 1)
-    wall_seconds: Positive | None = key("stop with a checkpoint after this time", POSITIVE, None, unit="s", example=3600.0,
-                                        said="never")
+        "threads of each rank", 'a whole number from 1 to 65536, or "auto"', 1
+    )
+    wall_seconds: Positive | None = key(
+        "stop with a checkpoint after this time",
+        POSITIVE,
+        None,
+        unit="s",
+        example=3600.0,
+        said="never",
+    )
     checkpoint_seconds: Positive = key("time between two checkpoints", POSITIVE, 600.0, unit="s")
-    memory_gib: Positive | None = key("memory of each machine that may be used", POSITIVE, None, unit="GiB", example=8.0,
-                                      said="what is free")
+    memory_gib: Positive | None = key(
+        "memory of each machine that may be used",
+        POSITIVE,
+        None,
+        unit="GiB",
+        example=8.0,
+        said="what is free",
+    )

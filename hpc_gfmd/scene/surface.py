@@ -1,4 +1,5 @@
-"""[surface]: the kinds of rough walls, heights z(r) with peaks up on the periodic cell L_x x L_y."""
+"""[surface]: the kinds of rough walls, heights z(r) with peaks up on the periodic cell L_x x
+L_y."""
 
 from pathlib import PurePath
 from typing import Annotated, Literal, Self
@@ -41,7 +42,9 @@ class Surface(Table):
     """The rigid rough wall. What every kind has: the cell, in the unit of the heights."""
 
     physical_sizes: Sizes = key("lengths of the cell", SIZES, (1.0, 1.0), unit="length")
-    boundary: Boundary = key("whether the cell repeats, or ends beside an open space", SIDES, "periodic")
+    boundary: Boundary = key(
+        "whether the cell repeats, or ends beside an open space", SIDES, "periodic"
+    )
 
     @property
     def free(self) -> tuple[bool, bool]:
@@ -55,48 +58,72 @@ class Surface(Table):
 class SelfAffine(Surface):
     """Random self-affine roughness between the wavelengths lam_l and lam_s, both included.
 
-    L is L_x; the cells of the grid are square, so n_y = n_x L_y/L_x must be whole too. The spectrum is
-    constant between lam_l and lam_r = lam_l/lam_l_over_lam_r (1: no roll-off). g_rms or h_rms is the realised
-    value.
+    L is L_x; the cells of the grid are square, so n_y = n_x L_y/L_x must be whole too. The spectrum
+    is constant between lam_l and lam_r = lam_l/lam_l_over_lam_r (1: no roll-off). g_rms or h_rms is
+    the realised value.
     """
 
     kind: Literal["self-affine"]
-    hurst: Annotated[float, Field(ge=0, le=1)] = key("Hurst exponent H: the spectrum falls as q^(-2 - 2 H)", "a number from 0 to 1",
-                                                     example=0.8)
+    hurst: Annotated[float, Field(ge=0, le=1)] = key(
+        "Hurst exponent H: the spectrum falls as q^(-2 - 2 H)", "a number from 0 to 1", example=0.8
+    )
     L_over_lam_l: Ratio = key("length of the cell over the longest wave length", RATIO, example=2)
-    lam_l_over_lam_s: Ratio = key("longest over shortest wave length; n = product of the three ratios", RATIO, example=64)
+    lam_l_over_lam_s: Ratio = key(
+        "longest over shortest wave length; n = product of the three ratios", RATIO, example=64
+    )
     lam_s_over_a: Annotated[float, Field(ge=2, le=1e100)] = key(
-        "shortest wave length over the distance of grid points", "a number from 2 (the grid does not resolve lam_s < 2 a)", example=2)
-    lam_l_over_lam_r: Ratio = key("longest wave length over that of the roll-off, between which the spectrum is constant", RATIO, 1.0)
-    seed: Annotated[int, Field(ge=0, le=MAX_INT)] = key("of the random numbers; gives the same surface on any grid",
-                                                        "a whole number from 0", example=1)
-    h_rms: Length | None = key("rms height, instead of g_rms", LENGTH, None, unit="length", example=0.01)
-    g_rms: Positive | None = key("rms slope", POSITIVE, default_factory=lambda given: 1.0 if given.get("h_rms") is None else None,
-                                 example=1.0, said="1, unless h_rms is given")
+        "shortest wave length over the distance of grid points",
+        "a number from 2 (the grid does not resolve lam_s < 2 a)",
+        example=2,
+    )
+    lam_l_over_lam_r: Ratio = key(
+        "longest wave length over that of the roll-off, between which the spectrum is constant",
+        RATIO,
+        1.0,
+    )
+    seed: Annotated[int, Field(ge=0, le=MAX_INT)] = key(
+        "of the random numbers; gives the same surface on any grid",
+        "a whole number from 0",
+        example=1,
+    )
+    h_rms: Length | None = key(
+        "rms height, instead of g_rms", LENGTH, None, unit="length", example=0.01
+    )
+    g_rms: Positive | None = key(
+        "rms slope",
+        POSITIVE,
+        default_factory=lambda given: 1.0 if given.get("h_rms") is None else None,
+        example=1.0,
+        said="1, unless h_rms is given",
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         not_both(self, "g_rms", "h_rms")
         if self.lam_l_over_lam_r > self.lam_l_over_lam_s:
-            raise ValueError(f"found lam_l_over_lam_r = {self.lam_l_over_lam_r:g}, "
-                             f"allowed: up to lam_l_over_lam_s = {self.lam_l_over_lam_s:g}")
+            raise ValueError(
+                f"found lam_l_over_lam_r = {self.lam_l_over_lam_r:g}, "
+                f"allowed: up to lam_l_over_lam_s = {self.lam_l_over_lam_s:g}"
+            )
         product = self.L_over_lam_l * self.lam_l_over_lam_s * self.lam_s_over_a
         _whole(product, "n = L_over_lam_l * lam_l_over_lam_s * lam_s_over_a")
         _whole(product * self.aspect, "n_y = n_x * L_y/L_x (square cells)")
         if not self._has_modes():
-            raise ValueError(f"found no wave vector with {self.L_over_lam_l:g} <= |q| L/2pi <= "
-                             f"{self.L_over_lam_l * self.lam_l_over_lam_s:g}, allowed: at least one (widen "
-                             "lam_l_over_lam_s)")
+            raise ValueError(
+                f"found no wave vector with {self.L_over_lam_l:g} <= |q| L/2pi <= "
+                f"{self.L_over_lam_l * self.lam_l_over_lam_s:g}, allowed: at least one (widen "
+                "lam_l_over_lam_s)"
+            )
         return self
 
     def _has_modes(self) -> bool:
         low, high = self.L_over_lam_l, self.L_over_lam_l * self.lam_l_over_lam_s
         if high >= int(low) + 1:
-            return True     # the next mode along x
+            return True  # the next mode along x
         low, high = low * (1 - 1e-12), high * (1 + 1e-12)
         for k_x in range(int(high) + 1):
             # the largest k_y inside the circle |k| = high
-            k_y = int(self.aspect * (high**2 - k_x**2)**0.5) / self.aspect
+            k_y = int(self.aspect * (high**2 - k_x**2) ** 0.5) / self.aspect
             if k_x**2 + k_y**2 >= low**2:
                 return True
         return False
@@ -139,20 +166,32 @@ class SelfAffine(Surface):
 
 
 class Wave(Surface):
-    """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y): Westergaard with one k = 0, Johnson et al. with both."""
+    """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y): Westergaard with one k = 0, Johnson et al.
+    with both."""
 
     kind: Literal["wave"]
-    amplitude: Height = key("A, half of the height from valley to peak", 'a number, plain or as "100 nm"', unit="length", example=0.01)
+    amplitude: Height = key(
+        "A, half of the height from valley to peak",
+        'a number, plain or as "100 nm"',
+        unit="length",
+        example=0.01,
+    )
     n: Points = key("grid points", POINTS, example=[256, 256])
-    periods: Modes = key("waves along x and y", "two whole numbers [k_x, k_y] from 0, not both 0", (1, 0))
+    periods: Modes = key(
+        "waves along x and y", "two whole numbers [k_x, k_y] from 0, not both 0", (1, 0)
+    )
 
     @model_validator(mode="after")
     def _resolved(self) -> Self:
         if self.periods == (0, 0):
-            raise ValueError("found periods = [0, 0], allowed: two whole numbers from 0, not both 0")
+            raise ValueError(
+                "found periods = [0, 0], allowed: two whole numbers from 0, not both 0"
+            )
         for k, n in zip(self.periods, self.n, strict=True):
             if 2 * k > n:
-                raise ValueError(f"found {k} periods on {n} points, allowed: at least two points per period")
+                raise ValueError(
+                    f"found {k} periods on {n} points, allowed: at least two points per period"
+                )
         return self
 
 
@@ -165,40 +204,91 @@ class Sphere(Surface):
 
 
 class File(Surface):
-    """A measured or computed height map, or the sum of two, x and y of which are the same directions in space; the grid is its shape.
-    What the file says of sizes and units holds unless these keys say otherwise."""
+    """A measured or computed height map, or the sum of two, x and y of which are the same
+    directions in space; the grid is its shape. What the file says of sizes and units holds unless
+    these keys say otherwise."""
 
     kind: Literal["file"]
-    path: Paths = key("a relative one counts from the folder of the scene; two maps, of two rough bodies, are added",
-                      "the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...), or a list of two", example="map.npy")
-    dataset: PathText = key("which one, where the file has several", "the name of a data set (HDF5, NetCDF, .npz) or of a channel", ANY)
+    path: Paths = key(
+        "a relative one counts from the folder of the scene; two maps, of two rough bodies, are"
+        " added",
+        "the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...), or a list of two",
+        example="map.npy",
+    )
+    dataset: PathText = key(
+        "which one, where the file has several",
+        "the name of a data set (HDF5, NetCDF, .npz) or of a channel",
+        ANY,
+    )
     # None, other than in a surface that is made: as the file says
     physical_sizes: Sizes | None = key(  # type: ignore[assignment]
-        "lengths of the map", f"{SIZES}; plain ones are in surface.unit", None, unit="length", example=["10 um", "8 um"],
-        said="what the file says")
-    unit: LengthUnit | None = key("of the heights, and of plain sizes", 'a unit of length, such as "nm"', None, example="nm",
-                                  said="what the file says")
+        "lengths of the map",
+        f"{SIZES}; plain ones are in surface.unit",
+        None,
+        unit="length",
+        example=["10 um", "8 um"],
+        said="what the file says",
+    )
+    unit: LengthUnit | None = key(
+        "of the heights, and of plain sizes",
+        'a unit of length, such as "nm"',
+        None,
+        example="nm",
+        said="what the file says",
+    )
     boundary: Boundary | None = key(  # type: ignore[assignment]
-        "whether the map repeats, or ends beside an open space", SIDES, None, example="free",
-        said="what the file says, else periodic where opposite edges fit together, else it must be given")
-    crop: Corners | None = key("keep this part only", "four numbers [x0, y0, x1, y1], lengths as physical_sizes", None, unit="length",
-                               example=["0 um", "0 um", "5 um", "5 um"], said="all")
+        "whether the map repeats, or ends beside an open space",
+        SIDES,
+        None,
+        example="free",
+        said=(
+            "what the file says, else periodic where opposite edges fit together, else it must be"
+            " given"
+        ),
+    )
+    crop: Corners | None = key(
+        "keep this part only",
+        "four numbers [x0, y0, x1, y1], lengths as physical_sizes",
+        None,
+        unit="length",
+        example=["0 um", "0 um", "5 um", "5 um"],
+        said="all",
+    )
     detrend: Literal["none", "mean", "tilt", "curvature"] = key(
-        "subtract the mean, the best plane, or the best paraboloid", '"none", "mean", "tilt" or "curvature"', "none")
-    fill: Literal["none", "harmonic"] = key("how points without a height get one", '"none" or "harmonic"', "none")
+        "subtract the mean, the best plane, or the best paraboloid",
+        '"none", "mean", "tilt" or "curvature"',
+        "none",
+    )
+    fill: Literal["none", "harmonic"] = key(
+        "how points without a height get one", '"none" or "harmonic"', "none"
+    )
     flip: bool = key("turn the heights over: valleys become peaks", SWITCH, False)
-    mirror: bool = key("make the map periodic by its mirror images: twice as long along both axes", SWITCH, False)
-    window: Literal["none", "hann", "tukey"] = key("make the map periodic by fading it out towards its edges",
-                                                   '"none", "hann" or "tukey"', "none")
-    refine: Factor = key("this many times as many points along both axes, by Fourier interpolation", FACTOR, 1)
-    downsample: Factor = key("only every so many-th point along both axes, after shorter waves are removed", FACTOR, 1)
+    mirror: bool = key(
+        "make the map periodic by its mirror images: twice as long along both axes", SWITCH, False
+    )
+    window: Literal["none", "hann", "tukey"] = key(
+        "make the map periodic by fading it out towards its edges",
+        '"none", "hann" or "tukey"',
+        "none",
+    )
+    refine: Factor = key(
+        "this many times as many points along both axes, by Fourier interpolation", FACTOR, 1
+    )
+    downsample: Factor = key(
+        "only every so many-th point along both axes, after shorter waves are removed", FACTOR, 1
+    )
 
     @model_validator(mode="after")
     def _one_way_to_be_periodic(self) -> Self:
         if self.mirror and self.window != "none":
             raise ValueError("found mirror and window, allowed: one of them")
-        if any(self.free) and (self.mirror or self.window != "none" or self.refine * self.downsample > 1):
-            raise ValueError("found a free boundary with mirror, window, refine or downsample, allowed: with a periodic one")
+        if any(self.free) and (
+            self.mirror or self.window != "none" or self.refine * self.downsample > 1
+        ):
+            raise ValueError(
+                "found a free boundary with mirror, window, refine or downsample, allowed: with a"
+                " periodic one"
+            )
         return self
 
     @property
@@ -212,9 +302,23 @@ class File(Surface):
         return None
 
 
-FORMATS = {".npy": "npy", ".npz": "npz", ".h5": "hdf5", ".hdf5": "hdf5", ".nc": "netcdf",
-           ".txt": "text", ".csv": "text", ".asc": "text", ".dat": "text"}
-KINDS: dict[str, type[Surface]] = {"self-affine": SelfAffine, "wave": Wave, "sphere": Sphere, "file": File}
+FORMATS = {
+    ".npy": "npy",
+    ".npz": "npz",
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".nc": "netcdf",
+    ".txt": "text",
+    ".csv": "text",
+    ".asc": "text",
+    ".dat": "text",
+}
+KINDS: dict[str, type[Surface]] = {
+    "self-affine": SelfAffine,
+    "wave": Wave,
+    "sphere": Sphere,
+    "file": File,
+}
 AnySurface = Annotated[SelfAffine | Wave | Sphere | File, Field(discriminator="kind")]
 
 

@@ -1,17 +1,27 @@
-"""What all tables of a scene share: strictness, number types, what a key says of itself, and the rule "exactly one of"."""
+"""What all tables of a scene share: strictness, number types, what a key says of itself, and the
+rule "exactly one of"."""
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, WrapValidator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    WrapValidator,
+)
 
 from ..quantity import Quantity, factor, parse
 
-MAX_INT = 2**63 - 1     # the integers of TOML and of HDF5
-MAX_N = 2**24           # grid points per direction
+MAX_INT = 2**63 - 1  # the integers of TOML and of HDF5
+MAX_N = 2**24  # grid points per direction
 
 
 class Table(BaseModel):
-    """A frozen table. true is no number, "1" is none, 1.0 is no whole number; inf and nan are refused."""
+    """A frozen table. true is no number, "1" is none, 1.0 is no whole number; inf and nan are
+    refused."""
 
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -103,13 +113,27 @@ FRACTION = "a number above 0 and below 1"
 SWITCH = "true or false"
 
 
-def key(meaning: str, allowed: str, default: Any = ..., *, unit: str = "", example: Any = None, said: str = "", **more: Any) -> Any:
-    """A field of a table, and all that is said of it: `meaning` and `unit` by `hpc-gfmd help scene` and in the scenes of
-    `hpc-gfmd init`, `allowed` there and in error messages. example: a value where there is no default, or none that says how it is
-    written; said: what stands for the default where that depends on other keys; more: of pydantic.Field."""
+def key(
+    meaning: str,
+    allowed: str,
+    default: Any = ...,
+    *,
+    unit: str = "",
+    example: Any = None,
+    said: str = "",
+    **more: Any,
+) -> Any:
+    """A field of a table, and all that is said of it: `meaning` and `unit` by `hpc-gfmd help scene`
+    and in the scenes of `hpc-gfmd init`, `allowed` there and in error messages. example: a value
+    where there is no default, or none that says how it is written; said: what stands for the
+    default where that depends on other keys; more: of pydantic.Field."""
     default = {} if "default_factory" in more else {"default": default}
-    return Field(description=meaning, json_schema_extra={"allowed": allowed, "unit": unit, "example": example, "said": said},
-                 **default, **more)
+    return Field(
+        description=meaning,
+        json_schema_extra={"allowed": allowed, "unit": unit, "example": example, "said": said},
+        **default,
+        **more,
+    )
 
 
 def allowed(field: Any) -> str:
@@ -126,14 +150,25 @@ def not_both(table: BaseModel, *keys: str) -> None:
 
 def has_unit(value: Any) -> bool:
     """Whether a number, or the numbers of a tuple, were given with a unit."""
-    return any(isinstance(item, Quantity) for item in (value if isinstance(value, tuple) else (value,)))
+    return any(
+        isinstance(item, Quantity) for item in (value if isinstance(value, tuple) else (value,))
+    )
 
 
 def alike(what: str, given: dict[str, Any]) -> None:
-    """Raise ValueError if some of the quantities have units and others are plain; 0 is 0 in any unit, None is not given."""
-    numbers = [(key, item) for key, value in given.items() for item in (value if isinstance(value, tuple) else (value,)) if item]
+    """Raise ValueError if some of the quantities have units and others are plain; 0 is 0 in any
+    unit, None is not given."""
+    numbers = [
+        (key, item)
+        for key, value in given.items()
+        for item in (value if isinstance(value, tuple) else (value,))
+        if item
+    ]
     plain = {key: item for key, item in numbers if not isinstance(item, Quantity)}
     named = {key: item.text for key, item in numbers if isinstance(item, Quantity)}
     if plain and named:
         (one, number), (other, text) = next(iter(plain.items())), next(iter(named.items()))
-        raise ValueError(f"{one}: found {number:g} beside {other} = {text!r}, allowed: all {what} with units, or none")
+        raise ValueError(
+            f"{one}: found {number:g} beside {other} = {text!r}, allowed: all {what} with units, or"
+            " none"
+        )

@@ -1,8 +1,9 @@
 """What a solver is.
 
-A solver allocates everything in __init__(problem, options), is given a start by `start(g)` or `continue_at(p0)`, and then does one
-step at a time. It owns the gap g and the pressure p (local slabs). After every step `progress()` tells how far it is. It knows
-nothing of stopping, files or clocks: that is `drive.py`.
+A solver allocates everything in __init__(problem, options), is given a start by `start(g)` or
+`continue_at(p0)`, and then does one step at a time. It owns the gap g and the pressure p (local
+slabs). After every step `progress()` tells how far it is. It knows nothing of stopping, files or
+clocks: that is `drive.py`.
 """
 
 from __future__ import annotations
@@ -20,8 +21,9 @@ if TYPE_CHECKING:
 
 
 class Outlook(NamedTuple):
-    """What a solution that goes on at its load is expected to come to. contact: points; doubt: their standard deviation; gap_mean: in
-    the problem's units; rise: by how much the mean of the displacement over the whole grid will change, in these units."""
+    """What a solution that goes on at its load is expected to come to. contact: points; doubt:
+    their standard deviation; gap_mean: in the problem's units; rise: by how much the mean of the
+    displacement over the whole grid will change, in these units."""
 
     contact: float
     gap_mean: float
@@ -42,8 +44,8 @@ class Progress:
     gap_mean : float
         In the problem's units.
     estimates : pair of float, or None
-        What the certificate is expected to give as relative errors of (mean gap, pressure); None where the solver does not know and it
-        has to be asked now and then.
+        What the certificate is expected to give as relative errors of (mean gap, pressure); None
+        where the solver does not know and it has to be asked now and then.
     finite : bool
         Whether all numbers are.
     outlook : Outlook, or None
@@ -62,8 +64,9 @@ class Progress:
 
 
 class Solver:
-    """What all solvers share. To add one, put a file into solvers/ with a subclass whose `name` is the file's; it implements `start`,
-    `refresh`, `step` and `progress`, and makes `elastic`, `g` and `p` in __init__.
+    """What all solvers share. To add one, put a file into solvers/ with a subclass whose `name` is
+    the file's; it implements `start`, `refresh`, `step` and `progress`, and makes `elastic`, `g`
+    and `p` in __init__.
 
     Attributes
     ----------
@@ -87,7 +90,8 @@ class Solver:
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
     nests = True  # whether a nested start pays
-    holds_tension = True  # whether its pressure may be < 0 where the gap is closed, as it is at a load that is too small
+    # whether its pressure may be < 0 where the gap is closed, as it is at a load that is too small
+    holds_tension = True
     takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
@@ -126,7 +130,8 @@ class Solver:
         raise NotImplementedError
 
     def continue_at(self, p0: float) -> None:
-        """Begin from the present state at another mean pressure, without an FFT: p changes by a constant."""
+        """Begin from the present state at another mean pressure, without an FFT: p changes by a
+        constant."""
         before, self.p0 = self.p_cell, float(p0)
         self.p += self.problem.dtype.type(self.p_cell - before)
         self.refresh()
@@ -136,14 +141,17 @@ class Solver:
         self.continue_at(p0)
 
     def refresh(self, uKu: float | None = None) -> None:
-        """self.p has just been computed anew from self.g, or shifted: go on from there. uKu: <u, K u>, None if that has not changed."""
+        """self.p has just been computed anew from self.g, or shifted: go on from there. uKu: <u, K
+        u>, None if that has not changed."""
         raise NotImplementedError
 
     def resume(self) -> None:
-        """self.p has just been computed anew from self.g, and self.levels used by somebody else: go on as if nothing had happened."""
+        """self.p has just been computed anew from self.g, and self.levels used by somebody else: go
+        on as if nothing had happened."""
 
     def make_room(self) -> None:
-        """Until `take_room` somebody else needs the memory of the transforms and of the last step, which is lost."""
+        """Until `take_room` somebody else needs the memory of the transforms and of the last step,
+        which is lost."""
         raise NotImplementedError
 
     def take_room(self) -> None:
@@ -159,12 +167,17 @@ class Solver:
         raise NotImplementedError
 
     def expected_area(self, pressure: float) -> float:
-        """What the certificate is expected to give as relative error of the area if that of the pressure is `pressure`."""
+        """What the certificate is expected to give as relative error of the area if that of the
+        pressure is `pressure`."""
         return 0.0
 
     def state(self) -> tuple[dict[str, Any], ...]:
-        """Everything that a bit-identical continuation needs: local slabs by name, and a dict of numbers."""
-        return tuple({name: getattr(self, name) for name in names} for names in (self.state_names, self.scalar_names))
+        """Everything that a bit-identical continuation needs: local slabs by name, and a dict of
+        numbers."""
+        return tuple(
+            {name: getattr(self, name) for name in names}
+            for names in (self.state_names, self.scalar_names)
+        )
 
     def load_state(self, arrays: dict[str, np.ndarray], numbers: dict[str, Any]) -> None:
         """The inverse of `state`."""
@@ -175,4 +188,3 @@ class Solver:
     def _set_numbers(self, numbers: dict[str, Any]) -> None:
         for name in self.scalar_names:
             setattr(self, name, numbers[name])
-

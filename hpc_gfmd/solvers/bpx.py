@@ -1,13 +1,15 @@
 """Projected conjugate gradients in displacement space, one FFT pair per iteration.
 
-Preconditioned by the locally damped multilevel operator of `multilevel.py`. Each step minimises the energy in the plane of the
-preconditioned residual z and the last step d; <z, K z>, which would cost a second FFT, is predicted from the Rayleigh quotient of
-the last step. The step is clipped to the feasible set, and the energy along the (feasible) chord is minimised exactly, so it never
-rises. Where clipping spoils the descent the step is replaced by a plain projected gradient step.
+Preconditioned by the locally damped multilevel operator of `multilevel.py`. Each step minimises the
+energy in the plane of the preconditioned residual z and the last step d; <z, K z>, which would cost
+a second FFT, is predicted from the Rayleigh quotient of the last step. The step is clipped to the
+feasible set, and the energy along the (feasible) chord is minimised exactly, so it never rises.
+Where clipping spoils the descent the step is replaced by a plain projected gradient step.
 
-One iteration is three passes over memory: `projected_step` + row transforms, column transforms with K between them, row transforms +
-`update_state`.
-The displacement itself never appears: with the gap g = u + h and p = p0 + K u, steps change both by the same d and K d.
+One iteration is three passes over memory: `projected_step` + row transforms, column transforms with
+K between them, row transforms + `update_state`.
+The displacement itself never appears: with the gap g = u + h and p = p0 + K u, steps change both by
+the same d and K d.
 """
 
 from functools import cached_property
@@ -16,7 +18,15 @@ from typing import Any
 import numpy as np
 
 from ..aligned import LINE, zeros_aligned
-from ..bounds import State, error_pattern, gap_error, misclassified_points, off_edges, pressure_error, relative_area
+from ..bounds import (
+    State,
+    error_pattern,
+    gap_error,
+    misclassified_points,
+    off_edges,
+    pressure_error,
+    relative_area,
+)
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
 from ..kernels.halfwidth import Widened, half, narrowed
@@ -31,16 +41,24 @@ RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
 GRADIENT = 1.0041  # a projected gradient step is so much shorter than what the largest K allows
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
 CLIPPED = 0.02  # share of it up to which a step counts as not clipped
-SHORT = 0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
+SHORT = (
+    0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
+)
 
-EXPECTED = 0.92  # of the errors from their parts: asked too early the certificate costs a pair, too late an iteration
-ALIKE = 1.35  # <v, S p> of the pressure in contact over p0 <v, S v>, v as in bounds.py: 1.1 at light, 1.33 at high loads
-# The outlook, fitted: the share of the points that the last step, made again, would close, which do so, and where it was shortened,
-# which leaves clipped points a little open, both at errors of the pressure below EARLY; of what bounds.py's second expression says that
-# the mean gap is wrong by, and, where the surface ends, of the first for the mean of the displacement
+# of the errors from their parts: asked too early the certificate costs a pair, too late an
+# iteration
+EXPECTED = 0.92
+# <v, S p> of the pressure in contact over p0 <v, S v>, v as in bounds.py: 1.1 at light, 1.33 at
+# high loads
+ALIKE = 1.35
+# The outlook, fitted: the share of the points that the last step, made again, would close, which do
+# so, and where it was shortened, which leaves clipped points a little open, both at errors of the
+# pressure below EARLY; of what bounds.py's second expression says that the mean gap is wrong by,
+# and, where the surface ends, of the first for the mean of the displacement
 CLOSING, SHORTENED, EARLY, SHIFT, LIFT = 0.23, 0.66, 0.05, 0.62, 0.9
-# Its doubt, fitted: of the points that the estimated error of the pressure stands for, of their root, of those that the last step, made
-# again, would change, and of those that missing load stands for
+# Its doubt, fitted: of the points that the estimated error of the pressure stands for, of their
+# root, of those that the last step, made again, would change, and of those that missing load stands
+# for
 WRONG, SCATTERED, CHANGING, MISSING = 0.07, 0.42, 0.14, 0.28
 
 NOTHING_KNOWN = (np.inf, np.inf), 0.0
@@ -52,10 +70,30 @@ class Bpx(Solver):
     name = "bpx"
     takes_gap = True
     state_names = ("g", "p", "d")
-    scalar_names = ("s", "rayleigh", "contact", "gap_mean", "rz", "rd", "zKd", "dKd", "rr", "pp", "uKu", "r_norm", "t_norm",
-                    "mean", "aligned", "changing", "closing", "iterations")
+    scalar_names = (
+        "s",
+        "rayleigh",
+        "contact",
+        "gap_mean",
+        "rz",
+        "rd",
+        "zKd",
+        "dKd",
+        "rr",
+        "pp",
+        "uKu",
+        "r_norm",
+        "t_norm",
+        "mean",
+        "aligned",
+        "changing",
+        "closing",
+        "iterations",
+    )
 
-    def __init__(self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None):
+    def __init__(
+        self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
+    ):
         super().__init__(problem, options)
         self.options = read_options(self.name, self.options, {})
         grid, body, dtype = self.grid, problem.body, problem.dtype
@@ -78,7 +116,9 @@ class Bpx(Solver):
     def _make_scratch(self) -> None:
         """Rows for each thread."""
         dtype, rows = self.problem.dtype, self.elastic.fft.row_scratch
-        self._scratch = {id(x): zeros_aligned((6, self.grid.n[1] + LINE // dtype.itemsize), dtype) for x in rows}
+        self._scratch = {
+            id(x): zeros_aligned((6, self.grid.n[1] + LINE // dtype.itemsize), dtype) for x in rows
+        }
 
     def make_room(self) -> None:
         del self.d
@@ -91,15 +131,22 @@ class Bpx(Solver):
         self.d[...] = 0
         self.rd = self.zKd = self.dKd = 0.0
 
-    # -- starting ------------------------------------------------------------------------------------------------------------
+    # -- starting
+    # -------------------------------------------------------------------------
 
     def start(self, g: np.ndarray) -> None:
         if g is not self.g:
             self.g[...] = g
         self.p[...] = self.p_cell
         self.d[...] = 0
-        self.elastic.pressure_rows(self.problem.displacement_rows(self.g, self.problem.level(self.g)), self.passes)
-        self.uKu = float(self.grid.comm.sum([self.elastic.pressure_columns(self.problem.adder(self.elastic.fft))])[0])
+        self.elastic.pressure_rows(
+            self.problem.displacement_rows(self.g, self.problem.level(self.g)), self.passes
+        )
+        self.uKu = float(
+            self.grid.comm.sum(
+                [self.elastic.pressure_columns(self.problem.adder(self.elastic.fft))]
+            )[0]
+        )
         self._begin(self._update(1.0))
 
     def refresh(self, uKu: float | None = None) -> None:
@@ -108,7 +155,8 @@ class Bpx(Solver):
         self._begin(self.levels.restrict(self.g, self.p, 0.0))
 
     def correct_load(self, p0: float) -> None:
-        """The last step stays what the next one begins with: on F M is about 1/K, so that <z, K d> changes by as much as <p, d>."""
+        """The last step stays what the next one begins with: on F M is about 1/K, so that <z, K d>
+        changes by as much as <p, d>."""
         before, self.p0 = self.p_cell, float(p0)
         self.p += self.problem.dtype.type(self.p_cell - before)
         rd, zKd, dKd = self.rd, self.zKd, self.dKd
@@ -136,10 +184,12 @@ class Bpx(Solver):
         self.levels.mode = numbers["mode"]
         self.resume()
 
-    # -- one iteration -------------------------------------------------------------------------------------------------------
+    # -- one iteration
+    # -------------------------------------------------------------------------
 
     def _descend_to_contact(self) -> None:
-        """Nothing is in contact: come down until something is. A rigid shift costs no elastic energy, but would take many steps.
+        """Nothing is in contact: come down until something is. A rigid shift costs no elastic
+        energy, but would take many steps.
 
         The descent goes on as it is: the pressure does not change.
         """
@@ -172,14 +222,16 @@ class Bpx(Solver):
             zKz = dKd - 2 * a * b * self.zKd - b * b * self.dKd
             self.rayleigh = zKz / (a * a * self.rz)
         self._measure(sums)
-        self.uKu += 2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd  # K u = p - p_cell
+        self.uKu += (
+            2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd
+        )  # K u = p - p_cell
         self.iterations += 1
 
     def _coefficients(self) -> tuple[float, float]:
         """a and b of the step -(a z + b d): the minimum of the energy in the plane of z and d.
 
-        It had better be too long than too short: where nothing is clipped the line search, which can only shorten it, then makes it
-        the step of conjugate gradients.
+        It had better be too long than too short: where nothing is clipped the line search, which
+        can only shorten it, then makes it the step of conjugate gradients.
         """
         rho = min(max(self.rayleigh, RHO_MIN), RHO_MAX)
         rz, rd, zKd, dKd = self.rz, self.rd, self.zKd, self.dKd
@@ -199,21 +251,30 @@ class Bpx(Solver):
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
 
         def fill(i0: int, i1: int, x: np.ndarray) -> float:
-            return projected_step(self.g, self.p, self.d, x, (i0, i1), z, transfer, step, inside, self._scratch[id(x)])
+            return projected_step(
+                self.g, self.p, self.d, x, (i0, i1), z, transfer, step, inside, self._scratch[id(x)]
+            )
 
         return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
 
     def _update(self, s: float) -> UpdateSums:
         """Last pass: x = K d by rows, new g and p; returns this rank's UpdateSums."""
-        return UpdateSums.total(self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes))
+        return UpdateSums.total(
+            self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes)
+        )
 
     def _update_rows(self, i0: int, i1: int, x: np.ndarray, s: float) -> tuple[float, ...]:
         scratch = self._scratch[id(x)]
-        return self.levels.update_rows(self._number[i0], self.g, self.p, self.d[i0:i1], x, self.problem.dtype.type(s), scratch)
+        return self.levels.update_rows(
+            self._number[i0], self.g, self.p, self.d[i0:i1], x, self.problem.dtype.type(s), scratch
+        )
 
     def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
-        """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping rule. anew: a descent begins."""
-        *totals, rz1, xz1, r1, t1, rt1, self.mean, ts1, rs1 = self.grid.comm.sum([*sums, *self.levels.sweep(anew)])
+        """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping
+        rule. anew: a descent begins."""
+        *totals, rz1, xz1, r1, t1, rt1, self.mean, ts1, rs1 = self.grid.comm.sum(
+            [*sums, *self.levels.sweep(anew)]
+        )
         sums = UpdateSums(*totals)
         s, compliance = self.s, self.compliance
         self.rz = compliance * (sums.rr + COUPLING * rz1)  # <p, z> on F
@@ -226,19 +287,24 @@ class Bpx(Solver):
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
         self.changing, self.closing = max(sums.opening, sums.closing), sums.closing
 
-    # -- how far -------------------------------------------------------------------------------------------------------------
+    # -- how far
+    # -------------------------------------------------------------------------
 
     def progress(self) -> Progress:
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         residual = np.sqrt(self.rr / self.N) / self.p0
         estimates, unseen = self._estimates() if finite else NOTHING_KNOWN
         outlook = self._outlook(estimates[1]) if finite else None
-        return Progress(float(residual), self.contact, self.gap_mean, estimates, finite, outlook, unseen)
+        return Progress(
+            float(residual), self.contact, self.gap_mean, estimates, finite, outlook, unseen
+        )
 
     def _estimates(self) -> tuple[tuple[float, float], float]:
-        """What the certificate is expected to say: its bound from p on F alone, whose mean and scale are not yet put right.
+        """What the certificate is expected to say: its bound from p on F alone, whose mean and
+        scale are not yet put right.
 
-        With r = p on F and the contact's load too small by the factor 1 + off: p^ - p = -r + off (p - r), and |p|_S = |u|_K.
+        With r = p on F and the contact's load too small by the factor 1 + off: p^ - p = -r + off (p
+        - r), and |p|_S = |u|_K.
         """
         closed = self.pp - self.rr
         load = self.p_cell - self.mean
@@ -246,24 +312,33 @@ class Bpx(Solver):
             return NOTHING_KNOWN
         off = self.p_cell / load - 1
         norm = np.sqrt(max(self.uKu, 0.0))
-        e = EXPECTED * (np.sqrt(EQUIVALENCE * self.compliance * self.r_norm) * (1 + abs(off)) + abs(off) * norm)
+        e = EXPECTED * (
+            np.sqrt(EQUIVALENCE * self.compliance * self.r_norm) * (1 + abs(off)) + abs(off) * norm
+        )
         response, aligned = self._shift(off)
         inner = off_edges(self.grid, self.g, response, self.compliance, self.contact)
         state = State(e, norm, self.p0, self.contact, self.N, self.problem.body.error, inner)
         pressure = pressure_error(state, self.typical_compliance, closed)
         if self.contact == self.N:  # the certificate says whether a point could open
             return (0.0, pressure), 0.0
-        gap, unseen = gap_error(state, self.gap_mean * self.N, response, aligned, self.problem.self_energy)
+        gap, unseen = gap_error(
+            state, self.gap_mean * self.N, response, aligned, self.problem.self_energy
+        )
         return (gap, pressure), unseen
 
     def _shift(self, off: float) -> tuple[float, float]:
         """|v|_S and <v, S (p - p^)>, v as in bounds.py: what the mean gap is wrong by."""
         share = self.contact / self.N
         response = np.sqrt(self.compliance * self.t_norm) / share
-        return response, self.compliance * self.aligned / share * (1 + off) - off * ALIKE * self.p0 * response**2
+        return (
+            response,
+            self.compliance * self.aligned / share * (1 + off)
+            - off * ALIKE * self.p0 * response**2,
+        )
 
     def _outlook(self, error: float) -> Outlook | None:
-        """The area goes with the load that the contact carries. error: estimated, of the pressure."""
+        """The area goes with the load that the contact carries. error: estimated, of the
+        pressure."""
         load, n = self.p_cell - self.mean, self.contact
         if n == 0 or load <= 0:
             return None
@@ -273,11 +348,35 @@ class Bpx(Solver):
         rise = SHIFT * self._shift(off)[1] / self.N
         closing = (CLOSING if self.s == 1 else SHORTENED) * self.closing / (1 + error / EARLY)
         contact, wrong = min((n + closing) * (1 + off), self.N), min(error, 1.0) * n
-        doubt = float(np.linalg.norm((WRONG * wrong, SCATTERED * np.sqrt(wrong), CHANGING * self.changing, MISSING * off * n, 0.4)))
-        return Outlook(contact, self.gap_mean + rise, -LIFT * off * self.uKu / (self.N * self.p0) if self.grid.padded else rise, doubt)
+        doubt = float(
+            np.linalg.norm(
+                (
+                    WRONG * wrong,
+                    SCATTERED * np.sqrt(wrong),
+                    CHANGING * self.changing,
+                    MISSING * off * n,
+                    0.4,
+                )
+            )
+        )
+        return Outlook(
+            contact,
+            self.gap_mean + rise,
+            -LIFT * off * self.uKu / (self.N * self.p0) if self.grid.padded else rise,
+            doubt,
+        )
 
     def expected_area(self, pressure: float) -> float:
         squares, fourth = self.grid.comm.sum(open_moments(self.g, self.p, self.grid.inside))
-        pattern = error_pattern(self.mean / self.p_cell * self.p0 * self.N, squares, fourth, self.contact, self.N)
-        wrong = misclassified_points(self.problem, self.g, self.p, self.compliance, pressure**2 * (self.pp - self.rr), pattern)
+        pattern = error_pattern(
+            self.mean / self.p_cell * self.p0 * self.N, squares, fourth, self.contact, self.N
+        )
+        wrong = misclassified_points(
+            self.problem,
+            self.g,
+            self.p,
+            self.compliance,
+            pressure**2 * (self.pp - self.rr),
+            pattern,
+        )
         return EXPECTED * relative_area(max(wrong, self.changing), self.contact)

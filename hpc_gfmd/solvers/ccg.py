@@ -1,9 +1,11 @@
 """Constrained conjugate gradients on the pressure (Polonsky and Keer, Wear 231, 206, 1999).
 
-Minimises 1/2 <p, S p> + <p, h> over pressures p >= 0 of mean p0, S the inverse of K. In contact, {p > 0}, the gap
-e = S p + h - constant has to vanish; the constant is such that its mean there does. One iteration: conjugate direction t from e, exact
-line search (one convolution with S), p <- max(p - tau t, 0), pressure for points out of contact that penetrate (the direction is then
-forgotten), rescaling of p to the mean p0 (the load balance), and the new gap (a second convolution): two FFT pairs. With the option
+Minimises 1/2 <p, S p> + <p, h> over pressures p >= 0 of mean p0, S the inverse of K. In contact, {p
+> 0}, the gap e = S p + h - constant has to vanish; the constant is such that its mean there does.
+One iteration: conjugate direction t from e, exact line search (one convolution with S), p <- max(p
+- tau t, 0), pressure for points out of contact that penetrate (the direction is then forgotten),
+  rescaling of p to the mean p0 (the load balance), and the new gap (a second convolution): two FFT
+  pairs. With the option
 `preconditioned` the direction is made from K e instead of e, which takes a third.
 
 The gap that is returned is closed, g = 0, wherever p > 0, and max(e, 0) elsewhere.
@@ -22,8 +24,12 @@ from .base import Progress, Solver
 
 Parts = Sequence[tuple[float, ...]]  # what passes returned
 
-TAKEN = 0.05  # stiffness of a point that is taken into contact, preconditioned, relative to the largest eigenvalue of K
-RESIDUAL = 0.25  # of the same, at which gaps left in contact count as pressure: up to 2 times more than what the certificate finds
+# stiffness of a point that is taken into contact, preconditioned, relative to the largest
+# eigenvalue of K
+TAKEN = 0.05
+# of the same, at which gaps left in contact count as pressure: up to 2 times more than what the
+# certificate finds
+RESIDUAL = 0.25
 
 
 class Ccg(Solver):
@@ -32,7 +38,17 @@ class Ccg(Solver):
     name = "ccg"
     nests = False  # a pressure from a coarser grid is a bad start
     state_names = ("g", "p", "iterate", "gap0", "t")
-    scalar_names = ("offset", "shift", "ee", "below", "contact", "gap", "previous", "fresh", "iterations")
+    scalar_names = (
+        "offset",
+        "shift",
+        "ee",
+        "below",
+        "contact",
+        "gap",
+        "previous",
+        "fresh",
+        "iterations",
+    )
     holds_tension = False
     allowed = {"preconditioned": (0, 1)}
 
@@ -48,15 +64,24 @@ class Ccg(Solver):
         self.stiffest = problem.body.bounds(grid)[1]  # the largest eigenvalue of K
         self.patience = 5 * self.patience
 
-    # -- starting ------------------------------------------------------------------------------------------------------------
+    # -- starting
+    # -------------------------------------------------------------------------
 
     def start(self, g: np.ndarray) -> None:
         p0, inside = self.real(self.p_cell), self.grid.inside
         self.g[...] = g
-        self.elastic.pressure_rows(self.problem.displacement_rows(self.g, self.problem.level(self.g)))
+        self.elastic.pressure_rows(
+            self.problem.displacement_rows(self.g, self.problem.level(self.g))
+        )
         self.elastic.pressure_columns()
-        load, = self._sum(self.elastic.use_rows(
-            lambda i0, i1, x: kernels.start_pressure(self.g, self.iterate, x, p0, inside, i0, i1)), 1)
+        (load,) = self._sum(
+            self.elastic.use_rows(
+                lambda i0, i1, x: kernels.start_pressure(
+                    self.g, self.iterate, x, p0, inside, i0, i1
+                )
+            ),
+            1,
+        )
         if load <= 0:  # nothing is closed yet
             self.iterate[: inside[0], : inside[1]] = self.p0
             load = self.N * self.p0
@@ -74,7 +99,9 @@ class Ccg(Solver):
         def scaled(i0: int, i1: int) -> tuple[float, float]:
             fill(i0, i1, x)
             x[: i1 - i0] += self.real(self.offset)  # S p
-            return kernels.new_gap(self.iterate, self.gap0, self.problem.h, x, i0, i1, scale, self.real(self.offset))
+            return kernels.new_gap(
+                self.iterate, self.gap0, self.problem.h, x, i0, i1, scale, self.real(self.offset)
+            )
 
         self._set_gap([scaled(i0, i1) for i0, i1 in self.elastic.fft.passes()])
         self.refresh()
@@ -83,71 +110,107 @@ class Ccg(Solver):
         """Only the direction is carried on from one iteration to the next: it is forgotten."""
         self.fresh, self.previous = True, 1.0
 
-    # -- one iteration -------------------------------------------------------------------------------------------------------
+    # -- one iteration
+    # -------------------------------------------------------------------------
 
     def step(self) -> None:
         tau = self._search()
         kick = tau * (TAKEN * self.stiffest if self.preconditioned else 1.0)
         args = self.real(self.shift), self.real(tau), self.real(kick)
-        load, taken = self._sum(self.elastic.pressure_rows(
-            lambda i0, i1, x: kernels.pressure_step(self.iterate, self.t, self.gap0, x, i0, i1, *args, self.grid.inside)), 2)
+        load, taken = self._sum(
+            self.elastic.pressure_rows(
+                lambda i0, i1, x: kernels.pressure_step(
+                    self.iterate, self.t, self.gap0, x, i0, i1, *args, self.grid.inside
+                )
+            ),
+            2,
+        )
         self._new_gap(load)
         self.fresh = bool(taken > 0)
         self.iterations += 1
 
     def _search(self) -> float:
-        """The direction t, and the step tau along it that minimises the energy at constant mean pressure."""
+        """The direction t, and the step tau along it that minimises the energy at constant mean
+        pressure."""
         shift = self.real(self.shift)
         size, a, c = self.ee, 1.0, 0.0
         if self.preconditioned:
-            self.elastic.pressure_rows(lambda i0, i1, x: kernels.gap_in_contact(self.gap0, self.iterate, x, i0, i1, shift))
+            self.elastic.pressure_rows(
+                lambda i0, i1, x: kernels.gap_in_contact(self.gap0, self.iterate, x, i0, i1, shift)
+            )
             size = float(self.grid.comm.sum([self.elastic.pressure_columns()])[0])
         b = 0.0 if self.fresh or self.previous <= 0 else size / self.previous
         self.previous = size
         if self.preconditioned:
             b_ = self.real(b)
-            z, n = self._sum(self.elastic.use_rows(
-                lambda i0, i1, x: kernels.conjugate_direction(self.t, self.iterate, x, i0, i1, b_)), 2)
+            z, n = self._sum(
+                self.elastic.use_rows(
+                    lambda i0, i1, x: kernels.conjugate_direction(
+                        self.t, self.iterate, x, i0, i1, b_
+                    )
+                ),
+                2,
+            )
             a, b, c = 0.0, 1.0, z / n
         args = shift, self.real(a), self.real(b), self.real(c)
-        et = self.elastic.pressure_rows(lambda i0, i1, x: kernels.search_direction(self.t, self.gap0, self.iterate, x, i0, i1, *args))
+        et = self.elastic.pressure_rows(
+            lambda i0, i1, x: kernels.search_direction(
+                self.t, self.gap0, self.iterate, x, i0, i1, *args
+            )
+        )
         tSt = self._deflect()
         r = self.elastic.use_rows(lambda i0, i1, x: kernels.response_sums(self.iterate, x, i0, i1))
         et, t, r, n, tSt = self.grid.comm.sum([*_total(et, 2), *_total(r, 2), tSt])
         curvature = tSt - r * t / n
-        # S_CC >= 1/(largest eigenvalue of K), S_CC K_CC >= 1; where nothing is left to do in contact the quotient is noise
+        # S_CC >= 1/(largest eigenvalue of K), S_CC K_CC >= 1; where nothing is left to do in
+        # contact the quotient is noise
         largest = 1.0 if self.preconditioned else self.stiffest
         return float(np.clip(et / curvature, 0.0, largest)) if curvature > 0 else largest
 
     def _new_gap(self, load: float) -> None:
-        """Scale the iterate, the rows of which are transformed, to the mean p0, and compute its gap."""
+        """Scale the iterate, the rows of which are transformed, to the mean p0, and compute its
+        gap."""
         scale = self.real(self.N * self.p0 / load)
         self.offset += self.shift
         offset = self.real(self.offset)
         self._deflect()
-        self._set_gap(self.elastic.use_rows(
-            lambda i0, i1, x: kernels.new_gap(self.iterate, self.gap0, self.problem.h, x, i0, i1, scale, offset)))
+        self._set_gap(
+            self.elastic.use_rows(
+                lambda i0, i1, x: kernels.new_gap(
+                    self.iterate, self.gap0, self.problem.h, x, i0, i1, scale, offset
+                )
+            )
+        )
 
     def _deflect(self) -> float:
         """S between the row transforms; returns this rank's share of <x, S x>."""
         return self.elastic.displacement_columns()
 
     def _set_gap(self, parts: Parts) -> None:
-        """The mean of gap0 in contact, and the state that is returned; parts: what `new_gap` returned."""
+        """The mean of gap0 in contact, and the state that is returned; parts: what `new_gap`
+        returned."""
         total, n = self._sum(parts, 2)
         self.shift = float(total / n)
-        sums = kernels.feasible_state(self.iterate, self.gap0, self.g, self.p, self.real(self.shift), self.grid.inside)
+        sums = kernels.feasible_state(
+            self.iterate, self.gap0, self.g, self.p, self.real(self.shift), self.grid.inside
+        )
         self.ee, self.below, self.contact, self.gap = (float(s) for s in self.grid.comm.sum(sums))
 
     def _sum(self, parts: Parts, count: int) -> np.ndarray:
         return self.grid.comm.sum(_total(parts, count))
 
-    # -- how far -------------------------------------------------------------------------------------------------------------
+    # -- how far
+    # -------------------------------------------------------------------------
 
     def progress(self) -> Progress:
-        """residual: an estimate of K applied to what is left of the gap: e in contact, and e < 0 elsewhere."""
-        residual = RESIDUAL * self.stiffest * float(np.sqrt((self.ee + self.below) / self.N)) / self.p0
-        return Progress(residual, self.contact, self.gap / self.N, None, bool(np.isfinite(residual + self.gap)))
+        """residual: an estimate of K applied to what is left of the gap: e in contact, and e < 0
+        elsewhere."""
+        residual = (
+            RESIDUAL * self.stiffest * float(np.sqrt((self.ee + self.below) / self.N)) / self.p0
+        )
+        return Progress(
+            residual, self.contact, self.gap / self.N, None, bool(np.isfinite(residual + self.gap))
+        )
 
 
 def _total(parts: Parts, count: int) -> np.ndarray:

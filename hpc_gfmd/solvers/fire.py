@@ -1,11 +1,13 @@
-"""GFMD with the fast inertial relaxation engine, FIRE (Bitzek et al., Phys. Rev. Lett. 97, 170201, 2006), at its standard parameters.
+"""GFMD with the fast inertial relaxation engine, FIRE (Bitzek et al., Phys. Rev. Lett. 97, 170201,
+2006), at its standard parameters.
 
 No damping force; instead the velocity v is turned towards the force F = -p (0 in contact),
 
     v <- (1 - alpha) v + alpha F |v|/|F|,    v <- v + F dt,    g <- max(g + v dt, 0),
 
-and while the power F.v is positive the time step grows and alpha shrinks; when it is not, the solids are stopped and the time step is
-halved. In terms of d = v dt this is again d <- b d - a p, so time steps are those of `gfmd`, one FFT pair each.
+and while the power F.v is positive the time step grows and alpha shrinks; when it is not, the
+solids are stopped and the time step is halved. In terms of d = v dt this is again d <- b d - a p,
+so time steps are those of `gfmd`, one FFT pair each.
 """
 
 import numpy as np
@@ -19,7 +21,8 @@ N_MIN, GROW, SHRINK, ALPHA, ALPHA_SHRINK = 5, 1.1, 0.5, 0.1, 0.99
 
 
 class Fire(Gfmd):
-    """options: dt, the largest time step relative to the stability limit, 0.01 to 1 (default 0.7). Raises SceneError for others."""
+    """options: dt, the largest time step relative to the stability limit, 0.01 to 1 (default 0.7).
+    Raises SceneError for others."""
 
     name = "fire"
     scalar_names = (*Gfmd.scalar_names, "dt", "dt_last", "alpha", "downhill")

@@ -1,16 +1,21 @@
-"""Green's function molecular dynamics, the algorithm of the paper's appendix: damped Verlet dynamics of the displacement.
+"""Green's function molecular dynamics, the algorithm of the paper's appendix: damped Verlet
+dynamics of the displacement.
 
-    u_new = 2 u_now - u_old - dt^2 [p + eta (u_now - u_old)],    u_new <- max(u_new, -h),    p = p0 + K u,
+    u_new = 2 u_now - u_old - dt^2 [p + eta (u_now - u_old)],    u_new <- max(u_new, -h),    p = p0
+    + K u,
 
-with one scalar mass (1 here) and one scalar damping eta in real space, and zero restitution: u_old <- u_now where the wall was hit.
-With d = u_now - u_old and the gap g = u + h this is d <- b d - a p, g <- max(g + d, 0), a = dt^2, b = 1 - eta dt^2, and p changes
-by K times the change of g: one FFT pair per time step, in two passes over memory.
+with one scalar mass (1 here) and one scalar damping eta in real space, and zero restitution: u_old
+<- u_now where the wall was hit. With d = u_now - u_old and the gap g = u + h this is d <- b d - a
+p, g <- max(g + d, 0), a = dt^2, b = 1 - eta dt^2, and p changes by K times the change of g: one FFT
+pair per time step, in two passes over memory.
 
-If the slowest free mode has the stiffness mu and the stiffest lambda, then a = 4/(sqrt(lambda) + sqrt(mu))^2 is at the stability
-limit and b = [(sqrt(lambda) - sqrt(mu))/(sqrt(lambda) + sqrt(mu))]^2 damps the slowest mode critically. lambda is known, mu depends on
-load and roughness: it is measured in every step. The velocity d soon lives in the slow modes, so that its Rayleigh quotient
-<d, K d>/<d, d> falls towards mu; too much damping lowers it further, too little brings faster modes back. Half of it leaves the slow
-modes slightly underdamped; whenever the pressure does negative work on the motion, <p, d> > 0, the velocity is dropped.
+If the slowest free mode has the stiffness mu and the stiffest lambda, then a = 4/(sqrt(lambda) +
+sqrt(mu))^2 is at the stability limit and b = [(sqrt(lambda) - sqrt(mu))/(sqrt(lambda) +
+sqrt(mu))]^2 damps the slowest mode critically. lambda is known, mu depends on load and roughness:
+it is measured in every step. The velocity d soon lives in the slow modes, so that its Rayleigh
+quotient <d, K d>/<d, d> falls towards mu; too much damping lowers it further, too little brings
+faster modes back. Half of it leaves the slow modes slightly underdamped; whenever the pressure does
+negative work on the motion, <p, d> > 0, the velocity is dropped.
 """
 
 from collections.abc import Sequence
@@ -30,8 +35,9 @@ PATIENCE = 20  # stagnation is judged over that many time scales sqrt(lambda/mu)
 
 
 class Gfmd(Solver):
-    """options: dt, time step relative to the stability limit, 0.01 to 1 (default 0.95); damping, constant, in units of the critical
-    damping of the longest wave, 0 to 1e6 (default: measured, see above). Raises SceneError for others."""
+    """options: dt, time step relative to the stability limit, 0.01 to 1 (default 0.95); damping,
+    constant, in units of the critical damping of the longest wave, 0 to 1e6 (default: measured, see
+    above). Raises SceneError for others."""
 
     name = "gfmd"
     state_names = ("g", "p", "d")
@@ -43,17 +49,26 @@ class Gfmd(Solver):
         self.options = read_options(self.name, self.options, self.allowed)
         grid, dtype = self.grid, problem.dtype
         self.elastic = Elastic(grid, problem.body, dtype)
-        self.g, self.p, self.d = grid.empty(dtype), grid.empty(dtype), zeros_aligned(grid.shape, dtype)
+        self.g, self.p, self.d = (
+            grid.empty(dtype),
+            grid.empty(dtype),
+            zeros_aligned(grid.shape, dtype),
+        )
         self.longest, self.stiffest = problem.body.bounds(grid)
-        self.patience = max(4 * self.patience, int(PATIENCE * np.sqrt(self.stiffest / self.longest)))
+        self.patience = max(
+            4 * self.patience, int(PATIENCE * np.sqrt(self.stiffest / self.longest))
+        )
 
-    # -- starting ------------------------------------------------------------------------------------------------------------
+    # -- starting
+    # -------------------------------------------------------------------------
 
     def start(self, g: np.ndarray) -> None:
         self.g[...] = g
         self.p[...] = self.p_cell
         self.d[...] = 0
-        self.elastic.pressure_rows(self.problem.displacement_rows(self.g, self.problem.level(self.g)))
+        self.elastic.pressure_rows(
+            self.problem.displacement_rows(self.g, self.problem.level(self.g))
+        )
         self.elastic.pressure_columns()
         self._measure(self.elastic.use_rows(self._update))
         self._begin()
@@ -68,11 +83,14 @@ class Gfmd(Solver):
     def _begin(self) -> None:
         """The solids are at rest."""
 
-    # -- one time step -------------------------------------------------------------------------------------------------------
+    # -- one time step
+    # -------------------------------------------------------------------------
 
     def step(self) -> None:
         a, b = (self.problem.dtype.type(c) for c in self._coefficients())
-        self.elastic.pressure_rows(lambda i0, i1, x: verlet_step(self.g, self.p, self.d, x, i0, i1, a, b, self.grid.inside))
+        self.elastic.pressure_rows(
+            lambda i0, i1, x: verlet_step(self.g, self.p, self.d, x, i0, i1, a, b, self.grid.inside)
+        )
         self.elastic.pressure_columns()
         self._measure(self.elastic.use_rows(self._update))
         self.iterations += 1
@@ -83,7 +101,11 @@ class Gfmd(Solver):
         if damping is not None:
             mu = min(damping * damping * self.longest, self.stiffest)
         else:
-            mu = UNDERDAMPED * min(max(self.dx / self.dd, 0.0), self.stiffest) if self.dd > 0 else 0.0
+            mu = (
+                UNDERDAMPED * min(max(self.dx / self.dd, 0.0), self.stiffest)
+                if self.dd > 0
+                else 0.0
+            )
         ratio = np.sqrt(mu / self.stiffest)
         a = 4 * self.options.get("dt", DT) ** 2 / (self.stiffest * (1 + ratio) ** 2)
         uphill = self.pd > 0 and damping is None
@@ -94,11 +116,18 @@ class Gfmd(Solver):
 
     def _measure(self, parts: Sequence[tuple[float, ...]]) -> None:
         """Sum DynamicsSums over passes and ranks."""
-        sums = self.grid.comm.sum(np.sum(np.reshape(parts, (-1, len(DynamicsSums._fields))), axis=0))
-        self.rr, self.pp, self.pd, self.dd, self.dx, self.contact, self.gap = map(float, DynamicsSums(*sums))
+        sums = self.grid.comm.sum(
+            np.sum(np.reshape(parts, (-1, len(DynamicsSums._fields))), axis=0)
+        )
+        self.rr, self.pp, self.pd, self.dd, self.dx, self.contact, self.gap = map(
+            float, DynamicsSums(*sums)
+        )
 
-    # -- how far -------------------------------------------------------------------------------------------------------------
+    # -- how far
+    # -------------------------------------------------------------------------
 
     def progress(self) -> Progress:
         residual = float(np.sqrt(self.rr / self.N)) / self.p0
-        return Progress(residual, self.contact, self.gap / self.N, None, bool(np.isfinite(self.pp + self.gap)))
+        return Progress(
+            residual, self.contact, self.gap / self.N, None, bool(np.isfinite(self.pp + self.gap))
+        )

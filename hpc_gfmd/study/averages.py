@@ -5,21 +5,36 @@ import numpy as np
 from .rows import Rows, groups
 from .scatter import Scatter
 
-COLUMNS = ("hurst", "p_star", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "eps_t", "eps_f", "eps_c", "n")
+COLUMNS = (
+    "hurst",
+    "p_star",
+    "L_over_lam_l",
+    "lam_l_over_lam_s",
+    "lam_s_over_a",
+    "eps_t",
+    "eps_f",
+    "eps_c",
+    "n",
+)
 
 
 def average(runs: Rows, observables: tuple[str, ...]) -> Rows:
-    """One row per surface statistics and pressure, ordered: COLUMNS, n_seeds and, for each observable, its mean and NAME_se.
+    """One row per surface statistics and pressure, ordered: COLUMNS, n_seeds and, for each
+    observable, its mean and NAME_se.
 
-    The standard error is the scatter of realisations, pooled over neighbouring eps_f (scatter.Scatter), over sqrt(n_seeds); None
-    where no group had two seeds. Surfaces that are solved on several grids, some of them for fewer seeds, are averaged as ratios to
-    the grid with most seeds, so that means along eps_c do not jump with the choice of seeds.
+    The standard error is the scatter of realisations, pooled over neighbouring eps_f
+    (scatter.Scatter), over sqrt(n_seeds); None where no group had two seeds. Surfaces that are
+    solved on several grids, some of them for fewer seeds, are averaged as ratios to the grid with
+    most seeds, so that means along eps_c do not jump with the choice of seeds.
     """
     rows: Rows = []
     for _, family in groups(runs, "hurst", "p_star").items():
         scatter = {name: Scatter.of(family, name) for name in observables}
         for _, surfaces in groups(family, "L_over_lam_l", "lam_l_over_lam_s").items():
-            grids = [{run["seed"]: run for run in part} for part in groups(surfaces, "lam_s_over_a").values()]
+            grids = [
+                {run["seed"]: run for run in part}
+                for part in groups(surfaces, "lam_s_over_a").values()
+            ]
             base = max(grids, key=len)
             for seeds in grids:
                 first = next(iter(seeds.values()))
@@ -30,13 +45,15 @@ def average(runs: Rows, observables: tuple[str, ...]) -> Rows:
 
 
 def relative_scatter(row: dict, observable: str) -> float | None:
-    """Scatter of single realisations over the mean, from the standard error; None where it is not known."""
+    """Scatter of single realisations over the mean, from the standard error; None where it is not
+    known."""
     se = row.get(f"{observable}_se")
     return se * row["n_seeds"] ** 0.5 / abs(row[observable]) if se is not None else None
 
 
 def _mean(name: str, seeds: dict, base: dict, scatter: Scatter) -> tuple[float, float | None]:
-    """Mean and standard error of an observable over seeds; base: the same surfaces, and more, on another grid."""
+    """Mean and standard error of an observable over seeds; base: the same surfaces, and more, on
+    another grid."""
     some = next(iter(seeds.values()))
     relative = scatter.relative(some["eps_t"], some["eps_f"])
     grids = sum(scatter.grid(run) ** 2 for run in (some, next(iter(base.values()))))

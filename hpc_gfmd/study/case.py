@@ -8,16 +8,21 @@ from ..scene import Scene, SelfAffine
 
 SURFACE = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "seed")
 DISTRIBUTION = "{}_distribution"
-LARGE = 2**15  # points along an axis from which a surface is solved in low memory: two cores with 24 GiB can have it then
+LARGE = (
+    2**15
+    # points along an axis from which a surface is solved in low memory: two cores with 24 GiB can have
+    # it then
+)
 
 
 @dataclass(frozen=True)
 class Case:
-    """A self-affine surface in the cell of side 1 with g_rms = 1 and E_star = 1, and a sweep over p_star.
+    """A self-affine surface in the cell of side 1 with g_rms = 1 and E_star = 1, and a sweep over
+    p_star.
 
-    The ratios are those of the paper: L/lam_l = 1/eps_t, lam_l/lam_s = 1/eps_f, lam_s/a = 1/eps_c. Cases that differ in
-    lam_s_over_a alone are the same surface on another grid. observables, distributions: what is wanted of every load beyond what all
-    have, by the names of a scene.
+    The ratios are those of the paper: L/lam_l = 1/eps_t, lam_l/lam_s = 1/eps_f, lam_s/a = 1/eps_c.
+    Cases that differ in lam_s_over_a alone are the same surface on another grid. observables,
+    distributions: what is wanted of every load beyond what all have, by the names of a scene.
     """
 
     hurst: float
@@ -39,7 +44,8 @@ class Case:
 
     @property
     def surface(self) -> tuple[float, ...]:
-        """What makes the surface and its grid, and how accurately it is solved; cases that agree in it can be one sweep."""
+        """What makes the surface and its grid, and how accurately it is solved; cases that agree in
+        it can be one sweep."""
         return (*(getattr(self, name) for name in SURFACE), self.accuracy)
 
     @property
@@ -56,14 +62,18 @@ class Case:
     def _scene(self) -> Scene:
         surface = {"kind": "self-affine"} | {name: getattr(self, name) for name in SURFACE}
         solver = {"accuracy": self.accuracy, "low_memory": self.n >= LARGE}
-        return Scene.from_dict({"surface": surface, "load": {"p_star": list(self.p_star)}, "solver": solver}, "study")
+        return Scene.from_dict(
+            {"surface": surface, "load": {"p_star": list(self.p_star)}, "solver": solver}, "study"
+        )
 
     def scene(self) -> Scene:
-        """The scene.Scene of this sweep, with the default solver. Raises SceneError for ratios that make no grid."""
+        """The scene.Scene of this sweep, with the default solver. Raises SceneError for ratios that
+        make no grid."""
         return self._scene
 
     def __str__(self) -> str:
         return (
-            f"H = {self.hurst:g}, L/lam_l = {self.L_over_lam_l:g}, lam_l/lam_s = {self.lam_l_over_lam_s:g}, "
-            f"lam_s/a = {self.lam_s_over_a:g} (n = {self.n}), seed {self.seed}"
+            f"H = {self.hurst:g}, L/lam_l = {self.L_over_lam_l:g}, lam_l/lam_s ="
+            f" {self.lam_l_over_lam_s:g}, lam_s/a = {self.lam_s_over_a:g} (n = {self.n}), seed"
+            f" {self.seed}"
         )

@@ -1,4 +1,5 @@
-"""What a figure or table of the paper, or a question beyond it, is to this program, and which there are.
+"""What a figure or table of the paper, or a question beyond it, is to this program, and which there
+are.
 
 Every file of items/ lists some in STUDIES; adding one means adding an entry, or dropping in a file.
 """
@@ -38,7 +39,8 @@ class Study:
     compare : function of the rows
         Lines "paper says / we find / why" (paper.saying).
     question : str
-        Of a study beyond the paper: what it asks. It gets a page of its own instead of a place in the report.
+        Of a study beyond the paper: what it asks. It gets a page of its own instead of a place in
+        the report.
     columns : dict
         The table of that page: {title: template of a cell (text.filled)}.
     lines : function of the rows
@@ -71,11 +73,17 @@ def of_paper() -> list[str]:
 def study(name: str) -> Study:
     """The study of a name. Raises SceneError that names the nearest one."""
     if name not in _studies():
-        raise SceneError(f"NAME: found {name!r}, nearest: {nearest(name, names())!r}, allowed: all, {', '.join(names())}")
+        raise SceneError(
+            f"NAME: found {name!r}, nearest: {nearest(name, names())!r}, allowed: all,"
+            f" {', '.join(names())}"
+        )
     return _studies()[name]
 
 
 @cache
 def _studies() -> dict[str, Study]:
-    modules = (importlib.import_module(f"{items.__name__}.{module.name}") for module in pkgutil.iter_modules(items.__path__))
+    modules = (
+        importlib.import_module(f"{items.__name__}.{module.name}")
+        for module in pkgutil.iter_modules(items.__path__)
+    )
     return {study.name: study for module in modules for study in module.STUDIES}

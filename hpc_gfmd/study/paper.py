@@ -24,7 +24,8 @@ def numbers() -> dict:
 
 
 def of_hurst(name: str, hurst: float, *keys: str) -> Any:
-    """A number that the paper gives for a Hurst exponent, e.g. of_hurst("area_high", 0.8); None where it gives none."""
+    """A number that the paper gives for a Hurst exponent, e.g. of_hurst("area_high", 0.8); None
+    where it gives none."""
     table = numbers()[name]
     for key in keys:
         table = table[key]
@@ -32,7 +33,8 @@ def of_hurst(name: str, hurst: float, *keys: str) -> Any:
 
 
 def coefficients(observable: str, pressure: str, hurst: float) -> Any:
-    """The row of a printed coefficient table, {"C_c": ..., "alpha_t": ...}; None where the paper has none.
+    """The row of a printed coefficient table, {"C_c": ..., "alpha_t": ...}; None where the paper
+    has none.
 
     pressure: "low" or "high".
     """
@@ -53,5 +55,8 @@ def at(pressure: str, hurst: float) -> str:
 
 
 def saying(paper: str, ours: str, why: str = "", **row: Any) -> dict:
-    """One of the Sayings, {"paper", "ours", "why"}; row: columns with which its parts are filled in (text.filled)."""
-    return {name: filled(text, row) for name, text in (("paper", paper), ("ours", ours), ("why", why))}
+    """One of the Sayings, {"paper", "ours", "why"}; row: columns with which its parts are filled in
+    (text.filled)."""
+    return {
+        name: filled(text, row) for name, text in (("paper", paper), ("ours", ours), ("why", why))
+    }

@@ -1,5 +1,6 @@
-"""What is stored of a study as a table (CSV, JSON) and a picture (PNG) beside the runs; of one beyond the paper also as a page: what is
-asked, picture, what we find, numbers, command, time (Markdown)."""
+"""What is stored of a study as a table (CSV, JSON) and a picture (PNG) beside the runs; of one
+beyond the paper also as a page: what is asked, picture, what we find, numbers, command, time
+(Markdown)."""
 
 import csv
 import io
@@ -32,7 +33,8 @@ points, {minutes:.0f} minutes of solving in all, on one shared core; {poor} load
 
 
 def publish(study: Study, store: Store, level: str) -> Rows:
-    """Write NAME.csv, NAME.json, NAME.png and, of a study beyond the paper, NAME.md into the folder of the store; returns the rows.
+    """Write NAME.csv, NAME.json, NAME.png and, of a study beyond the paper, NAME.md into the folder
+    of the store; returns the rows.
 
     Nothing stored of it: nothing is written and the rows are empty.
     """
@@ -54,18 +56,37 @@ def publish(study: Study, store: Store, level: str) -> Rows:
 
 def page(study: Study, rows: Rows, runs: Rows, level: str) -> str:
     """The text; runs: those that the rows are made of."""
-    found = "\n".join(f"- {literal(line['paper'])}: **{literal(line['ours'])}**" + (f" ({literal(line['why'])})" if line["why"] else "")
-                      for line in study.compare(rows))
+    found = "\n".join(
+        f"- {literal(line['paper'])}: **{literal(line['ours'])}**"
+        + (f" ({literal(line['why'])})" if line["why"] else "")
+        for line in study.compare(rows)
+    )
     surfaces = {(run["hurst"], run["seed"], run["eps_t"], run["eps_f"]) for run in runs}
-    return PAGE.format(name=study.name, title=study.title, question=study.question, found=found, level=level, version=__version__,
-                       numbers=table(study.lines(rows), study.columns), surfaces=len(surfaces), **effort(runs))
+    return PAGE.format(
+        name=study.name,
+        title=study.title,
+        question=study.question,
+        found=found,
+        level=level,
+        version=__version__,
+        numbers=table(study.lines(rows), study.columns),
+        surfaces=len(surfaces),
+        **effort(runs),
+    )
 
 
 def effort(runs: Rows) -> dict[str, Any]:
-    """What runs took: loads, low and high (points along an axis), minutes, poor (loads that failed their accuracy), accuracy."""
+    """What runs took: loads, low and high (points along an axis), minutes, poor (loads that failed
+    their accuracy), accuracy."""
     sizes = [run["n"] for run in runs] or [0]
-    return {"loads": len(runs), "low": min(sizes), "high": max(sizes), "minutes": sum(run["wall_seconds"] for run in runs) / 60,
-            "poor": sum(run["status"] != "converged" for run in runs), "accuracy": max((run["accuracy"] for run in runs), default=0)}
+    return {
+        "loads": len(runs),
+        "low": min(sizes),
+        "high": max(sizes),
+        "minutes": sum(run["wall_seconds"] for run in runs) / 60,
+        "poor": sum(run["status"] != "converged" for run in runs),
+        "accuracy": max((run["accuracy"] for run in runs), default=0),
+    }
 
 
 def columns_of(rows: Rows) -> list[str]:
@@ -87,7 +108,10 @@ def as_text(rows: Rows) -> str:
     columns = columns_of(rows)
     cells = [columns, *([_cell(row.get(name)) for name in columns] for row in rows)]
     widths = [max(len(line[k]) for line in cells) for k in range(len(columns))]
-    return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) for line in cells)
+    return "\n".join(
+        "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True))
+        for line in cells
+    )
 
 
 def write_whole(path: str | Path, text: str) -> None:

@@ -1,5 +1,5 @@
-"""What the paper leaves open: kappa in the TFC limit by two routes, the exponents alpha_c and alpha_f, and what the missing factor of
-Persson's theory explains."""
+"""What the paper leaves open: kappa in the TFC limit by two routes, the exponents alpha_c and
+alpha_f, and what the missing factor of Persson's theory explains."""
 
 from typing import Any
 
@@ -49,30 +49,71 @@ share of the logarithm of the printed ratio that the factor removes. At p* = 0.0
 
 def section(runs: Rows, tables: dict[str, Rows], level: str) -> str:
     """The section of the report; runs: those of levels.tfc_series, tables: {study: rows}."""
-    alpha_c = ALPHA_C.format(sharpest=SHARPEST, printed=paper.numbers()["alpha_c"], table=_alpha_c(runs, level))
+    alpha_c = ALPHA_C.format(
+        sharpest=SHARPEST, printed=paper.numbers()["alpha_c"], table=_alpha_c(runs, level)
+    )
     theory = _theory(tables["fig6"])
-    parts = ["## Open questions", LIMITS.format(table=_limits(runs)), alpha_c, theory and THEORY.format(table=theory)]
+    parts = [
+        "## Open questions",
+        LIMITS.format(table=_limits(runs)),
+        alpha_c,
+        theory and THEORY.format(table=theory),
+    ]
     return "\n\n".join(part for part in parts if part)
 
 
 def _limits(runs: Rows) -> str:
-    one = {"raw": "{kappa_tfc:±}", "alone": "{alpha_f_own:±}", "theirs": "{kappa_paper_alpha:±}", "chi2": "{chi2_per_dof:.2f}"}
+    one = {
+        "raw": "{kappa_tfc:±}",
+        "alone": "{alpha_f_own:±}",
+        "theirs": "{kappa_paper_alpha:±}",
+        "chi2": "{chi2_per_dof:.2f}",
+    }
     rows = []
     for pressure, hurst, part in families(runs):
-        row = {"hurst": hurst, "p_star": PRESSURES[pressure], "expected": 2 - 2 * hurst,
-               "paper": (pressure == "low" and paper.of_hurst("kappa_tfc", hurst)) or ""}
+        row = {
+            "hurst": hurst,
+            "p_star": PRESSURES[pressure],
+            "expected": 2 - 2 * hurst,
+            "paper": (pressure == "low" and paper.of_hurst("kappa_tfc", hurst)) or "",
+        }
         try:
             raw, edge = compare_routes(part)
         except SceneError as error:
-            rows.append({"hurst": hurst, "p_star": PRESSURES[pressure], "raw": f"not yet ({error})"})
+            rows.append(
+                {"hurst": hurst, "p_star": PRESSURES[pressure], "raw": f"not yet ({error})"}
+            )
             continue
-        both = {name: "; ".join(filled(cell, route) for route in (raw, edge)) for name, cell in one.items()}
-        rows.append(raw | row | both | {"raw": filled(one["raw"], raw), "edge": filled(one["raw"], edge),
-                                        "sigmas": raw["difference"] / raw["difference_se"]})
-    return table(rows, FAMILY | {
-        "as counted": "{raw}", "edge-corrected": "{edge}", "difference": "{difference:+.4f}", "in its sigma": "{sigmas:+.1f}",
-        "paper": "{paper}", "alpha_f": "{alpha_f:±}", "alone": "{alone}", "2 - 2H": "{expected:g}",
-        f"with alpha_f = {paper.numbers()['alpha_f']:g}": "{theirs}", "chi²/dof": "{chi2}"})
+        both = {
+            name: "; ".join(filled(cell, route) for route in (raw, edge))
+            for name, cell in one.items()
+        }
+        rows.append(
+            raw
+            | row
+            | both
+            | {
+                "raw": filled(one["raw"], raw),
+                "edge": filled(one["raw"], edge),
+                "sigmas": raw["difference"] / raw["difference_se"],
+            }
+        )
+    return table(
+        rows,
+        FAMILY
+        | {
+            "as counted": "{raw}",
+            "edge-corrected": "{edge}",
+            "difference": "{difference:+.4f}",
+            "in its sigma": "{sigmas:+.1f}",
+            "paper": "{paper}",
+            "alpha_f": "{alpha_f:±}",
+            "alone": "{alone}",
+            "2 - 2H": "{expected:g}",
+            f"with alpha_f = {paper.numbers()['alpha_f']:g}": "{theirs}",
+            "chi²/dof": "{chi2}",
+        },
+    )
 
 
 def _alpha_c(runs: Rows, level: str) -> str:
@@ -80,14 +121,25 @@ def _alpha_c(runs: Rows, level: str) -> str:
     for pressure, hurst, part in families(runs):
         row: dict[str, Any] = {"hurst": hurst, "p_star": PRESSURES[pressure]}
         for observable in ("kappa", "kappa_edge"):
-            local = (x for x in fits.local_exponents(part, observable, level) if x["alpha"] is not None)
+            local = (
+                x for x in fits.local_exponents(part, observable, level) if x["alpha"] is not None
+            )
             row[observable] = ", ".join(filled("{alpha:±} ({eps_c:1/})", x) for x in local)
             row[f"{observable}_all"], row[f"{observable}_fine"] = (
-                _exponent(part, observable, level, coarsest) for coarsest in (0.5, SHARPEST))
+                _exponent(part, observable, level, coarsest) for coarsest in (0.5, SHARPEST)
+            )
         rows.append(row)
-    return table(rows, FAMILY | {
-        "local, as counted": "{kappa}", "fit, all": "{kappa_all}", "fit, fine grids": "{kappa_fine}",
-        "local, edge-corrected": "{kappa_edge}", "fit, fine grids, edge-corrected": "{kappa_edge_fine}"})
+    return table(
+        rows,
+        FAMILY
+        | {
+            "local, as counted": "{kappa}",
+            "fit, all": "{kappa_all}",
+            "fit, fine grids": "{kappa_fine}",
+            "local, edge-corrected": "{kappa_edge}",
+            "fit, fine grids, edge-corrected": "{kappa_edge_fine}",
+        },
+    )
 
 
 def _exponent(runs: Rows, observable: str, level: str, coarsest: float) -> str:
@@ -103,9 +155,26 @@ def _theory(fig6: Rows) -> Any:
     rows = []
     for pressure, hurst, part in families(fig6):
         for row in sorted(fine_half(part), key=lambda row: -row["eps_f"]):
-            rows.append(row | {
-                "explained": f"{share_explained([row]):.0%}" if pressure == "high" else "",
-                "paper": paper.of_hurst("theory_factor_h_rms", hurst) if pressure == "high" else "1 within 10 %"})
-    return rows and table(rows, FAMILY | {
-        "eps_f": "{eps_f:1/}", "gap/h_rms": "{gap_over_h_rms:±}", "over printed": "{over_persson_printed:.3f}",
-        "over corrected": "{over_persson:.3f}", "explained": "{explained}", "paper": "{paper}"})
+            rows.append(
+                row
+                | {
+                    "explained": f"{share_explained([row]):.0%}" if pressure == "high" else "",
+                    "paper": (
+                        paper.of_hurst("theory_factor_h_rms", hurst)
+                        if pressure == "high"
+                        else "1 within 10 %"
+                    ),
+                }
+            )
+    return rows and table(
+        rows,
+        FAMILY
+        | {
+            "eps_f": "{eps_f:1/}",
+            "gap/h_rms": "{gap_over_h_rms:±}",
+            "over printed": "{over_persson_printed:.3f}",
+            "over corrected": "{over_persson:.3f}",
+            "explained": "{explained}",
+            "paper": "{paper}",
+        },
+    )

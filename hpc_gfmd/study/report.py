@@ -1,7 +1,8 @@
-"""The report: every figure and table with what the paper says beside it, the open questions, the errata. Markdown.
+"""The report: every figure and table with what the paper says beside it, the open questions, the
+errata. Markdown.
 
-All numbers come from the rows of the studies, or from small computations made while the report is written; those of the paper from
-paper_numbers.json and its coefficient tables.
+All numbers come from the rows of the studies, or from small computations made while the report is
+written; those of the paper from paper_numbers.json and its coefficient tables.
 """
 
 import json
@@ -36,7 +37,8 @@ in `runs*.jsonl` when this page is written; nothing is typed in.
 
 
 def report(folder: str | Path, level: str) -> Path:
-    """Write README.md and our_tfc.json beside the tables and pictures of a folder of runs, which are made where missing or old.
+    """Write README.md and our_tfc.json beside the tables and pictures of a folder of runs, which
+    are made where missing or old.
 
     Returns the path of the report. Raises OSError, SceneError for a level that does not exist.
     """
@@ -45,13 +47,22 @@ def report(folder: str | Path, level: str) -> Path:
     runs = store.load()
     studies = [catalogue.study(name) for name in catalogue.of_paper()]
     tables = {study.name: _rows(study, store, level) for study in studies}
-    lines = {study.name: list(study.compare(tables[study.name])) if tables[study.name] else [] for study in studies}
+    lines = {
+        study.name: list(study.compare(tables[study.name])) if tables[study.name] else []
+        for study in studies
+    }
     series = store.runs_of(tfc_series(level))
     ours = coefficients.our_table(series, level)
     if ours["tables"]:
         coefficients.write_our_table(ours, store.folder / OUR_TABLE)
-    parts = [HEAD.format(version=__version__, level=level, **effort(runs)), _beyond(store), questions.section(series, tables, level),
-             _figures(studies, tables, lines, store), _says(lines), _errata(tables)]
+    parts = [
+        HEAD.format(version=__version__, level=level, **effort(runs)),
+        _beyond(store),
+        questions.section(series, tables, level),
+        _figures(studies, tables, lines, store),
+        _says(lines),
+        _errata(tables),
+    ]
     path = store.folder / FILE
     write_whole(path, "\n\n".join(part for part in parts if part) + "\n")
     return path
@@ -63,7 +74,11 @@ def _rows(study: Study, store: Store, level: str) -> Rows:
     picture = path.with_suffix(".png")
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
-        if found["level"] == level and found["runs"] == len(store.runs_of(study.cases(level))) and picture.is_file():
+        if (
+            found["level"] == level
+            and found["runs"] == len(store.runs_of(study.cases(level)))
+            and picture.is_file()
+        ):
             return found["rows"]
     except (OSError, ValueError, KeyError):
         pass
@@ -73,13 +88,21 @@ def _rows(study: Study, store: Store, level: str) -> Rows:
 def _beyond(store: Store) -> Any:
     pages = [name for name in catalogue.names() if (store.folder / f"{name}.md").is_file()]
     links = ", ".join(f"[{catalogue.study(name).title}]({name}.md)" for name in pages)
-    return pages and f"Beyond the paper: {links}. What `runs*.jsonl` lacks of their runs the command of each page solves anew."
+    return (
+        pages
+        and f"Beyond the paper: {links}. What `runs*.jsonl` lacks of their runs the command of each page solves anew."
+    )
 
 
-def _figures(studies: list[Study], tables: dict[str, Rows], lines: dict[str, Rows], store: Store) -> str:
+def _figures(
+    studies: list[Study], tables: dict[str, Rows], lines: dict[str, Rows], store: Store
+) -> str:
     parts = ["## Figures and tables"]
     if (store.folder / OUR_TABLE).is_file():
-        parts.append(f"Our coefficients with their covariances, for `hpc-gfmd tfc --table`: [{OUR_TABLE}]({OUR_TABLE}).")
+        parts.append(
+            "Our coefficients with their covariances, for `hpc-gfmd tfc --table`:"
+            f" [{OUR_TABLE}]({OUR_TABLE})."
+        )
     for study in studies:
         rows = tables[study.name]
         parts.append(f"### {study.name}: {study.title}\n\nPaper: {study.paper}.")
@@ -88,9 +111,17 @@ def _figures(studies: list[Study], tables: dict[str, Rows], lines: dict[str, Row
             continue
         if (store.folder / f"{study.name}.png").is_file():
             parts.append(f"![{study.title}]({study.name}.png)")
-        parts.append(f"Numbers: [{study.name}.csv]({study.name}.csv), [{study.name}.json]({study.name}.json).")
+        parts.append(
+            f"Numbers: [{study.name}.csv]({study.name}.csv),"
+            f" [{study.name}.json]({study.name}.json)."
+        )
         if said := lines[study.name]:
-            parts.append("\n".join(f"- paper: {literal(line['paper'])}; we find: **{literal(line['ours'])}**" for line in said))
+            parts.append(
+                "\n".join(
+                    f"- paper: {literal(line['paper'])}; we find: **{literal(line['ours'])}**"
+                    for line in said
+                )
+            )
     return "\n\n".join(parts)
 
 
@@ -103,4 +134,6 @@ def _says(lines: dict[str, Rows]) -> str:
 def _errata(tables: dict[str, Rows]) -> str:
     rows = [row for erratum in ERRATA if (row := erratum.row(tables))]
     columns = {"": "{number}", "printed": "{printed}", "right": "{right}", "shown by": "{shown}"}
-    return "## Errata of the paper\n\n" + table([{"number": i + 1} | row for i, row in enumerate(rows)], columns)
+    return "## Errata of the paper\n\n" + table(
+        [{"number": i + 1} | row for i, row in enumerate(rows)], columns
+    )

@@ -21,7 +21,8 @@ def where(rows: Rows, **columns: Any) -> Rows:
 
 
 def groups(rows: Rows, *columns: str) -> dict[Any, Rows]:
-    """{value: rows that have it in a column}, of several columns {values: rows}, sorted by the values; rows keep their order."""
+    """{value: rows that have it in a column}, of several columns {values: rows}, sorted by the
+    values; rows keep their order."""
     of = itemgetter(*columns)
     return {key: list(part) for key, part in groupby(sorted(rows, key=of), of)}
 
@@ -42,7 +43,8 @@ def by_hurst(rows: Rows) -> dict[float, Rows]:
 
 
 def families(rows: Rows) -> Iterator[tuple[str, float, Rows]]:
-    """(name of the pressure, H, rows) for both pressures of the paper, the low one first, and every H that has rows there."""
+    """(name of the pressure, H, rows) for both pressures of the paper, the low one first, and every
+    H that has rows there."""
     for pressure, part in low_high(rows).items():
         for hurst, family in by_hurst(part).items():
             yield pressure, hurst, family
@@ -59,7 +61,8 @@ def coarsest(rows: Rows, ratio: str) -> Any:
 
 
 def longest(rows: Rows, ratio: str, column: str = "lam_l_over_lam_s") -> Rows:
-    """Of the series of rows that share a value of `column`, the one with most values of `ratio`; [] of no rows."""
+    """Of the series of rows that share a value of `column`, the one with most values of `ratio`; []
+    of no rows."""
     series = {row[column]: where(rows, **{column: row[column]}) for row in rows}
     return max(series.values(), key=lambda part: len({row[ratio] for row in part}), default=[])
 

@@ -1,4 +1,5 @@
-"""What has been solved: one JSON line per surface and load, appended when it is finished and never changed."""
+"""What has been solved: one JSON line per surface and load, appended when it is finished and never
+changed."""
 
 import json
 import os
@@ -14,14 +15,16 @@ DIGITS = 9  # of a number in the key
 
 
 class Store:
-    """The lines of all runs*.jsonl in a folder. part: write runs-<part>.jsonl, so that several jobs can share the folder."""
+    """The lines of all runs*.jsonl in a folder. part: write runs-<part>.jsonl, so that several jobs
+    can share the folder."""
 
     def __init__(self, folder: str | Path, part: int | None = None) -> None:
         self.folder = Path(folder)
         self.path = self.folder / ("runs.jsonl" if part is None else f"runs-{part}.jsonl")
 
     def load(self) -> Rows:
-        """All runs as dicts, a run that was stored twice once, with the columns of both. A line not written to its end is left out."""
+        """All runs as dicts, a run that was stored twice once, with the columns of both. A line not
+        written to its end is left out."""
         found: dict[tuple, dict] = {}
         for path in sorted(self.folder.glob("runs*.jsonl")):
             for line in path.read_bytes().split(b"\n"):
@@ -36,7 +39,11 @@ class Store:
         for case in cases:
             for key in _keys(case):
                 wanted[key].append(case.columns)
-        return [run for run in self.load() if any(columns <= set(run) for columns in wanted.get(key_of(run), ()))]
+        return [
+            run
+            for run in self.load()
+            if any(columns <= set(run) for columns in wanted.get(key_of(run), ()))
+        ]
 
     def append(self, run: dict) -> None:
         """Add one run; it is on the disk when this returns. Raises OSError."""
@@ -60,8 +67,13 @@ def key_of(run: dict) -> tuple[float, ...]:
 
 
 def missing(case: Case, stored: dict) -> Case | None:
-    """The case with those loads only that are not stored with all its columns; None if none is left. stored: {key: columns}."""
-    left = tuple(p for p, key in zip(case.p_star, _keys(case), strict=True) if key not in stored or not case.columns <= stored[key])
+    """The case with those loads only that are not stored with all its columns; None if none is
+    left. stored: {key: columns}."""
+    left = tuple(
+        p
+        for p, key in zip(case.p_star, _keys(case), strict=True)
+        if key not in stored or not case.columns <= stored[key]
+    )
     return replace(case, p_star=left) if left else None
 
 

@@ -13,12 +13,14 @@ def quoted(value: Any, sigma: float | None = None) -> str:
     if sigma is None or not sigma > 0:
         return f"{value:.3g}"
     places = max(0, 1 - int(f"{sigma:e}".rpartition("e")[2]))
-    return f"{value:.{places}f} ± {sigma:.{places}f}" if places < 8 else f"{value:.3g} ± {sigma:.2g}"
+    return (
+        f"{value:.{places}f} ± {sigma:.{places}f}" if places < 8 else f"{value:.3g} ± {sigma:.2g}"
+    )
 
 
 class _Filled(Formatter):
-    """str.format of a row's columns. `{kappa:±}`: with its standard error, column kappa_se; `{eps_f:1/}`: its inverse, "1/16"; "-" for
-    None, nothing for a column that is not there."""
+    """str.format of a row's columns. `{kappa:±}`: with its standard error, column kappa_se;
+    `{eps_f:1/}`: its inverse, "1/16"; "-" for None, nothing for a column that is not there."""
 
     def get_field(self, name: str, args: Any, row: Any) -> Any:
         return (name, row), name
@@ -42,7 +44,10 @@ def filled(template: str, row: dict) -> str:
 
 def table(rows: Rows, columns: dict[str, str]) -> str:
     """A Markdown table; columns: {title: template of its cells}."""
-    lines = [list(columns), *([filled(cell, row).replace("|", "\\|") for cell in columns.values()] for row in rows)]
+    lines = [
+        list(columns),
+        *([filled(cell, row).replace("|", "\\|") for cell in columns.values()] for row in rows),
+    ]
     head, *body = ("| " + " | ".join(line) + " |" for line in lines)
     return "\n".join([head, "|" + "---|" * len(columns), *body])
 

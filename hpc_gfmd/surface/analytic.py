@@ -7,7 +7,8 @@ import numpy as np
 
 
 def wave_rows(spec: Any, n: tuple[int, int]) -> Callable[[int, int], np.ndarray]:
-    """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y); returns a function of global rows (start, stop)."""
+    """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y); returns a function of global rows (start,
+    stop)."""
     k_x, k_y = spec.periods
     y = _cosine(k_y, n[1])
 
@@ -23,7 +24,8 @@ def _cosine(k: int, n: int) -> np.ndarray:
 
 
 def sphere_rows(spec: Any, n: tuple[int, int]) -> Callable[[int, int], np.ndarray]:
-    """z = -r^2/(2 R) about the centre of the cell; returns a function of global rows (start, stop)."""
+    """z = -r^2/(2 R) about the centre of the cell; returns a function of global rows (start,
+    stop)."""
     L_x, L_y = spec.physical_sizes
     x = (np.arange(n[0]) - n[0] // 2) * (L_x / n[0])
     y = (np.arange(n[1]) - n[1] // 2) * (L_y / n[1])

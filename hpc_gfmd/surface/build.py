@@ -1,4 +1,5 @@
-"""From the scene's [surface] to the gap under zero load, in the program's units (see problem.py)."""
+"""From the scene's [surface] to the gap under zero load, in the program's units (see
+problem.py)."""
 
 import math
 from collections.abc import Callable
@@ -25,22 +26,28 @@ from .statistics import rms, rms_between_neighbours
 from .topography import Rows, open_topography
 
 SLAB_ROWS = 64  # rows read or made at a time
-# Of a cell along a free axis over the surface: share of it; of it and twice the longest side, in the geometric mean, which keeps the
-# modes few that are coupled (bodies/free.py); points; spacings along an axis that ends and along others, to resolve these modes
+# Of a cell along a free axis over the surface: share of it; of it and twice the longest side, in
+# the geometric mean, which keeps the modes few that are coupled (bodies/free.py); points; spacings
+# along an axis that ends and along others, to resolve these modes
 LONGER, BESIDE, MARGIN, SPACINGS, PERIODIC_SPACINGS = 1 / 2, 0.42, 64, 2 * NEEDED, 4
-SLENDER = 256  # square of the longest side over product of a side and what is beside it, at most: else S would not be positive
+# square of the longest side over product of a side and what is beside it, at most: else S would not
+# be positive
+SLENDER = 256
 
 
 @dataclass(frozen=True)
 class Surface:
-    """h: initial gap, local part of the nominal area of `grid`, >= 0 with minimum 0, in units of g_rms a; h_rms, g_rms: realised, in
-    the scene's units. Where the surface ends the grid goes on beyond it, see cell_of.
+    """h: initial gap, local part of the nominal area of `grid`, >= 0 with minimum 0, in units of
+    g_rms a; h_rms, g_rms: realised, in the scene's units. Where the surface ends the grid goes on
+    beyond it, see cell_of.
 
-    A surface that varies along one axis only lives on a grid with one point along the other; `n` is the size asked for, and every
-    rank then holds all of `grid`. A flat surface has g_rms = 0, and its units are those of 1. rows: (start, stop) of the size asked for
-    that this rank owns. add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum. checksum: of the
-    heights as they were read, None where the scene says all about them. unit: "m" where sizes and heights are in it, "" where nobody
-    named their unit. prepared: what was done to a height map, a line each. quality_notes: see quality.py.
+    A surface that varies along one axis only lives on a grid with one point along the other; `n` is
+    the size asked for, and every rank then holds all of `grid`. A flat surface has g_rms = 0, and
+    its units are those of 1. rows: (start, stop) of the size asked for that this rank owns.
+    add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum.
+    checksum: of the heights as they were read, None where the scene says all about them. unit: "m"
+    where sizes and heights are in it, "" where nobody named their unit. prepared: what was done to
+    a height map, a line each. quality_notes: see quality.py.
     """
 
     grid: Grid
@@ -58,7 +65,9 @@ class Surface:
     @property
     def sizes(self) -> tuple[float, ...]:
         """(L_x, L_y) of the surface."""
-        return tuple(size * m / k for size, m, k in zip(self.grid.sizes, self.grid.nominal, self.grid.n))
+        return tuple(
+            size * m / k for size, m, k in zip(self.grid.sizes, self.grid.nominal, self.grid.n)
+        )
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -88,16 +97,25 @@ class Surface:
 
 
 def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tuple:
-    """The points along each axis that a surface of n points and these sizes is solved on: more along the axes where it ends."""
+    """The points along each axis that a surface of n points and these sizes is solved on: more
+    along the axes where it ends."""
     longest = max((size for size, ends in zip(sizes, free) if ends), default=0.0)
-    beside = [size / k * (SPACINGS if ends else PERIODIC_SPACINGS) for k, size, ends in zip(n, sizes, free) if ends or k > 1]
+    beside = [
+        size / k * (SPACINGS if ends else PERIODIC_SPACINGS)
+        for k, size, ends in zip(n, sizes, free)
+        if ends or k > 1
+    ]
     length = max((size for k, size in zip(n, sizes) if k > 1), default=0.0)
     least = [max([*beside, min(length**2 / (SLENDER * size), length / 2)]) for size in sizes]
-    return tuple(_longer(k, longest * k / size, x * k / size) if ends else k for k, size, x, ends in zip(n, sizes, least, free))
+    return tuple(
+        _longer(k, longest * k / size, x * k / size) if ends else k
+        for k, size, x, ends in zip(n, sizes, least, free)
+    )
 
 
 def _longer(n: int, longest: float, least: float) -> int:
-    """Points along an axis of which the surface has n and its longest side would have so many; least: beyond the surface."""
+    """Points along an axis of which the surface has n and its longest side would have so many;
+    least: beyond the surface."""
     from scipy.fft import next_fast_len
 
     wanted = n + math.ceil(max(n * LONGER, BESIDE * (n * longest**2) ** (1 / 3), MARGIN, least))
@@ -105,10 +123,18 @@ def _longer(n: int, longest: float, least: float) -> int:
     return step * int(next_fast_len(-(-wanted // step), real=True))
 
 
-def grid_of(n: tuple, sizes: tuple[float, ...], comm: Any, threads: int = 1, free: tuple[bool, bool] = (False, False)) -> Grid:
+def grid_of(
+    n: tuple,
+    sizes: tuple[float, ...],
+    comm: Any,
+    threads: int = 1,
+    free: tuple[bool, bool] = (False, False),
+) -> Grid:
     """The grid on which a surface of n points is solved."""
     cell = cell_of(n, free, sizes)
-    return Grid(cell, tuple(size * m / k for size, m, k in zip(sizes, cell, n)), comm, threads, nominal=n)
+    return Grid(
+        cell, tuple(size * m / k for size, m, k in zip(sizes, cell, n)), comm, threads, nominal=n
+    )
 
 
 def _nominal(grid: Grid) -> Grid:
@@ -116,23 +142,36 @@ def _nominal(grid: Grid) -> Grid:
     if not grid.padded:
         return grid
     sizes = [size * m / k for size, m, k in zip(grid.sizes, grid.nominal, grid.n)]
-    return Grid(grid.nominal, sizes, grid.comm, grid.threads, np.minimum(grid.starts, grid.nominal[0]))
+    return Grid(
+        grid.nominal, sizes, grid.comm, grid.threads, np.minimum(grid.starts, grid.nominal[0])
+    )
 
 
 def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """(n_x, n_y) and (L_x, L_y) of a surface; opens the file where only that knows. Raises SceneError."""
-    return (tuple(spec.n), spec.physical_sizes) if spec.n is not None else prepared_size(open_topography(spec), spec)
+    """(n_x, n_y) and (L_x, L_y) of a surface; opens the file where only that knows. Raises
+    SceneError."""
+    return (
+        (tuple(spec.n), spec.physical_sizes)
+        if spec.n is not None
+        else prepared_size(open_topography(spec), spec)
+    )
 
 
-def build_surface(spec: Any, comm: Any, dtype: DTypeLike, threads: int = 1, low_memory: bool = False) -> Surface:
-    """Make or read the surface of a scene on all ranks; spec: scene.surface. Raises SceneError on all ranks.
+def build_surface(
+    spec: Any, comm: Any, dtype: DTypeLike, threads: int = 1, low_memory: bool = False
+) -> Surface:
+    """Make or read the surface of a scene on all ranks; spec: scene.surface. Raises SceneError on
+    all ranks.
 
-    low_memory: without transforms in double precision, which later ones of the certificate would need anyway.
+    low_memory: without transforms in double precision, which later ones of the certificate would
+    need anyway.
     """
     dtype = np.dtype(dtype)
     if spec.kind == "self-affine":
         grid = grid_of(spec.n, spec.physical_sizes, comm, threads, spec.free)
-        h, h_over_g, add_spectrum = self_affine_gap(spec, _nominal(grid), dtype, dtype if low_memory else np.float64)
+        h, h_over_g, add_spectrum = self_affine_gap(
+            spec, _nominal(grid), dtype, dtype if low_memory else np.float64
+        )
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
         known = None if grid.padded else add_spectrum
         return Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.nominal_rows, known)
@@ -147,7 +186,17 @@ def build_surface(spec: Any, comm: Any, dtype: DTypeLike, threads: int = 1, low_
         file.read_together(comm)
     try:
         found, done, notes = prepare(found, spec, comm)
-        made = surface_from_rows(found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, Checksum(), found.unit)
+        made = surface_from_rows(
+            found.n,
+            found.sizes,
+            found.rows,
+            comm,
+            dtype,
+            threads,
+            spec.free,
+            Checksum(),
+            found.unit,
+        )
     except GfmdError:  # all ranks are here
         file.close()
         raise
@@ -155,12 +204,23 @@ def build_surface(spec: Any, comm: Any, dtype: DTypeLike, threads: int = 1, low_
     return replace(made, prepared=done, quality_notes=notes)
 
 
-def surface_from_rows(n: tuple[int, ...], sizes: tuple[float, ...], rows: Rows, comm: Any, dtype: DTypeLike, threads: int = 1,
-                      free: tuple[bool, bool] = (False, False), checksum: Checksum | None = None, unit: str = "") -> Surface:
-    """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y); free: whether it ends along x, along y.
+def surface_from_rows(
+    n: tuple[int, ...],
+    sizes: tuple[float, ...],
+    rows: Rows,
+    comm: Any,
+    dtype: DTypeLike,
+    threads: int = 1,
+    free: tuple[bool, bool] = (False, False),
+    checksum: Checksum | None = None,
+    unit: str = "",
+) -> Surface:
+    """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y); free:
+    whether it ends along x, along y.
 
-    The gradient of a surface that ends is that between neighbouring points, otherwise that of the Fourier series. checksum: an empty
-    heights.Checksum where one is wanted. Raises SceneError on all ranks.
+    The gradient of a surface that ends is that between neighbouring points, otherwise that of the
+    Fourier series. checksum: an empty heights.Checksum where one is wanted. Raises SceneError on
+    all ranks.
     """
     cell = grid_of(n, sizes, comm, threads, free)
     grid = _nominal(cell)
@@ -168,9 +228,11 @@ def surface_from_rows(n: tuple[int, ...], sizes: tuple[float, ...], rows: Rows, 
     z = grid.empty(np.float64)
     with guarded(comm, "reading the surface"):
         for i in range(0, stop - start, SLAB_ROWS):
-            z[i:i + SLAB_ROWS] = checked(rows(start + i, min(start + i + SLAB_ROWS, stop)), start + i, "surface")
+            z[i : i + SLAB_ROWS] = checked(
+                rows(start + i, min(start + i + SLAB_ROWS, stop)), start + i, "surface"
+            )
             if checksum is not None:
-                checksum.add(z[i:i + SLAB_ROWS])
+                checksum.add(z[i : i + SLAB_ROWS])
     check(comm)
     known = checksum.of_all(comm, n, sizes, unit) if checksum is not None else None
     top = float(comm.max([z.max(initial=-np.inf)])[0])
@@ -182,7 +244,10 @@ def surface_from_rows(n: tuple[int, ...], sizes: tuple[float, ...], rows: Rows, 
     if span == 0.0:
         return Surface(cell, z.astype(dtype), n, 0.0, 0.0, (start, stop), checksum=known, unit=unit)
     if span < 1 / LARGEST_HEIGHT:
-        raise SceneError(f"surface: found heights that differ by {span:g} at most, allowed: 0 or at least {1 / LARGEST_HEIGHT:g}")
+        raise SceneError(
+            f"surface: found heights that differ by {span:g} at most, allowed: 0 or at least"
+            f" {1 / LARGEST_HEIGHT:g}"
+        )
     centre = float(grid.comm.sum([z.sum()])[0]) / grid.N
     scale = float(grid.comm.max([np.abs(z - centre).max(initial=0)])[0])
 
@@ -190,7 +255,10 @@ def surface_from_rows(n: tuple[int, ...], sizes: tuple[float, ...], rows: Rows, 
         np.subtract(z[i0:i1], centre, out=x[: i1 - i0])
         x[: i1 - i0] /= scale  # heights of 1e-200 or 1e200 have squares too
 
-    h_rms, g_rms = (scale * r for r in (rms_between_neighbours(grid, fill, free) if cell.padded else rms(grid, fill)))
+    h_rms, g_rms = (
+        scale * r
+        for r in (rms_between_neighbours(grid, fill, free) if cell.padded else rms(grid, fill))
+    )
     if dtype != np.float64:
         grid.forget_fft(np.float64)
     h = z if dtype == np.float64 else np.empty(z.shape, dtype)
@@ -199,7 +267,8 @@ def surface_from_rows(n: tuple[int, ...], sizes: tuple[float, ...], rows: Rows, 
 
 
 def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:
-    """Where heights vary along one axis only, the grid and the heights (on every rank) of that axis alone."""
+    """Where heights vary along one axis only, the grid and the heights (on every rank) of that axis
+    alone."""
     comm, n = grid.comm, grid.n
     if 1 in n:
         axis = None

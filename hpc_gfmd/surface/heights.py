@@ -1,4 +1,5 @@
-"""Heights as they are read: whether they are numbers to compute with, and a checksum that tells one height map from another."""
+"""Heights as they are read: whether they are numbers to compute with, and a checksum that tells one
+height map from another."""
 
 import hashlib
 import operator
@@ -8,29 +9,37 @@ import numpy as np
 
 from ..errors import SceneError
 
-LARGEST_HEIGHT = 1e100  # as all numbers of a scene; heights that differ by less than its inverse are refused, too
+# as all numbers of a scene; heights that differ by less than its inverse are refused, too
+LARGEST_HEIGHT = 1e100
 
 
-def checked(z: np.ndarray, start: int, where: str, of: str = "", missing: bool = False) -> np.ndarray:
-    """The heights z (float64, rows from `start`) where all are finite, and so are squares of them; missing: some may be nan.
+def checked(
+    z: np.ndarray, start: int, where: str, of: str = "", missing: bool = False
+) -> np.ndarray:
+    """The heights z (float64, rows from `start`) where all are finite, and so are squares of them;
+    missing: some may be nan.
 
-    Raises SceneError for others, which begins with `where` and names the file, `of`: what instruments write for points that they could
-    not measure is often nan or the largest number.
+    Raises SceneError for others, which begins with `where` and names the file, `of`: what
+    instruments write for points that they could not measure is often nan or the largest number.
     """
     wrong = ~(np.abs(z) <= LARGEST_HEIGHT)
     if missing:
         wrong &= ~np.isnan(z)
     if wrong.any():
         i, j = np.argwhere(wrong)[0]
-        raise SceneError(f"{where}: found {z[i, j]:g} at ({start + i}, {j}){of}, allowed: finite heights, "
-                         f"{-LARGEST_HEIGHT:g} to {LARGEST_HEIGHT:g}")
+        raise SceneError(
+            f"{where}: found {z[i, j]:g} at ({start + i}, {j}){of}, allowed: finite heights, "
+            f"{-LARGEST_HEIGHT:g} to {LARGEST_HEIGHT:g}"
+        )
     return z
 
 
 class Checksum:
-    """BLAKE2 of all heights, row by row: the same for any number of ranks and any pieces in which the rows are read.
+    """BLAKE2 of all heights, row by row: the same for any number of ranks and any pieces in which
+    the rows are read.
 
-    Synthetic surfaces have none: the scene says all about them, and a billion points are made faster than they are summed.
+    Synthetic surfaces have none: the scene says all about them, and a billion points are made
+    faster than they are summed.
     """
 
     def __init__(self) -> None:
@@ -38,10 +47,18 @@ class Checksum:
 
     def add(self, z: np.ndarray) -> None:
         """The next rows of this rank, float64."""
-        self._rows += [hashlib.blake2b(np.ascontiguousarray(row, "<f8").data, digest_size=16).digest() for row in z]
+        self._rows += [
+            hashlib.blake2b(np.ascontiguousarray(row, "<f8").data, digest_size=16).digest()
+            for row in z
+        ]
 
-    def of_all(self, comm: Any, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = "") -> str:
-        """Of the rows of all ranks in their order, with the shape, the physical sizes and their unit. Collective."""
-        whole = hashlib.blake2b(repr((tuple(map(int, n)), tuple(map(float, sizes)), unit)).encode(), digest_size=16)
+    def of_all(
+        self, comm: Any, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = ""
+    ) -> str:
+        """Of the rows of all ranks in their order, with the shape, the physical sizes and their
+        unit. Collective."""
+        whole = hashlib.blake2b(
+            repr((tuple(map(int, n)), tuple(map(float, sizes)), unit)).encode(), digest_size=16
+        )
         whole.update(comm.reduce(b"".join(self._rows), operator.add) or b"")
         return comm.bcast(whole.hexdigest())

@@ -12,17 +12,23 @@ ANY_CHANNEL = "surface"  # the name that nobody gave
 
 
 def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
-    """(heights (n_x, n_y), nan where they are missing; Metadata) of one channel of a file. Raises whatever is wrong with it."""
+    """(heights (n_x, n_y), nan where they are missing; Metadata) of one channel of a file. Raises
+    whatever is wrong with it."""
     reader_of = surface_topography().open_topography
     reader = reader_of(str(path))
     maps = [found for found in reader.channels if found.dim == 2]
     wanted = [found for found in maps if found.name == channel]
     if not maps or (not wanted and channel != ANY_CHANNEL):
-        raise ValueError(f"surface.dataset = {channel!r}: it has the maps {', '.join(str(found.name) for found in maps) or '(none)'}")
+        raise ValueError(
+            f"surface.dataset = {channel!r}: it has the maps"
+            f" {', '.join(str(found.name) for found in maps) or '(none)'}"
+        )
     info = wanted[0] if wanted else reader.default_channel
     if info.dim != 2:
         info = maps[0]
-    topography = info.topography(**({} if info.physical_sizes is not None else {"physical_sizes": (1.0, 1.0)}))
+    topography = info.topography(
+        **({} if info.physical_sizes is not None else {"physical_sizes": (1.0, 1.0)})
+    )
     heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
     unit, sizes_unit = topography.unit, topography.unit
     if isinstance(unit, tuple | list):
@@ -33,9 +39,14 @@ def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
 
 
 def surface_topography() -> Any:
-    """The package. It would start MPI where no launcher did; here every rank reads for itself, so it gets none."""
+    """The package. It would start MPI where no launcher did; here every rank reads for itself, so
+    it gets none."""
     if "NuMPI" not in sys.modules:
-        known = {name: sys.modules.pop(name) for name in list(sys.modules) if name.partition(".")[0] == "mpi4py"}
+        known = {
+            name: sys.modules.pop(name)
+            for name in list(sys.modules)
+            if name.partition(".")[0] == "mpi4py"
+        }
         sys.modules["mpi4py"] = None  # type: ignore[assignment]  # as if it were not installed
         try:
             import NuMPI  # noqa: F401

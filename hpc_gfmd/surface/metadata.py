@@ -11,7 +11,8 @@ UNEVEN = 1e-3  # of a step: coordinates that differ by more are not those of a g
 
 @dataclass(frozen=True)
 class Metadata:
-    """sizes: (L_x, L_y), in sizes_unit; unit: of the heights; periodic: True where the file says so. None: the file does not say.
+    """sizes: (L_x, L_y), in sizes_unit; unit: of the heights; periodic: True where the file says
+    so. None: the file does not say.
 
     transposed: the first axis of the array is y.
     """
@@ -27,18 +28,27 @@ NAMES = ("physical_sizes", "unit", "units", "periodic")
 
 
 def by_attributes(*places: Mapping[str, Any]) -> Metadata:
-    """Of attributes physical_sizes, unit and periodic, in the first of these dictionaries that has them (HDF5, .npz)."""
+    """Of attributes physical_sizes, unit and periodic, in the first of these dictionaries that has
+    them (HDF5, .npz)."""
     found = {name: place[name] for place in reversed(places) for name in NAMES if name in place}
-    sizes = np.asarray(found["physical_sizes"], dtype=float).reshape(-1) if "physical_sizes" in found else ()
+    sizes = (
+        np.asarray(found["physical_sizes"], dtype=float).reshape(-1)
+        if "physical_sizes" in found
+        else ()
+    )
     unit = _text(found.get("unit", found.get("units")))
     periodic = bool(np.all(found.get("periodic", False)))
-    return Metadata(tuple(map(float, sizes)) if len(sizes) == 2 else None, unit, unit, periodic or None)
+    return Metadata(
+        tuple(map(float, sizes)) if len(sizes) == 2 else None, unit, unit, periodic or None
+    )
 
 
 def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
-    """Of a NetCDF variable's attributes and its axes [(name, attributes, coordinates or None, points), ...].
+    """Of a NetCDF variable's attributes and its axes [(name, attributes, coordinates or None,
+    points), ...].
 
-    Both conventions: `length` and `unit` of the axes (SurfaceTopography), coordinates of the points and `units` (CF).
+    Both conventions: `length` and `unit` of the axes (SurfaceTopography), coordinates of the points
+    and `units` (CF).
     """
     transposed = [name.lower() for name, *_ in axes] == ["y", "x"]
     axes = axes[::-1] if transposed else axes
@@ -46,9 +56,13 @@ def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
     units = [_unit(attributes) for _, attributes, *_ in axes]
     if units[0] != units[1]:
         raise ValueError(f"its axes are in different units, {units[0]} and {units[1]}")
-    unit = _unit(heights) or (units[0] if all("length" in attributes for _, attributes, *_ in axes) else None)
+    unit = _unit(heights) or (
+        units[0] if all("length" in attributes for _, attributes, *_ in axes) else None
+    )
     periodic = all(np.all(attributes.get("periodic", False)) for _, attributes, *_ in axes)
-    return Metadata(tuple(known) if len(known) == 2 else None, units[0], unit, periodic or None, transposed)
+    return Metadata(
+        tuple(known) if len(known) == 2 else None, units[0], unit, periodic or None, transposed
+    )
 
 
 def _length(attributes: Mapping[str, Any], x: np.ndarray | None, n: int) -> float | None:
@@ -68,6 +82,10 @@ def _unit(attributes: Mapping[str, Any]) -> str | None:
 
 
 def _text(value: Any) -> str | None:
-    value = value.item() if isinstance(value, np.ndarray | np.generic) and np.size(value) == 1 else value
+    value = (
+        value.item()
+        if isinstance(value, np.ndarray | np.generic) and np.size(value) == 1
+        else value
+    )
     value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
     return value.strip() or None if isinstance(value, str) else None

@@ -1,4 +1,5 @@
-"""Numbers that stand for others: the conventions of NetCDF (CF) for packed data and for points without a value."""
+"""Numbers that stand for others: the conventions of NetCDF (CF) for packed data and for points
+without a value."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -12,8 +13,12 @@ class Packing:
     """What the attributes of a variable say. Raises ValueError where they are no numbers."""
 
     def __init__(self, attributes: Mapping[str, Any]) -> None:
-        self.scale, self.offset = (_number(attributes, name) for name in ("scale_factor", "add_offset"))
-        self.missing = [value for name in MISSING if (value := _number(attributes, name)) is not None]
+        self.scale, self.offset = (
+            _number(attributes, name) for name in ("scale_factor", "add_offset")
+        )
+        self.missing = [
+            value for name in MISSING if (value := _number(attributes, name)) is not None
+        ]
 
     def unpacked(self, z: np.ndarray) -> np.ndarray:
         """Values of the file as heights; not a number where there is none."""

@@ -2,7 +2,8 @@
 
 crop, detrend (by the points that were measured), fill, flip, mirror or window, refine, downsample.
 
-All but the last two are done to rows as they are read, so that the map never is in one place. All functions are collective.
+All but the last two are done to rows as they are read, so that the map never is in one place. All
+functions are collective.
 """
 
 from collections.abc import Callable
@@ -18,22 +19,34 @@ from .resample import resampled
 from .slabs import own_slabs, summed
 from .topography import Topography
 
-POWERS = {"mean": [(0, 0)], "tilt": [(0, 0), (1, 0), (0, 1)],
-          "curvature": [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]}  # of x and y
+POWERS = {
+    "mean": [(0, 0)],
+    "tilt": [(0, 0), (1, 0), (0, 1)],
+    "curvature": [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)],
+}  # of x and y
 
 
 def prepared_size(found: Topography, spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """(n_x, n_y) and (L_x, L_y) of what `prepare` makes of a Topography, without reading it. Raises SceneError."""
+    """(n_x, n_y) and (L_x, L_y) of what `prepare` makes of a Topography, without reading it. Raises
+    SceneError."""
     found = _cropped(found, spec) if spec.crop else found
     times = 2 if spec.mirror else 1
     n = tuple(k * times * spec.refine for k in found.n)
     if any(k % spec.downsample for k in n):
-        raise SceneError(f"surface.downsample: found {spec.downsample}, allowed: a divisor of {n[0]} and of {n[1]} points")
-    return (n[0] // spec.downsample, n[1] // spec.downsample), tuple(times * size for size in found.sizes)
+        raise SceneError(
+            f"surface.downsample: found {spec.downsample}, allowed: a divisor of {n[0]} and of"
+            f" {n[1]} points"
+        )
+    return (n[0] // spec.downsample, n[1] // spec.downsample), tuple(
+        times * size for size in found.sizes
+    )
 
 
-def prepare(found: Topography, spec: Any, comm: Any) -> tuple[Topography, tuple[str, ...], tuple[str, ...]]:
-    """The Topography as the scene wants it; what has been done to it, and what is to be noted, a line each.
+def prepare(
+    found: Topography, spec: Any, comm: Any
+) -> tuple[Topography, tuple[str, ...], tuple[str, ...]]:
+    """The Topography as the scene wants it; what has been done to it, and what is to be noted, a
+    line each.
 
     Raises SceneError on all ranks.
     """
@@ -51,7 +64,10 @@ def prepare(found: Topography, spec: Any, comm: Any) -> tuple[Topography, tuple[
         done.append(f"{missing} points ({100 * missing / (found.n[0] * found.n[1]):.2g} %) filled")
     notes = notes_on(found, spec, comm)
     if missing > FILLED * found.n[0] * found.n[1]:
-        notes.append(f"{100 * missing / (found.n[0] * found.n[1]):.0f} % of the heights are filled, not measured")
+        notes.append(
+            f"{100 * missing / (found.n[0] * found.n[1]):.0f} % of the heights are filled, not"
+            " measured"
+        )
     if spec.flip:
         found = replace(found, rows=_changed(found, np.negative))
         done.append("upside down")
@@ -67,7 +83,9 @@ def prepare(found: Topography, spec: Any, comm: Any) -> tuple[Topography, tuple[
     return replace(found, filled=missing), tuple(done), tuple(notes)
 
 
-def _changed(found: Topography, change: Callable[[np.ndarray], np.ndarray]) -> Callable[[int, int], np.ndarray]:
+def _changed(
+    found: Topography, change: Callable[[np.ndarray], np.ndarray]
+) -> Callable[[int, int], np.ndarray]:
     return lambda start, stop: change(found.rows(start, stop))
 
 
@@ -77,14 +95,22 @@ def _cropped(found: Topography, spec: Any) -> Topography:
         step = found.sizes[axis] / found.n[axis]
         first, last = (round(found.length(spec.crop[k]) / step) for k in (axis, axis + 2))
         if not 0 <= first < last <= found.n[axis]:
-            raise SceneError(f"surface.crop: found points {first} to {last} of {found.n[axis]} along {'xy'[axis]}, allowed: "
-                             "[x0, y0, x1, y1] with 0 <= x0 < x1 <= L_x and 0 <= y0 < y1 <= L_y")
+            raise SceneError(
+                f"surface.crop: found points {first} to {last} of {found.n[axis]} along"
+                f" {'xy'[axis]}, allowed: [x0, y0, x1, y1] with 0 <= x0 < x1 <= L_x and 0 <= y0 <"
+                " y1 <= L_y"
+            )
         ends.append((first, last))
     (x0, x1), (y0, y1) = ends
     n = x1 - x0, y1 - y0
     sizes = tuple(size * k / m for size, k, m in zip(found.sizes, n, found.n))
-    return replace(found, n=n, sizes=sizes, rows=lambda start, stop: found.rows(start + x0, stop + x0)[:, y0:y1],
-                   periodic=found.periodic if n == found.n else None)
+    return replace(
+        found,
+        n=n,
+        sizes=sizes,
+        rows=lambda start, stop: found.rows(start + x0, stop + x0)[:, y0:y1],
+        periodic=found.periodic if n == found.n else None,
+    )
 
 
 def _detrended(found: Topography, what: str, comm: Any) -> Topography:
@@ -108,7 +134,9 @@ def _detrended(found: Topography, what: str, comm: Any) -> Topography:
     factors = np.linalg.lstsq(total[:, :-1], total[:, -1])[0]
 
     def rows(start: int, stop: int) -> np.ndarray:
-        return found.rows(start, stop) - sum(factor * term for factor, term in zip(factors, terms(start, stop)))
+        return found.rows(start, stop) - sum(
+            factor * term for factor, term in zip(factors, terms(start, stop))
+        )
 
     return replace(found, rows=rows, periodic=found.periodic if what == "mean" else None)
 
@@ -124,7 +152,13 @@ def _mirrored(found: Topography) -> Topography:
         z = np.concatenate(pieces)
         return np.concatenate([z, z[:, ::-1]], axis=1)
 
-    return replace(found, n=(2 * found.n[0], 2 * found.n[1]), sizes=(2 * found.sizes[0], 2 * found.sizes[1]), rows=rows, periodic=True)
+    return replace(
+        found,
+        n=(2 * found.n[0], 2 * found.n[1]),
+        sizes=(2 * found.sizes[0], 2 * found.sizes[1]),
+        rows=rows,
+        periodic=True,
+    )
 
 
 def _windowed(found: Topography, name: str) -> Topography:
@@ -132,4 +166,8 @@ def _windowed(found: Topography, name: str) -> Topography:
     from scipy.signal.windows import get_window
 
     w_x, w_y = (get_window(name, n) for n in found.n)
-    return replace(found, rows=lambda start, stop: found.rows(start, stop) * w_x[start:stop, None] * w_y, periodic=True)
+    return replace(
+        found,
+        rows=lambda start, stop: found.rows(start, stop) * w_x[start:stop, None] * w_y,
+        periodic=True,
+    )

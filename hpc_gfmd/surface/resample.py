@@ -1,4 +1,5 @@
-"""The same Fourier series on another number of points (fewer: without its shortest waves), for maps that are periodic."""
+"""The same Fourier series on another number of points (fewer: without its shortest waves), for maps
+that are periodic."""
 
 from dataclasses import replace
 from typing import Any
@@ -14,12 +15,20 @@ def resampled(found: Topography, n: tuple[int, int], comm: Any) -> Topography:
     """A Topography of n points; only this rank's rows of it can be read. Collective."""
     from scipy.signal import resample
 
-    z = local(comm, lambda: np.concatenate([np.zeros((0, n[1]))] + [
-        resample(found.rows(start, stop), n[1], axis=1) for start, stop in own_slabs(found.n[0], comm)]))
+    z = local(
+        comm,
+        lambda: np.concatenate(
+            [np.zeros((0, n[1]))]
+            + [
+                resample(found.rows(start, stop), n[1], axis=1)
+                for start, stop in own_slabs(found.n[0], comm)
+            ]
+        ),
+    )
     columns = row_starts(n[1], comm.size)
     z = np.concatenate(comm.alltoall([z[:, a:b] for a, b in zip(columns, columns[1:])]))
     z = resample(z, n[0], axis=0)
     starts = row_starts(n[0], comm.size)
     z = np.concatenate(comm.alltoall([z[a:b] for a, b in zip(starts, starts[1:])]), axis=1)
     first = own_rows(n[0], comm)[0]
-    return replace(found, n=n, rows=lambda start, stop: z[start - first:stop - first])
+    return replace(found, n=n, rows=lambda start, stop: z[start - first : stop - first])

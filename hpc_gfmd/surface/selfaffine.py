@@ -1,4 +1,5 @@
-"""Self-affine random surfaces, made in Fourier space on all ranks at once in the memory of one spectrum."""
+"""Self-affine random surfaces, made in Fourier space on all ranks at once in the memory of one
+spectrum."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,22 +13,41 @@ from ..parallel.interrupt import check
 from .statistics import rms_of_columns
 
 
-def self_affine_gap(spec: Any, grid: Grid, dtype: DTypeLike, made_in: DTypeLike) -> tuple[np.ndarray, float, Callable]:
-    """z_max - z (local slab, dtype) with g_rms = 1 per grid spacing, its rms, and `add_spectrum`; spec: scene.SelfAffine.
+def self_affine_gap(
+    spec: Any, grid: Grid, dtype: DTypeLike, made_in: DTypeLike
+) -> tuple[np.ndarray, float, Callable]:
+    """z_max - z (local slab, dtype) with g_rms = 1 per grid spacing, its rms, and `add_spectrum`;
+    spec: scene.SelfAffine.
 
-    made_in: precision of the transforms; errors of single ones are several times those of storing the gap.
-    add_spectrum(fft) returns a function (block, m) that adds the transform of minus that (as the transforms here leave it, without
-    1/N) to a block of columns: who has it can do without the heights.
+    made_in: precision of the transforms; errors of single ones are several times those of storing
+    the gap. add_spectrum(fft) returns a function (block, m) that adds the transform of minus that
+    (as the transforms here leave it, without 1/N) to a block of columns: who has it can do without
+    the heights.
     """
     fft = grid.fft(made_in)
     low = float(spec.L_over_lam_l)
     high = low * float(spec.lam_l_over_lam_s)
-    spectrum = (np.uint64(spec.seed), float(spec.aspect), low, high, low * float(spec.lam_l_over_lam_r), 1.0 + spec.hurst)
+    spectrum = (
+        np.uint64(spec.seed),
+        float(spec.aspect),
+        low,
+        high,
+        low * float(spec.lam_l_over_lam_r),
+        1.0 + spec.hurst,
+    )
 
     def adder(fft: Any, keep: float, factor: float, mean: float = 0.0) -> Callable:
         def add(block: np.ndarray, m: int) -> None:
             j0, j1 = fft.columns_of(m)
-            self_affine(block, fft.dtype.type(keep), fft.dtype.type(factor), j0, j1 - j0, grid.n[1], spectrum)
+            self_affine(
+                block,
+                fft.dtype.type(keep),
+                fft.dtype.type(factor),
+                j0,
+                j1 - j0,
+                grid.n[1],
+                spectrum,
+            )
             if j0 == 0 < j1:
                 block[0, 0] += fft.dtype.type(factor * mean)
 

@@ -1,4 +1,5 @@
-"""Heights as text: bare matrices, and what instruments write with a header or as points (x, y, z)."""
+"""Heights as text: bare matrices, and what instruments write with a header or as points (x, y,
+z)."""
 
 from pathlib import Path
 
@@ -13,8 +14,8 @@ POINTS = 3  # columns: with no more than these it is a list of points
 def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
     """(heights (n_x, n_y), Metadata).
 
-    A bare matrix is the array that numpy.savetxt wrote: the first index, the line, is x. With a header that tells sizes or units it is
-    an instrument's: each line is a scan along x.
+    A bare matrix is the array that numpy.savetxt wrote: the first index, the line, is x. With a
+    header that tells sizes or units it is an instrument's: each line is a scan along x.
     """
     with open(path, encoding="utf-8-sig", errors="replace") as file:
         first = next((line for line in file if line.strip()), "")
@@ -28,7 +29,9 @@ def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
     except Exception:
         if _columns(first, delimiter):
             raise
-    return np.loadtxt(path, delimiter=delimiter, ndmin=2, encoding="utf-8-sig"), Metadata()  # a mere comment, and then a matrix
+    return np.loadtxt(
+        path, delimiter=delimiter, ndmin=2, encoding="utf-8-sig"
+    ), Metadata()  # a mere comment, and then a matrix
 
 
 def _columns(line: str, delimiter: str | None) -> int:

@@ -1,4 +1,5 @@
-"""Heights with their sizes, whatever file they come from: what the file says, unless the scene says otherwise."""
+"""Heights with their sizes, whatever file they come from: what the file says, unless the scene says
+otherwise."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -19,11 +20,12 @@ Rows = Callable[[int, int], np.ndarray]
 
 @dataclass(frozen=True)
 class Topography:
-    """n: (n_x, n_y); sizes: (L_x, L_y); rows(start, stop) -> heights, float64 (stop - start, n_y), nan where
-    one is missing.
+    """n: (n_x, n_y); sizes: (L_x, L_y); rows(start, stop) -> heights, float64 (stop - start, n_y),
+    nan where one is missing.
 
-    Sizes and heights are in m where `unit` is "m", otherwise ("") in a unit that nobody named. periodic: True where the file says so.
-    filled: points that had no height. plain: what a plain number of the scene stands for. source: the file.
+    Sizes and heights are in m where `unit` is "m", otherwise ("") in a unit that nobody named.
+    periodic: True where the file says so. filled: points that had no height. plain: what a plain
+    number of the scene stands for. source: the file.
     """
 
     n: tuple[int, ...]
@@ -42,20 +44,36 @@ class Topography:
 
 
 def open_topography(spec: Any) -> Topography:
-    """The Topography of a scene's height map, or of the sum of two, of which no height is read yet. Raises SceneError."""
+    """The Topography of a scene's height map, or of the sum of two, of which no height is read yet.
+    Raises SceneError."""
     if isinstance(spec.path, str):
         return _open_one(spec)
     first, second = (_open_one(spec.model_copy(update={"path": path})) for path in spec.path)
-    compared: tuple[Any, ...] = (("points", first.n, second.n), ("lengths", first.sizes, second.sizes),
-                                 ("the unit", first.unit or "none", second.unit or "none"))
+    compared: tuple[Any, ...] = (
+        ("points", first.n, second.n),
+        ("lengths", first.sizes, second.sizes),
+        ("the unit", first.unit or "none", second.unit or "none"),
+    )
     for what, found, other in compared:
-        same = all(abs(a - b) <= ALIKE * b for a, b in zip(found, other)) if what == "lengths" else found == other
+        same = (
+            all(abs(a - b) <= ALIKE * b for a, b in zip(found, other))
+            if what == "lengths"
+            else found == other
+        )
         if not same:
-            raise SceneError(f"surface.path: found {what} {_shown(found)} in {first.path} and {_shown(other)} in {second.path}, "
-                             "allowed: two maps of the same points, lengths and unit")
-    periodic = None if None in (first.periodic, second.periodic) else first.periodic and second.periodic
-    return replace(first, rows=lambda start, stop: first.rows(start, stop) + second.rows(start, stop), periodic=periodic,
-                   path=f"{first.path} + {second.path}")
+            raise SceneError(
+                f"surface.path: found {what} {_shown(found)} in {first.path} and {_shown(other)} in"
+                f" {second.path}, allowed: two maps of the same points, lengths and unit"
+            )
+    periodic = (
+        None if None in (first.periodic, second.periodic) else first.periodic and second.periodic
+    )
+    return replace(
+        first,
+        rows=lambda start, stop: first.rows(start, stop) + second.rows(start, stop),
+        periodic=periodic,
+        path=f"{first.path} + {second.path}",
+    )
 
 
 def _shown(found: Any) -> str:
@@ -68,22 +86,45 @@ def _open_one(spec: Any) -> Topography:
     unit = spec.unit or said.unit
     sizes_unit = said.sizes_unit or unit if given is None else unit
     if given is None and said.sizes is None:
-        raise SceneError(f"surface.physical_sizes: found nothing, neither in the scene nor in {found.path}, allowed: "
-                         'two positive numbers [L_x, L_y], plain in surface.unit or as "12.8 um"')
+        raise SceneError(
+            f"surface.physical_sizes: found nothing, neither in the scene nor in {found.path},"
+            ' allowed: two positive numbers [L_x, L_y], plain in surface.unit or as "12.8 um"'
+        )
     named = given is None or any(isinstance(length, Quantity) for length in given)
     if unit is None and named:
-        raise SceneError(f"surface.unit: found nothing for the heights, neither in the scene nor in {found.path}, allowed: {UNITS}")
+        raise SceneError(
+            "surface.unit: found nothing for the heights, neither in the scene nor in"
+            f" {found.path}, allowed: {UNITS}"
+        )
     height = 1.0 if unit is None else _factor(unit, spec.unit, found.path)
     length = 1.0 if sizes_unit is None else _factor(sizes_unit, spec.unit, found.path)
-    sizes = [size if isinstance(size, Quantity) else size * length for size in given or said.sizes or ()]
+    sizes = [
+        size if isinstance(size, Quantity) else size * length for size in given or said.sizes or ()
+    ]
     if not all(0 < size < float("inf") for size in sizes):
-        raise SceneError(f"surface.physical_sizes: found {sizes} in {found.path}, allowed: two positive numbers [L_x, L_y]")
+        raise SceneError(
+            f"surface.physical_sizes: found {sizes} in {found.path}, allowed: two positive numbers"
+            " [L_x, L_y]"
+        )
 
     def rows(start: int, stop: int) -> np.ndarray:
-        return checked(found.rows(start, stop), start, "surface.path", f" in {found.path}", missing=True) * height
+        return (
+            checked(
+                found.rows(start, stop), start, "surface.path", f" in {found.path}", missing=True
+            )
+            * height
+        )
 
-    return Topography((found.shape[0], found.shape[1]), (float(sizes[0]), float(sizes[1])), rows,
-                      "" if unit is None else "m", said.periodic, found.path, plain=height, source=found)
+    return Topography(
+        (found.shape[0], found.shape[1]),
+        (float(sizes[0]), float(sizes[1])),
+        rows,
+        "" if unit is None else "m",
+        said.periodic,
+        found.path,
+        plain=height,
+        source=found,
+    )
 
 
 def _factor(unit: str, given: Any, path: str | Path) -> float:

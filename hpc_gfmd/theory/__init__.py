@@ -1,2 +1,2 @@
-"""Theory to compare with: Persson's theory, exact elastic solutions, and the corrections to the thermodynamic, fractal and continuum
-limits. NumPy and SciPy only."""
+"""Theory to compare with: Persson's theory, exact elastic solutions, and the corrections to the
+thermodynamic, fractal and continuum limits. NumPy and SciPy only."""

@@ -1,7 +1,8 @@
-"""Exact elastic contacts to compare with: Hertz and Westergaard; the constant of Bush, Gibson and Thomas' theory.
+"""Exact elastic contacts to compare with: Hertz and Westergaard; the constant of Bush, Gibson and
+Thomas' theory.
 
-Heights z are peaks up; E_star in the unit of pressure. Scalars or arrays; numbers out of range raise SceneError. Source: Johnson,
-Contact Mechanics (1985).
+Heights z are peaks up; E_star in the unit of pressure. Scalars or arrays; numbers out of range
+raise SceneError. Source: Johnson, Contact Mechanics (1985).
 """
 
 import numpy as np
@@ -27,7 +28,10 @@ class Hertz:
     """
 
     def __init__(self, R: ArrayLike, F: ArrayLike, E_star: ArrayLike = 1.0):
-        R, F, E_star = (within(name, x, 0, np.inf, name != "F") for name, x in (("R", R), ("F", F), ("E_star", E_star)))
+        R, F, E_star = (
+            within(name, x, 0, np.inf, name != "F")
+            for name, x in (("R", R), ("F", F), ("E_star", E_star))
+        )
         self.a = np.cbrt(3 * R * F / (4 * E_star))
         self.peak_pressure = 2 * E_star * self.a / (np.pi * R)
         self.approach = self.a**2 / R
@@ -38,7 +42,8 @@ class Hertz:
 
 
 class Westergaard:
-    """z = A cos(2 pi x/L) under the mean pressure p0; beyond p_full = pi E* A/L contact is full and stays so.
+    """z = A cos(2 pi x/L) under the mean pressure p0; beyond p_full = pi E* A/L contact is full and
+    stays so.
 
     Attributes
     ----------
@@ -50,9 +55,13 @@ class Westergaard:
         Elastic energy per area, -d(gap_mean)/dp0.
     """
 
-    def __init__(self, p0: ArrayLike, A: ArrayLike = 1.0, L: ArrayLike = 1.0, E_star: ArrayLike = 1.0):
+    def __init__(
+        self, p0: ArrayLike, A: ArrayLike = 1.0, L: ArrayLike = 1.0, E_star: ArrayLike = 1.0
+    ):
         p0 = within("p0", p0, 0, np.inf)
-        A, L, E_star = (within(name, x, 0, np.inf, True) for name, x in (("A", A), ("L", L), ("E_star", E_star)))
+        A, L, E_star = (
+            within(name, x, 0, np.inf, True) for name, x in (("A", A), ("L", L), ("E_star", E_star))
+        )
         self.L, self.p0, self.p_full = L, p0, np.pi * E_star * A / L
         x = self._ratio = np.minimum(p0 / self.p_full, 1.0)
         log = np.log(np.where(x > 0, x, 1.0))  # x ln x = 0 at x = 0

@@ -1,7 +1,8 @@
 """The functions of x = sqrt(2) p0/(E* g(q)) under the integrals of Persson's theory.
 
-With a = erf(x), the contact area seen at the resolution q, the elastic energy of a mode is the fraction W(a) = gamma a +
-(1 - gamma) a^3 of its energy in full contact. Everything here takes arrays and returns arrays of their shape.
+With a = erf(x), the contact area seen at the resolution q, the elastic energy of a mode is the
+fraction W(a) = gamma a + (1 - gamma) a^3 of its energy in full contact. Everything here takes
+arrays and returns arrays of their shape.
 """
 
 from functools import cache
@@ -24,8 +25,8 @@ def energy_fraction(x: np.ndarray, gamma: float) -> np.ndarray:
 def gap_kernel(x: np.ndarray, gamma: float, printed: bool = False) -> np.ndarray:
     """F(x) = gamma E1(x^2) + c (1-gamma) int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t, for x > 0.
 
-    c = 6; the published equation has 3, because E1(x^2) = 2 int_1^inf exp(-t^2 x^2) dt/t was used in its first term only
-    (printed=True). Relative error below 1e-12.
+    c = 6; the published equation has 3, because E1(x^2) = 2 int_1^inf exp(-t^2 x^2) dt/t was used
+    in its first term only (printed=True). Relative error below 1e-12.
     """
     return gamma * exp1_of_square(x) + _SECOND_TERM[printed] * (1 - gamma) * erf2_integral(x)
 
@@ -44,7 +45,8 @@ def exp1_of_square(x: np.ndarray) -> np.ndarray:
 
 
 def erf2_integral(x: np.ndarray) -> np.ndarray:
-    """I(x) = int_x^inf erf(v)^2 exp(-v^2) dv/v (= int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t), x >= 0."""
+    """I(x) = int_x^inf erf(v)^2 exp(-v^2) dv/v (= int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t), x >=
+    0."""
     x = np.minimum(x, X_ZERO)
     low = np.exp(-x * x) * _scaled_table()(np.minimum(x, _X_ONE))
     return np.where(x < _X_ONE, low, exp1(np.maximum(x, _X_ONE) ** 2) / 2)
@@ -54,8 +56,8 @@ def erf2_integral(x: np.ndarray) -> np.ndarray:
 def _scaled_table() -> CubicHermiteSpline:
     """exp(x^2) I(x) on [0, 6] as a cubic Hermite spline.
 
-    Knots from erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2)) ds/(1+s^2), which turns I(x) into a smooth integral over E1; slopes from
-    dI/dx = -erf(x)^2 exp(-x^2)/x.
+    Knots from erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2)) ds/(1+s^2), which turns I(x) into a
+    smooth integral over E1; slopes from dI/dx = -erf(x)^2 exp(-x^2)/x.
     """
     x = np.linspace(0, _X_ONE, 8001)
     s, w = np.polynomial.legendre.leggauss(24)

@@ -1,4 +1,5 @@
-"""Least squares with known errors, that refuse to determine what the data do not: scipy.optimize.curve_fit and a check."""
+"""Least squares with known errors, that refuse to determine what the data do not:
+scipy.optimize.curve_fit and a check."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,15 +10,16 @@ from scipy.optimize import curve_fit
 
 from ..errors import SceneError
 
-WORST = 1e7  # condition number of the normalised design up to which every parameter counts as determined
+# condition number of the normalised design up to which every parameter counts as determined
+WORST = 1e7
 TOLERANCE = 1e-12
 Function = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
 class Solution:
-    """x: parameters, shape (k,); covariance: of them, shape (k, k), for errors of the data as given (1 if none are); jacobian: of the
-    model at x, shape (runs, k); chi2: weighted sum of squares."""
+    """x: parameters, shape (k,); covariance: of them, shape (k, k), for errors of the data as given
+    (1 if none are); jacobian: of the model at x, shape (runs, k); chi2: weighted sum of squares."""
 
     x: np.ndarray
     covariance: np.ndarray
@@ -25,8 +27,14 @@ class Solution:
     chi2: float
 
 
-def least_squares(model: Function, jacobian: Function, starts: list[np.ndarray], value: np.ndarray, sigma: Any = None,
-                  bounds: Any = (-np.inf, np.inf)) -> Solution:
+def least_squares(
+    model: Function,
+    jacobian: Function,
+    starts: list[np.ndarray],
+    value: np.ndarray,
+    sigma: Any = None,
+    bounds: Any = (-np.inf, np.inf),
+) -> Solution:
     """The best fit of model(x), shape (runs,), to value over several starts.
 
     Parameters
@@ -42,16 +50,28 @@ def least_squares(model: Function, jacobian: Function, starts: list[np.ndarray],
     Raises
     ------
     SceneError
-        Where sigma is no covariance, no start converges, or the data do not determine every parameter.
+        Where sigma is no covariance, no start converges, or the data do not determine every
+        parameter.
     """
     best: Solution | None = None
     white = _whitening(sigma, len(value))
     for start in starts:
         try:
             x, covariance, info, *_ = curve_fit(
-                lambda _, *x: white @ model(np.array(x)), None, white @ value, start, absolute_sigma=True, bounds=bounds, method="trf",
-                jac=lambda _, *x: white @ jacobian(np.array(x)), x_scale="jac", full_output=True, ftol=TOLERANCE, xtol=TOLERANCE,
-                gtol=TOLERANCE)
+                lambda _, *x: white @ model(np.array(x)),
+                None,
+                white @ value,
+                start,
+                absolute_sigma=True,
+                bounds=bounds,
+                method="trf",
+                jac=lambda _, *x: white @ jacobian(np.array(x)),
+                x_scale="jac",
+                full_output=True,
+                ftol=TOLERANCE,
+                xtol=TOLERANCE,
+                gtol=TOLERANCE,
+            )
         except RuntimeError:  # not converged from here
             continue
         chi2 = float(np.sum(info["fvec"] ** 2))
@@ -59,7 +79,10 @@ def least_squares(model: Function, jacobian: Function, starts: list[np.ndarray],
             best = Solution(x, covariance, jacobian(x), chi2)
     scale = np.linalg.norm(best.jacobian, axis=0) if best else np.zeros(1)
     if best is None or not scale.all() or np.linalg.cond(best.jacobian / scale) > WORST:
-        raise SceneError("runs: found ratios that vary together, or no trend, allowed: runs that determine every term")
+        raise SceneError(
+            "runs: found ratios that vary together, or no trend, allowed: runs that determine every"
+            " term"
+        )
     return best
 
 
@@ -69,6 +92,11 @@ def _whitening(sigma: Any, runs: int) -> np.ndarray:
     try:
         if errors.shape not in ((runs,), (runs, runs)) or not np.isfinite(errors).all():
             raise ValueError
-        return np.diag(1 / errors) if errors.ndim == 1 else np.linalg.inv(np.linalg.cholesky(errors))
+        return (
+            np.diag(1 / errors) if errors.ndim == 1 else np.linalg.inv(np.linalg.cholesky(errors))
+        )
     except ValueError:  # also of a matrix that is no covariance
-        raise SceneError(f"sigma: found shape {errors.shape}, allowed: errors or a covariance matrix of the {runs} runs") from None
+        raise SceneError(
+            f"sigma: found shape {errors.shape}, allowed: errors or a covariance matrix of the"
+            f" {runs} runs"
+        ) from None

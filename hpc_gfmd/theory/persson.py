@@ -1,17 +1,20 @@
-"""Persson's contact mechanics theory: contact area, pressure distribution, mean gap, stiffness, energy.
+"""Persson's contact mechanics theory: contact area, pressure distribution, mean gap, stiffness,
+energy.
 
-Dimensionless pressure p_star = p0/(E* g_rms); eps_f = lam_s/lam_l. Self-affine spectra between the two cutoffs, or any isotropic
-spectrum C(q). The mean gap follows from the elastic energy (Yang & Persson; eqs. gap and elasticEnergy of Prodanov, Dapp & Muser 2014):
+Dimensionless pressure p_star = p0/(E* g_rms); eps_f = lam_s/lam_l. Self-affine spectra between the
+two cutoffs, or any isotropic spectrum C(q). The mean gap follows from the elastic energy (Yang &
+Persson; eqs. gap and elasticEnergy of Prodanov, Dapp & Muser 2014):
 
     gap = (2 pi)^(-1/2) int_0^g_rms dg/q(g) F(x),   x = sqrt(2) p0/(E* g),
     F(x) = gamma E1(x^2) + 6 (1-gamma) int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t,
 
-with g(q) the rms gradient of the roughness up to q. For a self-affine spectrum this is eq. gapFinal of the paper, but for the 6, which
-is printed there as 3; printed=True gives the published number.
+with g(q) the rms gradient of the roughness up to q. For a self-affine spectrum this is eq. gapFinal
+of the paper, but for the 6, which is printed there as 3; printed=True gives the published number.
 
-gamma (0 to 1.5, beyond which the energy would not rise with load) is the empirical factor for the energy stored in partial contact. The
-default 0.42 is the value used in the literature (Persson 2007; Yang & Persson 2008), gamma = 1 is the original theory. Relative
-accuracy of the integrals is 1e-10. All functions take arrays of pressures, return numbers or arrays of their shape, and raise
+gamma (0 to 1.5, beyond which the energy would not rise with load) is the empirical factor for the
+energy stored in partial contact. The default 0.42 is the value used in the literature (Persson
+2007; Yang & Persson 2008), gamma = 1 is the original theory. Relative accuracy of the integrals is
+1e-10. All functions take arrays of pressures, return numbers or arrays of their shape, and raise
 SceneError for numbers out of range: p_star >= 0, hurst in [0, 1], eps_f in [1e-100, 1].
 """
 
@@ -56,7 +59,9 @@ def kappa(p_star: ArrayLike) -> np.ndarray:
     return np.where(tiny, KAPPA_LOW_LOAD, contact_area(p_star) / np.where(tiny, 1.0, p_star))[()]
 
 
-def pressure_distribution(p: ArrayLike, p0: ArrayLike, g_rms: float = 1.0, E_star: float = 1.0) -> np.ndarray:
+def pressure_distribution(
+    p: ArrayLike, p0: ArrayLike, g_rms: float = 1.0, E_star: float = 1.0
+) -> np.ndarray:
     """Probability density of the local pressure, eq. pressDist.
 
     Parameters
@@ -69,7 +74,8 @@ def pressure_distribution(p: ArrayLike, p0: ArrayLike, g_rms: float = 1.0, E_sta
     Returns
     -------
     float or array
-        In units of 1/E_star; 0 for p <= 0. Integrates to a_r (the rest, 1 - a_r, sits at p = 0), with mean p0.
+        In units of 1/E_star; 0 for p <= 0. Integrates to a_r (the rest, 1 - a_r, sits at p = 0),
+        with mean p0.
     """
     p, p0 = np.asarray(p, dtype=float), _pressure(p0, "p0")
     width = _positive("E_star", E_star) * _positive("g_rms", g_rms) / 2
@@ -82,12 +88,19 @@ def pressure_distribution(p: ArrayLike, p0: ArrayLike, g_rms: float = 1.0, E_sta
 
 
 def g_rms_lam_s_over_h_rms(hurst: float, eps_f: float) -> float:
-    """g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs; hurst, eps_f: as of `mean_gap`."""
+    """g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs; hurst, eps_f: as of
+    `mean_gap`."""
     return 2 * np.pi * float(eps_f) / SlopeProfile.self_affine(hurst, eps_f).h_rms
 
 
-def mean_gap(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False,
-             unit: str = "h_rms") -> np.ndarray:
+def mean_gap(
+    p_star: ArrayLike,
+    hurst: float,
+    eps_f: float,
+    gamma: float = GAMMA,
+    printed: bool = False,
+    unit: str = "h_rms",
+) -> np.ndarray:
     """Mean gap of a self-affine wall, eq. gapFinal.
 
     Parameters
@@ -117,8 +130,14 @@ def mean_gap(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA
     return _gap(profile, _pressure(p_star), gamma, printed) / _length(profile, eps_f, unit)
 
 
-def stiffness(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False,
-              unit: str = "h_rms") -> np.ndarray:
+def stiffness(
+    p_star: ArrayLike,
+    hurst: float,
+    eps_f: float,
+    gamma: float = GAMMA,
+    printed: bool = False,
+    unit: str = "h_rms",
+) -> np.ndarray:
     """Contact stiffness -dp_star/d(gap/unit).
 
     Parameters
@@ -129,8 +148,9 @@ def stiffness(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMM
     Returns
     -------
     float or array
-        In units of E* g_rms/h_rms, or of E*/lam_s with unit="g_rms_lam_s", in the shape of p_star. Tends to p_star (unit length)/(decay
-        length of the gap) for p_star -> 0 and overflows to inf in full contact.
+        In units of E* g_rms/h_rms, or of E*/lam_s with unit="g_rms_lam_s", in the shape of p_star.
+        Tends to p_star (unit length)/(decay length of the gap) for p_star -> 0 and overflows to inf
+        in full contact.
 
     Raises
     ------
@@ -139,13 +159,19 @@ def stiffness(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMM
     """
     profile = SlopeProfile.self_affine(hurst, eps_f)
     gamma, p_star = _gamma(gamma), _pressure(p_star)
-    slope = profile.integrate(p_star, lambda x: kernels.compliance_kernel(x, gamma, printed), power=1)
+    slope = profile.integrate(
+        p_star, lambda x: kernels.compliance_kernel(x, gamma, printed), power=1
+    )
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        compliance = np.where(p_star > 0, slope / np.sqrt(2 * np.pi) / p_star, np.inf)[()]  # in units of g_rms/q_min
+        compliance = np.where(p_star > 0, slope / np.sqrt(2 * np.pi) / p_star, np.inf)[
+            ()
+        ]  # in units of g_rms/q_min
         return _length(profile, eps_f, unit) / compliance
 
 
-def elastic_energy(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA) -> np.ndarray:
+def elastic_energy(
+    p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA
+) -> np.ndarray:
     """Elastic energy per nominal area, eq. elasticEnergy.
 
     Parameters
@@ -160,13 +186,23 @@ def elastic_energy(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float =
     """
     profile = SlopeProfile.self_affine(hurst, eps_f)
     gamma = _gamma(gamma)
-    share = profile.integrate(_pressure(p_star), lambda x: kernels.energy_fraction(x, gamma), power=2)
+    share = profile.integrate(
+        _pressure(p_star), lambda x: kernels.energy_fraction(x, gamma), power=2
+    )
     return np.where(np.asarray(p_star) > 0, share / (2 * profile.h_rms), 0.0)[()]
 
 
-def mean_gap_spectrum(q: ArrayLike, C: ArrayLike, p0: ArrayLike, E_star: float = 1.0, gamma: float = GAMMA, printed: bool = False,
-                      area: float = 1.0) -> np.ndarray:
-    """Mean gap, in the unit of 1/q, of a surface with an arbitrary isotropic spectrum under the pressure p0.
+def mean_gap_spectrum(
+    q: ArrayLike,
+    C: ArrayLike,
+    p0: ArrayLike,
+    E_star: float = 1.0,
+    gamma: float = GAMMA,
+    printed: bool = False,
+    area: float = 1.0,
+) -> np.ndarray:
+    """Mean gap, in the unit of 1/q, of a surface with an arbitrary isotropic spectrum under the
+    pressure p0.
 
     Parameters
     ----------
@@ -177,8 +213,9 @@ def mean_gap_spectrum(q: ArrayLike, C: ArrayLike, p0: ArrayLike, E_star: float =
     p0, E_star : float or array, float
         Mean pressure and effective modulus in one unit.
     area : float
-        Of the normalisation h_rms^2 = area/(2 pi)^2 int C d^2q: 1 for the two-dimensional power spectral density of surface metrology,
-        A0 for C = |h_q|^2 of one period of nominal area A0 (the paper), (2 pi)^2 for Persson's C.
+        Of the normalisation h_rms^2 = area/(2 pi)^2 int C d^2q: 1 for the two-dimensional power
+        spectral density of surface metrology, A0 for C = |h_q|^2 of one period of nominal area A0
+        (the paper), (2 pi)^2 for Persson's C.
 
     gamma, printed
         As of `mean_gap`.
@@ -198,7 +235,9 @@ def mean_gap_spectrum(q: ArrayLike, C: ArrayLike, p0: ArrayLike, E_star: float =
     return _gap(profile, p_star, gamma, printed) * profile.g_rms / profile.q_min
 
 
-def curve(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False) -> dict[str, np.ndarray]:
+def curve(
+    p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False
+) -> dict[str, np.ndarray]:
     """All of the above at once, under the names that the command line prints.
 
     Parameters
@@ -212,15 +251,23 @@ def curve(p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, p
         p_star, a_r, kappa, gap_over_h_rms, stiffness, gap_over_g_rms_lam_s, stiffness_lam_s.
     """
     of, lam_s = (hurst, eps_f, gamma, printed), "g_rms_lam_s"
-    return {"p_star": np.asarray(p_star, dtype=float), "a_r": contact_area(p_star), "kappa": kappa(p_star),
-            "gap_over_h_rms": mean_gap(p_star, *of), "stiffness": stiffness(p_star, *of),
-            "gap_over_g_rms_lam_s": mean_gap(p_star, *of, lam_s), "stiffness_lam_s": stiffness(p_star, *of, lam_s)}
+    return {
+        "p_star": np.asarray(p_star, dtype=float),
+        "a_r": contact_area(p_star),
+        "kappa": kappa(p_star),
+        "gap_over_h_rms": mean_gap(p_star, *of),
+        "stiffness": stiffness(p_star, *of),
+        "gap_over_g_rms_lam_s": mean_gap(p_star, *of, lam_s),
+        "stiffness_lam_s": stiffness(p_star, *of, lam_s),
+    }
 
 
 def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
     """Gap in units of g_rms/q_min."""
     gamma = _gamma(gamma)
-    gap = profile.integrate(p_star, lambda x: kernels.gap_kernel(x, gamma, printed), power=1) / np.sqrt(2 * np.pi)
+    gap = profile.integrate(
+        p_star, lambda x: kernels.gap_kernel(x, gamma, printed), power=1
+    ) / np.sqrt(2 * np.pi)
     return np.where(p_star > 0, gap, np.inf)[()]
 
 

@@ -1,7 +1,8 @@
 """How the rms slope of a rough surface builds up with the wave vector, and integrals over it.
 
-Persson's theory needs a spectrum only through g(q), the rms gradient of all roughness with wave vectors up to q. Any isotropic
-spectrum is taken as a chain of power laws, in each of which g(q) and its inverse are elementary.
+Persson's theory needs a spectrum only through g(q), the rms gradient of all roughness with wave
+vectors up to q. Any isotropic spectrum is taken as a chain of power laws, in each of which g(q) and
+its inverse are elementary.
 """
 
 from collections.abc import Callable
@@ -16,8 +17,12 @@ from ..errors import SceneError
 from .checks import within
 from .kernels import X_ZERO
 
-_STEP = 0.25  # panel width in ln g: the sharpest features of the integrands have a width of about 0.05
-_TAIL = 42.0  # the integrand falls at least like g towards small g: exp(-42) is below double precision
+_STEP = (
+    0.25  # panel width in ln g: the sharpest features of the integrands have a width of about 0.05
+)
+_TAIL = (
+    42.0  # the integrand falls at least like g towards small g: exp(-42) is below double precision
+)
 _FINEST = 14  # halvings of the last panel, for large pressures where only g -> g_rms contributes
 _SAMPLES = 1000  # of a spectrum that is a function
 _BLOCK = 64  # pressures at a time, bounds the memory
@@ -26,7 +31,8 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class SlopeProfile:
-    """g(q)/g_rms of a spectrum made of power laws between q_0 < q_1 < ... < q_m, and its rms values.
+    """g(q)/g_rms of a spectrum made of power laws between q_0 < q_1 < ... < q_m, and its rms
+    values.
 
     Attributes
     ----------
@@ -54,21 +60,33 @@ class SlopeProfile:
         """
         hurst = float(within("hurst", hurst, 0, 1))
         decades = -np.log(float(within("eps_f", eps_f, 1e-100, 1)))  # ln(q_s/q_l)
-        # h_rms^2 = int exp(-2H y) dy, g_rms^2 = int exp((2-2H) y) dy, finite for H = 0, H = 1, eps_f = 1 too
+        # h_rms^2 = int exp(-2H y) dy, g_rms^2 = int exp((2-2H) y) dy, finite for H = 0, H = 1,
+        # eps_f = 1 too
         g2 = exprel((2 - 2 * hurst) * decades)
-        return cls(y=np.array([0, decades]), g2=np.array([0.0, 1.0]), beta=np.array([2 - 2 * hurst]),
-                   inverse_rate=np.array([decades * g2]), q_min=1.0, g_rms=1.0, h_rms=float(np.sqrt(exprel(-2 * hurst * decades) / g2)))
+        return cls(
+            y=np.array([0, decades]),
+            g2=np.array([0.0, 1.0]),
+            beta=np.array([2 - 2 * hurst]),
+            inverse_rate=np.array([decades * g2]),
+            q_min=1.0,
+            g_rms=1.0,
+            h_rms=float(np.sqrt(exprel(-2 * hurst * decades) / g2)),
+        )
 
     @classmethod
     def from_spectrum(cls, q: ArrayLike, C: Any, area: float = 1.0) -> Self:
         """Any isotropic C(q), normalised by h_rms^2 = area/(2 pi)^2 int C d^2q.
 
-        q: increasing wave vectors, at least two. C: their spectrum (power laws in between), or a function, which is then cut into
-        about _SAMPLES pieces (error of order 1/_SAMPLES^4). Raises SceneError for what is not a spectrum.
+        q: increasing wave vectors, at least two. C: their spectrum (power laws in between), or a
+        function, which is then cut into about _SAMPLES pieces (error of order 1/_SAMPLES^4). Raises
+        SceneError for what is not a spectrum.
         """
         q = within("q", q, 0, np.inf, open_low=True)
         if q.ndim != 1 or q.size < 2 or np.any(np.diff(q) <= 0):
-            raise SceneError("q: found no strictly increasing list, allowed: at least two increasing wave vectors")
+            raise SceneError(
+                "q: found no strictly increasing list, allowed: at least two increasing wave"
+                " vectors"
+            )
         function: Function | None = C if callable(C) else None
         if function:
             q = np.unique(np.concatenate([q, np.geomspace(q[0], q[-1], _SAMPLES + 1)[1:-1]]))
@@ -90,11 +108,19 @@ class SlopeProfile:
         beta = steepness + 4
         g2 = np.concatenate([[0], np.cumsum(square[4])])
         rate = square[4] / (width * exprel(beta * width))
-        return cls(y, g2 / g2[-1], beta, g2[-1] / rate, q_min=float(q[0]), g_rms=float(np.sqrt(g2[-1])),
-                   h_rms=float(np.sqrt(square[2].sum())))
+        return cls(
+            y,
+            g2 / g2[-1],
+            beta,
+            g2[-1] / rate,
+            q_min=float(q[0]),
+            g_rms=float(np.sqrt(g2[-1])),
+            h_rms=float(np.sqrt(square[2].sum())),
+        )
 
     def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:
-        """int (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g; the shape of p_star.
+        """int (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g; the shape
+        of p_star.
 
         A kernel that vanishes beyond x = 28 and power = 1, or a bounded one and power = 2.
         """
@@ -124,24 +150,43 @@ class SlopeProfile:
         return 0.5 * np.log(self.g2[i] + grown)
 
     def _nodes(self, low: float) -> list[np.ndarray]:
-        """Gauss-Legendre points ln g, the ln(q/q_0) there, and weights, on panels from `low` to 0."""
+        """Gauss-Legendre points ln g, the ln(q/q_0) there, and weights, on panels from `low` to
+        0."""
         with np.errstate(divide="ignore"):
             corners = 0.5 * np.log(self.g2)
         inside = corners[(corners > low) & (corners < 0)]
-        edges = np.unique(np.concatenate([np.arange(-_STEP, low, -_STEP), -_STEP * 0.5 ** np.arange(_FINEST), [low, 0], inside]))
+        edges = np.unique(
+            np.concatenate(
+                [
+                    np.arange(-_STEP, low, -_STEP),
+                    -_STEP * 0.5 ** np.arange(_FINEST),
+                    [low, 0],
+                    inside,
+                ]
+            )
+        )
         left, right = edges[:-1], edges[1:]
         wide = right - left > 0.05
-        parts = [self._panel_nodes(left[pick], right[pick], points, corners) for pick, points in ((wide, 16), (~wide, 10))]
+        parts = [
+            self._panel_nodes(left[pick], right[pick], points, corners)
+            for pick, points in ((wide, 16), (~wide, 10))
+        ]
         return [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
 
-    def _panel_nodes(self, left: np.ndarray, right: np.ndarray, points: int, corners: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _panel_nodes(
+        self, left: np.ndarray, right: np.ndarray, points: int, corners: np.ndarray
+    ) -> tuple[np.ndarray, ...]:
         s, w = np.polynomial.legendre.leggauss(points)
         middle, half = (left + right) / 2, (right - left) / 2
-        i = np.clip(np.searchsorted(corners, middle, side="right") - 1, 0, self.beta.size - 1)[:, None]
+        i = np.clip(np.searchsorted(corners, middle, side="right") - 1, 0, self.beta.size - 1)[
+            :, None
+        ]
         log_g = middle[:, None] + half[:, None] * s
         z = np.maximum((np.exp(2 * log_g) - self.g2[i]) * self.inverse_rate[i], 0)
         beta = np.where(np.abs(self.beta[i]) < 1e-300, 1.0, self.beta[i])
-        d = np.where(np.abs(self.beta[i]) < 1e-300, z, np.log1p(np.maximum(beta * z, -1 + 1e-16)) / beta)
+        d = np.where(
+            np.abs(self.beta[i]) < 1e-300, z, np.log1p(np.maximum(beta * z, -1 + 1e-16)) / beta
+        )
         return log_g.ravel(), (self.y[i] + d).ravel(), (half[:, None] * w).ravel()
 
 

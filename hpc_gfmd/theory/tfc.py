@@ -1,9 +1,11 @@
-"""Corrections to the thermodynamic, fractal and continuum (TFC) limits, eq. tfc of Prodanov, Dapp & Muser 2014:
+"""Corrections to the thermodynamic, fractal and continuum (TFC) limits, eq. tfc of Prodanov, Dapp &
+Muser 2014:
 
     O_sim = O_TFC + C_t eps_t^alpha_t + C_f eps_f^alpha_f + C_c eps_c^alpha_c.
 
-The coefficients depend on the observable, H and p_star and come from a table: the paper's, kept as printed in data/paper_tfc.json, or
-a file of the same form (rows may have a "sigma" of the coefficients). Fits: theory.tfc_fit.
+The coefficients depend on the observable, H and p_star and come from a table: the paper's, kept as
+printed in data/paper_tfc.json, or a file of the same form (rows may have a "sigma" of the
+coefficients). Fits: theory.tfc_fit.
 """
 
 import json
@@ -20,7 +22,17 @@ from ..errors import SceneError, one_line
 from .checks import within
 from .tfc_fit import COEFFICIENTS, TERMS, TfcFit, fit_tfc, read_runs, sigma_of_terms, term
 
-__all__ = ["TfcFit", "correction", "extrapolate", "fit_tfc", "our_table", "paper_table", "read_runs", "read_table", "table_of"]
+__all__ = [
+    "TfcFit",
+    "correction",
+    "extrapolate",
+    "fit_tfc",
+    "our_table",
+    "paper_table",
+    "read_runs",
+    "read_table",
+    "table_of",
+]
 
 PRESSURE_TOLERANCE = 0.05  # how far p_star may be from a tabulated one, relative
 _DATA = files(__package__).joinpath("data")
@@ -65,7 +77,8 @@ def paper_table() -> Table:
 
 
 def our_table() -> Table | None:
-    """The same tables fitted to our own runs, with uncertainties; None if this installation has none."""
+    """The same tables fitted to our own runs, with uncertainties; None if this installation has
+    none."""
     path = _DATA / "our_tfc.json"
     return read_table(path) if path.is_file() else None
 
@@ -78,7 +91,9 @@ def table_of(name: str) -> Table:
         return read_table(name)
     table = our_table()
     if table is None:
-        raise SceneError("table: found 'ours', which this installation lacks, allowed: paper, FILE.json")
+        raise SceneError(
+            "table: found 'ours', which this installation lacks, allowed: paper, FILE.json"
+        )
     return table
 
 
@@ -89,25 +104,55 @@ def read_table(path: str | Traversable) -> Table:
         table = json.loads(path.read_text(encoding="utf-8"))
         for part in table["tables"]:
             _check_part(part)
-    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, ArithmeticError, RecursionError) as error:
-        raise SceneError(f"table: found {str(path)!r} ({one_line(str(error))}), allowed: a JSON file like paper_tfc.json") from None
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        IndexError,
+        AttributeError,
+        ArithmeticError,
+        RecursionError,
+    ) as error:
+        raise SceneError(
+            f"table: found {str(path)!r} ({one_line(str(error))}), allowed: a JSON file like"
+            " paper_tfc.json"
+        ) from None
     return table
 
 
 def _check_part(part: Table) -> None:
     """Raise what is wrong with one of the tables, among others by its use."""
-    if not (isinstance(part["observable"], str) and part["observable"].isprintable() and 0 < part["p_star"] < np.inf and part["rows"]):
+    if not (
+        isinstance(part["observable"], str)
+        and part["observable"].isprintable()
+        and 0 < part["p_star"] < np.inf
+        and part["rows"]
+    ):
         raise ValueError("a table needs an observable, a positive p_star and rows")
     half = dict.fromkeys(TERMS, 0.5)
     for row in part["rows"]:
-        numbers = [row["hurst"], *(row[name] for name in COEFFICIENTS), *(term(row, i, 0.5) for i in TERMS)]
+        numbers = [
+            row["hurst"],
+            *(row[name] for name in COEFFICIENTS),
+            *(term(row, i, 0.5) for i in TERMS),
+        ]
         numbers += [sigma_of_terms(row, half)] if "sigma" in row else []
-        if not np.isfinite(np.array(numbers, dtype=np.float64)).all() or any(isinstance(x, bool | str) for x in numbers):
+        if not np.isfinite(np.array(numbers, dtype=np.float64)).all() or any(
+            isinstance(x, bool | str) for x in numbers
+        ):
             raise ValueError("its coefficients are no finite numbers")
 
 
-def correction(observable: str, hurst: float, p_star: float, eps_t: float, eps_f: float, eps_c: float,
-               table: Table | None = None) -> Correction:
+def correction(
+    observable: str,
+    hurst: float,
+    p_star: float,
+    eps_t: float,
+    eps_f: float,
+    eps_c: float,
+    table: Table | None = None,
+) -> Correction:
     """The terms to subtract from a simulated value.
 
     Parameters
@@ -115,7 +160,8 @@ def correction(observable: str, hurst: float, p_star: float, eps_t: float, eps_f
     observable : str
         As the table names it: "kappa", "gap_over_h_rms", ...
     hurst : float
-        Hurst exponent between the tabulated ones (0.3 to 0.8 in the paper); every term is linear in it.
+        Hurst exponent between the tabulated ones (0.3 to 0.8 in the paper); every term is linear in
+        it.
     p_star : float
         p0/(E* g_rms), within 5 % of a tabulated one.
     eps_t, eps_f, eps_c : float
@@ -140,17 +186,35 @@ def correction(observable: str, hurst: float, p_star: float, eps_t: float, eps_f
     tabulated = [row["hurst"] for row in rows]
     hurst = float(within("hurst", hurst, 0, 1))
     if not tabulated[0] <= hurst <= tabulated[-1]:
-        raise SceneError(f"hurst: found {hurst:g}, allowed: [{tabulated[0]:g}, {tabulated[-1]:g}], the range of the table "
-                         "(nothing justifies an extrapolation in H)")
-    terms = {i: float(np.interp(hurst, tabulated, [term(row, i, eps[i]) for row in rows])) for i in TERMS}
+        raise SceneError(
+            f"hurst: found {hurst:g}, allowed: [{tabulated[0]:g}, {tabulated[-1]:g}], the range of"
+            " the table (nothing justifies an extrapolation in H)"
+        )
+    terms = {
+        i: float(np.interp(hurst, tabulated, [term(row, i, eps[i]) for row in rows])) for i in TERMS
+    }
     sigma = None
     if all("sigma" in row for row in rows):
         sigma = float(np.interp(hurst, tabulated, [sigma_of_terms(row, eps) for row in rows]))
-    return Correction(**terms, sigma=sigma, p_star=part["p_star"], notes=tuple(_notes(table, part, hurst, tabulated)))
+    return Correction(
+        **terms,
+        sigma=sigma,
+        p_star=part["p_star"],
+        notes=tuple(_notes(table, part, hurst, tabulated)),
+    )
 
 
-def extrapolate(value: float, observable: str, hurst: float, p_star: float, eps_t: float, eps_f: float, eps_c: float,
-                sigma: float | None = None, table: Table | None = None) -> tuple[float, float | None, Correction]:
+def extrapolate(
+    value: float,
+    observable: str,
+    hurst: float,
+    p_star: float,
+    eps_t: float,
+    eps_f: float,
+    eps_c: float,
+    sigma: float | None = None,
+    table: Table | None = None,
+) -> tuple[float, float | None, Correction]:
     """A simulated value taken to the TFC limit.
 
     Parameters
@@ -187,19 +251,30 @@ def _part(table: Table, observable: str, p_star: float) -> Table:
     parts = [part for part in table["tables"] if part["observable"] == observable]
     for part in parts:
         printed = part["p_star"]
-        if any(abs(p_star / p - 1) <= PRESSURE_TOLERANCE for p in (printed, _UNROUNDED.get(printed, printed))):
+        if any(
+            abs(p_star / p - 1) <= PRESSURE_TOLERANCE
+            for p in (printed, _UNROUNDED.get(printed, printed))
+        ):
             return part
     allowed = " or ".join(f"{part['p_star']:g}" for part in parts)
-    raise SceneError(f"p_star: found {p_star:g}, allowed: {allowed} within {PRESSURE_TOLERANCE:.0%}; "
-                     "the coefficients are not known in between")
+    raise SceneError(
+        f"p_star: found {p_star:g}, allowed: {allowed} within {PRESSURE_TOLERANCE:.0%}; "
+        "the coefficients are not known in between"
+    )
 
 
 def _notes(table: Table, part: Table, hurst: float, tabulated: list[float]) -> Iterator[str]:
     if hurst not in tabulated:
-        yield f"coefficients interpolated in H between the tabulated {', '.join(f'{h:g}' for h in tabulated)}"
+        yield (
+            "coefficients interpolated in H between the tabulated"
+            f" {', '.join(f'{h:g}' for h in tabulated)}"
+        )
     if "label" in part and part["observable"] == "gap_over_h_rms":
-        yield ("the paper's fractal term is nearly the whole gap, because gap/h_rms vanishes in the fractal limit, and it can exceed "
-               "the computed gap: take the extrapolated gap as a trend only")
+        yield (
+            "the paper's fractal term is nearly the whole gap, because gap/h_rms vanishes in the"
+            " fractal limit, and it can exceed the computed gap: take the extrapolated gap as a"
+            " trend only"
+        )
     if "label" in part:
         yield "the paper gives no uncertainties of its coefficients"
     if isinstance(note := table.get("note"), str) and note.isprintable():

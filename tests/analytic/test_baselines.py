@@ -1,4 +1,5 @@
-"""The paper's GFMD, FIRE and constrained conjugate gradients: their solutions, their options, and what they cost."""
+"""The paper's GFMD, FIRE and constrained conjugate gradients: their solutions, their options, and
+what they cost."""
 
 import numpy as np
 import pytest
@@ -12,8 +13,13 @@ from hpc_gfmd.kernels.dynamics import update_pressure, verlet_step
 from hpc_gfmd.problem import Problem
 from hpc_gfmd.registry import solver_class
 
-KINDS = {"gfmd": ("gfmd", {}), "gfmd-constant": ("gfmd", {"damping": 1.0}), "fire": ("fire", {}), "ccg": ("ccg", {}),
-         "ccg-preconditioned": ("ccg", {"preconditioned": 1})}
+KINDS = {
+    "gfmd": ("gfmd", {}),
+    "gfmd-constant": ("gfmd", {"damping": 1.0}),
+    "fire": ("fire", {}),
+    "ccg": ("ccg", {}),
+    "ccg-preconditioned": ("ccg", {"preconditioned": 1}),
+}
 every_kind = pytest.mark.parametrize("kind", KINDS)
 ROUGH = {"64": rough((2, 16, 2), seed=3), "128": rough((2, 16, 4), hurst=0.3, seed=4)}
 WAVE = {"kind": "wave", "amplitude": 0.05, "n": [256, 4]}
@@ -43,7 +49,9 @@ def assert_same(found, wanted, tolerance):
     p, certificate = contact_pressure(found)
     p_wanted, _ = contact_pressure(wanted)
     assert np.linalg.norm(p - p_wanted) <= tolerance * np.linalg.norm(p_wanted)
-    assert np.linalg.norm(found.g - wanted.g) <= tolerance * max(np.linalg.norm(wanted.g), 1e-3 * np.linalg.norm(wanted.problem.h))
+    assert np.linalg.norm(found.g - wanted.g) <= tolerance * max(
+        np.linalg.norm(wanted.g), 1e-3 * np.linalg.norm(wanted.problem.h)
+    )
     assert np.array_equal(p > 0, p_wanted > 0)
     assert found.progress().contact == wanted.progress().contact
     return certificate
@@ -54,7 +62,10 @@ def assert_same(found, wanted, tolerance):
 def test_same_as_the_default_solver(kind, size):
     for p0 in (0.007, 0.05, 0.353, 1.0):
         problem = problem_of(ROUGH[size], p0)
-        found, wanted = solved(problem, *KINDS[kind]), solved(problem, "bpx", residual=1e-11, most=60)
+        found, wanted = (
+            solved(problem, *KINDS[kind]),
+            solved(problem, "bpx", residual=1e-11, most=60),
+        )
         certificate = assert_same(found, wanted, 1e-7)
         assert certificate.residual < 2e-9
         assert certificate.load_balance < 1e-8
@@ -63,20 +74,28 @@ def test_same_as_the_default_solver(kind, size):
 @every_kind
 @pytest.mark.parametrize("p_hat", [0.1, 0.5, 0.9])
 def test_westergaard(kind, p_hat):
-    problem = problem_of(WAVE, p_hat / np.sqrt(2))  # p_full = pi E* A is std(p)/sqrt(1/2) = sqrt(1/2) E* g_rms
+    problem = problem_of(
+        WAVE, p_hat / np.sqrt(2)
+    )  # p_full = pi E* A is std(p)/sqrt(1/2) = sqrt(1/2) E* g_rms
     assert problem.grid.n == (256, 1)
     found = solved(problem, *KINDS[kind])
     assert_same(found, solved(problem, "bpx", residual=1e-11, most=60), 1e-6)
-    assert found.progress().contact / 256 == pytest.approx(2 / np.pi * np.arcsin(np.sqrt(p_hat)), abs=2.5 / 256)
+    assert found.progress().contact / 256 == pytest.approx(
+        2 / np.pi * np.arcsin(np.sqrt(p_hat)), abs=2.5 / 256
+    )
     gap = (1 - p_hat + p_hat * np.log(p_hat)) * problem.h.max() / 2
     assert found.progress().gap_mean == pytest.approx(gap, rel=2e-3)
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if k != "gfmd-constant"])  # far too much damping for the small load
+@pytest.mark.parametrize(
+    "kind", [k for k in KINDS if k != "gfmd-constant"]
+)  # far too much damping for the small load
 @pytest.mark.parametrize("p0", [1e-4, 2.0])
 def test_extreme_loads(kind, p0):
     problem = problem_of(ROUGH["64"], p0)
-    assert_same(solved(problem, *KINDS[kind]), solved(problem, "bpx", residual=1e-11, most=60), 1e-5)
+    assert_same(
+        solved(problem, *KINDS[kind]), solved(problem, "bpx", residual=1e-11, most=60), 1e-5
+    )
 
 
 @every_kind
@@ -84,7 +103,9 @@ def test_odd_rectangle(kind):
     z = random_heights((45, 22), seed=5)
     made = surface_over(z, (1.0, 0.7))
     problem = Problem(made.grid, made.h, 0.05)
-    assert_same(solved(problem, *KINDS[kind]), solved(problem, "bpx", residual=1e-11, most=60), 1e-7)
+    assert_same(
+        solved(problem, *KINDS[kind]), solved(problem, "bpx", residual=1e-11, most=60), 1e-7
+    )
 
 
 @every_kind
@@ -110,7 +131,9 @@ def test_another_load_without_an_fft(kind):
     assert_same(solver, solved(problem_of(ROUGH["64"], 0.11), "bpx", residual=1e-11, most=60), 1e-7)
 
 
-@pytest.mark.parametrize(("kind", "each"), [("gfmd", 1), ("fire", 1), ("ccg", 2), ("ccg-preconditioned", 3)])
+@pytest.mark.parametrize(
+    ("kind", "each"), [("gfmd", 1), ("fire", 1), ("ccg", 2), ("ccg-preconditioned", 3)]
+)
 def test_pairs_per_iteration(kind, each):
     name, options = KINDS[kind]
     solver = solver_class(name)(problem := problem_of(ROUGH["64"], 0.1), options)
@@ -125,7 +148,10 @@ def test_measured_damping_beats_constant_damping():
     for p0, constants in ((0.007, (1, 3)), (0.353, (1, 3, 6))):
         problem = problem_of(rough((2, 32, 2)), p0)
         measured = solved(problem, "gfmd", residual=1e-5).iterations
-        assert measured < min(solved(problem, "gfmd", {"damping": c}, residual=1e-5, most=800).iterations for c in constants)
+        assert measured < min(
+            solved(problem, "gfmd", {"damping": c}, residual=1e-5, most=800).iterations
+            for c in constants
+        )
 
 
 def test_no_faster_than_stable():
@@ -134,15 +160,24 @@ def test_no_faster_than_stable():
     assert solved(problem, "gfmd", {"dt": 1.0}, residual=1e-6).iterations < 200
 
 
-@pytest.mark.parametrize(("name", "options", "message"), [
-    ("gfmd", {"mass": 1.0}, "dt, damping"), ("gfmd", {"dt": 1.5}, "0.01 to 1"), ("gfmd", {"damping": -1}, "0 to"),
-    ("fire", {"damping": 1.0}, "'fire': dt"), ("ccg", {"dt": 1.0}, "preconditioned"), ("gfmd", {"dt": float("nan")}, "0.01 to 1")])
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("gfmd", {"mass": 1.0}, "dt, damping"),
+        ("gfmd", {"dt": 1.5}, "0.01 to 1"),
+        ("gfmd", {"damping": -1}, "0 to"),
+        ("fire", {"damping": 1.0}, "'fire': dt"),
+        ("ccg", {"dt": 1.0}, "preconditioned"),
+        ("gfmd", {"dt": float("nan")}, "0.01 to 1"),
+    ],
+)
 def test_options_are_checked(name, options, message):
     with pytest.raises(SceneError, match=message):
         solver_class(name)(problem_of(ROUGH["64"], 0.1), options)
 
 
-# -- kernels, against the same in NumPy -------------------------------------------------------------------------------------------
+# -- kernels, against the same in NumPy
+# -----------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -168,8 +203,18 @@ def test_update_pressure(fields):
     free = ~((g <= 0) & (fresh > 0))
     sums = update_pressure(g, p, d, x, 0, 6, g.shape)
     np.testing.assert_allclose(p, fresh)
-    np.testing.assert_allclose(sums, [(fresh**2)[free].sum(), (fresh**2).sum(), (fresh * d).sum(), (d**2).sum(), (d * x).sum(),
-                                      (~free).sum(), g.sum()])
+    np.testing.assert_allclose(
+        sums,
+        [
+            (fresh**2)[free].sum(),
+            (fresh**2).sum(),
+            (fresh * d).sum(),
+            (d**2).sum(),
+            (d * x).sum(),
+            (~free).sum(),
+            g.sum(),
+        ],
+    )
 
 
 def test_pressure_passes(fields):
@@ -202,4 +247,6 @@ def test_pressure_passes(fields):
     sums = ccg.feasible_state(p, gap0, g, p_out, 0.2, g.shape)
     np.testing.assert_allclose(g, gap)
     np.testing.assert_allclose(p_out, p)
-    np.testing.assert_allclose(sums, [(e[p > 0]**2).sum(), (e[(p <= 0) & (e < 0)]**2).sum(), (p > 0).sum(), gap.sum()])
+    np.testing.assert_allclose(
+        sums, [(e[p > 0] ** 2).sum(), (e[(p <= 0) & (e < 0)] ** 2).sum(), (p > 0).sum(), gap.sum()]
+    )

@@ -55,7 +55,8 @@ def test_bins_of_gap(made):
 
 
 def test_narrow_and_empty():
-    """In full contact bins begin near the lowest pressure; where nothing is to be counted there is nothing."""
+    """In full contact bins begin near the lowest pressure; where nothing is to be counted there is
+    nothing."""
     q = 10 + 0.01 * np.random.default_rng(1).random((20, 30))
     full = contact_of(np.zeros((20, 30)), q)
     edges = all_distributions()["pressure"](full)["edges"]
@@ -91,7 +92,9 @@ def test_autocorrelation(made, name):
     contact, fields = made
     f = fields[name] - fields[name].mean()
     A = np.fft.ifft2(np.abs(np.fft.fft2(f)) ** 2).real / np.prod(N)
-    x, y = (np.minimum(np.arange(n), n - np.arange(n)) * L / n for n, L in zip(N, SIZES, strict=True))
+    x, y = (
+        np.minimum(np.arange(n), n - np.arange(n)) * L / n for n, L in zip(N, SIZES, strict=True)
+    )
     r = np.hypot(x[:, None], y)
     near = r <= min(SIZES) / 2
     wanted = rings(r[near], A[near], min(L / n for n, L in zip(N, SIZES, strict=True)))
@@ -102,10 +105,13 @@ def test_autocorrelation(made, name):
 
 
 def test_a_profile_has_the_spectrum_of_a_line():
-    """One wave: half of the squared amplitude, times its length, in one ring; and the cosine as autocorrelation."""
+    """One wave: half of the squared amplitude, times its length, in one ring; and the cosine as
+    autocorrelation."""
     x = np.arange(64) / 64
     z = np.repeat(0.01 * np.cos(2 * np.pi * 4 * x)[:, None], 8, axis=1)
-    found = hpc_gfmd.solve(z, 0.01, distributions=["heights_spectrum", "heights_autocorrelation"]).distributions
+    found = hpc_gfmd.solve(
+        z, 0.01, distributions=["heights_spectrum", "heights_autocorrelation"]
+    ).distributions
     q, power = found["heights_spectrum"].values()
     ring = np.argmin(np.abs(q - 8 * np.pi))
     assert power[ring] == pytest.approx(0.01**2 / 4)  # of either sign of q
@@ -116,12 +122,15 @@ def test_a_profile_has_the_spectrum_of_a_line():
 
 
 def test_the_spectrum_of_a_made_wall():
-    """Self-affine walls: C(q) ~ q^(-2 - 2H) between the cut-offs, and the roughness back by Parseval."""
+    """Self-affine walls: C(q) ~ q^(-2 - 2H) between the cut-offs, and the roughness back by
+    Parseval."""
     surface = rough((2, 32, 4), hurst=0.8)
     contact = solve_scene(surface, 0.05, accuracy=1e-2).contact
     q, power = all_distributions()["heights_spectrum"](contact).values()
     inside = (q > 2 * np.pi * 3) & (q < 2 * np.pi * 60)
-    assert np.polyfit(np.log(q[inside]), np.log(power[inside]), 1)[0] == pytest.approx(-3.6, abs=0.1)
+    assert np.polyfit(np.log(q[inside]), np.log(power[inside]), 1)[0] == pytest.approx(
+        -3.6, abs=0.1
+    )
     again = all_distributions()["heights_autocorrelation"](contact)["correlation"][0]
     assert again == pytest.approx(heights_of(surface).var(), rel=1e-6)
 
@@ -135,8 +144,12 @@ def test_pairs_are_counted():
 
 
 def test_low_memory_knows_the_heights_by_their_spectrum():
-    found, wanted = (all_distributions()["heights_spectrum"](
-        solve_scene(rough((1, 16, 4)), 0.1, accuracy=1e-2, low_memory=low).contact) for low in (True, False))
+    found, wanted = (
+        all_distributions()["heights_spectrum"](
+            solve_scene(rough((1, 16, 4)), 0.1, accuracy=1e-2, low_memory=low).contact
+        )
+        for low in (True, False)
+    )
     inside = wanted["power"] > 1e-9 * wanted["power"].max()
     assert found["q"] == pytest.approx(wanted["q"])
     assert found["power"][inside] == pytest.approx(wanted["power"][inside], rel=1e-4)

@@ -1,4 +1,5 @@
-"""Free boundaries: Hertz, punches and cones on an infinite half-space, a dense oracle, and that nothing beyond the surface counts."""
+"""Free boundaries: Hertz, punches and cones on an infinite half-space, a dense oracle, and that
+nothing beyond the surface counts."""
 
 from functools import partial
 from math import acosh, pi, sqrt
@@ -29,12 +30,19 @@ def observe(step, name):
 
 @pytest.mark.parametrize("a", [0.2, 0.31])
 def test_hertz(a):
-    """Area to the pixel, largest pressure, approach and energy, whatever is left between the contact and the edge."""
+    """Area to the pixel, largest pressure, approach and energy, whatever is left between the
+    contact and the edge."""
     R = 10.0
     F = 4 * a**3 / (3 * R)
-    step = sweep_of({"kind": "sphere", "radius": R, "n": [256, 256], "boundary": "free"}, accuracy=1e-4, precision="double").solve(F)
+    step = sweep_of(
+        {"kind": "sphere", "radius": R, "n": [256, 256], "boundary": "free"},
+        accuracy=1e-4,
+        precision="double",
+    ).solve(F)
     assert step.contact.outcome.status == "converged"
-    assert abs(step.contact.contact_points / 256**2 - pi * a**2) < 0.5 * 2 * pi * a / 256  # half a pixel along the edge
+    assert (
+        abs(step.contact.contact_points / 256**2 - pi * a**2) < 0.5 * 2 * pi * a / 256
+    )  # half a pixel along the edge
     assert field(step, "pressure").max() == pytest.approx(2 * a / (pi * R), rel=1e-3)
     assert observe(step, "approach") == pytest.approx(a * a / R, rel=1e-3)
     assert observe(step, "energy") == pytest.approx(0.4 * F * a * a / R, rel=1e-3)
@@ -49,7 +57,10 @@ def test_flat_punch():
     assert step.contact.contact_points == np.sum(r < b)
     assert observe(step, "approach") == pytest.approx(F / 2 / b, rel=5e-3)
     away = r < 0.85 * b
-    assert relative(field(step, "pressure")[away], F / (2 * pi * b * np.sqrt(b * b - r[away] ** 2))) < 1e-2
+    assert (
+        relative(field(step, "pressure")[away], F / (2 * pi * b * np.sqrt(b * b - r[away] ** 2)))
+        < 1e-2
+    )
 
 
 def test_cone():
@@ -58,22 +69,32 @@ def test_cone():
     r = np.hypot(*np.meshgrid(*[(np.arange(n) + 0.5) / n - 0.5] * 2))
     step = sweep_over(-e * r, accuracy=1e-4, precision="double").solve(pi * a * a * e / 2)
     assert sqrt(step.contact.contact_points / n**2 / pi) == pytest.approx(a, rel=5e-3)
-    assert observe(step, "approach") == pytest.approx(pi * a * e / 2, rel=1e-2)  # from the topmost point, which is not the tip
+    assert observe(step, "approach") == pytest.approx(
+        pi * a * e / 2, rel=1e-2
+    )  # from the topmost point, which is not the tip
     away = (r > 0.2 * a) & (r < 0.9 * a)
-    assert relative(field(step, "pressure")[away], e / 2 * np.array([acosh(a / x) for x in r[away]])) < 1e-2
+    assert (
+        relative(field(step, "pressure")[away], e / 2 * np.array([acosh(a / x) for x in r[away]]))
+        < 1e-2
+    )
 
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_cylinder(axis):
-    """Free across it and periodic along it, a cylinder is a line contact: a^2 = 4 F R/(pi E*), largest pressure 2 F/(pi a)."""
+    """Free across it and periodic along it, a cylinder is a line contact: a^2 = 4 F R/(pi E*),
+    largest pressure 2 F/(pi a)."""
     n, R, a = 256, 10.0, 0.3
     x = (np.arange(n) - n // 2) / n
     z = np.zeros((n, 12)) - (x**2 / (2 * R))[:, None]
     F = pi * a * a / (4 * R)
     if axis:
-        step = sweep_over(z.T, (12 / n, 1.0), free=(False, True), accuracy=1e-4, precision="double").solve(F)
+        step = sweep_over(
+            z.T, (12 / n, 1.0), free=(False, True), accuracy=1e-4, precision="double"
+        ).solve(F)
     else:
-        step = sweep_over(z, (1.0, 12 / n), free=(True, False), accuracy=1e-4, precision="double").solve(F)
+        step = sweep_over(
+            z, (1.0, 12 / n), free=(True, False), accuracy=1e-4, precision="double"
+        ).solve(F)
     assert observe(step, "a_r") == pytest.approx(2 * a, abs=2 / n)
     p = np.moveaxis(field(step, "pressure"), axis, 0)
     assert np.ptp(p, axis=1).max() < 1e-3 * p.max()
@@ -85,8 +106,9 @@ def test_cylinder(axis):
 
 
 def compliance(n, sizes):
-    """S in free space between all points, E* = 1: the integral of (2/|Q|) cos(q.r) over the Brillouin zone. Q is q, rounded near the
-    edges of the zone: in polar coordinates as if it were q, and what that is wrong by, which is 0 but near them, in Cartesian ones."""
+    """S in free space between all points, E* = 1: the integral of (2/|Q|) cos(q.r) over the
+    Brillouin zone. Q is q, rounded near the edges of the zone: in polar coordinates as if it were
+    q, and what that is wrong by, which is 0 but near them, in Cartesian ones."""
     a_x, a_y = (L / k for L, k in zip(sizes, n, strict=True))
     corner = np.arctan2(pi / a_y, pi / a_x)
     theta, weight = panels([0, corner, pi / 2, pi - corner, pi], 400)  # S(-r) = S(r): half of it
@@ -94,8 +116,14 @@ def compliance(n, sizes):
         Q = np.minimum(pi / a_x / np.abs(np.cos(theta)), pi / a_y / np.abs(np.sin(theta)))
     x, w = panels([0, pi - 10 * ROUNDED, pi], 100)
     away = (pi - x) / ROUNDED
-    X = pi - ROUNDED * (away * (2 * norm.cdf(away) - 1) + 2 * norm.pdf(away))  # pi - |pi - x|, averaged over a normal distribution
-    wrong = np.outer(w / a_x, w / a_y) * (2 / np.hypot(X[:, None] / a_x, X / a_y) - 2 / np.hypot(x[:, None] / a_x, x / a_y)) / pi**2
+    X = pi - ROUNDED * (
+        away * (2 * norm.cdf(away) - 1) + 2 * norm.pdf(away)
+    )  # pi - |pi - x|, averaged over a normal distribution
+    wrong = (
+        np.outer(w / a_x, w / a_y)
+        * (2 / np.hypot(X[:, None] / a_x, X / a_y) - 2 / np.hypot(x[:, None] / a_x, x / a_y))
+        / pi**2
+    )
     cos_x, cos_y = (np.cos(np.outer(np.arange(k), x)) for k in n)
     known = cos_x @ wrong @ cos_y.T
     for p, q in np.ndindex(*n):
@@ -112,8 +140,17 @@ def panels(ends, count):
     return (middle[:, None] + np.outer(half, x)).ravel(), np.outer(half, w).ravel()
 
 
-@pytest.mark.parametrize(("n", "sizes"), [((16, 16), (1.0, 1.0)), ((13, 18), (1.0, 1.6)), ((24, 9), (2.0, 0.9)),
-                                          ((16, 12), (1.0, 15.0)), ((4, 24), (30.0, 1.0))], ids=str)
+@pytest.mark.parametrize(
+    ("n", "sizes"),
+    [
+        ((16, 16), (1.0, 1.0)),
+        ((13, 18), (1.0, 1.6)),
+        ((24, 9), (2.0, 0.9)),
+        ((16, 12), (1.0, 15.0)),
+        ((4, 24), (30.0, 1.0)),
+    ],
+    ids=str,
+)
 @pytest.mark.parametrize("p", [0.02, 0.2])
 def test_against_the_oracle(n, sizes, p):
     z = 0.1 * random_heights(n, seed=3)
@@ -130,8 +167,9 @@ def test_against_the_oracle(n, sizes, p):
 
 @pytest.mark.parametrize("load", free_patch.LOADS)
 def test_against_other_codes(load):
-    """A rough patch, well resolved, by ASPHER and ContactMechanics (free_patch.py). They take the pressure as constant on the cells of
-    grid points: solved that way ours is theirs to the digits that are kept, and otherwise differs by what the grid does."""
+    """A rough patch, well resolved, by ASPHER and ContactMechanics (free_patch.py). They take the
+    pressure as constant on the cells of grid points: solved that way ours is theirs to the digits
+    that are kept, and otherwise differs by what the grid does."""
     z = free_patch.heights()
     with np.load(Path(free_patch.__file__).with_suffix(".npz")) as kept:
         wanted = free_patch.pressure(kept, load)
@@ -173,20 +211,31 @@ def test_every_solver(name, free):
 
 
 @pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
-@pytest.mark.parametrize("solver", [{"precision": "single"}, {"precision": "double"}, {"precision": "single", "low_memory": True}],
-                         ids=str)
+@pytest.mark.parametrize(
+    "solver",
+    [{"precision": "single"}, {"precision": "double"}, {"precision": "single", "low_memory": True}],
+    ids=str,
+)
 def test_rough(boundary, solver):
-    """As accurate as asked in every precision, and by its own numbers; fields have the nominal shape."""
+    """As accurate as asked in every precision, and by its own numbers; fields have the nominal
+    shape."""
     surface = rough((2, 16, 4), boundary=boundary)
     wanted = sweep_of(surface, **EXACT).solve(0.05)
     sweep = sweep_of(surface, accuracy=2e-3, **solver)
     for p in (0.2, 0.05):
         step = sweep.solve(p)
     assert step.contact.outcome.status == "converged"
-    assert field(step, "pressure").shape == field(step, "gap").shape == field(step, "displacement").shape == (128, 128)
+    assert (
+        field(step, "pressure").shape
+        == field(step, "gap").shape
+        == field(step, "displacement").shape
+        == (128, 128)
+    )
     assert relative(field(step, "pressure"), field(wanted, "pressure")) < 2e-3
     assert step.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=2e-3)
-    assert step.contact.gap_mean == pytest.approx(np.mean(field(step, "gap"), dtype=float), rel=1e-5)
+    assert step.contact.gap_mean == pytest.approx(
+        np.mean(field(step, "gap"), dtype=float), rel=1e-5
+    )
     assert observe(step, "a_r") == pytest.approx(observe(wanted, "a_r"), rel=2e-3)
     assert observe(step, "a_r") == np.mean(field(step, "pressure") > 0)
     assert np.mean(field(step, "pressure"), dtype=float) == pytest.approx(0.05, rel=1e-3)
@@ -213,7 +262,8 @@ def test_tangent(free):
 
 
 def test_a_flat_surface_that_ends_is_a_punch():
-    """A square punch of side L: the pressure is largest at the corners, the stiffness 1.151 E* L."""
+    """A square punch of side L: the pressure is largest at the corners, the stiffness 1.151 E*
+    L."""
     step = sweep_over(np.zeros((64, 64)), accuracy=1e-4, precision="double").solve(0.01)
     p = field(step, "pressure")
     assert observe(step, "a_r") == 1
@@ -233,17 +283,24 @@ def test_edges_of_the_surface_are_no_boundary_of_the_contact():
 
 
 def test_gradient_between_neighbours():
-    """g_rms of a surface that ends knows nothing of the jump between its sides; h_rms is that of its points."""
+    """g_rms of a surface that ends knows nothing of the jump between its sides; h_rms is that of
+    its points."""
     x, y = np.arange(12.0)[:, None], np.arange(20.0)
-    for free, squares in ((BOTH, 0.3**2 + 0.1**2), ((True, False), 0.3**2 + (19 * 0.1**2 + 1.9**2) / 20)):
+    for free, squares in (
+        (BOTH, 0.3**2 + 0.1**2),
+        ((True, False), 0.3**2 + (19 * 0.1**2 + 1.9**2) / 20),
+    ):
         made = surface_over(0.3 * x + 0.1 * y, (12.0, 20.0), free=free)
         assert made.g_rms == pytest.approx(sqrt(squares))
         assert made.h_rms == pytest.approx(np.std(0.3 * x + 0.1 * y))
 
 
-@pytest.mark.parametrize(("boundary", "loose"), [("periodic", 10), ("free", 20), (["free", "periodic"], 50)], ids=str)
+@pytest.mark.parametrize(
+    ("boundary", "loose"), [("periodic", 10), ("free", 20), (["free", "periodic"], 50)], ids=str
+)
 def test_how_well_the_gap_is_known(boundary, loose):
-    """By the estimates of the certificate, over the errors that they stand for: what is around the surface leaves them of use."""
+    """By the estimates of the certificate, over the errors that they stand for: what is around the
+    surface leaves them of use."""
     surface = rough((2, 16, 4), boundary=boundary)
     wanted = sweep_of(surface, **EXACT).solve(0.3).contact.certificate.gap_mean
     sweep, ratios = sweep_of(surface, accuracy=1e-5, precision="double"), []

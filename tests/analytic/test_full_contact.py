@@ -19,7 +19,11 @@ def test_full_contact(n):
     assert np.abs(found.pressure - mean - p_full).max() < 1e-11 * np.abs(p_full).max()
     assert not found.gap.any()
     assert found.errors[:2] == (0, 0)
-    assert np.abs(found.pressure - mean - p_full).max() / np.sqrt(np.mean(found.pressure**2)) < 10 * found.errors[2] < 1e-13
+    assert (
+        np.abs(found.pressure - mean - p_full).max() / np.sqrt(np.mean(found.pressure**2))
+        < 10 * found.errors[2]
+        < 1e-13
+    )
 
 
 def test_std_of_pressure():

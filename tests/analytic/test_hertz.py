@@ -15,10 +15,14 @@ from hpc_gfmd.theory.elastic import Hertz
 def test_hertz(R, E_star, L):
     a_c = 0.05 * L
     p0 = 4 * E_star * a_c**3 / (3 * R) / L**2
-    sweep = sweep_of({"kind": "sphere", "radius": R, "n": [256, 256], "physical_sizes": [L, L]}, E_star, **EXACT)
+    sweep = sweep_of(
+        {"kind": "sphere", "radius": R, "n": [256, 256], "physical_sizes": [L, L]}, E_star, **EXACT
+    )
     step = sweep.solve(p0)
     exact = Hertz(R, p0 * L**2, E_star)
-    assert sqrt(all_observables()["a_r"](step.contact) * L**2 / pi) == pytest.approx(exact.a, rel=3e-3)
+    assert sqrt(all_observables()["a_r"](step.contact) * L**2 / pi) == pytest.approx(
+        exact.a, rel=3e-3
+    )
     p = field(step, "pressure")
     assert p.max() == pytest.approx(exact.peak_pressure, rel=1e-3)
     assert np.mean(p) == pytest.approx(p0, rel=1e-9)

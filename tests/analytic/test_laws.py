@@ -2,7 +2,16 @@
 
 import numpy as np
 import pytest
-from contacts import EXACT, field, heights_of, random_heights, relative, rough, solve_scene, sweep_of
+from contacts import (
+    EXACT,
+    field,
+    heights_of,
+    random_heights,
+    relative,
+    rough,
+    solve_scene,
+    sweep_of,
+)
 
 import hpc_gfmd
 from hpc_gfmd.registry import all_observables
@@ -22,19 +31,23 @@ def exact(z, p, E_star=1.0, sizes=(1.0, 1.0)):
 
 
 def test_energy_is_the_work_of_the_pressure():
-    """dU = -p d(gap) along a sweep, to the second order of the load step; areas and energies rise, the gap falls."""
+    """dU = -p d(gap) along a sweep, to the second order of the load step; areas and energies rise,
+    the gap falls."""
     defects = []
     for points in (8, 16):
         sweep = sweep_of(SURFACE, **EXACT)
         loads = np.geomspace(0.05, 0.2, points)
         steps = [numbers(sweep.solve(p)) for p in loads]
-        U, gap, area = (np.array([s[name] for s in steps]) for name in ("energy", "gap_mean", "a_r"))
+        U, gap, area = (
+            np.array([s[name] for s in steps]) for name in ("energy", "gap_mean", "a_r")
+        )
         assert (np.diff(U) > 0).all()
         assert (np.diff(gap) < 0).all()
         assert (np.diff(area) >= 0).all()
         work = -(loads[1:] + loads[:-1]) / 2 * np.diff(gap)
         defects.append(np.abs(work.sum() / (U[-1] - U[0]) - 1))
-        # the enthalpy bounds from both sides: U(p2) - U(p1) lies between p1 and p2 times the change of the gap
+        # the enthalpy bounds from both sides: U(p2) - U(p1) lies between p1 and p2 times the change
+        # of the gap
         assert (-loads[:-1] * np.diff(gap) <= np.diff(U) * (1 + 1e-8)).all()
         assert (np.diff(U) <= -loads[1:] * np.diff(gap) * (1 + 1e-8)).all()
     assert defects[1] < 0.35 * defects[0] + 1e-6
@@ -60,7 +73,8 @@ def test_loading_equals_unloading_and_warm_equals_cold():
 
 
 def test_accuracy_is_kept():
-    """The accuracy asked for bounds the errors of area, mean gap and pressure field, in either precision."""
+    """The accuracy asked for bounds the errors of area, mean gap and pressure field, in either
+    precision."""
     for surface, p_star in ((SURFACE, 0.02), (SURFACE, 0.3), (rough((2, 32, 2), hurst=0.3), 0.1)):
         true = solve_scene(surface, p_star, **EXACT)
         for accuracy in (1e-2, 1e-3, 1e-5):
@@ -74,7 +88,8 @@ def test_accuracy_is_kept():
 
 @pytest.mark.parametrize("scale", [1e-6, 7.0, 1e8])
 def test_units(scale):
-    """Heights of other slopes, and lengths in other units (more units: tests/unit/test_units.py), give the same contact."""
+    """Heights of other slopes, and lengths in other units (more units: tests/unit/test_units.py),
+    give the same contact."""
     z, p = heights_of(SURFACE), 0.1
     true = exact(z, p)
     flatter = exact(z * scale, p * scale)
@@ -101,7 +116,8 @@ def test_translation_transposition_reflection(n):
 
 @pytest.mark.parametrize("n", [(1, 24), (24, 1), (24, 5), (1, 17), (2, 24)], ids=str)
 def test_one_dimensional(n):
-    """A profile is the wall that repeats it, whatever the number of repetitions; so is a cell of two periods."""
+    """A profile is the wall that repeats it, whatever the number of repetitions; so is a cell of
+    two periods."""
     m = max(n)
     profile = random_heights((m, 1), seed=9)[:, 0]
     one = exact(profile[:, None], 1.0, sizes=(1.0, 1.0))
@@ -123,7 +139,8 @@ def test_periods():
 
 
 def test_finer_grids_have_the_same_surface():
-    """The same seed with smaller a: the same heights where grids share points, h_rms, g_rms; and the area converges from above."""
+    """The same seed with smaller a: the same heights where grids share points, h_rms, g_rms; and
+    the area converges from above."""
     coarse, middle, fine = (heights_of(rough((2, 8, k))) for k in (2, 4, 8))
     assert np.abs(middle[::2, ::2] - coarse + coarse.mean() - middle[::2, ::2].mean()).max() < 1e-10
     assert np.abs(fine[::2, ::2] - middle + middle.mean() - fine[::2, ::2].mean()).max() < 1e-10
@@ -137,7 +154,8 @@ def test_finer_grids_have_the_same_surface():
 
 
 def test_realised_roughness():
-    """h_rms and g_rms are those of the heights, by the definition in the spectrum; both norms agree."""
+    """h_rms and g_rms are those of the heights, by the definition in the spectrum; both norms
+    agree."""
     for n_over, hurst in (((2, 16, 2), 0.8), ((1, 15, 3.0), 0.0), ((3, 4, 4), 1.0)):
         sweep = sweep_of(rough(n_over, hurst=hurst, g_rms=0.3, physical_sizes=[2.0, 2.0]))
         z = heights_of(rough(n_over, hurst=hurst, g_rms=0.3, physical_sizes=[2.0, 2.0]))
@@ -147,7 +165,9 @@ def test_realised_roughness():
         g_rms = np.sqrt(np.sum((q[:, None] ** 2 + q**2) * np.abs(z_q) ** 2))
         assert g_rms == pytest.approx(0.3, rel=1e-10)
         assert sweep.surface.h_rms == pytest.approx(np.std(z), rel=1e-10)
-        by_height = heights_of(rough(n_over, hurst=hurst, h_rms=sweep.surface.h_rms, physical_sizes=[2.0, 2.0]))
+        by_height = heights_of(
+            rough(n_over, hurst=hurst, h_rms=sweep.surface.h_rms, physical_sizes=[2.0, 2.0])
+        )
         assert np.abs(by_height - z).max() < 1e-10
         k = np.hypot(*np.meshgrid(np.fft.fftfreq(n, 1 / n), np.fft.fftfreq(n, 1 / n)))
         power = np.abs(z_q).T ** 2
@@ -162,10 +182,19 @@ def test_spectrum_follows_the_exponent():
     for hurst in (0.0, 0.5, 1.0):
         power = np.zeros((128, 128))
         for seed in range(8):
-            power += np.abs(np.fft.fft2(heights_of(rough((1, 64, 2), hurst=hurst, seed=seed, lam_l_over_lam_r=4)))) ** 2
+            power += (
+                np.abs(
+                    np.fft.fft2(
+                        heights_of(rough((1, 64, 2), hurst=hurst, seed=seed, lam_l_over_lam_r=4))
+                    )
+                )
+                ** 2
+            )
         k = np.hypot(*np.meshgrid(np.fft.fftfreq(128, 1 / 128), np.fft.fftfreq(128, 1 / 128)))
         centres = np.array([6, 10, 16, 26, 42])
         mean = [power[(k > c * 0.9) & (k < c * 1.1)].mean() for c in centres]
-        assert np.polyfit(np.log(centres), np.log(mean), 1)[0] == pytest.approx(-2 - 2 * hurst, abs=0.15)
+        assert np.polyfit(np.log(centres), np.log(mean), 1)[0] == pytest.approx(
+            -2 - 2 * hurst, abs=0.15
+        )
         flat = [power[(k > 0.9) & (k < 2.5)].mean(), power[(k > 2.5) & (k <= 4)].mean()]
         assert flat[0] / flat[1] == pytest.approx(1, abs=0.5)

@@ -1,4 +1,5 @@
-"""Layers of finite thickness: the compliance against elasticity solved anew, contacts against a dense oracle and both limits."""
+"""Layers of finite thickness: the compliance against elasticity solved anew, contacts against a
+dense oracle and both limits."""
 
 import numpy as np
 import oracle
@@ -8,23 +9,35 @@ from contacts import EXACT, field, heights_of, relative, rough, solve_scene, swe
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.bodies.layer import Layer
 
-LAYERS = [(0.3, "bonded"), (0.0, "bonded"), (0.45, "bonded"), (0.3, "frictionless"), (0.5, "frictionless")]
+LAYERS = [
+    (0.3, "bonded"),
+    (0.0, "bonded"),
+    (0.45, "bonded"),
+    (0.3, "frictionless"),
+    (0.5, "frictionless"),
+]
 every_layer = pytest.mark.parametrize(("nu", "base"), LAYERS)
 
 
 def softness(q, t, nu, base):
-    """Deflection of a layer under p = cos(q x) over that of a half-space, from the equations of plane strain.
+    """Deflection of a layer under p = cos(q x) over that of a half-space, from the equations of
+    plane strain.
 
-    Airy's function [(A + B z) cosh q z + (C + D z) sinh q z] cos q x with z from the base; sigma_zz = -q^2 phi, sigma_xz = q phi' sin,
-    2 G u_x = [...] and 2 G u_z = [...] by Hooke's law, for G = 1/2 and E* = E/(1 - nu^2) = 2 G/(1 - nu).
+    Airy's function [(A + B z) cosh q z + (C + D z) sinh q z] cos q x with z from the base; sigma_zz
+    = -q^2 phi, sigma_xz = q phi' sin, 2 G u_x = [...] and 2 G u_z = [...] by Hooke's law, for G =
+    1/2 and E* = E/(1 - nu^2) = 2 G/(1 - nu).
     """
+
     def rows(z):
         c, s = np.cosh(q * z), np.sinh(q * z)
         phi = np.array([c, z * c, s, z * s])
         d1 = np.array([q * s, c + q * z * s, q * c, s + q * z * c])
         d2 = np.array([q * q * c, 2 * q * s + q * q * z * c, q * q * s, 2 * q * c + q * q * z * s])
-        d3 = np.array([q**3 * s, 3 * q * q * c + q**3 * z * s, q**3 * c, 3 * q * q * s + q**3 * z * c])
-        # 2G eps_xx = (1 - nu) sxx - nu szz with sxx = phi'', szz = -q^2 phi: u_x = int eps_xx; 2G (du_z/dx + du_x/dz) = 2 sxz
+        d3 = np.array(
+            [q**3 * s, 3 * q * q * c + q**3 * z * s, q**3 * c, 3 * q * q * s + q**3 * z * c]
+        )
+        # 2G eps_xx = (1 - nu) sxx - nu szz with sxx = phi'', szz = -q^2 phi: u_x = int eps_xx; 2G
+        # (du_z/dx + du_x/dz) = 2 sxz
         u_x = ((1 - nu) * d2 + nu * q * q * phi) / q  # times sin q x
         du_x = ((1 - nu) * d3 + nu * q * q * d1) / q
         sxz = q * d1  # times sin q x
@@ -50,7 +63,9 @@ def test_compliance_is_that_of_elasticity(nu, base, qt):
 def test_uniform_pressure(nu, base):
     """The oedometric modulus (bonded), or E* (frictionless), over the thickness; E* = 1."""
     modulus = (1 - nu) ** 2 / (1 - 2 * nu) if base == "bonded" else 1.0
-    assert Layer(0.4, nu, base).stiffness(np.zeros(1), 0.1)[0] == pytest.approx(modulus * 0.1 / 0.4, rel=1e-6)
+    assert Layer(0.4, nu, base).stiffness(np.zeros(1), 0.1)[0] == pytest.approx(
+        modulus * 0.1 / 0.4, rel=1e-6
+    )
 
 
 @every_layer
@@ -58,7 +73,13 @@ def test_against_the_oracle(nu, base):
     surface = rough((1, 4, 4), seed=3, physical_sizes=[2.5, 2.5])
     layer = {"thickness": 0.2, "nu1": nu, "base": base}
     step = sweep_of(surface, E_star=3.0, layer=layer, **EXACT).solve(0.4)
-    wanted = oracle.solve(heights_of(surface), 0.4, 3.0, (2.5, 2.5), lambda q: softness(q, 0.2, nu, base) if q * 0.2 < 15 else 1.0)
+    wanted = oracle.solve(
+        heights_of(surface),
+        0.4,
+        3.0,
+        (2.5, 2.5),
+        lambda q: softness(q, 0.2, nu, base) if q * 0.2 < 15 else 1.0,
+    )
     assert step.contact.outcome.status == "converged"
     assert step.contact.contact_points / step.contact.N == wanted.a_r
     assert step.contact.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-6)
@@ -77,7 +98,9 @@ def test_thin_layers_are_springs(nu):
     loads = np.array([np.maximum(d - (z.max() - z), 0).mean() for d in depth[::200]])
     d = np.interp(p / spring, loads, depth[::200])
     step = sweep_of(surface, layer={"thickness": t, "nu1": nu}, **EXACT).solve(p)
-    assert step.contact.contact_points / step.contact.N == pytest.approx(np.mean(z > z.max() - d), abs=2e-3)
+    assert step.contact.contact_points / step.contact.N == pytest.approx(
+        np.mean(z > z.max() - d), abs=2e-3
+    )
     assert step.contact.gap_mean == pytest.approx(np.maximum(z.max() - z - d, 0).mean(), rel=3e-3)
     assert relative(field(step, "pressure"), spring * np.maximum(d - (z.max() - z), 0)) < 1e-2
 
@@ -86,7 +109,9 @@ def test_thin_layers_are_springs(nu):
 def test_thick_layers_are_half_spaces(nu, base):
     surface = rough((2, 8, 4))
     wanted = solve_scene(surface, 0.1, **EXACT)
-    found = sweep_of(surface, layer={"thickness": 4.0, "nu1": nu, "base": base}, **EXACT).solve(wanted.contact.p_mean)
+    found = sweep_of(surface, layer={"thickness": 4.0, "nu1": nu, "base": base}, **EXACT).solve(
+        wanted.contact.p_mean
+    )
     assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-9)
     assert relative(field(found, "pressure"), field(wanted, "pressure")) < 1e-9
 
@@ -94,12 +119,23 @@ def test_thick_layers_are_half_spaces(nu, base):
 def test_the_approach_in_low_memory():
     """Their mean is part of it when the heights themselves are not kept."""
     ways = ({"low_memory": low, "accuracy": 1e-5, "precision": "double"} for low in (True, False))
-    low, plain = (sweep_of(rough((2, 16, 4)), layer={"thickness": 0.05, "nu1": 0.3}, **way).solve(0.1).contact for way in ways)
+    low, plain = (
+        sweep_of(rough((2, 16, 4)), layer={"thickness": 0.05, "nu1": 0.3}, **way).solve(0.1).contact
+        for way in ways
+    )
     assert low.approach == pytest.approx(plain.approach, rel=1e-5)
 
 
-@pytest.mark.parametrize(("thickness", "nu", "base"), [(0.01, 0.45, "bonded"), (0.01, 0.3, "frictionless"), (0.03, 0.45, "bonded"),
-                                                       (0.05, 0.3, "bonded"), (0.2, 0.45, "bonded")])
+@pytest.mark.parametrize(
+    ("thickness", "nu", "base"),
+    [
+        (0.01, 0.45, "bonded"),
+        (0.01, 0.3, "frictionless"),
+        (0.03, 0.45, "bonded"),
+        (0.05, 0.3, "bonded"),
+        (0.2, 0.45, "bonded"),
+    ],
+)
 def test_iterations(thickness, nu, base):
     """At most twice those of the half-space."""
     surface, accuracy = rough((2, 128, 2)), {"accuracy": 2e-3, "precision": "double"}

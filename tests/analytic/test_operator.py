@@ -8,8 +8,16 @@ from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.grid import Grid
 from hpc_gfmd.operators.elastic import Elastic
 
-GRIDS = [((16, 16), (1.0, 1.0)), ((15, 15), (1.0, 1.0)), ((16, 15), (1.0, 1.0)), ((9, 20), (2.0, 0.7)), ((1, 12), (1.0, 1.0)),
-         ((13, 1), (1.0, 1.0)), ((2, 2), (1.0, 3.0)), ((17, 23), (3.0, 3.0))]
+GRIDS = [
+    ((16, 16), (1.0, 1.0)),
+    ((15, 15), (1.0, 1.0)),
+    ((16, 15), (1.0, 1.0)),
+    ((9, 20), (2.0, 0.7)),
+    ((1, 12), (1.0, 1.0)),
+    ((13, 1), (1.0, 1.0)),
+    ((2, 2), (1.0, 3.0)),
+    ((17, 23), (3.0, 3.0)),
+]
 
 
 def modes(n):
@@ -34,7 +42,8 @@ def test_single_modes(n, sizes):
 
 
 def test_energy_of_a_wave():
-    """Energy per area E* |q|/8 of u = cos(q r), here with E* = 1 and lengths in units of the spacing."""
+    """Energy per area E* |q|/8 of u = cos(q r), here with E* = 1 and lengths in units of the
+    spacing."""
     grid = Grid((12, 10), (1.0, 1.0))
     u = np.cos(2 * np.pi * np.arange(12) / 12)[:, None] * np.ones(10)
     uKu = stiffness_times(Elastic(grid, HalfSpace(), np.float64), u, grid.empty(np.float64))
@@ -44,5 +53,7 @@ def test_energy_of_a_wave():
 def test_the_mean_costs_nothing():
     grid = Grid((7, 6))
     out = grid.empty(np.float64)
-    assert stiffness_times(Elastic(grid, HalfSpace(), np.float64), np.full(grid.shape, 3.0), out) == pytest.approx(0, abs=1e-20)
+    assert stiffness_times(
+        Elastic(grid, HalfSpace(), np.float64), np.full(grid.shape, 3.0), out
+    ) == pytest.approx(0, abs=1e-20)
     assert np.abs(out).max() < 1e-14

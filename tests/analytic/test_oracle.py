@@ -8,8 +8,14 @@ from contacts import EXACT, random_heights, relative
 import hpc_gfmd
 from hpc_gfmd.registry import solver_names
 
-GRIDS = [((8, 8), (1.0, 1.0)), ((9, 7), (1.0, 1.0)), ((12, 16), (2.0, 0.5)), ((1, 20), (1.0, 1.0)), ((16, 16), (1.0, 1.0)),
-         ((5, 13), (1.0, 3.0))]
+GRIDS = [
+    ((8, 8), (1.0, 1.0)),
+    ((9, 7), (1.0, 1.0)),
+    ((12, 16), (2.0, 0.5)),
+    ((1, 20), (1.0, 1.0)),
+    ((16, 16), (1.0, 1.0)),
+    ((5, 13), (1.0, 3.0)),
+]
 
 
 def test_oracle_satisfies_its_equations():

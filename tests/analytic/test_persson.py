@@ -14,7 +14,8 @@ from hpc_gfmd.theory import persson
 from hpc_gfmd.theory.kernels import erf2_integral
 from hpc_gfmd.theory.slope_profile import SlopeProfile
 
-# H, p_star, 1/eps_f: gap/h_rms as printed (gamma = 0.42), corrected (0.42), original theory (gamma = 1)
+# H, p_star, 1/eps_f: gap/h_rms as printed (gamma = 0.42), corrected (0.42), original theory (gamma
+# = 1)
 TABLE = [
     (0.3, 0.007, 256, 1.12213, 1.4593, 1.86896),
     (0.3, 0.353, 256, 0.02699, 0.04281, 0.0266),
@@ -39,7 +40,8 @@ def energy_sum(p, hurst, eps_f, gamma):
 
 
 def gap_by_definition(p, hurst, eps_f, gamma):
-    """gap/h_rms from eq. gap: -dp/p dU/dp, by nested adaptive quadrature and no special function but erf."""
+    """gap/h_rms from eq. gap: -dp/p dU/dp, by nested adaptive quadrature and no special function
+    but erf."""
     decades = -np.log(eps_f)
     norm_h = quad(lambda y: np.exp(-2 * hurst * y), 0, decades)[0]
     norm_g = quad(lambda y: np.exp((2 - 2 * hurst) * y), 0, decades)[0]
@@ -76,16 +78,30 @@ def test_table(hurst, p_star, lam, printed, corrected, original):
 
 @pytest.mark.parametrize(
     ("p", "hurst", "eps_f", "gamma"),
-    [(0.007, 0.8, 1 / 256, 0.42), (0.353, 0.3, 1 / 64, 0.42), (0.1, 0, 1 / 16, 0.7), (0.05, 1, 1e-3, 0.0)],
+    [
+        (0.007, 0.8, 1 / 256, 0.42),
+        (0.353, 0.3, 1 / 64, 0.42),
+        (0.1, 0, 1 / 16, 0.7),
+        (0.05, 1, 1e-3, 0.0),
+    ],
 )
 def test_gap_from_the_definition(p, hurst, eps_f, gamma):
-    assert persson.mean_gap(p, hurst, eps_f, gamma) == pytest.approx(gap_by_definition(p, hurst, eps_f, gamma), rel=1e-7)
+    assert persson.mean_gap(p, hurst, eps_f, gamma) == pytest.approx(
+        gap_by_definition(p, hurst, eps_f, gamma), rel=1e-7
+    )
 
 
 def test_kernel_against_adaptive_quadrature():
     for x in (1e-3, 0.1, 0.7, 1.0, 2.5, 5.9, 6.1):
-        scaled = quad(lambda s, x=x: erf(np.sqrt(x * x + s)) ** 2 * np.exp(-s) / (x * x + s) / 2, 0, 1e-3)[0]
-        scaled += quad(lambda s, x=x: erf(np.sqrt(x * x + s)) ** 2 * np.exp(-s) / (x * x + s) / 2, 1e-3, 40, epsrel=1e-11)[0]
+        scaled = quad(
+            lambda s, x=x: erf(np.sqrt(x * x + s)) ** 2 * np.exp(-s) / (x * x + s) / 2, 0, 1e-3
+        )[0]
+        scaled += quad(
+            lambda s, x=x: erf(np.sqrt(x * x + s)) ** 2 * np.exp(-s) / (x * x + s) / 2,
+            1e-3,
+            40,
+            epsrel=1e-11,
+        )[0]
         assert erf2_integral(x) == pytest.approx(np.exp(-x * x) * scaled, rel=1e-9)
 
 
@@ -93,9 +109,13 @@ def test_kernel_against_adaptive_quadrature():
 @pytest.mark.parametrize("eps_f", [0.5, 1e-3, 1e-20])
 def test_quadrature_is_converged(hurst, eps_f, monkeypatch):
     p = np.geomspace(1e-6, 15, 12)
-    coarse = [f(p, hurst, eps_f) for f in (persson.mean_gap, persson.stiffness, persson.elastic_energy)]
+    coarse = [
+        f(p, hurst, eps_f) for f in (persson.mean_gap, persson.stiffness, persson.elastic_energy)
+    ]
     monkeypatch.setattr("hpc_gfmd.theory.slope_profile._STEP", 0.06)
-    fine = [f(p, hurst, eps_f) for f in (persson.mean_gap, persson.stiffness, persson.elastic_energy)]
+    fine = [
+        f(p, hurst, eps_f) for f in (persson.mean_gap, persson.stiffness, persson.elastic_energy)
+    ]
     np.testing.assert_allclose(coarse, fine, rtol=1e-11)
 
 
@@ -107,11 +127,17 @@ def test_energy_gap_and_stiffness_belong_together(gamma):
         return (f(p * (1 + d)) - f(p * (1 - d))) / (2 * d * p)
 
     slope = change(lambda p: persson.mean_gap(p, 0.6, 1e-3, gamma))
-    np.testing.assert_allclose(change(lambda p: persson.elastic_energy(p, 0.6, 1e-3, gamma)), -p * slope, rtol=1e-5)
+    np.testing.assert_allclose(
+        change(lambda p: persson.elastic_energy(p, 0.6, 1e-3, gamma)), -p * slope, rtol=1e-5
+    )
     np.testing.assert_allclose(persson.stiffness(p, 0.6, 1e-3, gamma), -1 / slope, rtol=1e-6)
     printed = change(lambda p: persson.mean_gap(p, 0.6, 1e-3, gamma, printed=True))
-    np.testing.assert_allclose(persson.stiffness(p, 0.6, 1e-3, gamma, printed=True), -1 / printed, rtol=1e-6)
-    assert persson.elastic_energy(0.1, 0.6, 1e-3, gamma) == pytest.approx(energy_sum(0.1, 0.6, 1e-3, gamma), rel=1e-9)
+    np.testing.assert_allclose(
+        persson.stiffness(p, 0.6, 1e-3, gamma, printed=True), -1 / printed, rtol=1e-6
+    )
+    assert persson.elastic_energy(0.1, 0.6, 1e-3, gamma) == pytest.approx(
+        energy_sum(0.1, 0.6, 1e-3, gamma), rel=1e-9
+    )
 
 
 def test_hurst_limits_are_continuous():
@@ -120,11 +146,14 @@ def test_hurst_limits_are_continuous():
         for eps_f in (1.0, 0.1, 1e-3, 1e-20):
             for f in (persson.mean_gap, persson.stiffness):
                 for end, near in ((0, 1e-9), (1, 1 - 1e-9)):
-                    np.testing.assert_allclose(f(p, end, eps_f, unit=unit), f(p, near, eps_f, unit=unit), rtol=1e-6)
+                    np.testing.assert_allclose(
+                        f(p, end, eps_f, unit=unit), f(p, near, eps_f, unit=unit), rtol=1e-6
+                    )
 
 
 def test_fractal_limit():
-    """gap/(g_rms lam_s) converges and gap/h_rms vanishes for eps_f -> 0; nothing jumps on the way."""
+    """gap/(g_rms lam_s) converges and gap/h_rms vanishes for eps_f -> 0; nothing jumps on the
+    way."""
     eps_f = np.geomspace(1e-20, 1, 81)
     for hurst in (0, 0.3, 0.5, 0.8, 1):
         gap = np.array([persson.mean_gap(0.353, hurst, e) for e in eps_f])
@@ -179,11 +208,19 @@ def test_pressure_distribution():
 
 def test_units_of_the_gap():
     for hurst in (0, 0.4, 1):
-        ratio = persson.mean_gap(0.1, hurst, 1e-4) / persson.mean_gap(0.1, hurst, 1e-4, unit="g_rms_lam_s")
+        ratio = persson.mean_gap(0.1, hurst, 1e-4) / persson.mean_gap(
+            0.1, hurst, 1e-4, unit="g_rms_lam_s"
+        )
         assert ratio == pytest.approx(persson.g_rms_lam_s_over_h_rms(hurst, 1e-4), rel=1e-12)
-    assert persson.g_rms_lam_s_over_h_rms(0.8, 1e-12) == pytest.approx(2 * np.pi * 2 * 1e-12**0.8, rel=1e-4)
-    assert persson.g_rms_lam_s_over_h_rms(0, 1e-9) == pytest.approx(2 * np.pi / np.sqrt(18 * np.log(10)))
-    assert persson.g_rms_lam_s_over_h_rms(1, 1e-9) == pytest.approx(2e-9 * np.pi * np.sqrt(18 * np.log(10)))
+    assert persson.g_rms_lam_s_over_h_rms(0.8, 1e-12) == pytest.approx(
+        2 * np.pi * 2 * 1e-12**0.8, rel=1e-4
+    )
+    assert persson.g_rms_lam_s_over_h_rms(0, 1e-9) == pytest.approx(
+        2 * np.pi / np.sqrt(18 * np.log(10))
+    )
+    assert persson.g_rms_lam_s_over_h_rms(1, 1e-9) == pytest.approx(
+        2e-9 * np.pi * np.sqrt(18 * np.log(10))
+    )
 
 
 @pytest.mark.parametrize("hurst", [0, 0.3, 0.8, 1])
@@ -194,13 +231,18 @@ def test_spectrum_reproduces_the_self_affine_surface(hurst):
     profile = SlopeProfile.from_spectrum(q, spectrum, area=2.5)
     p0 = p * 5 * profile.g_rms
     gap = persson.mean_gap(p, hurst, eps_f) * profile.h_rms
-    np.testing.assert_allclose(persson.mean_gap_spectrum(q, spectrum, p0, 5, area=2.5), gap, rtol=1e-11)
-    function = persson.mean_gap_spectrum(q[[0, -1]], lambda q: 0.7 * q ** (-2 - 2 * hurst), p0, 5, area=2.5)
+    np.testing.assert_allclose(
+        persson.mean_gap_spectrum(q, spectrum, p0, 5, area=2.5), gap, rtol=1e-11
+    )
+    function = persson.mean_gap_spectrum(
+        q[[0, -1]], lambda q: 0.7 * q ** (-2 - 2 * hurst), p0, 5, area=2.5
+    )
     np.testing.assert_allclose(function, gap, rtol=1e-10)
 
 
 def test_spectrum_rms_values_and_rolloff():
-    """h_rms and g_rms of a rolled-off spectrum by quadrature; a sampled and a given spectrum agree."""
+    """h_rms and g_rms of a rolled-off spectrum by quadrature; a sampled and a given spectrum
+    agree."""
 
     def spectrum(q):
         return (1 + (q / 4) ** 2) ** -1.8
@@ -212,7 +254,9 @@ def test_spectrum_rms_values_and_rolloff():
     q = np.geomspace(1, 400, 8000)
     p0 = np.geomspace(0.01, 1, 4) * profile.g_rms
     np.testing.assert_allclose(
-        persson.mean_gap_spectrum(q, spectrum(q), p0), persson.mean_gap_spectrum([1, 400], spectrum, p0), rtol=1e-7
+        persson.mean_gap_spectrum(q, spectrum(q), p0),
+        persson.mean_gap_spectrum([1, 400], spectrum, p0),
+        rtol=1e-7,
     )
 
 
@@ -231,15 +275,26 @@ def test_decades_cost_nothing(eps_f):
 
 @pytest.mark.parametrize(
     "arguments",
-    [(np.nan, 0.5, 0.1), (-1, 0.5, 0.1), (0.1, 1.01, 0.1), (0.1, -0.1, 0.1), (0.1, 0.5, 0), (0.1, 0.5, 2),
-     (0.1, 0.5, 0.1, 3), (0.1, "x", 0.1), (0.1, 0.5, 0.1, 0.42, False, "m")],
-)  # fmt: skip
+    [
+        (np.nan, 0.5, 0.1),
+        (-1, 0.5, 0.1),
+        (0.1, 1.01, 0.1),
+        (0.1, -0.1, 0.1),
+        (0.1, 0.5, 0),
+        (0.1, 0.5, 2),
+        (0.1, 0.5, 0.1, 3),
+        (0.1, "x", 0.1),
+        (0.1, 0.5, 0.1, 0.42, False, "m"),
+    ],
+)
 def test_refused(arguments):
     with pytest.raises(SceneError, match=r"found .*allowed"):
         persson.mean_gap(*arguments)
 
 
-@pytest.mark.parametrize(("q", "c"), [([1], [1]), ([2, 1], [1, 1]), ([1, 2], [1, 0]), ([1, 2], [1]), ([0, 1], [1, 1])])
+@pytest.mark.parametrize(
+    ("q", "c"), [([1], [1]), ([2, 1], [1, 1]), ([1, 2], [1, 0]), ([1, 2], [1]), ([0, 1], [1, 1])]
+)
 def test_refused_spectra(q, c):
     with pytest.raises(SceneError, match="allowed"):
         persson.mean_gap_spectrum(q, c, 1.0)

@@ -1,4 +1,5 @@
-"""Loads that are given by what they do: gap, area, approach, force; what they cost, and what cannot be had."""
+"""Loads that are given by what they do: gap, area, approach, force; what they cost, and what cannot
+be had."""
 
 import re
 
@@ -13,28 +14,49 @@ from hpc_gfmd.registry import body_of, solver_names
 from hpc_gfmd.scene import Load, Material
 
 LAYER = {"thickness": 0.05, "nu1": 0.3, "E_star": 1.0}
-WALLS = {"periodic": (rough((2, 16, 4)), None), "free": (rough((2, 32, 2), boundary="free"), None), "layer": (rough((2, 16, 4)), LAYER),
-         "free along x": (rough((2, 32, 2), boundary=["free", "periodic"]), None)}
-CASES = [(wall, quantity) for wall in WALLS for quantity in ("gap_mean", "a_r", "approach")
-         if quantity != "approach" or wall in ("free", "layer")]
+WALLS = {
+    "periodic": (rough((2, 16, 4)), None),
+    "free": (rough((2, 32, 2), boundary="free"), None),
+    "layer": (rough((2, 16, 4)), LAYER),
+    "free along x": (rough((2, 32, 2), boundary=["free", "periodic"]), None),
+}
+CASES = [
+    (wall, quantity)
+    for wall in WALLS
+    for quantity in ("gap_mean", "a_r", "approach")
+    if quantity != "approach" or wall in ("free", "layer")
+]
 
 
 def quantity_of(step, quantity):
     contact = step.contact
-    return {"gap_mean": contact.gap_mean, "a_r": contact.contact_points / contact.N, "approach": contact.approach}[quantity]
+    return {
+        "gap_mean": contact.gap_mean,
+        "a_r": contact.contact_points / contact.N,
+        "approach": contact.approach,
+    }[quantity]
 
 
 def is_as_near_as_can_be(found, plain, wanted, accuracy):
-    """Whether the area, if it is not the one that is wanted, is on a side of the jump that its note tells of, and no other pressure of
-    the neighbourhood gives a nearer one."""
+    """Whether the area, if it is not the one that is wanted, is on a side of the jump that its note
+    tells of, and no other pressure of the neighbourhood gives a nearer one."""
     area = quantity_of(found, "a_r")
     missed, points = abs(area - wanted), max(accuracy * wanted, 1 / found.contact.N)
     if missed <= accuracy * wanted:
         return True
-    before, after = map(float, re.search(r"a_r jumps from ([\d.]+) to ([\d.]+)", found.contact.note).groups())
-    areas = [quantity_of(plain.solve(found.contact.p_mean * factor), "a_r") for factor in np.geomspace(0.8, 1.25, 24)]
-    return (before < wanted < after and min(abs(area - before), abs(area - after)) <= points
-            and min(areas) < wanted < max(areas) and min(abs(a - wanted) for a in areas) > missed - points)
+    before, after = map(
+        float, re.search(r"a_r jumps from ([\d.]+) to ([\d.]+)", found.contact.note).groups()
+    )
+    areas = [
+        quantity_of(plain.solve(found.contact.p_mean * factor), "a_r")
+        for factor in np.geomspace(0.8, 1.25, 24)
+    ]
+    return (
+        before < wanted < after
+        and min(abs(area - before), abs(area - after)) <= points
+        and min(areas) < wanted < max(areas)
+        and min(abs(a - wanted) for a in areas) > missed - points
+    )
 
 
 @pytest.mark.parametrize(("wall", "quantity"), CASES)
@@ -43,7 +65,9 @@ def test_the_pressure_is_found(wall, quantity):
     surface, layer = WALLS[wall]
     asked = {"accuracy": 1e-3, "precision": "double"}
     plain = sweep_of(surface, layer=layer, **asked)
-    steps = [(step, field(step, "pressure")) for p in (0.3, 0.05, 0.06, 0.2) for step in [plain.solve(p)]]
+    steps = [
+        (step, field(step, "pressure")) for p in (0.3, 0.05, 0.06, 0.2) for step in [plain.solve(p)]
+    ]
     values = [quantity_of(step, quantity) for step, _ in steps]
     sweep = sweep_of(surface, layer=layer, **asked)
     pairs = []
@@ -58,23 +82,38 @@ def test_the_pressure_is_found(wall, quantity):
     assert sum(pairs) <= 2 * sum(step.pairs for step, _ in steps)
 
 
-@pytest.mark.parametrize(("quantity", "boundary", "most"), [("gap_mean", "periodic", 1.5), ("a_r", "periodic", 1.5),
-                                                            ("approach", "free", 1.5)])
+@pytest.mark.parametrize(
+    ("quantity", "boundary", "most"),
+    [("gap_mean", "periodic", 1.5), ("a_r", "periodic", 1.5), ("approach", "free", 1.5)],
+)
 def test_what_it_costs(quantity, boundary, most):
-    """FFT pairs of a sweep, all trials counted, over those of the same loads as pressures; the first one knows nothing yet."""
-    surface, loads = rough((2, 64 if boundary == "periodic" else 32, 2), boundary=boundary), (0.02, 0.04, 0.08, 0.1, 0.12)
+    """FFT pairs of a sweep, all trials counted, over those of the same loads as pressures; the
+    first one knows nothing yet."""
+    surface, loads = (
+        rough((2, 64 if boundary == "periodic" else 32, 2), boundary=boundary),
+        (0.02, 0.04, 0.08, 0.1, 0.12),
+    )
     sweeps = [sweep_of(surface, accuracy=1e-3, precision="double") for _ in range(2)]
-    plain = [(step.pairs, quantity_of(step, quantity)) for p in loads for step in [sweeps[0].solve(p)]]
+    plain = [
+        (step.pairs, quantity_of(step, quantity)) for p in loads for step in [sweeps[0].solve(p)]
+    ]
     found = [sweeps[1].solve(Prescribed(quantity, value)).pairs for _, value in plain]
     assert found[0] <= 2.5 * plain[0][0]
     assert sum(found[1:]) <= most * sum(pairs for pairs, _ in plain[1:])
 
 
-@pytest.mark.parametrize(("surface", "loads"), [
-    (rough((2, 32, 2), seed=31), (0.02, 0.04, 0.08, 0.1)), (rough((2, 32, 2), seed=31), 0.02 * 1.35 ** np.arange(4)),
-    (rough((2, 16, 8), seed=32), 0.02 * 1.35 ** np.arange(4))], ids=["rough", "rough, closer", "smooth"])
+@pytest.mark.parametrize(
+    ("surface", "loads"),
+    [
+        (rough((2, 32, 2), seed=31), (0.02, 0.04, 0.08, 0.1)),
+        (rough((2, 32, 2), seed=31), 0.02 * 1.35 ** np.arange(4)),
+        (rough((2, 16, 8), seed=32), 0.02 * 1.35 ** np.arange(4)),
+    ],
+    ids=["rough", "rough, closer", "smooth"],
+)
 def test_an_area_is_not_turned_around(surface, loads):
-    """No load of a sweep goes to and fro between two pressures, on walls where many corrections come before their answers."""
+    """No load of a sweep goes to and fro between two pressures, on walls where many corrections
+    come before their answers."""
     plain, sweep = (sweep_of(surface, accuracy=1e-3) for _ in range(2))
     for p in loads:
         given = plain.solve(p)
@@ -82,7 +121,8 @@ def test_an_area_is_not_turned_around(surface, loads):
 
 
 def test_a_sweep_knows_its_grids():
-    """By how much the pressure changes from grid to grid is found once: later searches have the finest grid's load on all of them."""
+    """By how much the pressure changes from grid to grid is found once: later searches have the
+    finest grid's load on all of them."""
     sweep = sweep_of(rough((2, 32, 2)), accuracy=2e-3, precision="double")
     ends = []
     for area in (0.1, 0.2):
@@ -109,7 +149,8 @@ def first_error(solve, *args):
 
 @pytest.mark.parametrize("wall", ["periodic", "free"])
 def test_a_search_starts_as_a_given_load_does(wall):
-    """Coarser grids hand on the contact of the load that the finest one takes, not of that which gives them the same area."""
+    """Coarser grids hand on the contact of the load that the finest one takes, not of that which
+    gives them the same area."""
     given = found = 0.0
     for seed in (1, 2, 3):
         plain, sweep = (sweep_of(WALLS[wall][0] | {"seed": seed}, accuracy=1e-3) for _ in range(2))
@@ -133,20 +174,32 @@ def test_a_corrected_load_keeps_the_last_step():
     solver.correct_load(1.001 * solver.p0)
     assert np.allclose(solver.p, p + solver.p0 * (1 - 1 / 1.001), rtol=0, atol=1e-12)
     free = ~((solver.g <= 0) & (solver.p > 0))
-    assert solver.rd == pytest.approx(solver.s * np.sum((solver.p * solver.d)[free & np.isfinite(solver.d)]), rel=1e-6)
+    assert solver.rd == pytest.approx(
+        solver.s * np.sum((solver.p * solver.d)[free & np.isfinite(solver.d)]), rel=1e-6
+    )
     assert solver.dKd == dKd > 0
 
 
 @pytest.mark.parametrize("wall", ["periodic", "free"])
 def test_the_outlook_is_closer_than_what_is_there(wall):
-    """The solver knows what its area and its mean gap will come to: it has followed neither load when it begins. On three walls."""
+    """The solver knows what its area and its mean gap will come to: it has followed neither load
+    when it begins. On three walls."""
     there, ahead = np.zeros(2), np.zeros(2)
     for seed in (1, 2, 3):
-        sweep, seen = sweep_of(WALLS[wall][0] | {"seed": seed}, accuracy=1e-7, precision="double"), []
+        sweep, seen = (
+            sweep_of(WALLS[wall][0] | {"seed": seed}, accuracy=1e-7, precision="double"),
+            [],
+        )
         for p in (0.05, 0.07):
-            sweep.solve(p, watch=lambda iterations, progress, seen=seen: seen.append(progress) and False)
+            sweep.solve(
+                p, watch=lambda iterations, progress, seen=seen: seen.append(progress) and False
+            )
         end = sweep.solver.progress()
-        early = [progress for progress in seen[-sweep.solver.iterations:] if 0.01 < progress.estimates[1] < 0.5]
+        early = [
+            progress
+            for progress in seen[-sweep.solver.iterations :]
+            if 0.01 < progress.estimates[1] < 0.5
+        ]
         assert len(early) > 2
         wanted = np.array([end.contact, end.gap_mean])
         there += np.abs([[x.contact, x.gap_mean] / wanted - 1 for x in early]).mean(axis=0)
@@ -161,13 +214,24 @@ def test_every_solver(name, quantity):
     sweep = sweep_of(rough((2, 8, 2)), name=name, accuracy=1e-4, precision="double")
     found = sweep.solve(Prescribed(quantity, quantity_of(wanted, quantity)))
     assert found.contact.outcome.status == "converged"
-    assert quantity_of(found, quantity) == pytest.approx(quantity_of(wanted, quantity), abs=1.001 / 1024 if quantity == "a_r" else None,
-                                                         rel=1e-4)
-    assert found.contact.p_mean == pytest.approx(0.1, rel=2e-3 if quantity == "gap_mean" else 2e-2)  # a point more or less
+    assert quantity_of(found, quantity) == pytest.approx(
+        quantity_of(wanted, quantity), abs=1.001 / 1024 if quantity == "a_r" else None, rel=1e-4
+    )
+    assert found.contact.p_mean == pytest.approx(
+        0.1, rel=2e-3 if quantity == "gap_mean" else 2e-2
+    )  # a point more or less
 
 
-@pytest.mark.parametrize("solver", [{"precision": "single"}, {"precision": "single", "low_memory": True}, {"residual": 1e-9},
-                                    {"low_memory": True, "accuracy": 1e-3}], ids=str)  # the last one begins in single precision
+@pytest.mark.parametrize(
+    "solver",
+    [
+        {"precision": "single"},
+        {"precision": "single", "low_memory": True},
+        {"residual": 1e-9},
+        {"low_memory": True, "accuracy": 1e-3},
+    ],
+    ids=str,
+)  # the last one begins in single precision
 @pytest.mark.parametrize("quantity", ["gap_mean", "a_r"])
 def test_every_way(solver, quantity):
     surface = rough((2, 16, 4))
@@ -186,7 +250,9 @@ def test_hertz_by_approach():
     """delta = a^2/R, F = 4 E* a^3/(3 R)."""
     a, R = 0.25, 10.0
     sphere = {"kind": "sphere", "radius": R, "n": [128, 128], "boundary": "free"}
-    step = sweep_of(sphere, accuracy=1e-3, precision="double").solve(Prescribed("approach", a * a / R))
+    step = sweep_of(sphere, accuracy=1e-3, precision="double").solve(
+        Prescribed("approach", a * a / R)
+    )
     assert step.contact.approach == pytest.approx(a * a / R, rel=1e-3)
     assert step.contact.p_mean == pytest.approx(4 * a**3 / (3 * R), rel=3e-3)
 
@@ -205,7 +271,9 @@ def test_the_least_pressure_that_closes_the_gap(load, layer):
 
 @pytest.mark.parametrize("free", [(True, True), (True, False), (False, True)], ids=str)
 @pytest.mark.parametrize("load", [{"gap_mean": 0}, {"gap_over_h_rms": [0.0]}, {"a_r": 1}], ids=str)
-@pytest.mark.parametrize("solver", [{"accuracy": 1e-5}, {"accuracy": 1e-3, "precision": "single"}], ids=str)
+@pytest.mark.parametrize(
+    "solver", [{"accuracy": 1e-5}, {"accuracy": 1e-3, "precision": "single"}], ids=str
+)
 def test_a_gap_that_closes_to_its_edges(free, load, solver):
     """At the least load that does; what it costs counts all."""
     z = 0.01 * random_heights((16, 12), seed=3)
@@ -217,7 +285,9 @@ def test_a_gap_that_closes_to_its_edges(free, load, solver):
     assert contact.gap_mean == 0
     assert 0 < p.min() < solver["accuracy"] * contact.p_mean
     exact = sweep_over(z, free=free)
-    assert exact.solve((1 + solver["accuracy"]) * contact.p_mean).contact.contact_points == contact.N
+    assert (
+        exact.solve((1 + solver["accuracy"]) * contact.p_mean).contact.contact_points == contact.N
+    )
     assert exact.solve((1 - solver["accuracy"]) * contact.p_mean).contact.contact_points < contact.N
     assert step.pairs <= 2.5 * sweep_over(z, free=free, **solver).solve(contact.p_mean).pairs
 
@@ -243,7 +313,8 @@ def test_a_gap_that_nearly_closes_to_its_edges(free):
 
 
 def test_a_gap_that_nothing_makes_more_accurate():
-    """Next to full contact the error of free edges counts for more than is asked: that is said, and not tried for long."""
+    """Next to full contact the error of free edges counts for more than is asked: that is said, and
+    not tried for long."""
     z = 0.01 * random_heights((16, 12), seed=3)
     sweep = sweep_over(z, free=(True, True), accuracy=1e-6)
     closed = sweep.solve(Prescribed("a_r", 1.0)).contact.p_mean
@@ -261,14 +332,22 @@ def test_a_gap_that_nothing_makes_more_accurate():
 def test_a_sweep_through_full_contact(boundary, solver):
     """From above or below, and again: at the same pressure."""
     sweep = sweep_of(rough((2, 8, 2), boundary=boundary), accuracy=1e-3, **solver)
-    contacts = [sweep.solve(load).contact for load in sweep.pressures(Load(gap_over_h_rms=[0.3, 0, 0.1, 0]))]
+    contacts = [
+        sweep.solve(load).contact for load in sweep.pressures(Load(gap_over_h_rms=[0.3, 0, 0.1, 0]))
+    ]
     assert all(contact.outcome.status == "converged" for contact in contacts)
-    assert [contact.contact_points == contact.N for contact in contacts] == [False, True, False, True]
+    assert [contact.contact_points == contact.N for contact in contacts] == [
+        False,
+        True,
+        False,
+        True,
+    ]
     assert contacts[3].p_mean == pytest.approx(contacts[1].p_mean, rel=1e-3)
 
 
 def test_an_area_that_jumps():
-    """Four equal peaks touch all at once, and later sixteen others: what is nearer is taken, and that is said."""
+    """Four equal peaks touch all at once, and later sixteen others: what is nearer is taken, and
+    that is said."""
     z = np.full((16, 16), -1.0)
     z[::8, ::8], z[4::8, ::8] = 0.0, -0.01
     for wanted, points in ((5.5 / 256, 4), (6.5 / 256, 8)):
@@ -281,9 +360,12 @@ def test_an_area_that_jumps():
 @pytest.mark.parametrize("free", [(False, False), (True, True)], ids=str)
 @pytest.mark.parametrize("wanted", [1 / 4096, 0.02, 0.2])
 def test_an_area_that_no_load_has(free, wanted):
-    """Flat tops of equal height touch as a whole at any load: that is the least area, and it is said, at no cost."""
+    """Flat tops of equal height touch as a whole at any load: that is the least area, and it is
+    said, at no cost."""
     high = np.arange(64) % 16 < 8
-    step = sweep_over(0.01 * np.outer(high, high), free=free, accuracy=1e-3).solve(Prescribed("a_r", wanted))
+    step = sweep_over(0.01 * np.outer(high, high), free=free, accuracy=1e-3).solve(
+        Prescribed("a_r", wanted)
+    )
     assert step.contact.outcome.status == "converged"
     assert step.contact.contact_points == 1024
     assert step.contact.note == "a_r jumps from 0 to 0.25: the least at any load"
@@ -294,9 +376,13 @@ def test_areas_that_no_load_has():
     """A sweep of them stays where the least area was found."""
     high = np.arange(64) % 16 < 8
     sweep = sweep_over(0.01 * np.outer(high, high), accuracy=1e-3)
-    contacts = [sweep.solve(Prescribed("a_r", wanted)).contact for wanted in (0.1, 0.01, 0.2, 1 / 4096)]
+    contacts = [
+        sweep.solve(Prescribed("a_r", wanted)).contact for wanted in (0.1, 0.01, 0.2, 1 / 4096)
+    ]
     assert [contact.outcome.status for contact in contacts] == ["converged"] * 4
-    assert [contact.p_mean for contact in contacts] == pytest.approx([contacts[0].p_mean] * 4, rel=0.1)
+    assert [contact.p_mean for contact in contacts] == pytest.approx(
+        [contacts[0].p_mean] * 4, rel=0.1
+    )
 
 
 def test_an_area_that_comes_from_full_contact():
@@ -310,20 +396,28 @@ def test_an_area_that_comes_from_full_contact():
 
 @pytest.mark.parametrize("wanted", [0.3, 0.6, 0.9])
 def test_an_area_between_flat_tops(wanted):
-    """On a thin layer the ground between them closes in jumps that are not seen beforehand: one that two loads enclose is one."""
+    """On a thin layer the ground between them closes in jumps that are not seen beforehand: one
+    that two loads enclose is one."""
     high, layer = np.arange(64) % 16 < 8, body_of(Material(**LAYER), (False, False))
-    sweep, plain = (sweep_over(0.01 * np.outer(high, high), accuracy=1e-3, body=layer) for _ in range(2))
+    sweep, plain = (
+        sweep_over(0.01 * np.outer(high, high), accuracy=1e-3, body=layer) for _ in range(2)
+    )
     found = sweep.solve(Prescribed("a_r", wanted))
     assert found.contact.outcome.status == "converged"
     assert found.pairs < 10 * plain.solve(found.contact.p_mean).pairs
     assert is_as_near_as_can_be(found, plain, wanted, 1e-3)
 
 
-@pytest.mark.parametrize(("free", "wanted"), [((False, False), 0.05), ((True, True), 0.01)], ids=str)
+@pytest.mark.parametrize(
+    ("free", "wanted"), [((False, False), 0.05), ((True, True), 0.01)], ids=str
+)
 def test_an_area_of_an_ordered_wall(free, wanted):
-    """Coarse grids have a few points on each of its equal peaks, and do not tell the load; what is found is as near as can be."""
+    """Coarse grids have a few points on each of its equal peaks, and do not tell the load; what is
+    found is as near as can be."""
     wave = np.cos(2 * np.pi * np.arange(128) / 32)
-    sweep, plain = (sweep_over(0.01 * np.outer(wave, wave), free=free, accuracy=1e-2) for _ in range(2))
+    sweep, plain = (
+        sweep_over(0.01 * np.outer(wave, wave), free=free, accuracy=1e-2) for _ in range(2)
+    )
     found = sweep.solve(Prescribed("a_r", wanted))
     assert found.contact.outcome.status == "converged"
     assert found.pairs < 60
@@ -331,7 +425,8 @@ def test_an_area_of_an_ordered_wall(free, wanted):
 
 
 def test_areas_of_a_lattice():
-    """Peaks that are alike, between points of the grid: the area goes in steps of many widths (461 pairs by a usual rate)."""
+    """Peaks that are alike, between points of the grid: the area goes in steps of many widths (461
+    pairs by a usual rate)."""
     x = np.arange(96) % 12 - 5.7
     sweeps = [sweep_over(-(x[:, None] ** 2 + x**2), accuracy=1e-5) for _ in range(17)]
     found = [sweep.solve(Prescribed("a_r", 0.02 + 0.015 * k)) for k, sweep in enumerate(sweeps)]
@@ -344,7 +439,9 @@ def test_hardly_touching(free):
     """A mean gap that is but a little less than where the highest peak touches."""
     z = random_heights((16, 16), seed=3)
     gap = (z.max() - z).mean() * (1 - 1e-4)
-    step = sweep_over(z, free=free, accuracy=1e-6, precision="double").solve(Prescribed("gap_mean", gap))
+    step = sweep_over(z, free=free, accuracy=1e-6, precision="double").solve(
+        Prescribed("gap_mean", gap)
+    )
     assert step.contact.gap_mean == pytest.approx(gap, rel=1e-6)
     assert step.contact.outcome.status == "converged"
 
@@ -362,42 +459,65 @@ def test_an_approach_that_is_next_to_nothing(share):
 
 
 def test_what_the_load_is_in_the_units_of_the_scene():
-    sweep = sweep_of(rough((2, 8, 2), physical_sizes=[3.0, 3.0], boundary="free"), E_star=5.0, accuracy=1e-3)
+    sweep = sweep_of(
+        rough((2, 8, 2), physical_sizes=[3.0, 3.0], boundary="free"), E_star=5.0, accuracy=1e-3
+    )
     assert sweep.pressures(Load(force=[9.0, 18.0])) == (1.0, 2.0)
     h_rms = sweep.surface.h_rms
-    loads = [*sweep.pressures(Load(gap_mean=0.5 * h_rms)), *sweep.pressures(Load(gap_over_h_rms=0.5))]
+    loads = [
+        *sweep.pressures(Load(gap_mean=0.5 * h_rms)),
+        *sweep.pressures(Load(gap_over_h_rms=0.5)),
+    ]
     first, second = (sweep.solve(load).contact.p_mean for load in loads)
     assert sweep.solve(loads[0]).contact.gap_mean == pytest.approx(0.5 * h_rms, rel=1e-3)
     assert first == pytest.approx(second, rel=1e-2)
 
 
-@pytest.mark.parametrize(("load", "words"), [
-    ({"gap_mean": 100.0}, "load.gap_mean: found 100, allowed: below "),
-    ({"gap_over_h_rms": [0.1, 9]}, "load.gap_over_h_rms: found 9, "),
-    ({"a_r": 1e-6}, "load.a_r: found 1e-06, less than half of one of 256 points, allowed: 0.00391 to 1"),
-    ({"gap_mean": 1e-9}, "load.gap_mean: found 1e-09, allowed: above "),
-    ({"gap_over_h_rms": [0.1, 1e-9]}, "load.gap_over_h_rms: found 1e-09, allowed: above "),
-    ({"approach": 1e-9}, "load.approach: found 1e-09, allowed: above "),
-])
+@pytest.mark.parametrize(
+    ("load", "words"),
+    [
+        ({"gap_mean": 100.0}, "load.gap_mean: found 100, allowed: below "),
+        ({"gap_over_h_rms": [0.1, 9]}, "load.gap_over_h_rms: found 9, "),
+        (
+            {"a_r": 1e-6},
+            "load.a_r: found 1e-06, less than half of one of 256 points, allowed: 0.00391 to 1",
+        ),
+        ({"gap_mean": 1e-9}, "load.gap_mean: found 1e-09, allowed: above "),
+        ({"gap_over_h_rms": [0.1, 1e-9]}, "load.gap_over_h_rms: found 1e-09, allowed: above "),
+        ({"approach": 1e-9}, "load.approach: found 1e-09, allowed: above "),
+    ],
+)
 def test_what_cannot_be_had(load, words):
     with pytest.raises(SceneError) as caught:
         sweep_of(rough((2, 4, 2)), **EXACT).pressures(Load(**load))
     assert str(caught.value).startswith(words)
 
 
-@pytest.mark.parametrize(("z", "free", "load", "words"), [
-    (np.zeros((8, 8)), (False, False), {"a_r": 0.5}, "load.a_r: found a flat surface"),
-    (np.zeros((8, 8)), (True, True), {"gap_mean": 0.5}, "load.gap_mean: found a flat surface"),
-    (np.zeros((8, 8)), (False, False), {"approach": 0.5}, "load.approach: found a flat surface"),
-])
+@pytest.mark.parametrize(
+    ("z", "free", "load", "words"),
+    [
+        (np.zeros((8, 8)), (False, False), {"a_r": 0.5}, "load.a_r: found a flat surface"),
+        (np.zeros((8, 8)), (True, True), {"gap_mean": 0.5}, "load.gap_mean: found a flat surface"),
+        (
+            np.zeros((8, 8)),
+            (False, False),
+            {"approach": 0.5},
+            "load.approach: found a flat surface",
+        ),
+    ],
+)
 def test_nor_on_such_a_surface(z, free, load, words):
     with pytest.raises(SceneError, match=words):
         sweep_over(z, free=free).pressures(Load(**load))
 
 
 def test_an_area_far_from_those_before():
-    """What two loads near to each other tell of the curve says nothing of its other end: there the area is about twice p*."""
+    """What two loads near to each other tell of the curve says nothing of its other end: there the
+    area is about twice p*."""
     sweep = sweep_over(random_heights((100, 100), seed=4), accuracy=1e-3)
-    near = [{"x": x, "a_r": area, "gap_mean": 1.0, "approach": 1.0} for x, area in ((0.40, 0.9990), (0.44, 0.9991))]
+    near = [
+        {"x": x, "a_r": area, "gap_mean": 1.0, "approach": 1.0}
+        for x, area in ((0.40, 0.9990), (0.44, 0.9991))
+    ]
     search = Curve(near).search(Prescribed("a_r", 4e-5), sweep.surface, sweep._wall, 1e-3)
     assert abs(search.x - np.log(2e-5)) < 3

@@ -1,4 +1,5 @@
-"""The stiffness -dp/d(mean gap): against dense linear algebra, against differences of tight solves, at the ends of the load curve."""
+"""The stiffness -dp/d(mean gap): against dense linear algebra, against differences of tight solves,
+at the ends of the load curve."""
 
 import numpy as np
 import oracle
@@ -19,7 +20,8 @@ stiffness = all_observables()["stiffness"]
 
 
 def contacts():
-    """Sets of points in contact on grids of all shapes: scattered, in patches, a single one, all but one, a line, a profile."""
+    """Sets of points in contact on grids of all shapes: scattered, in patches, a single one, all
+    but one, a line, a profile."""
     rng = np.random.default_rng(3)
     for n in ((2, 5), (9, 9), (16, 22), (25, 13), (40, 1)):
         for share in (0.02, 0.2, 0.6, 0.95):
@@ -57,20 +59,30 @@ def test_dense_oracle(dtype, sizes):
 @pytest.mark.parametrize("p_star", [0.01, 0.1, 0.6])
 @pytest.mark.parametrize("name", solver_names())
 def test_difference_of_solves(name, p_star):
-    """Between two loads so close that no point changes sides the gap is a straight line; the unit is that of the scene."""
+    """Between two loads so close that no point changes sides the gap is a straight line; the unit
+    is that of the scene."""
     surface = rough((1, 16, 2), seed=2, g_rms=0.3, physical_sizes=[2.0, 2.0])
     sweep = sweep_of(surface, 5.0, **EXACT | {"residual": 1e-10})
     p = p_star * 5.0 * sweep.surface.g_rms
     below, above = (sweep.solve(q).contact for q in (p * (1 - 1e-5), p * (1 + 1e-5)))
-    contact = solve_scene(surface, p_star, 5.0, name=name, residual=1e-6, precision="double").contact
+    contact = solve_scene(
+        surface, p_star, 5.0, name=name, residual=1e-6, precision="double"
+    ).contact
     assert below.contact_points == contact.contact_points == above.contact_points
-    assert stiffness(contact) == pytest.approx(2e-5 * p / (below.gap_mean - above.gap_mean), rel=2e-4)
+    assert stiffness(contact) == pytest.approx(
+        2e-5 * p / (below.gap_mean - above.gap_mean), rel=2e-4
+    )
 
 
 def test_does_not_depend_on_the_loads_before():
     loads = (0.02, 0.024, 0.3)
-    up, down = ({p: stiffness(sweep.solve(p).contact) for p in order}
-                for sweep, order in ((sweep_of(SURFACE, **EXACT), loads), (sweep_of(SURFACE, **EXACT), loads[::-1])))
+    up, down = (
+        {p: stiffness(sweep.solve(p).contact) for p in order}
+        for sweep, order in (
+            (sweep_of(SURFACE, **EXACT), loads),
+            (sweep_of(SURFACE, **EXACT), loads[::-1]),
+        )
+    )
     assert up == pytest.approx(down, rel=1e-8)
 
 
@@ -84,8 +96,14 @@ def test_ends_of_the_load_curve():
     full = solve_scene(SURFACE, 9.0, **EXACT).contact
     assert full.contact_points == full.N
     assert stiffness(full) is None
-    assert stiffness(sweep_of({"kind": "wave", "amplitude": 0.0, "n": [4, 4]}).solve(0.1).contact) is None
-    assert tangent(Grid((8, 8)), HALF_SPACE, np.zeros((8, 8), bool), np.float64, 1e-3).compliance == np.inf
+    assert (
+        stiffness(sweep_of({"kind": "wave", "amplitude": 0.0, "n": [4, 4]}).solve(0.1).contact)
+        is None
+    )
+    assert (
+        tangent(Grid((8, 8)), HALF_SPACE, np.zeros((8, 8), bool), np.float64, 1e-3).compliance
+        == np.inf
+    )
 
 
 def test_no_number_where_it_is_not_found(monkeypatch):
@@ -97,7 +115,11 @@ def test_no_number_where_it_is_not_found(monkeypatch):
 def test_only_on_request_and_counted(tmp_path):
     scene = {"surface": SURFACE, "load": {"p_star": [0.05, 0.3]}}
     plain = run_scene(Scene.from_dict(scene), out=tmp_path / "plain.h5", quiet=True).steps
-    asked = run_scene(Scene.from_dict(scene | {"output": {"observables": ["stiffness"]}}), out=tmp_path / "asked.h5", quiet=True).steps
+    asked = run_scene(
+        Scene.from_dict(scene | {"output": {"observables": ["stiffness"]}}),
+        out=tmp_path / "asked.h5",
+        quiet=True,
+    ).steps
     for a, b in zip(plain, asked, strict=True):
         assert "stiffness" not in a
         assert b["stiffness"] > 0
@@ -106,10 +128,16 @@ def test_only_on_request_and_counted(tmp_path):
 
 def test_from_python():
     z = random_heights((24, 20), 1)
-    plain, asked = (hpc_gfmd.solve(z, 0.1, observables=names) for names in ((), ["stiffness", "energy"]))
+    plain, asked = (
+        hpc_gfmd.solve(z, 0.1, observables=names) for names in ((), ["stiffness", "energy"])
+    )
     assert "stiffness" not in plain.observables
-    assert asked.observables["stiffness"] == pytest.approx(1 / oracle.compliance(asked.pressure > 0, (1.0, 1.0)), rel=1e-3)
+    assert asked.observables["stiffness"] == pytest.approx(
+        1 / oracle.compliance(asked.pressure > 0, (1.0, 1.0)), rel=1e-3
+    )
     assert asked.fft_pairs > plain.fft_pairs
     for wrong in ("stiffness", ["stifness"]):
-        with pytest.raises(hpc_gfmd.errors.SceneError, match=r"output\.observables: found .*allowed: "):
+        with pytest.raises(
+            hpc_gfmd.errors.SceneError, match=r"output\.observables: found .*allowed: "
+        ):
             hpc_gfmd.solve(z, 0.1, observables=wrong)

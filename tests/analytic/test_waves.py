@@ -1,4 +1,5 @@
-"""Westergaard's and Johnson, Greenwood, Higginson's sinusoidal contacts, with the order of convergence."""
+"""Westergaard's and Johnson, Greenwood, Higginson's sinusoidal contacts, with the order of
+convergence."""
 
 from math import pi, sqrt
 
@@ -13,19 +14,30 @@ A = 0.05
 
 
 def wave(n, periods=(1, 0)):
-    return {"kind": "wave", "amplitude": A, "n": [n, 4] if periods == (1, 0) else [n, n], "periods": list(periods)}
+    return {
+        "kind": "wave",
+        "amplitude": A,
+        "n": [n, 4] if periods == (1, 0) else [n, n],
+        "periods": list(periods),
+    }
 
 
 def westergaard(p_hat):
     exact = Westergaard(p_hat * pi * A, A)
-    return {"a_r": exact.a_r, "gap_mean": exact.gap_mean, "energy": exact.energy, "peak": exact.peak_pressure}
+    return {
+        "a_r": exact.a_r,
+        "gap_mean": exact.gap_mean,
+        "energy": exact.energy,
+        "peak": exact.peak_pressure,
+    }
 
 
 def solved(n, p_hat, p_full, periods=(1, 0)):
     step = sweep_of(wave(n, periods), **EXACT).solve(p_hat * p_full)
     assert step.contact.outcome.status == "converged"
-    return {name: all_observables()[name](step.contact) for name in ("a_r", "gap_mean", "energy")} | {
-        "peak": field(step, "pressure").max()}
+    return {
+        name: all_observables()[name](step.contact) for name in ("a_r", "gap_mean", "energy")
+    } | {"peak": field(step, "pressure").max()}
 
 
 @pytest.mark.parametrize("p_hat", [0.05, 0.2, 0.5, 0.8])
@@ -65,8 +77,11 @@ def test_westergaard_along_the_other_axis():
 
 def test_johnson_at_small_load():
     """a_r -> pi (3 p_hat/8 pi)^(2/3): Hertz at every top."""
-    ratios = [solved(512, p_hat, sqrt(2) * pi * A, (1, 1))["a_r"] / (pi * (3 * p_hat / (8 * pi)) ** (2 / 3))
-              for p_hat in (0.016, 0.004)]
+    ratios = [
+        solved(512, p_hat, sqrt(2) * pi * A, (1, 1))["a_r"]
+        / (pi * (3 * p_hat / (8 * pi)) ** (2 / 3))
+        for p_hat in (0.016, 0.004)
+    ]
     assert ratios[1] == pytest.approx(1, abs=0.03)
     assert 0 < ratios[1] - 1 < ratios[0] - 1
 
@@ -82,5 +97,15 @@ def test_johnson_converges():
     """Mean gap with second order, against the finest grid."""
     ns, loads = [16, 32, 64], (0.15, 0.3, 0.5)
     exact = {p: solved(256, p, sqrt(2) * pi * A, (1, 1))["gap_mean"] for p in loads}
-    errors = [np.sqrt(np.mean([(solved(n, p, sqrt(2) * pi * A, (1, 1))["gap_mean"] / exact[p] - 1) ** 2 for p in loads])) for n in ns]
+    errors = [
+        np.sqrt(
+            np.mean(
+                [
+                    (solved(n, p, sqrt(2) * pi * A, (1, 1))["gap_mean"] / exact[p] - 1) ** 2
+                    for p in loads
+                ]
+            )
+        )
+        for n in ns
+    ]
     assert order(ns, errors) > 1.5, errors

@@ -28,7 +28,11 @@ def near_full_skewed(rng):
 
 @family
 def high_pressure(rng):
-    z = rough(rng, grid(rng)) if rng.random() < 0.5 else -np.exp(rng.uniform(0.5, 2.5) * rough(rng, grid(rng)))
+    z = (
+        rough(rng, grid(rng))
+        if rng.random() < 0.5
+        else -np.exp(rng.uniform(0.5, 2.5) * rough(rng, grid(rng)))
+    )
     return single(rng, z, low=1, high=100)
 
 
@@ -52,9 +56,16 @@ def smooth_near_full_large(rng):
 
 @family
 def smooth_scene(rng):
-    """As smooth_near_full, with the heights of the program's own scenes; the first is a known hard one."""
+    """As smooth_near_full, with the heights of the program's own scenes; the first is a known hard
+    one."""
     seed = int(choice(rng, (421, *range(1, 60))))
-    surface = {"kind": "self-affine", "hurst": 0.93, "L_over_lam_l": 4, "lam_l_over_lam_s": 1, "lam_s_over_a": choice(rng, (8, 16, 32)),
-               "seed": seed}
+    surface = {
+        "kind": "self-affine",
+        "hurst": 0.93,
+        "L_over_lam_l": 4,
+        "lam_l_over_lam_s": 1,
+        "lam_s_over_a": choice(rng, (8, 16, 32)),
+        "seed": seed,
+    }
     p_star = 0.836 if rng.random() < 0.2 else log_uniform(rng, 0.4, 1.1)
     return scene_wall(surface, (p_star,))

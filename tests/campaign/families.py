@@ -1,4 +1,11 @@
 """All families: importing this fills the registry."""
 
-from . import closing_walls, formed_walls, free_walls, light_loads, rough_walls, sweeps  # noqa: F401
+from . import (  # noqa: F401
+    closing_walls,
+    formed_walls,
+    free_walls,
+    light_loads,
+    rough_walls,
+    sweeps,
+)
 from .registry import FAMILIES, make  # noqa: F401

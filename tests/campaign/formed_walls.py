@@ -18,7 +18,9 @@ def punch_square(rng):
 def punch_round(rng):
     n = grid(rng)
     x, y = coordinates(n, square_pixels(n))
-    return single(rng, 1.0 * (np.hypot(x, y) < rng.uniform(0.1, 0.45) * min(1, n[1] / n[0])), low=1e-4)
+    return single(
+        rng, 1.0 * (np.hypot(x, y) < rng.uniform(0.1, 0.45) * min(1, n[1] / n[0])), low=1e-4
+    )
 
 
 @family
@@ -30,7 +32,11 @@ def punches(rng):
     for dx, dy in distances(rng, n, (1, 1), int(rng.integers(2, 12))):
         inside = (dx < rng.uniform(0.03, 0.15)) & (dy < rng.uniform(0.03, 0.15))
         z = np.where(inside, 1 + log_uniform(rng, 1e-3, 0.3), z)
-    z = z + choice(rng, (0, 1e-3, 0.05)) * (x * (z > 0) + 0 * y) + choice(rng, (0, 1e-3, 0.02)) * rough(rng, n)
+    z = (
+        z
+        + choice(rng, (0, 1e-3, 0.05)) * (x * (z > 0) + 0 * y)
+        + choice(rng, (0, 1e-3, 0.02)) * rough(rng, n)
+    )
     return single(rng, z, low=1e-4)
 
 
@@ -45,9 +51,14 @@ def _indenter(shape):
     return make_wall
 
 
-for _name, _shape in {"sphere": lambda x, y: -(x**2 + y**2), "cone": lambda x, y: -np.hypot(x, y),
-                      "wedge": lambda x, y: -np.abs(x) + 0 * y, "pyramid": lambda x, y: -np.maximum(np.abs(x), np.abs(y)),
-                      "cylinder": lambda x, y: -(y**2) + 0 * x, "ellipsoid": lambda x, y: -(x**2 + 30 * y**2)}.items():
+for _name, _shape in {
+    "sphere": lambda x, y: -(x**2 + y**2),
+    "cone": lambda x, y: -np.hypot(x, y),
+    "wedge": lambda x, y: -np.abs(x) + 0 * y,
+    "pyramid": lambda x, y: -np.maximum(np.abs(x), np.abs(y)),
+    "cylinder": lambda x, y: -(y**2) + 0 * x,
+    "ellipsoid": lambda x, y: -(x**2 + 30 * y**2),
+}.items():
     FAMILIES[_name] = _indenter(_shape)
 
 
@@ -63,12 +74,26 @@ def sines(rng):
     n = grid(rng)
     x, y = coordinates(n, (1, 1))
     kx, ky = int(rng.integers(0, 4)), int(rng.integers(1, 4))
-    z = np.cos(2 * np.pi * kx * x) * np.cos(2 * np.pi * ky * y) if rng.random() < 0.5 else (
-        np.cos(2 * np.pi * kx * x) + rng.uniform(0.1, 1) * np.cos(2 * np.pi * ky * y))
+    z = (
+        np.cos(2 * np.pi * kx * x) * np.cos(2 * np.pi * ky * y)
+        if rng.random() < 0.5
+        else (np.cos(2 * np.pi * kx * x) + rng.uniform(0.1, 1) * np.cos(2 * np.pi * ky * y))
+    )
     return single(rng, z + 0 * x * y)
 
 
-WAVES = ((100, 5), (128, 4), (96, 6), (64, 4), (120, 8), (72, 6), (160, 10), (128, 8), (81, 9), (105, 5))
+WAVES = (
+    (100, 5),
+    (128, 4),
+    (96, 6),
+    (64, 4),
+    (120, 8),
+    (72, 6),
+    (160, 10),
+    (128, 8),
+    (81, 9),
+    (105, 5),
+)
 HARD_WAVES = ((100, 5, 0.02432), (100, 5, 0.0708), (128, 4, 0.1155), (128, 4, 0.2061))
 
 
@@ -84,7 +109,17 @@ def wave(rng):
     return single(rng, wave_heights(n, k), pixels(rng, (n, n)), low=3e-3, high=0.6)
 
 
-LATTICES = ((72, 12), (128, 16), (96, 12), (96, 16), (144, 12), (64, 8), (100, 10), (120, 24), (120, 20))
+LATTICES = (
+    (72, 12),
+    (128, 16),
+    (96, 12),
+    (96, 16),
+    (144, 12),
+    (64, 8),
+    (100, 10),
+    (120, 24),
+    (120, 20),
+)
 
 
 def lattice_heights(n, d):
@@ -102,7 +137,9 @@ def lattice(rng):
 @family
 def lattice_noise(rng):
     z = lattice_heights(*choice(rng, LATTICES))
-    return single(rng, z + log_uniform(rng, 1e-8, 0.03) * rng.standard_normal(z.shape), low=1e-3, high=0.6)
+    return single(
+        rng, z + log_uniform(rng, 1e-8, 0.03) * rng.standard_normal(z.shape), low=1e-3, high=0.6
+    )
 
 
 @family
@@ -130,7 +167,20 @@ def replicas(rng):
 def known(rng):
     """What is known to be hard."""
     if rng.random() < 0.3:
-        return scene_wall({"kind": "self-affine", "hurst": 0.93, "L_over_lam_l": 4, "lam_l_over_lam_s": 1, "lam_s_over_a": 32,
-                           "seed": 421}, (0.836 * np.exp(rng.uniform(-0.01, 0.01)),))
+        return scene_wall(
+            {
+                "kind": "self-affine",
+                "hurst": 0.93,
+                "L_over_lam_l": 4,
+                "lam_l_over_lam_s": 1,
+                "lam_s_over_a": 32,
+                "seed": 421,
+            },
+            (0.836 * np.exp(rng.uniform(-0.01, 0.01)),),
+        )
     n, k, p_star = choice(rng, HARD_WAVES)
-    return Wall(wave_heights(n, k), (1.0, 1.0), (p_star * float(np.exp(rng.choice([0, 0.01]) * rng.uniform(-1, 1))),))
+    return Wall(
+        wave_heights(n, k),
+        (1.0, 1.0),
+        (p_star * float(np.exp(rng.choice([0, 0.01]) * rng.uniform(-1, 1))),),
+    )

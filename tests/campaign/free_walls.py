@@ -1,4 +1,5 @@
-"""Families of walls with free edges: what touches beside an edge, what does not reach one, and what a scan leaves."""
+"""Families of walls with free edges: what touches beside an edge, what does not reach one, and what
+a scan leaves."""
 
 from dataclasses import replace
 
@@ -9,8 +10,21 @@ from .light_loads import scene_surface
 from .registry import FAMILIES, Wall, family, scene_wall, single
 from .shapes import choice, coordinates, distances, log_uniform, rough
 
-GRIDS = ((24, 24), (32, 32), (37, 37), (45, 45), (48, 48), (64, 64), (72, 72), (80, 80), (96, 96), (32, 80), (96, 40), (50, 61),
-         (24, 128))
+GRIDS = (
+    (24, 24),
+    (32, 32),
+    (37, 37),
+    (45, 45),
+    (48, 48),
+    (64, 64),
+    (72, 72),
+    (80, 80),
+    (96, 96),
+    (32, 80),
+    (96, 40),
+    (50, 61),
+    (24, 128),
+)
 ONE_AXIS = ((True, False), (False, True))
 BOTH = (True, True)
 
@@ -22,7 +36,8 @@ def ending(rng, z, sizes=None, free=None, **loads):
 
 
 def scan(rng, n, crown=0.0):
-    """A part of a larger rough surface, so that its edges are those of a cut, on a crown of so many of its rms heights."""
+    """A part of a larger rough surface, so that its edges are those of a cut, on a crown of so many
+    of its rms heights."""
     m = tuple(k + int(rng.integers(k // 4, k + 1)) for k in n)
     z = rough(rng, m)[: n[0], : n[1]]
     x, y = coordinates(n, (1.0, n[1] / n[0]))
@@ -51,7 +66,11 @@ def free_bowl(rng):
     """Its edges touch first, its middle last."""
     n = choice(rng, ((96, 96), (112, 112), (128, 128)))
     x, y = coordinates(n, (1.0, n[1] / n[0]))
-    z = x**2 + y**2 + log_uniform(rng, 1e-4, 0.01) * rough(rng, n, modes=(1, log_uniform(rng, 3, 12)))
+    z = (
+        x**2
+        + y**2
+        + log_uniform(rng, 1e-4, 0.01) * rough(rng, n, modes=(1, log_uniform(rng, 3, 12)))
+    )
     return ending(rng, z, free=BOTH, low=0.8, high=1.25)
 
 
@@ -64,7 +83,11 @@ def free_punch(rng):
     z = -1.0 * ((np.abs(x) > a) | (np.abs(y) > b))
     if rng.random() < 0.4:
         z = 0.0 * z
-    z = z + choice(rng, (0, 1e-3, 0.02)) * (x + choice(rng, (0, 1, -2)) * y) + log_uniform(rng, 1e-4, 0.1) * rough(rng, n)
+    z = (
+        z
+        + choice(rng, (0, 1e-3, 0.02)) * (x + choice(rng, (0, 1, -2)) * y)
+        + log_uniform(rng, 1e-4, 0.1) * rough(rng, n)
+    )
     return ending(rng, z, low=1e-3, high=30)
 
 
@@ -84,7 +107,9 @@ def free_indenter(rng):
     n = choice(rng, GRIDS)
     x, y = coordinates(n, (1.0, n[1] / n[0]))
     x, y = x - rng.uniform(-0.5, 0.5), y - rng.uniform(-0.5, 0.5) * n[1] / n[0]
-    shape = choice(rng, (x**2 + y**2, np.hypot(x, y), np.maximum(np.abs(x), np.abs(y)), x**2 + 20 * y**2))
+    shape = choice(
+        rng, (x**2 + y**2, np.hypot(x, y), np.maximum(np.abs(x), np.abs(y)), x**2 + 20 * y**2)
+    )
     return ending(rng, -shape + choice(rng, (0, 0, 1e-3, 1e-2)) * rough(rng, n), low=1e-4)
 
 
@@ -94,7 +119,12 @@ def free_lattice(rng):
     n, d = choice(rng, ((36, 12), (48, 8), (64, 16), (72, 12), (60, 20), (90, 15)))
     z = lattice_heights(n, d)
     cut = int(rng.integers(0, d)) if rng.random() < 0.5 else 0
-    return ending(rng, z[cut:, cut:] + choice(rng, (0, 1e-8, 1e-4, 1e-2)) * rng.standard_normal(z[cut:, cut:].shape), low=3e-3)
+    return ending(
+        rng,
+        z[cut:, cut:]
+        + choice(rng, (0, 1e-8, 1e-4, 1e-2)) * rng.standard_normal(z[cut:, cut:].shape),
+        low=3e-3,
+    )
 
 
 @family
@@ -110,7 +140,11 @@ def free_measured(rng):
     x, y = coordinates(n, (1.0, n[1] / n[0]))
     z = scan(rng, n)
     z = z + choice(rng, (0, 1, 10)) * (x * rng.standard_normal() + y * rng.standard_normal())
-    z = z + choice(rng, (0, 0, 3)) * rng.standard_normal() * (x**2 + y**2) + choice(rng, (0, 1e-3, 0.03)) * rng.standard_normal(n)
+    z = (
+        z
+        + choice(rng, (0, 0, 3)) * rng.standard_normal() * (x**2 + y**2)
+        + choice(rng, (0, 1e-3, 0.03)) * rng.standard_normal(n)
+    )
     step = choice(rng, (0, 0, 1e-4, 1e-2))
     return ending(rng, np.round(z / step) * step if step else z, low=1e-4)
 
@@ -150,14 +184,25 @@ def free_few_points(rng):
 @family
 def free_scene(rng):
     """Of the program's own surfaces, as low memory needs them."""
-    surface = scene_surface(rng) | {"boundary": choice(rng, ("free", ["free", "periodic"], ["periodic", "free"]))}
+    surface = scene_surface(rng) | {
+        "boundary": choice(rng, ("free", ["free", "periodic"], ["periodic", "free"]))
+    }
     return scene_wall(surface, (log_uniform(rng, 1e-3, 1.5),))
 
 
 @family
 def free_sweep(rng):
     """Several loads, up and down."""
-    names = ("free_rough", "free_crown", "free_punch", "free_indenter", "free_lattice", "free_measured", "free_high_load", "free_scene")
+    names = (
+        "free_rough",
+        "free_crown",
+        "free_punch",
+        "free_indenter",
+        "free_lattice",
+        "free_measured",
+        "free_high_load",
+        "free_scene",
+    )
     wall: Wall = FAMILIES[choice(rng, names)](rng)
     ratios = np.exp(rng.choice([-1, 1], 7) * rng.uniform(0.005, 0.5, 7))
     return replace(wall, loads=tuple(wall.loads[0] * np.cumprod([1.0, *ratios])))

@@ -12,7 +12,9 @@ from .truth import DOUBTFUL, Contact, Truth
 
 def cache_folder():
     """HPC_GFMD_TRUTHS, or a folder for temporary files."""
-    return Path(os.environ.get("HPC_GFMD_TRUTHS") or Path(tempfile.gettempdir()) / "hpc-gfmd-truths")
+    return Path(
+        os.environ.get("HPC_GFMD_TRUTHS") or Path(tempfile.gettempdir()) / "hpc-gfmd-truths"
+    )
 
 
 def truths(z, sizes, loads, free=(False, False)):
@@ -21,7 +23,8 @@ def truths(z, sizes, loads, free=(False, False)):
     found, start = [], None
     for p_star in loads:
         name = repr((contact.n, tuple(map(float, sizes)), float(p_star))).encode()
-        path = cache_folder() / f"{hashlib.sha256(contact.h.tobytes() + contact.S.tobytes() + name).hexdigest()[:32]}.npz"
+        digest = hashlib.sha256(contact.h.tobytes() + contact.S.tobytes() + name).hexdigest()
+        path = cache_folder() / f"{digest[:32]}.npz"
         truth = _read(path, contact.shape)
         if truth is None:
             near = start is not None and 0.5 < p_star / start.mean() < 2
@@ -44,7 +47,9 @@ def _read(path, n):
             contact, gap_mean, ties_in, ties_out, kkt, rounds = data["numbers"]
     except (OSError, ValueError, KeyError, EOFError):
         return None
-    truth = Truth(p, int(contact), float(gap_mean), int(ties_in), int(ties_out), float(kkt), int(rounds))
+    truth = Truth(
+        p, int(contact), float(gap_mean), int(ties_in), int(ties_out), float(kkt), int(rounds)
+    )
     return truth if truth.kkt < DOUBTFUL else None
 
 
@@ -52,6 +57,17 @@ def _write(path, truth):
     path.parent.mkdir(parents=True, exist_ok=True)
     inside = truth.pressure > 0
     with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as file:
-        np.savez(file, inside=np.packbits(inside), pressure=truth.pressure[inside],
-                 numbers=[truth.contact, truth.gap_mean, truth.ties_in, truth.ties_out, truth.kkt, truth.rounds])
+        np.savez(
+            file,
+            inside=np.packbits(inside),
+            pressure=truth.pressure[inside],
+            numbers=[
+                truth.contact,
+                truth.gap_mean,
+                truth.ties_in,
+                truth.ties_out,
+                truth.kkt,
+                truth.rounds,
+            ],
+        )
     os.replace(file.name, path)

@@ -1,4 +1,5 @@
-"""Families of few contact points, of loads near a change of sides, of extreme units, and scenes of the program itself."""
+"""Families of few contact points, of loads near a change of sides, of extreme units, and scenes of
+the program itself."""
 
 from dataclasses import replace
 
@@ -23,7 +24,11 @@ def few_points(rng):
 def few_points_smooth(rng):
     n = choice(rng, ((48, 48), (64, 64), (100, 100)))
     z = rough(rng, n, modes=(1, n[0] / rng.uniform(6, 16)))
-    return Wall(z, (1.0, 1.0), (change_of_sides_near(rng, z, (1.0, 1.0), log_uniform(rng, 5, 100) / z.size / 3),))
+    return Wall(
+        z,
+        (1.0, 1.0),
+        (change_of_sides_near(rng, z, (1.0, 1.0), log_uniform(rng, 5, 100) / z.size / 3),),
+    )
 
 
 @family
@@ -35,7 +40,9 @@ def few_asperities(rng):
     for dx, dy in distances(rng, n, sizes, int(rng.integers(2, 20))):
         width = log_uniform(rng, 0.03, 0.2)
         z = np.maximum(z, rng.uniform(0.5, 1) * np.exp(-(dx**2 + dy**2) / (2 * width**2)))
-    return Wall(z, sizes, (change_of_sides_near(rng, z, sizes, log_uniform(rng, 5, 200) / z.size / 2),))
+    return Wall(
+        z, sizes, (change_of_sides_near(rng, z, sizes, log_uniform(rng, 5, 200) / z.size / 2),)
+    )
 
 
 @family
@@ -47,7 +54,11 @@ def light(rng):
 def change_of_sides(rng):
     n = choice(rng, ((64, 64), (96, 96), (72, 72)))
     z = choice(rng, (rough(rng, n), wave_heights(96, 6), lattice_heights(72, 12)))
-    return Wall(z, square_pixels(z.shape), (change_of_sides_near(rng, z, square_pixels(z.shape), log_uniform(rng, 5e-3, 0.7)),))
+    return Wall(
+        z,
+        square_pixels(z.shape),
+        (change_of_sides_near(rng, z, square_pixels(z.shape), log_uniform(rng, 5e-3, 0.7)),),
+    )
 
 
 @family
@@ -55,8 +66,13 @@ def extreme_units(rng):
     wall = FAMILIES[choice(rng, ("self_affine", "sphere", "wave", "near_full"))](rng)
     heights, E_star = (10.0 ** rng.uniform(-45, 45) for _ in range(2))
     sizes = tuple(s * 10.0 ** rng.uniform(-45, 45) for s in (1.0,)) * 2
-    return Wall(wall.heights * heights, (sizes[0] * wall.physical_sizes[0], sizes[0] * wall.physical_sizes[1]), wall.loads, E_star,
-                units=False)
+    return Wall(
+        wall.heights * heights,
+        (sizes[0] * wall.physical_sizes[0], sizes[0] * wall.physical_sizes[1]),
+        wall.loads,
+        E_star,
+        units=False,
+    )
 
 
 def scene_surface(rng, lam_s_over_a=(2, 8)):
@@ -64,9 +80,15 @@ def scene_surface(rng, lam_s_over_a=(2, 8)):
     n_x = choice(rng, (64, 72, 96, 100, 128, 160, 97))
     n_y = n_x if rng.random() < 0.7 else choice(rng, (32, 64, 128))
     L_over_lam_l, lam_s_over_a = rng.uniform(1, 3), rng.uniform(*lam_s_over_a)
-    return {"kind": "self-affine", "hurst": round(rng.uniform(0, 1), 2), "L_over_lam_l": L_over_lam_l,
-            "lam_l_over_lam_s": n_x / (L_over_lam_l * lam_s_over_a), "lam_s_over_a": lam_s_over_a,
-            "seed": int(rng.integers(2**31)), "physical_sizes": [1.0, n_y / n_x]}
+    return {
+        "kind": "self-affine",
+        "hurst": round(rng.uniform(0, 1), 2),
+        "L_over_lam_l": L_over_lam_l,
+        "lam_l_over_lam_s": n_x / (L_over_lam_l * lam_s_over_a),
+        "lam_s_over_a": lam_s_over_a,
+        "seed": int(rng.integers(2**31)),
+        "physical_sizes": [1.0, n_y / n_x],
+    }
 
 
 @family
@@ -78,4 +100,6 @@ def scene(rng):
 def few_points_scene(rng):
     wall = scene_wall(scene_surface(rng, lam_s_over_a=(4, 16)), (1.0,))
     p_star = log_uniform(rng, 5, 300) / wall.heights.size / 2
-    return replace(wall, loads=(change_of_sides_near(rng, wall.heights, wall.physical_sizes, p_star),))
+    return replace(
+        wall, loads=(change_of_sides_near(rng, wall.heights, wall.physical_sizes, p_star),)
+    )

@@ -1,4 +1,5 @@
-"""What a family is: a function that makes a random wall and its loads. Walls are in units of nothing."""
+"""What a family is: a function that makes a random wall and its loads. Walls are in units of
+nothing."""
 
 import zlib
 from dataclasses import dataclass, replace
@@ -13,8 +14,9 @@ FAMILIES = {}
 
 @dataclass(frozen=True)
 class Wall:
-    """heights (peaks up); physical_sizes; loads: p* in the order of solving; E_star; surface: table [surface] of a scene that has
-    these heights, where one does; units: whether the campaign may choose others; free: whether the wall ends along x, along y."""
+    """heights (peaks up); physical_sizes; loads: p* in the order of solving; E_star; surface: table
+    [surface] of a scene that has these heights, where one does; units: whether the campaign may
+    choose others; free: whether the wall ends along x, along y."""
 
     heights: np.ndarray
     physical_sizes: tuple[float, float]
@@ -36,7 +38,12 @@ def make(name, seed, index):
     wall = FAMILIES[name](rng)
     if wall.units and rng.random() < 0.5:
         heights, size, E_star = (log_uniform(rng, 1e-3, 1e3) for _ in range(3))
-        wall = replace(wall, heights=wall.heights * heights, physical_sizes=tuple(size * s for s in wall.physical_sizes), E_star=E_star)
+        wall = replace(
+            wall,
+            heights=wall.heights * heights,
+            physical_sizes=tuple(size * s for s in wall.physical_sizes),
+            E_star=E_star,
+        )
     return wall
 
 
@@ -81,4 +88,6 @@ def scene_wall(surface, loads):
     spec = Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}}).surface
     made = build_surface(spec, SerialComm(), np.dtype(np.float64))
     heights = -np.asarray(made.h) * made.height_unit
-    return Wall(heights, tuple(spec.physical_sizes), tuple(loads), 1.0, surface, units=False, free=spec.free)
+    return Wall(
+        heights, tuple(spec.physical_sizes), tuple(loads), 1.0, surface, units=False, free=spec.free
+    )

@@ -3,7 +3,18 @@
 import numpy as np
 
 from .registry import family, single
-from .shapes import ODDS, PRIMES, choice, coordinates, distances, frequencies, grid, log_uniform, rough, square_pixels
+from .shapes import (
+    ODDS,
+    PRIMES,
+    choice,
+    coordinates,
+    distances,
+    frequencies,
+    grid,
+    log_uniform,
+    rough,
+    square_pixels,
+)
 
 
 @family
@@ -68,7 +79,9 @@ def white_noise(rng):
 @family
 def two_scales(rng):
     n = grid(rng)
-    z = rough(rng, n, modes=(1, 4)) + log_uniform(rng, 1e-3, 0.3) * rough(rng, n, modes=(n[0] / 8, n[0] / 3))
+    z = rough(rng, n, modes=(1, 4)) + log_uniform(rng, 1e-3, 0.3) * rough(
+        rng, n, modes=(n[0] / 8, n[0] / 3)
+    )
     return single(rng, z)
 
 
@@ -135,7 +148,9 @@ def steps(rng):
     z = choice(rng, (0.0, 0.05, 0.3)) * rough(rng, n)
     for _ in range(rng.integers(1, 6)):
         angle = rng.uniform(0, np.pi)
-        z = z + rng.uniform(0.2, 1) * (np.cos(angle) * x + np.sin(angle) * y > rng.uniform(-0.4, 0.4))
+        z = z + rng.uniform(0.2, 1) * (
+            np.cos(angle) * x + np.sin(angle) * y > rng.uniform(-0.4, 0.4)
+        )
     return single(rng, z)
 
 
@@ -176,8 +191,15 @@ def ridges(rng):
 @family
 def tiny(rng):
     """Grids of hardly any points, also along one axis only."""
-    n = choice(rng, ((2, 2), (3, 3), (1, 64), (97, 1), (2, 31), (5, 4), (8, 8), (16, 16), (1, 1000)))
-    return single(rng, rng.standard_normal(n) if rng.random() < 0.5 else np.exp(rng.standard_normal(n)), low=1e-4, high=3)
+    n = choice(
+        rng, ((2, 2), (3, 3), (1, 64), (97, 1), (2, 31), (5, 4), (8, 8), (16, 16), (1, 1000))
+    )
+    return single(
+        rng,
+        rng.standard_normal(n) if rng.random() < 0.5 else np.exp(rng.standard_normal(n)),
+        low=1e-4,
+        high=3,
+    )
 
 
 @family

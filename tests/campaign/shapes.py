@@ -38,16 +38,22 @@ def pixels(rng, n):
 
 def frequencies(n, sizes):
     """|q| L_x / 2 pi of all modes."""
-    return np.hypot((np.fft.fftfreq(n[0]) * n[0])[:, None], np.fft.fftfreq(n[1]) * n[1] * sizes[0] / sizes[1])
+    return np.hypot(
+        (np.fft.fftfreq(n[0]) * n[0])[:, None], np.fft.fftfreq(n[1]) * n[1] * sizes[0] / sizes[1]
+    )
 
 
 def coordinates(n, sizes):
     """x (n_x, 1) and y (1, n_y) about the centre of the cell."""
-    return [(((np.arange(m) - m // 2) / m) * size).reshape(shape) for m, size, shape in zip(n, sizes, ((-1, 1), (1, -1)))]
+    return [
+        (((np.arange(m) - m // 2) / m) * size).reshape(shape)
+        for m, size, shape in zip(n, sizes, ((-1, 1), (1, -1)))
+    ]
 
 
 def rough(rng, n, sizes=None, hurst=None, modes=None, roll_off=1.0, stretch=1.0):
-    """Self-affine heights of rms 1. modes: (lowest, highest) |q| L_x/2 pi; stretch: of the wavelengths along y over those along x."""
+    """Self-affine heights of rms 1. modes: (lowest, highest) |q| L_x/2 pi; stretch: of the
+    wavelengths along y over those along x."""
     sizes = sizes or square_pixels(n)
     hurst = rng.uniform(0, 1) if hurst is None else hurst
     k = frequencies(n, (sizes[0], sizes[1] / stretch))
@@ -65,7 +71,8 @@ def rough(rng, n, sizes=None, hurst=None, modes=None, roll_off=1.0, stretch=1.0)
 
 
 def distances(rng, n, sizes, count):
-    """Squared distances (in x, in y) of every point from `count` random ones, the shortest in the periodic cell."""
+    """Squared distances (in x, in y) of every point from `count` random ones, the shortest in the
+    periodic cell."""
     x, y = np.arange(n[0]) * sizes[0] / n[0], np.arange(n[1]) * sizes[1] / n[1]
     for _ in range(count):
         dx = np.abs(x - rng.random() * sizes[0])

@@ -1,4 +1,5 @@
-"""Solve a wall of the campaign as a user would, and say how far from the truth it is and how far it says it is."""
+"""Solve a wall of the campaign as a user would, and say how far from the truth it is and how far it
+says it is."""
 
 import signal
 import time
@@ -9,7 +10,8 @@ import numpy as np
 from .families import make
 from .kept import truths
 
-SECONDS = 120  # for all truths of one wall, and for all its loads by one solver in one precision to one accuracy
+# for all truths of one wall, and for all its loads by one solver in one precision to one accuracy
+SECONDS = 120
 
 
 class TooSlow(Exception):
@@ -17,7 +19,8 @@ class TooSlow(Exception):
 
 
 def rows_of(name, seed, index, ways, seconds=SECONDS):
-    """One dictionary for each way (solver, precision, accuracy, low_memory) and load of a wall; failures are rows too."""
+    """One dictionary for each way (solver, precision, accuracy, low_memory) and load of a wall;
+    failures are rows too."""
     head = {"family": name, "seed": seed, "index": index}
     try:
         wall = make(name, seed, index)
@@ -25,25 +28,51 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
             contact, exact = truths(wall.heights, wall.physical_sizes, wall.loads, wall.free)
     except Exception as error:  # a campaign goes on
         return [head | {"status": "no wall", "error": f"{type(error).__name__}: {error}"}]
-    head |= {"n": list(wall.heights.shape), "aspect": wall.physical_sizes[1] / wall.physical_sizes[0]}
+    head |= {
+        "n": list(wall.heights.shape),
+        "aspect": wall.physical_sizes[1] / wall.physical_sizes[0],
+    }
     rows = []
     for solver, precision, accuracy, low_memory in ways:
         if low_memory and (wall.surface is None or solver != "bpx"):
             continue
-        way = head | {"solver": solver, "precision": precision, "accuracy": accuracy, "low_memory": low_memory}
+        way = head | {
+            "solver": solver,
+            "precision": precision,
+            "accuracy": accuracy,
+            "low_memory": low_memory,
+        }
         begun, done = time.perf_counter(), 0
         try:
             with _time_limit(seconds), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 for k, (found, truth) in enumerate(zip(_solutions(wall, contact, way), exact)):
-                    exactly = {"contact": truth.contact, "gap": truth.gap_mean, "kkt": truth.kkt,
-                               "ties": [truth.ties_in, truth.ties_out]}
-                    rows.append(way | {"load": k, "p_star": wall.loads[k]} | exactly | _judged(found, truth, contact, wall))
+                    exactly = {
+                        "contact": truth.contact,
+                        "gap": truth.gap_mean,
+                        "kkt": truth.kkt,
+                        "ties": [truth.ties_in, truth.ties_out],
+                    }
+                    rows.append(
+                        way
+                        | {"load": k, "p_star": wall.loads[k]}
+                        | exactly
+                        | _judged(found, truth, contact, wall)
+                    )
                     done = k + 1
         except Exception as error:
-            failure = {"TooSlow": "too slow", "SceneError": "refused"}.get(type(error).__name__, "raised")
-            rows.append(way | {"load": done, "p_star": wall.loads[min(done, len(wall.loads) - 1)], "status": failure,
-                               "error": f"{type(error).__name__}: {error}"})
+            failure = {"TooSlow": "too slow", "SceneError": "refused"}.get(
+                type(error).__name__, "raised"
+            )
+            rows.append(
+                way
+                | {
+                    "load": done,
+                    "p_star": wall.loads[min(done, len(wall.loads) - 1)],
+                    "status": failure,
+                    "error": f"{type(error).__name__}: {error}",
+                }
+            )
         rows[-1]["seconds"] = round(time.perf_counter() - begun, 4)
     return rows
 
@@ -54,12 +83,19 @@ def _judged(found, truth, contact, wall):
     with np.errstate(all="ignore"):
         p = np.asarray(pressure, np.float64) / wall.E_star / contact.g_rms
         true = truth.errors(points, float(gap_mean) / contact.height_unit, p)
-    return {"status": status, "true": [float(x) for x in true], "claimed": [float(x) for x in claimed], "points": int(points),
-            "iterations": int(iterations), "fft_pairs": round(float(pairs), 2)}
+    return {
+        "status": status,
+        "true": [float(x) for x in true],
+        "claimed": [float(x) for x in claimed],
+        "points": int(points),
+        "iterations": int(iterations),
+        "fft_pairs": round(float(pairs), 2),
+    }
 
 
 def _solutions(wall, contact, way):
-    """(points, gap_mean, pressure, status, claimed errors, iterations, pairs) of one load after the other."""
+    """(points, gap_mean, pressure, status, claimed errors, iterations, pairs) of one load after the
+    other."""
     settings = {"name": way["solver"], "precision": way["precision"], "accuracy": way["accuracy"]}
     if way["solver"] != "bpx":
         settings["max_iterations"] = 3000
@@ -71,17 +107,41 @@ def _solutions(wall, contact, way):
     for p in pressures:
         step = sweep.solve(p)
         c = step.contact
-        points = round(c.contact_points / c.N * contact.N)  # of the whole wall, where an axis was left out
-        yield (points, c.gap_mean, np.asarray(c.field("pressure")), c.outcome.status, c.outcome.errors, step.iterations,
-               step.fft_pairs)
+        points = round(
+            c.contact_points / c.N * contact.N
+        )  # of the whole wall, where an axis was left out
+        yield (
+            points,
+            c.gap_mean,
+            np.asarray(c.field("pressure")),
+            c.outcome.status,
+            c.outcome.errors,
+            step.iterations,
+            step.fft_pairs,
+        )
 
 
 def _by_solve(wall, pressure, settings):
     import hpc_gfmd
 
     boundary = ["free" if ends else "periodic" for ends in wall.free]
-    s = hpc_gfmd.solve(wall.heights, pressure, E_star=wall.E_star, physical_sizes=wall.physical_sizes, boundary=boundary, **settings)
-    return round(s.a_r * wall.heights.size), s.gap_mean, s.pressure, s.status, s.errors, s.iterations, s.fft_pairs
+    s = hpc_gfmd.solve(
+        wall.heights,
+        pressure,
+        E_star=wall.E_star,
+        physical_sizes=wall.physical_sizes,
+        boundary=boundary,
+        **settings,
+    )
+    return (
+        round(s.a_r * wall.heights.size),
+        s.gap_mean,
+        s.pressure,
+        s.status,
+        s.errors,
+        s.iterations,
+        s.fft_pairs,
+    )
 
 
 def _sweep(wall, settings, low_memory):

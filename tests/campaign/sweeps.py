@@ -1,4 +1,5 @@
-"""Families with many loads: each starts from the one before, up and down, by random and by fine steps."""
+"""Families with many loads: each starts from the one before, up and down, by random and by fine
+steps."""
 
 from dataclasses import replace
 
@@ -11,8 +12,12 @@ from .shapes import choice, log_uniform, rough, square_pixels
 
 # Families of one load each, in an order on which the walls of some sweeps depend.
 MODULES = [module.__name__ for module in (rough_walls, closing_walls, formed_walls, light_loads)]
-SINGLE = tuple(sorted((name for name in FAMILIES if FAMILIES[name].__module__ in MODULES),
-                      key=lambda name: MODULES.index(FAMILIES[name].__module__)))
+SINGLE = tuple(
+    sorted(
+        (name for name in FAMILIES if FAMILIES[name].__module__ in MODULES),
+        key=lambda name: MODULES.index(FAMILIES[name].__module__),
+    )
+)
 
 
 def _walk(rng, start, ratios, low=1e-4, high=3.0):
@@ -27,19 +32,30 @@ def _walk(rng, start, ratios, low=1e-4, high=3.0):
 def _fine(rng, wall, start, step, count):
     ratios = np.full(count - 1, 1 + rng.choice([-1, 1]) * step)
     if rng.random() < 0.3:
-        ratios[count // 2:] = 1 / ratios[count // 2:]  # back again
+        ratios[count // 2 :] = 1 / ratios[count // 2 :]  # back again
     return replace(wall, loads=_walk(rng, start, ratios))
 
 
 def _up_and_down(rng, wall, count=12):
     """Half of the loads up, half down, by random ratios that the program takes as near."""
-    ratios = np.concatenate([1 + rng.uniform(0.01, 0.42, count // 2), 1 / (1 + rng.uniform(0.01, 0.25, count - count // 2))])
-    return replace(wall, loads=_walk(rng, wall.loads[0], ratios if rng.random() < 0.5 else ratios[::-1]))
+    ratios = np.concatenate(
+        [
+            1 + rng.uniform(0.01, 0.42, count // 2),
+            1 / (1 + rng.uniform(0.01, 0.25, count - count // 2)),
+        ]
+    )
+    return replace(
+        wall, loads=_walk(rng, wall.loads[0], ratios if rng.random() < 0.5 else ratios[::-1])
+    )
 
 
 def _random(rng, wall, count=12):
-    sizes = np.where(rng.random(count) < 0.5, rng.uniform(0.005, 0.3, count), 10.0 ** rng.uniform(-4, -1, count))
-    return replace(wall, loads=_walk(rng, wall.loads[0], np.exp(rng.choice([-1, 1], count) * sizes)))
+    sizes = np.where(
+        rng.random(count) < 0.5, rng.uniform(0.005, 0.3, count), 10.0 ** rng.uniform(-4, -1, count)
+    )
+    return replace(
+        wall, loads=_walk(rng, wall.loads[0], np.exp(rng.choice([-1, 1], count) * sizes))
+    )
 
 
 @family
@@ -60,7 +76,9 @@ def sweep_rough(rng):
 
 @family
 def sweep_ordered(rng):
-    wall = FAMILIES[choice(rng, ("wave", "lattice", "replicas", "checkerboard", "lattice_noise"))](rng)
+    wall = FAMILIES[choice(rng, ("wave", "lattice", "replicas", "checkerboard", "lattice_noise"))](
+        rng
+    )
     return _random(rng, wall) if rng.random() < 0.5 else _up_and_down(rng, wall)
 
 
@@ -68,14 +86,27 @@ def sweep_ordered(rng):
 def sweep_fine(rng):
     """60 loads by 0.1 % and the like."""
     n = choice(rng, (64, 96, 128))
-    wall = FAMILIES["self_affine"](rng) if rng.random() < 0.3 else replace(
-        FAMILIES["self_affine"](rng), heights=rough(rng, (n, n)), physical_sizes=(1.0, 1.0))
-    return _fine(rng, wall, choice(rng, (0.5, 0.5, 0.2, 0.05, 0.01)), choice(rng, (1e-3, 1e-3, 3e-4, 3e-3, 1e-2)), 60)
+    wall = (
+        FAMILIES["self_affine"](rng)
+        if rng.random() < 0.3
+        else replace(
+            FAMILIES["self_affine"](rng), heights=rough(rng, (n, n)), physical_sizes=(1.0, 1.0)
+        )
+    )
+    return _fine(
+        rng,
+        wall,
+        choice(rng, (0.5, 0.5, 0.2, 0.05, 0.01)),
+        choice(rng, (1e-3, 1e-3, 3e-4, 3e-3, 1e-2)),
+        60,
+    )
 
 
 @family
 def sweep_fine_ordered(rng):
-    z = choice(rng, (wave_heights(*choice(rng, WAVES)), lattice_heights(72, 12), lattice_heights(96, 16)))
+    z = choice(
+        rng, (wave_heights(*choice(rng, WAVES)), lattice_heights(72, 12), lattice_heights(96, 16))
+    )
     wall = replace(FAMILIES["self_affine"](rng), heights=z, physical_sizes=square_pixels(z.shape))
     return _fine(rng, wall, log_uniform(rng, 5e-3, 0.4), choice(rng, (1e-3, 1e-2, 3e-2)), 60)
 

@@ -1,4 +1,5 @@
-"""Converged means converged: hard walls of every class in the quick tests; all families, and all solvers, marked slow."""
+"""Converged means converged: hard walls of every class in the quick tests; all families, and all
+solvers, marked slow."""
 
 import os
 
@@ -15,16 +16,43 @@ BPX = ways(["bpx"], PRECISIONS, ACCURACIES, "yes")
 OTHERS = ways(["gfmd", "fire", "ccg"], ["double", "single"], [1e-2, 1e-4], "no")
 QUICK = ways(["bpx"], ["single", "double"], [1e-2, 1e-3, 1e-4], "yes")
 # Walls (seed 11) on which solves once were less accurate than they said.
-HARD = {"known": (0, 8, 12, 15), "change_of_sides": (0, 3, 7), "few_asperities": (1,), "few_points_scene": (3, 11), "punch_round": (2,),
-        "pyramid": (7,), "ridges": (1,), "long_mode": (3,), "smooth_near_full": (4,), "smooth_scene": (4, 12),
-        "high_pressure": (1,), "extreme_units": (0,), "sweep_near_full": (0,), "sweep_fine": (5,), "sweep_up_and_down": (14,),
-        "sweep_ordered": (6,), "sweep_scene": (14,)}
-# The same, and their seeds: with free edges mean gaps and pressures further off than they said; areas, where edges move together
-# or an open point is pressed on.
-HARD_SEEDS = [("free_lattice", 1, 0), ("free_high_load", 51, 2), ("smooth_scene", 61, 3), ("cone", 61, 4), ("cone", 81, 1),
-              ("ridges", 2311, 1), ("free_high_load", 7002, 7), ("free_one_axis", 7002, 24), ("ellipsoid", 61, 5),
-              ("sweep_fine", 61, 5), ("sweep_fine", 91, 3), ("few_asperities", 660077, 14), ("few_points_smooth", 710003, 14),
-              ("white_noise", 9158, 1)]
+HARD = {
+    "known": (0, 8, 12, 15),
+    "change_of_sides": (0, 3, 7),
+    "few_asperities": (1,),
+    "few_points_scene": (3, 11),
+    "punch_round": (2,),
+    "pyramid": (7,),
+    "ridges": (1,),
+    "long_mode": (3,),
+    "smooth_near_full": (4,),
+    "smooth_scene": (4, 12),
+    "high_pressure": (1,),
+    "extreme_units": (0,),
+    "sweep_near_full": (0,),
+    "sweep_fine": (5,),
+    "sweep_up_and_down": (14,),
+    "sweep_ordered": (6,),
+    "sweep_scene": (14,),
+}
+# The same, and their seeds: with free edges mean gaps and pressures further off than they said;
+# areas, where edges move together or an open point is pressed on.
+HARD_SEEDS = [
+    ("free_lattice", 1, 0),
+    ("free_high_load", 51, 2),
+    ("smooth_scene", 61, 3),
+    ("cone", 61, 4),
+    ("cone", 81, 1),
+    ("ridges", 2311, 1),
+    ("free_high_load", 7002, 7),
+    ("free_one_axis", 7002, 24),
+    ("ellipsoid", 61, 5),
+    ("sweep_fine", 61, 5),
+    ("sweep_fine", 91, 3),
+    ("few_asperities", 660077, 14),
+    ("few_points_smooth", 710003, 14),
+    ("white_noise", 9158, 1),
+]
 
 
 def check(rows):
@@ -50,14 +78,24 @@ def test_the_default_solver_on_hard_walls_of_other_seeds(name, seed, index):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", names(["all"]))
 def test_the_default_solver_on_every_family(name):
-    rows = [row for index in range(max(round(WALLS * PROBLEMS), 1)) for row in rows_of(name, SEED, index, BPX)]
+    rows = [
+        row
+        for index in range(max(round(WALLS * PROBLEMS), 1))
+        for row in rows_of(name, SEED, index, BPX)
+    ]
     print(report(rows))
     check(rows)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", names(["single", "free"], without=["rough_large", "smooth_near_full_large"]))
+@pytest.mark.parametrize(
+    "name", names(["single", "free"], without=["rough_large", "smooth_near_full_large"])
+)
 def test_the_other_solvers_on_every_family(name):
-    rows = [row for index in range(max(round(2 * PROBLEMS), 1)) for row in rows_of(name, SEED, index, OTHERS)]
+    rows = [
+        row
+        for index in range(max(round(2 * PROBLEMS), 1))
+        for row in rows_of(name, SEED, index, OTHERS)
+    ]
     print(report(rows))
     check(rows)

@@ -1,4 +1,5 @@
-"""The truth of the campaign is one: it agrees with dense linear algebra, and knows when it has failed."""
+"""The truth of the campaign is one: it agrees with dense linear algebra, and knows when it has
+failed."""
 
 import numpy as np
 import oracle
@@ -7,7 +8,17 @@ import pytest
 from campaign import families
 from campaign.truth import Contact
 
-WALLS = ["self_affine", "white_noise", "thin_pixels", "spike", "punch_square", "lattice", "minus_exponential", "pits", "tiny"]
+WALLS = [
+    "self_affine",
+    "white_noise",
+    "thin_pixels",
+    "spike",
+    "punch_square",
+    "lattice",
+    "minus_exponential",
+    "pits",
+    "tiny",
+]
 TOLERANCE = 1e-10
 
 
@@ -15,7 +26,11 @@ def small(name, index):
     """A wall of a family on at most 21 x 21 points, cut out of it, and its p*."""
     wall = families.make(name, 5, index)
     z = wall.heights[:21, :20]
-    return z, (1.0, wall.physical_sizes[1] / wall.physical_sizes[0] * z.shape[1] / z.shape[0]), wall.loads[0]
+    return (
+        z,
+        (1.0, wall.physical_sizes[1] / wall.physical_sizes[0] * z.shape[1] / z.shape[0]),
+        wall.loads[0],
+    )
 
 
 @pytest.mark.parametrize("name", WALLS)
@@ -31,14 +46,18 @@ def test_it_agrees_with_dense_linear_algebra(name):
         points, gap_mean = round(wanted.a_r * z.size), wanted.gap_mean / contact.height_unit
         errors = truth.errors(points, gap_mean, wanted.pressure / contact.g_rms)
         assert errors[0] == 0
-        assert abs(gap_mean - truth.gap_mean) < TOLERANCE * max(truth.gap_mean, 1e-3 * contact.h.max())
+        assert abs(gap_mean - truth.gap_mean) < TOLERANCE * max(
+            truth.gap_mean, 1e-3 * contact.h.max()
+        )
         assert errors[2] < TOLERANCE
 
 
 def test_errors_are_those_of_the_definition():
     contact = Contact(families.make("self_affine", 5, 0).heights, (1.0, 1.0))
     truth = contact.solve(0.05)
-    area, gap, pressure = truth.errors(truth.contact + truth.ties_out + 3, 1.5 * truth.gap_mean, 0.75 * truth.pressure)
+    area, gap, pressure = truth.errors(
+        truth.contact + truth.ties_out + 3, 1.5 * truth.gap_mean, 0.75 * truth.pressure
+    )
     assert area == pytest.approx(3 / truth.contact)
     assert gap == pytest.approx(0.5)
     assert pressure == pytest.approx(0.25)

@@ -1,11 +1,14 @@
-"""Exact contacts by an active-set Newton method in float64, NumPy and scipy.fft only: nothing of the package's solvers is used here.
+"""Exact contacts by an active-set Newton method in float64, NumPy and scipy.fft only: nothing of
+the package's solvers is used here.
 
-Guess the contact C. Its pressure follows from a linear problem on C (few points touch) or on the rest F (most touch), each by
-conjugate gradients preconditioned by the inverse operator; points of the wrong sign change sides. Where that goes round in circles,
-steps of projected conjugate gradients (Polonsky and Keer) lie between, which always converge. Units: those of problem.py: lengths
-in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so that K = |q|/2 and p0 is p*. With free edges the S between two
-points that makes the discrete problem is that of a periodic cell (q rounded near the end of an axis that ends) less its images, by
-sums over rows of images of its own (tests/analytic/test_free.py has S by quadrature), and K its inverse.
+Guess the contact C. Its pressure follows from a linear problem on C (few points touch) or on the
+rest F (most touch), each by conjugate gradients preconditioned by the inverse operator; points of
+the wrong sign change sides. Where that goes round in circles, steps of projected conjugate
+gradients (Polonsky and Keer) lie between, which always converge. Units: those of problem.py:
+lengths in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so that K = |q|/2 and p0 is
+p*. With free edges the S between two points that makes the discrete problem is that of a periodic
+cell (q rounded near the end of an axis that ends) less its images, by sums over rows of images of
+its own (tests/analytic/test_free.py has S by quadrature), and K its inverse.
 """
 
 from dataclasses import dataclass
@@ -26,8 +29,9 @@ ROUNDS = 250
 
 @dataclass(frozen=True)
 class Truth:
-    """pressure (in p0 = p* units); contact: points; gap_mean; ties_in, ties_out: points of C and of F that are as good on the other
-    side; kkt: the largest violation of p = p0 + K u, g = u + h, p >= 0, g >= 0, mean p = p0, relative; rounds: linear problems."""
+    """pressure (in p0 = p* units); contact: points; gap_mean; ties_in, ties_out: points of C and of
+    F that are as good on the other side; kkt: the largest violation of p = p0 + K u, g = u + h, p
+    >= 0, g >= 0, mean p = p0, relative; rounds: linear problems."""
 
     pressure: np.ndarray
     contact: int
@@ -38,7 +42,8 @@ class Truth:
     rounds: int
 
     def errors(self, contact, gap_mean, pressure):
-        """True relative errors of area, mean gap and pressure field (L2), ties and the last digits of the gap left out."""
+        """True relative errors of area, mean gap and pressure field (L2), ties and the last digits
+        of the gap left out."""
         over = max(contact - self.contact - self.ties_out, self.contact - self.ties_in - contact, 0)
         off = abs(gap_mean - self.gap_mean)
         gap = off / self.gap_mean if self.gap_mean else (np.inf if off else 0.0)
@@ -48,8 +53,9 @@ class Truth:
 
 
 class Contact:
-    """One wall: heights z (peaks up) in a cell of physical sizes. free: whether it ends along x, along y; the grid is then twice as
-    long, nothing touches beyond the wall, and K is the inverse of S in free space. D: the points of the wall, N of them."""
+    """One wall: heights z (peaks up) in a cell of physical sizes. free: whether it ends along x,
+    along y; the grid is then twice as long, nothing touches beyond the wall, and K is the inverse
+    of S in free space. D: the points of the wall, N of them."""
 
     def __init__(self, z, sizes, free=(False, False)):
         self.shape = z.shape
@@ -104,7 +110,9 @@ class Contact:
             else:
                 waits += 1
             if waits >= patience and count <= FEW and waits < MURTY:
-                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = False  # the last one alone (Murty): no circles
+                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = (
+                    False  # the last one alone (Murty): no circles
+                )
             elif waits >= patience:
                 p = self._projected(np.where(C, np.maximum(p, 0), 0), p_star, 10 * patience)
                 C = p > 0
@@ -117,10 +125,22 @@ class Contact:
         fresh = p_star * (N / h.size) + self.times(K, g - h)
         p_rms, gap_mean = np.sqrt(np.sum(p * p) / N), g[D].mean()
         # The fresh pressure has the rounding errors of the heights' transform.
-        kkt = max(np.sqrt(np.sum((fresh - p) ** 2) / N) / p_rms, abs(p.sum() / (N * p_star) - 1), float(count > 0))
+        kkt = max(
+            np.sqrt(np.sum((fresh - p) ** 2) / N) / p_rms,
+            abs(p.sum() / (N * p_star) - 1),
+            float(count > 0),
+        )
         ties_in = int(np.sum(C & (p < TIE * p_rms)))
         ties_out = int(np.sum(D & ~C & (g < TIE * max(gap_mean, 1e-6 * h.max()))))
-        return Truth(p[D].reshape(self.shape), int(C.sum()), float(gap_mean), ties_in, ties_out, float(kkt), rounds)
+        return Truth(
+            p[D].reshape(self.shape),
+            int(C.sum()),
+            float(gap_mean),
+            ties_in,
+            ties_out,
+            float(kkt),
+            rounds,
+        )
 
     def on_cell(self, field):
         """A field of the wall with zeros around it."""
@@ -129,7 +149,8 @@ class Contact:
         return out
 
     def _closed(self, C, p, p_star, inner):
-        """Pressure on C and gap from the linear problem g = 0 on C with mean p = p_star: S p + u0 + h = 0 there."""
+        """Pressure on C and gap from the linear problem g = 0 on C with mean p = p_star: S p + u0 +
+        h = 0 there."""
         N, n_c = self.N, int(C.sum())
 
         def apply(x):
@@ -159,7 +180,8 @@ class Contact:
         return 0.5 * self.K[self.K > 0].min()
 
     def _open(self, C, p, p_star, inner):
-        """Gap on F and pressure from the linear problem p = 0 on F: K g + p_star - K h = 0 there."""
+        """Gap on F and pressure from the linear problem p = 0 on F: K g + p_star - K h = 0
+        there."""
         F = ~C
         b = p_star * (self.N / self.h.size) - self.times(self.K, self.h)
         g = np.zeros(self.n)
@@ -172,12 +194,15 @@ class Contact:
             def apply(x):
                 return np.where(F, self.times(self.K, x), 0)
 
-            g = _conjugate_gradients(apply, precondition, np.where(F, -b, 0), 4 * int(F.sum()), inner, 0.0)
+            g = _conjugate_gradients(
+                apply, precondition, np.where(F, -b, 0), 4 * int(F.sum()), inner, 0.0
+            )
         p = b + self.times(self.K, g)
         return p, g
 
     def _projected(self, p, p_star, steps):
-        """Steps of Polonsky and Keer's conjugate gradients for the pressure, preconditioned by nothing: robust, slow at the end."""
+        """Steps of Polonsky and Keer's conjugate gradients for the pressure, preconditioned by
+        nothing: robust, slow at the end."""
         S, h = self.S, self.h
         N = self.N
         p = p * (N * p_star / p.sum())
@@ -210,21 +235,35 @@ class Contact:
 
 @lru_cache(maxsize=8)
 def _compliance(n, sizes, free):
-    """The transform of S between points of a wall that ends, on a cell twice as long; 0 for a rigid translation. Of a larger cell, the
-    images in which are far in units of either spacing."""
+    """The transform of S between points of a wall that ends, on a cell twice as long; 0 for a rigid
+    translation. Of a larger cell, the images in which are far in units of either spacing."""
     from hpc_gfmd.bodies.free import ROUNDED
 
     spacings = np.divide(sizes, n)
     spacings /= np.sqrt(spacings.prod())
-    cell = [2 * k + 128 + int(8 * max(spacings) / s) if ends else k for k, s, ends in zip(n, spacings, free)]
-    q_x, q_y = (np.pi - ROUNDED * _even_mean((np.pi - q) / ROUNDED) if ends else q
-                for q, ends in zip((abs(2 * np.pi * fft.fftfreq(cell[0])), 2 * np.pi * fft.rfftfreq(cell[1])), free))
+    cell = [
+        2 * k + 128 + int(8 * max(spacings) / s) if ends else k
+        for k, s, ends in zip(n, spacings, free)
+    ]
+    q_x, q_y = (
+        np.pi - ROUNDED * _even_mean((np.pi - q) / ROUNDED) if ends else q
+        for q, ends in zip(
+            (abs(2 * np.pi * fft.fftfreq(cell[0])), 2 * np.pi * fft.rfftfreq(cell[1])), free
+        )
+    )
     q = np.hypot(q_x[:, None] / spacings[0], q_y / spacings[1])
     periodic = fft.irfft2(np.divide(2, q, out=np.zeros_like(q), where=q > 0), cell)
-    i, j = (np.minimum(np.arange(m), m - np.arange(m)) for m in (k * (1 + ends) for k, ends in zip(n, free)))
+    i, j = (
+        np.minimum(np.arange(m), m - np.arange(m))
+        for m in (k * (1 + ends) for k, ends in zip(n, free))
+    )
     (x, y), (X, Y) = (k * s for k, s in zip((i, j), spacings)), cell * spacings
     if all(free):
-        images = _row(x, y, Y) + _other_rows(x, y, X, Y) if X > Y else (_row(y, x, X) + _other_rows(y, x, Y, X)).T
+        images = (
+            _row(x, y, Y) + _other_rows(x, y, X, Y)
+            if X > Y
+            else (_row(y, x, X) + _other_rows(y, x, Y, X)).T
+        )
     else:
         images = _other_rows(x, y, X, Y) if free[0] else _other_rows(y, x, Y, X).T
     S = fft.rfft2(periodic[np.ix_(i, j)] - images).real
@@ -238,12 +277,19 @@ def _even_mean(t):
 
 
 def _row(x, y, Y):
-    """Displacement by unit forces at (0, jY), j not 0, but for a constant: the sum to J, and the rest by Euler and Maclaurin."""
+    """Displacement by unit forces at (0, jY), j not 0, but for a constant: the sum to J, and the
+    rest by Euler and Maclaurin."""
     total, J = 0.0, 200
     for sign in (-1, 1):
         a = np.arange(1, J + 1)[:, None, None] * Y + sign * y
         r = np.hypot(x[:, None], a)
-        total = total + np.sum(1 / r, axis=0) - 1 / r[-1] / 2 - np.log(a[-1] + r[-1]) / Y + Y * a[-1] / r[-1] ** 3 / 12
+        total = (
+            total
+            + np.sum(1 / r, axis=0)
+            - 1 / r[-1] / 2
+            - np.log(a[-1] + r[-1]) / Y
+            + Y * a[-1] / r[-1] ** 3 / 12
+        )
     return total / np.pi
 
 
@@ -267,7 +313,13 @@ def _spectral_slope(h, K):
 
 def _slope(h, spacings):
     """rms slope between neighbouring points."""
-    return np.sqrt(sum(np.mean((np.diff(h, axis=axis) / s) ** 2) for axis, s in enumerate(spacings) if h.shape[axis] > 1))
+    return np.sqrt(
+        sum(
+            np.mean((np.diff(h, axis=axis) / s) ** 2)
+            for axis, s in enumerate(spacings)
+            if h.shape[axis] > 1
+        )
+    )
 
 
 def _conjugate_gradients(apply, precondition, b, most, relative, absolute):

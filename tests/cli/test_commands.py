@@ -16,8 +16,21 @@ from hpc_gfmd.scene import load_scene
 from hpc_gfmd.surface import build_surface
 
 SCENE = scene_text(output={"fields": ["pressure", "gap"]})
-STEP = {"p", "p_star", "a_r", "kappa", "gap_mean", "gap_over_h_rms", "iterations", "fft_pairs", "wall_seconds", "status",
-        "a_r_error", "gap_error", "pressure_error"}
+STEP = {
+    "p",
+    "p_star",
+    "a_r",
+    "kappa",
+    "gap_mean",
+    "gap_over_h_rms",
+    "iterations",
+    "fft_pairs",
+    "wall_seconds",
+    "status",
+    "a_r_error",
+    "gap_error",
+    "pressure_error",
+}
 SURFACE = {"n", "physical_sizes", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c", "seed"}
 
 
@@ -44,7 +57,15 @@ def test_run(solved):
     with h5py.File(folder / "out.h5") as file:
         assert file.attrs["format"] == "hpc-gfmd"
         assert file.attrs["status"] == "converged"
-        assert {"format_version", "scene", "versions", "start_time", "end_time", "ranks", "setup_seconds"} <= set(file.attrs)
+        assert {
+            "format_version",
+            "scene",
+            "versions",
+            "start_time",
+            "end_time",
+            "ranks",
+            "setup_seconds",
+        } <= set(file.attrs)
         assert set(file["surface"].attrs) >= SURFACE
         assert list(file["steps"]) == ["0000", "0001"]
         for step in file["steps"].values():
@@ -69,19 +90,39 @@ def test_show(cli, solved):
     assert [step["p_star"] for step in shown["steps"]] == pytest.approx([0.05, 0.1], rel=1e-6)
 
 
-@pytest.mark.parametrize(("statement", "absent"), [
-    ("import hpc_gfmd", "numpy pydantic numba mpi4py h5py matplotlib typing"), ("import hpc_gfmd.cli", "numba mpi4py matplotlib"),
-    ("import hpc_gfmd.scene", "numba mpi4py matplotlib"), ("import hpc_gfmd.output.read", "numba mpi4py matplotlib"),
-    ("import hpc_gfmd.theory.persson", "numba mpi4py matplotlib"),
-    ("import hpc_gfmd; hpc_gfmd.reference.contact_area(0.1, 0.8, 1 / 256)", "numba mpi4py h5py")])
+@pytest.mark.parametrize(
+    ("statement", "absent"),
+    [
+        ("import hpc_gfmd", "numpy pydantic numba mpi4py h5py matplotlib typing"),
+        ("import hpc_gfmd.cli", "numba mpi4py matplotlib"),
+        ("import hpc_gfmd.scene", "numba mpi4py matplotlib"),
+        ("import hpc_gfmd.output.read", "numba mpi4py matplotlib"),
+        ("import hpc_gfmd.theory.persson", "numba mpi4py matplotlib"),
+        (
+            "import hpc_gfmd; hpc_gfmd.reference.contact_area(0.1, 0.8, 1 / 256)",
+            "numba mpi4py h5py",
+        ),
+    ],
+)
 def test_imports_are_light(statement, absent):
     code = f"import sys; {statement}; print([m for m in {absent.split()} if m in sys.modules])"
-    run = subprocess.run([sys.executable, "-c", code], env=environment(), capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-c", code], env=environment(), capture_output=True, text=True, check=True
+    )
     assert run.stdout.strip() == "[]"
 
 
 def test_set_changes_the_scene(cli, folder):
-    cli.prints("run", "scene.toml", "--set", "load.p_star=[0.2]", "--set", "output.path=other.h5", "--set", "surface.seed=3")
+    cli.prints(
+        "run",
+        "scene.toml",
+        "--set",
+        "load.p_star=[0.2]",
+        "--set",
+        "output.path=other.h5",
+        "--set",
+        "surface.seed=3",
+    )
     shown = json.loads(cli.prints("show", "--json", "other.h5"))
     assert (len(shown["steps"]), shown["surface"]["seed"]) == (1, 3)
 
@@ -94,7 +135,9 @@ def test_residual_mode(cli, folder):
 
 def test_not_converged(cli, folder):
     """Exit code 3, results are there and marked."""
-    run = cli("run", "scene.toml", "--set", "solver.max_iterations=2", "--set", "solver.nested=false")
+    run = cli(
+        "run", "scene.toml", "--set", "solver.max_iterations=2", "--set", "solver.nested=false"
+    )
     assert run.code == 3, run.err
     shown = json.loads(cli.prints("show", "--json", "contact.h5"))
     assert shown["status"] == "max_iterations"
@@ -114,15 +157,29 @@ def test_interrupted(cli, folder):
     assert cli("restart", "contact.h5").code == 2
 
 
-@pytest.mark.parametrize(("args", "named"), [
-    (["run", "scene.toml", "--set", "load.p_sta=1"], "load.p_star"), (["run", "scene.toml", "--set", "surfac.n=1"], "surface"),
-    (["run", "scene.toml", "--set", "solver.accuracy=0"], "solver.accuracy"), (["run", "gone.toml"], "gone.toml"), (["run"], "SCENE"),
-    (["walk", "scene.toml"], "walk"), (["show", "gone.h5"], "gone.h5"), (["show", "scene.toml"], "scene.toml"),
-    (["plot", "gone.h5"], "gone.h5"), (["restart", "gone.h5"], "gone.h5"), (["plan", "scene.toml", "--ranks", "0"], "--ranks"),
-    (["plan", "scene.toml", "--set", "surface.lam_l_over_lam_s=262144"], "GiB"),
-    (["persson", "--hurst", "2", "--eps-f", "0.1", "--p-star", "0.1"], "urst"),
-    (["run", "scene.toml", "--set", "solver.name=gfdm"], "solver.name"), (["run", "scene.toml", "-o", "here.txt"], "output.path"),
-    (["run", "scene.toml", "--set", "machine.memory_gib=1e-6"], "GiB"), ([], "COMMAND")], ids=lambda x: " ".join(x)[:40])
+@pytest.mark.parametrize(
+    ("args", "named"),
+    [
+        (["run", "scene.toml", "--set", "load.p_sta=1"], "load.p_star"),
+        (["run", "scene.toml", "--set", "surfac.n=1"], "surface"),
+        (["run", "scene.toml", "--set", "solver.accuracy=0"], "solver.accuracy"),
+        (["run", "gone.toml"], "gone.toml"),
+        (["run"], "SCENE"),
+        (["walk", "scene.toml"], "walk"),
+        (["show", "gone.h5"], "gone.h5"),
+        (["show", "scene.toml"], "scene.toml"),
+        (["plot", "gone.h5"], "gone.h5"),
+        (["restart", "gone.h5"], "gone.h5"),
+        (["plan", "scene.toml", "--ranks", "0"], "--ranks"),
+        (["plan", "scene.toml", "--set", "surface.lam_l_over_lam_s=262144"], "GiB"),
+        (["persson", "--hurst", "2", "--eps-f", "0.1", "--p-star", "0.1"], "urst"),
+        (["run", "scene.toml", "--set", "solver.name=gfdm"], "solver.name"),
+        (["run", "scene.toml", "-o", "here.txt"], "output.path"),
+        (["run", "scene.toml", "--set", "machine.memory_gib=1e-6"], "GiB"),
+        ([], "COMMAND"),
+    ],
+    ids=lambda x: " ".join(x)[:40],
+)
 def test_wrong_input(cli, folder, args, named):
     """Exit code 2 and one line on stderr that names the key; nothing is written."""
     assert named in cli.refused(*args)
@@ -138,11 +195,20 @@ def test_plan(cli, folder):
     assert [p.name for p in folder.iterdir()] == ["scene.toml"]
 
 
-@pytest.mark.parametrize("keys", ['unit = "um"', 'physical_sizes = [1.0, 3.0]\ncrop = [0.0, 0.0, 0.5, 3.0]'])
+@pytest.mark.parametrize(
+    "keys", ['unit = "um"', "physical_sizes = [1.0, 3.0]\ncrop = [0.0, 0.0, 0.5, 3.0]"]
+)
 def test_plan_of_a_map_that_ends(cli, tmp_path, keys):
     """The cell is that of the lengths that the map has when it is pressed, whoever says them."""
-    np.savez(tmp_path / "z.npz", surface=np.random.default_rng(0).random((40, 20)), physical_sizes=[1.0, 3.0])
-    scene = f'[surface]\nkind = "file"\npath = "z.npz"\nboundary = "free"\n{keys}\n[load]\np_star = 0.1\n'
+    np.savez(
+        tmp_path / "z.npz",
+        surface=np.random.default_rng(0).random((40, 20)),
+        physical_sizes=[1.0, 3.0],
+    )
+    scene = (
+        f'[surface]\nkind = "file"\npath = "z.npz"\nboundary = "free"\n{keys}\n[load]\np_star ='
+        " 0.1\n"
+    )
     (tmp_path / "scene.toml").write_text(scene)
     plan = json.loads(cli.prints("plan", "scene.toml", "--json"))
     made = build_surface(load_scene("scene.toml").surface, SerialComm(), np.float64)
@@ -167,9 +233,13 @@ def test_python_interface(folder, monkeypatch):
     assert found.pressure.mean() == pytest.approx(0.1, rel=1e-3)
 
 
-@pytest.mark.parametrize("error", [MemoryError("Unable to allocate 7 TiB"), OSError(errno.ENOMEM, "Cannot allocate memory")])
+@pytest.mark.parametrize(
+    "error",
+    [MemoryError("Unable to allocate 7 TiB"), OSError(errno.ENOMEM, "Cannot allocate memory")],
+)
 def test_too_little_memory_is_no_mistake_of_the_program(error, monkeypatch, cli):
     """Whoever notices it: NumPy, or the system where a file is mapped."""
+
     def fail(_):
         raise error
 

@@ -19,8 +19,12 @@ from hpc_gfmd.streams import Stream
 
 SCENE = scene_text(title="Fl\u00e4che \u0394")
 ASCII = {"PYTHONIOENCODING": "ascii", "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-HOW = {"a pipe that nobody reads": "2>/dev/full | true", "all closed": "<&- >&- 2>&-", "full disk": ">/dev/full 2>&-",
-       "an ASCII terminal": ""}
+HOW = {
+    "a pipe that nobody reads": "2>/dev/full | true",
+    "all closed": "<&- >&- 2>&-",
+    "full disk": ">/dev/full 2>&-",
+    "an ASCII terminal": "",
+}
 
 
 @pytest.fixture
@@ -40,17 +44,28 @@ def solved(tmp_path_factory):
 def shell(folder, before, args, after, env=None):
     """Exit code, output and errors of a command of ours at the head of a shell's line."""
     command = shlex.join([*before, sys.executable, "-m", "hpc_gfmd", *args])
-    done = subprocess.run(["bash", "-c", f"{command} {after}; exit ${{PIPESTATUS[0]}}"], cwd=folder, env=environment(**(env or {})),
-                          capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(
+        ["bash", "-c", f"{command} {after}; exit ${{PIPESTATUS[0]}}"],
+        cwd=folder,
+        env=environment(**(env or {})),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
     return done.returncode, done.stdout, done.stderr
 
 
 @pytest.mark.parametrize("how", HOW)
 def test_a_run_nobody_can_hear(folder, how):
-    code, out, err = shell(folder, [], ["run", "scene.toml"], HOW[how], ASCII if "ASCII" in how else {})
+    code, out, err = shell(
+        folder, [], ["run", "scene.toml"], HOW[how], ASCII if "ASCII" in how else {}
+    )
     assert code == 0, err
     assert err == ""
-    assert [step["status"] for step in read_result(folder / "contact.h5").steps] == ["converged"] * 2
+    assert [step["status"] for step in read_result(folder / "contact.h5").steps] == [
+        "converged"
+    ] * 2
     assert not (folder / "contact.h5.partial").exists()
     if "ASCII" in how:
         assert out.startswith("Fl\\xe4che \\u0394: 32 x 32 points")
@@ -58,17 +73,25 @@ def test_a_run_nobody_can_hear(folder, how):
 
 
 @pytest.mark.skipif(bool(missing()), reason="no mpirun")
-@pytest.mark.parametrize("after", ["| true", *(pytest.param(lost, marks=pytest.mark.slow) for lost in (">&-", ">/dev/full"))])
+@pytest.mark.parametrize(
+    "after",
+    ["| true", *(pytest.param(lost, marks=pytest.mark.slow) for lost in (">&-", ">/dev/full"))],
+)
 def test_ranks_nobody_can_hear(folder, after):
     code, _, err = shell(folder, ["mpirun", "-n", "2"], ["run", "scene.toml"], after, ASCII)
     assert code == 0, err
     assert read_result(folder / "contact.h5").status == "converged"
 
 
-@pytest.mark.parametrize(("args", "after", "said"), [
-    (["show", "out.h5"], ">/dev/full", "standard output: No space left on device"),
-    (["plan", "scene.toml"], ">&-", "standard output: "), (["show", "--json", "out.h5"], "| exec 0<&-", "")],
-    ids=["full disk", "closed", "pipe"])
+@pytest.mark.parametrize(
+    ("args", "after", "said"),
+    [
+        (["show", "out.h5"], ">/dev/full", "standard output: No space left on device"),
+        (["plan", "scene.toml"], ">&-", "standard output: "),
+        (["show", "--json", "out.h5"], "| exec 0<&-", ""),
+    ],
+    ids=["full disk", "closed", "pipe"],
+)
 def test_what_is_printed_is_the_result(solved, args, after, said):
     """Here nothing is left where it cannot be printed."""
     code, _, err = shell(solved, [], args, after)
@@ -95,7 +118,9 @@ class Broken(io.StringIO):
         return super().write(text)
 
 
-@pytest.mark.parametrize("error", [BrokenPipeError(), OSError(28, "No space left on device"), ValueError("closed")])
+@pytest.mark.parametrize(
+    "error", [BrokenPipeError(), OSError(28, "No space left on device"), ValueError("closed")]
+)
 def test_a_run_from_python(folder, monkeypatch, error):
     monkeypatch.setenv("HPC_GFMD_PROGRESS", "bar")
     monkeypatch.setattr(sys, "stdout", Broken(error))

@@ -8,19 +8,32 @@ import pytest
 from hpc_gfmd.study.store import Store
 
 
-@pytest.mark.parametrize(("args", "said"), [
-    (["fig14"], "nearest: 'fig"), (["tabel3"], "nearest: 'table3'"), ([], "NAME: found nothing"), (["fig1", "--level", "big"], "desk"),
-    (["fig1", "--part", "3/2", "--only-run"], "--part: found '3/2'"), (["fig1", "--part", "1/2"], "--only-run"),
-    (["fig1", "--threads", "0"], "--threads: found '0'"), (["fig1", "--only-run", "--no-run"], "not allowed"),
-    (["fig1", "--only-run", "--report"], "--only-run: found with"),
-])
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["fig14"], "nearest: 'fig"),
+        (["tabel3"], "nearest: 'table3'"),
+        ([], "NAME: found nothing"),
+        (["fig1", "--level", "big"], "desk"),
+        (["fig1", "--part", "3/2", "--only-run"], "--part: found '3/2'"),
+        (["fig1", "--part", "1/2"], "--only-run"),
+        (["fig1", "--threads", "0"], "--threads: found '0'"),
+        (["fig1", "--only-run", "--no-run"], "not allowed"),
+        (["fig1", "--only-run", "--report"], "--only-run: found with"),
+    ],
+)
 def test_wrong_arguments(cli, args, said):
     assert said in cli.refused("study", *args)
 
 
 def test_list(cli):
     lines = cli.prints("study", "--list").splitlines()
-    assert (len(lines), lines[0].split()[0], lines[17].split()[0], lines[-1].split()[0]) == (23, "fig1", "table5", "stiffness")
+    assert (len(lines), lines[0].split()[0], lines[17].split()[0], lines[-1].split()[0]) == (
+        23,
+        "fig1",
+        "table5",
+        "stiffness",
+    )
 
 
 def test_plan_solves_nothing(cli, tmp_path):
@@ -31,7 +44,9 @@ def test_plan_solves_nothing(cli, tmp_path):
 def test_figure_from_nothing_and_again(cli, tmp_path):
     cli.prints("study", "fig13")
     folder = tmp_path / "study-quick"
-    assert {"fig13.csv", "fig13.json", "fig13.png", "runs.jsonl"} <= {path.name for path in folder.iterdir()}
+    assert {"fig13.csv", "fig13.json", "fig13.png", "runs.jsonl"} <= {
+        path.name for path in folder.iterdir()
+    }
     rows = json.loads((folder / "fig13.json").read_text())["rows"]
     with open(folder / "fig13.csv") as file:
         assert len(list(csv.DictReader(file))) == len(rows) > 10
@@ -48,7 +63,14 @@ def test_nothing_stored(cli):
 def test_parts_make_the_whole(cli, tmp_path):
     for part in ("1/2", "2/2"):
         cli.prints("study", "fig13", "--only-run", "--part", part, "-o", "parts")
-    assert {path.name for path in (tmp_path / "parts").iterdir()} == {"runs-1.jsonl", "runs-2.jsonl"}
-    assert "to solve" not in cli.prints("study", "fig13", "--only-run", "-o", "parts")  # nothing is left
+    assert {path.name for path in (tmp_path / "parts").iterdir()} == {
+        "runs-1.jsonl",
+        "runs-2.jsonl",
+    }
+    assert "to solve" not in cli.prints(
+        "study", "fig13", "--only-run", "-o", "parts"
+    )  # nothing is left
     assert len(Store(tmp_path / "parts").load()) == sum(
-        len((tmp_path / "parts" / name).read_text().splitlines()) for name in ("runs-1.jsonl", "runs-2.jsonl"))
+        len((tmp_path / "parts" / name).read_text().splitlines())
+        for name in ("runs-1.jsonl", "runs-2.jsonl")
+    )

@@ -15,9 +15,17 @@ from hpc_gfmd.registry import body_classes, body_of
 from hpc_gfmd.scene import Material
 
 BODIES = [body for cls in body_classes().values() for body in cls.examples()]
-GRIDS = [((16, 16), (1.0, 1.0)), ((15, 12), (1.0, 0.7)), ((1, 16), (1.0, 1.0)), ((16, 1), (1.0, 1.0)), ((2, 2), (1.0, 3.0)),
-         ((48, 40), (1.0, 1.0))]
-LARGEST = 2.25  # eigenvalue of S over the sum of squares on the levels, of any field: of what solvers leave it is less
+GRIDS = [
+    ((16, 16), (1.0, 1.0)),
+    ((15, 12), (1.0, 0.7)),
+    ((1, 16), (1.0, 1.0)),
+    ((16, 1), (1.0, 1.0)),
+    ((2, 2), (1.0, 3.0)),
+    ((48, 40), (1.0, 1.0)),
+]
+# eigenvalue of S over the sum of squares on the levels, of any field: of what solvers leave it is
+# less
+LARGEST = 2.25
 every_body = pytest.mark.parametrize("body", BODIES, ids=repr)
 every_grid = pytest.mark.parametrize(("n", "sizes"), GRIDS, ids=str)
 
@@ -49,7 +57,8 @@ def test_is_a_value(body):
 @every_body
 @every_grid
 def test_symmetric_and_positive(body, n, sizes):
-    """K is symmetric, costs nothing for a rigid translation, and is positive for everything else."""
+    """K is symmetric, costs nothing for a rigid translation, and is positive for everything
+    else."""
     grid = Grid(n, sizes)
     if grid.N > 400:
         return
@@ -64,13 +73,16 @@ def test_symmetric_and_positive(body, n, sizes):
 @every_body
 @every_grid
 def test_bounds(body, n, sizes):
-    """Step sizes and weights: no wave is stiffer or softer than the body says, and the shortest is as stiff as it says."""
+    """Step sizes and weights: no wave is stiffer or softer than the body says, and the shortest is
+    as stiff as it says."""
     grid = Grid(n, sizes)
     if not 4 < grid.N < 400:
         return
     values = np.linalg.eigvalsh(matrix(body, grid))
     smallest, largest = body.bounds(grid)
-    assert smallest * 0.8 <= values[1]  # K of a body that ends is that of a half-space to within 20 %
+    assert (
+        smallest * 0.8 <= values[1]
+    )  # K of a body that ends is that of a half-space to within 20 %
     assert values[-1] <= largest * 1.02
     assert body.scale(grid) * SQRT2 <= largest * (1 + 1e-12)
     assert body.scale(grid) > 0
@@ -80,7 +92,8 @@ def test_bounds(body, n, sizes):
 @every_grid
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_compliance_is_the_inverse(body, n, sizes, dtype):
-    """S K u = u less its mean, K S p likewise; and the energies <u, K u> and <p, S p> are what they are said to be."""
+    """S K u = u less its mean, K S p likewise; and the energies <u, K u> and <p, S p> are what they
+    are said to be."""
     grid, tolerance = Grid(n, sizes), 2e3 * float(np.finfo(dtype).eps)
     elastic = Elastic(grid, body, dtype)
     u, p, back = (grid.empty(dtype) for _ in range(3))
@@ -97,7 +110,8 @@ def test_compliance_is_the_inverse(body, n, sizes, dtype):
 @every_body
 @every_grid
 def test_weights(body, n, sizes):
-    """One for each level, the finest one 1, all positive; infinite where a level has nothing to add."""
+    """One for each level, the finest one 1, all positive; infinite where a level has nothing to
+    add."""
     grid = Grid(n, sizes)
     weights = body.weights(grid)
     assert len(weights) == len(levels(grid))
@@ -115,14 +129,17 @@ def test_near_stiffness(body):
     mean = float(body.stiffness(np.zeros(1), grid.a)[0]) / grid.N  # which load control leaves out
     near = body.near(grid)
     assert near[0] > 0
-    assert near == pytest.approx([p[5, 7] + mean, p[6, 7] + mean, p[5, 8] + mean, p[6, 8] + mean], abs=2e-3 * near[0])
+    assert near == pytest.approx(
+        [p[5, 7] + mean, p[6, 7] + mean, p[5, 8] + mean, p[6, 8] + mean], abs=2e-3 * near[0]
+    )
     assert (body.near(Grid((64, 1)))[2:] == 0).all()
     assert (body.near(Grid((2, 64)))[[1, 3]] == 0).all()
 
 
 @every_body
 def test_short_waves_see_a_half_space(body):
-    """Whatever is below or beside, a wave much shorter than that is pressed as on a half-space: K -> |q|/2."""
+    """Whatever is below or beside, a wave much shorter than that is pressed as on a half-space: K
+    -> |q|/2."""
     q = np.array([1.0, 3.0])
     assert body.stiffness(q, 1e-3) == pytest.approx(q / 2, rel=1e-2)
 
@@ -136,23 +153,33 @@ def test_table_and_on_the_fly(body):
     block = np.random.default_rng(2).standard_normal((fft.W, 2 * 24)).view(complex)
     for method in ("stiffness", "compliance"):
         one, other = block.copy(), block.copy()
-        assert getattr(table, method)(one, 0) == pytest.approx(getattr(own, method)(other, 0), rel=1e-12)
+        assert getattr(table, method)(one, 0) == pytest.approx(
+            getattr(own, method)(other, 0), rel=1e-12
+        )
         assert np.allclose(one, other, rtol=1e-12, atol=1e-15)
 
 
 def test_one_body_for_every_scene():
     """Every scene means one body, or none that there is."""
-    for wanted in ((None, None, "bonded", (False, False)), (0.3, 0.3, "bonded", (False, False)),
-                   (0.3, 0.5, "frictionless", (False, False))):
+    for wanted in (
+        (None, None, "bonded", (False, False)),
+        (0.3, 0.3, "bonded", (False, False)),
+        (0.3, 0.5, "frictionless", (False, False)),
+    ):
         assert sum(cls.of(*wanted) is not None for cls in body_classes().values()) == 1
     with pytest.raises(SceneError, match="allowed: with periodic boundaries"):
         body_of(Material(thickness=0.1, nu1=0.3), (True, False))
 
 
 @every_body
-@pytest.mark.parametrize(("n", "sizes"), [((16, 16), (1.0, 1.0)), ((15, 12), (1.0, 0.7)), ((20, 20), (1.0, 1.0))], ids=str)
+@pytest.mark.parametrize(
+    ("n", "sizes"),
+    [((16, 16), (1.0, 1.0)), ((15, 12), (1.0, 0.7)), ((20, 20), (1.0, 1.0))],
+    ids=str,
+)
 def test_norm_of_a_pressure(body, n, sizes):
-    """<r, S r> of a field of zero mean is bounded by its squares on the levels: what the certificate's errors rest on."""
+    """<r, S r> of a field of zero mean is bounded by its squares on the levels: what the
+    certificate's errors rest on."""
     grid = Grid(n, sizes)
     S = np.linalg.pinv(matrix(body, grid), rcond=1e-9)
     hierarchy, R, squares = levels(grid), np.eye(grid.N), np.zeros((grid.N, grid.N))

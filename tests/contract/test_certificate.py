@@ -17,7 +17,13 @@ from hpc_gfmd.registry import solver_class, solver_names
 from hpc_gfmd.solvers.bpx import Bpx
 
 ROUNDING = 1e-12  # of references in double precision
-GRIDS = [((16, 16), (1.0, 1.0)), ((24, 20), (1.0, 1.0)), ((17, 13), (1.0, 1.0)), ((12, 30), (1.0, 1.0)), ((1, 40), (1.0, 1.0))]
+GRIDS = [
+    ((16, 16), (1.0, 1.0)),
+    ((24, 20), (1.0, 1.0)),
+    ((17, 13), (1.0, 1.0)),
+    ((12, 30), (1.0, 1.0)),
+    ((1, 40), (1.0, 1.0)),
+]
 
 
 @pytest.fixture
@@ -73,7 +79,8 @@ def test_the_errors_hold_on_the_way(surface, name):
 
 @pytest.mark.parametrize(("n", "sizes"), GRIDS, ids=str)
 def test_sums_over_levels_bound_the_norm(n, sizes):
-    """<r, S r> against the compliance of the shortest wave times the sums over levels: below the constant for fields of all colours."""
+    """<r, S r> against the compliance of the shortest wave times the sums over levels: below the
+    constant for fields of all colours."""
     grid, random = Grid(n, sizes), np.random.default_rng(3)
     elastic, compliance = Elastic(grid, HALF_SPACE, np.float64), 1 / HALF_SPACE.scale(grid)
     levels = Multilevel(grid, HALF_SPACE, np.float64, 8)
@@ -82,7 +89,11 @@ def test_sums_over_levels_bound_the_norm(n, sizes):
     ratios = []
     for colour in (-1.5, -1, -0.5, 0, 0.5, 1):
         for _ in range(5):
-            r = np.fft.ifft2(np.fft.fft2(random.standard_normal(n)) * q**colour).real if colour else random.standard_normal(n)
+            r = (
+                np.fft.ifft2(np.fft.fft2(random.standard_normal(n)) * q**colour).real
+                if colour
+                else random.standard_normal(n)
+            )
             r -= r.mean()
             r /= np.linalg.norm(r)
             sums = levels.restrict(np.ones(n), r, 0.0)
@@ -107,7 +118,9 @@ def test_energy_bound_against_the_duality_gap(surface, p_star):
             continue
         closed = np.sum(p[(solver.g <= 0) & (p > 0)] ** 2)
         G = certificate.duality_gap * p_star * certificate.gap_mean * surface.grid.N
-        bound = np.sqrt(2 * G / (solver.compliance * closed))  # of the pressure, but for a factor of order one
+        bound = np.sqrt(
+            2 * G / (solver.compliance * closed)
+        )  # of the pressure, but for a factor of order one
         assert 0.5 * bound < certificate.errors[2] < 1.5 * bound
 
 
@@ -125,7 +138,8 @@ def test_full_contact_under_tension_is_not_exact():
 
 @pytest.mark.parametrize("name", solver_names())
 def test_every_solver_is_judged_alike(name):
-    """Near full contact, against dense linear algebra: the mean gap is small, and its error is claimed as it is."""
+    """Near full contact, against dense linear algebra: the mean gap is small, and its error is
+    claimed as it is."""
     z = random_heights((12, 12))
     wanted = oracle.solve(z, 3.0)
     found = hpc_gfmd.solve(z, 3.0, name=name, accuracy=1e-4, precision="double")
@@ -135,7 +149,8 @@ def test_every_solver_is_judged_alike(name):
 
 
 def test_points_that_change_sides_together():
-    """576 points of a wave, whose pressure is 1e-7: whoever is 1e-5 off has them all on one side, whichever it is."""
+    """576 points of a wave, whose pressure is 1e-7: whoever is 1e-5 off has them all on one side,
+    whichever it is."""
     cos = np.cos(np.pi * np.arange(96) / 8)
     found = hpc_gfmd.solve(np.outer(cos, cos), p_star=0.24489848, accuracy=1e-2)
     assert found.status == "converged"

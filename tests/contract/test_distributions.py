@@ -19,15 +19,22 @@ ATTRIBUTE_BYTES = 2**16 - 512  # that HDF5 takes
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):
     path = tmp_path_factory.mktemp("distributions") / "all.h5"
-    scene = Scene.from_dict({"surface": rough((1, 8, 4)), "load": {"p_star": [0.05, 0.1]},
-                             "output": {"observables": ["a_r"], "distributions": list(all_distributions())}})
+    scene = Scene.from_dict(
+        {
+            "surface": rough((1, 8, 4)),
+            "load": {"p_star": [0.05, 0.1]},
+            "output": {"observables": ["a_r"], "distributions": list(all_distributions())},
+        }
+    )
     assert run_scene(scene, out=path, quiet=True).exit_code == 0
     return read_result(path)
 
 
 @every_distribution
 def test_small_and_finite(name):
-    arrays = all_distributions()[name](sweep_of(rough((1, 8, 4)), accuracy=1e-3).solve(0.05).contact)
+    arrays = all_distributions()[name](
+        sweep_of(rough((1, 8, 4)), accuracy=1e-3).solve(0.05).contact
+    )
     for array in arrays.values():
         assert array.ndim == 1
         assert array.nbytes < ATTRIBUTE_BYTES / 8
@@ -39,19 +46,32 @@ def test_small_and_finite(name):
 
 @every_distribution
 def test_written_and_shown(name, result):
-    found = {key: value for key, value in result.steps[1].items() if isinstance(value, list) and key.startswith(f"{name}_")}
+    found = {
+        key: value
+        for key, value in result.steps[1].items()
+        if isinstance(value, list) and key.startswith(f"{name}_")
+    }
     assert found
     assert found.items() <= as_dict(result)["steps"][1].items()
     assert as_text(result)
 
 
 @every_distribution
-@pytest.mark.parametrize("surface", [{"kind": "wave", "amplitude": 0.0, "n": [4, 4]}, {"kind": "wave", "amplitude": 0.1, "n": [16, 4]},
-                                     rough((1, 4, 2), g_rms=1e-3)], ids=["flat", "wave", "full contact"])
+@pytest.mark.parametrize(
+    "surface",
+    [
+        {"kind": "wave", "amplitude": 0.0, "n": [4, 4]},
+        {"kind": "wave", "amplitude": 0.1, "n": [16, 4]},
+        rough((1, 4, 2), g_rms=1e-3),
+    ],
+    ids=["flat", "wave", "full contact"],
+)
 def test_degenerate_contacts(name, surface):
     """Finite numbers, or None where there is nothing to count."""
     arrays = all_distributions()[name](sweep_of(surface).solve(0.05).contact)
-    assert arrays is None or all(len(array) and np.isfinite(array).all() for array in arrays.values())
+    assert arrays is None or all(
+        len(array) and np.isfinite(array).all() for array in arrays.values()
+    )
 
 
 def test_one_point():
@@ -64,17 +84,48 @@ def test_one_point():
 def test_of_surfaces_that_end(tmp_path, boundary):
     """Counts as ever; waves only of periodic surfaces, which is said before anything is solved."""
     scene = {"surface": rough((1, 8, 2), boundary=boundary), "load": {"p_star": 0.1}}
-    counts = Scene.from_dict(scene | {"output": {"observables": ["patches", "perimeter", "percolation"],
-                                                 "distributions": ["pressure", "gap", "patches"]}})
-    step, = run_scene(counts, out=tmp_path / "x.h5", quiet=True).steps
-    assert {"patches", "perimeter", "pressure_density", "gap_edges", "patches_density"} <= step.keys()
-    with pytest.raises(SceneError, match=r"output\.distributions: found 'gap_spectrum'.* allowed: gap, patches, patches_8, pressure"):
-        run_scene(Scene.from_dict(scene | {"output": {"distributions": ["gap_spectrum"]}}), out=tmp_path / "y.h5", quiet=True)
+    counts = Scene.from_dict(
+        scene
+        | {
+            "output": {
+                "observables": ["patches", "perimeter", "percolation"],
+                "distributions": ["pressure", "gap", "patches"],
+            }
+        }
+    )
+    (step,) = run_scene(counts, out=tmp_path / "x.h5", quiet=True).steps
+    assert {
+        "patches",
+        "perimeter",
+        "pressure_density",
+        "gap_edges",
+        "patches_density",
+    } <= step.keys()
+    with pytest.raises(
+        SceneError,
+        match=(
+            r"output\.distributions: found 'gap_spectrum'.* allowed: gap, patches, patches_8,"
+            r" pressure"
+        ),
+    ):
+        run_scene(
+            Scene.from_dict(scene | {"output": {"distributions": ["gap_spectrum"]}}),
+            out=tmp_path / "y.h5",
+            quiet=True,
+        )
 
 
 def test_unknown_name(tmp_path):
-    with pytest.raises(SceneError, match=r"output\.distributions: found 'presure', nearest: .pressure."):
+    with pytest.raises(
+        SceneError, match=r"output\.distributions: found 'presure', nearest: .pressure."
+    ):
         hpc_gfmd.solve(np.eye(4), 0.1, distributions=["presure"])
-    scene = Scene.from_dict({"surface": rough((1, 8, 2)), "load": {"p_star": 0.1}, "output": {"distributions": ["presure"]}})
-    with pytest.raises(SceneError, match="nearest: \"pressure\""):
+    scene = Scene.from_dict(
+        {
+            "surface": rough((1, 8, 2)),
+            "load": {"p_star": 0.1},
+            "output": {"distributions": ["presure"]},
+        }
+    )
+    with pytest.raises(SceneError, match='nearest: "pressure"'):
         run_scene(scene, out=tmp_path / "x.h5", quiet=True)

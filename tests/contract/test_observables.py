@@ -26,7 +26,13 @@ def contact():
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):
     path = tmp_path_factory.mktemp("observables") / "all.h5"
-    scene = Scene.from_dict({"surface": FREE, "load": {"p_star": [0.05, 0.1]}, "output": {"observables": list(all_observables())}})
+    scene = Scene.from_dict(
+        {
+            "surface": FREE,
+            "load": {"p_star": [0.05, 0.1]},
+            "output": {"observables": list(all_observables())},
+        }
+    )
     assert run_scene(scene, out=path, quiet=True).exit_code == 0
     return read_result(path)
 
@@ -49,19 +55,39 @@ def test_written_and_shown(name, result):
 def test_alone(name, tmp_path):
     """Only what was asked for is written."""
     surface = rough((1, 8, 2), boundary="free")
-    scene = Scene.from_dict({"surface": surface, "load": {"p_star": [0.05, 0.1]}, "output": {"observables": [name]}})
+    scene = Scene.from_dict(
+        {"surface": surface, "load": {"p_star": [0.05, 0.1]}, "output": {"observables": [name]}}
+    )
     steps = run_scene(scene, out=tmp_path / "one.h5", quiet=True).steps
     assert set(steps[1]) & set(all_observables()) == set(observables_named([name]))
 
 
 @every_observable
-@pytest.mark.parametrize(("surface", "without"), [
-    ({"kind": "wave", "amplitude": 0.0, "n": [4, 4]},
-     ("kappa", "a_r_corrected", "kappa_corrected", "gap_over_h_rms", "gap_over_g_rms_lam_s", "stiffness")),
-    ({"kind": "wave", "amplitude": 0.1, "n": [16, 4]}, ("gap_over_g_rms_lam_s", "a_r_corrected", "kappa_corrected")),
-    (rough((1, 4, 2), g_rms=1e-3), ("stiffness",))], ids=["flat", "wave", "full contact"])
+@pytest.mark.parametrize(
+    ("surface", "without"),
+    [
+        (
+            {"kind": "wave", "amplitude": 0.0, "n": [4, 4]},
+            (
+                "kappa",
+                "a_r_corrected",
+                "kappa_corrected",
+                "gap_over_h_rms",
+                "gap_over_g_rms_lam_s",
+                "stiffness",
+            ),
+        ),
+        (
+            {"kind": "wave", "amplitude": 0.1, "n": [16, 4]},
+            ("gap_over_g_rms_lam_s", "a_r_corrected", "kappa_corrected"),
+        ),
+        (rough((1, 4, 2), g_rms=1e-3), ("stiffness",)),
+    ],
+    ids=["flat", "wave", "full contact"],
+)
 def test_degenerate_contacts(name, surface, without):
-    """A number, or None where the quantity does not exist, never NaN, on flat walls, profiles and in full contact."""
+    """A number, or None where the quantity does not exist, never NaN, on flat walls, profiles and
+    in full contact."""
     made = sweep_of(surface, duality=True)
     for p in (0.05, 0.06):
         value = all_observables()[name](made.solve(p).contact)
@@ -69,14 +95,18 @@ def test_degenerate_contacts(name, surface, without):
 
 
 def test_unknown_name():
-    scene = Scene.from_dict({"surface": FREE, "load": {"p_star": 0.1}, "output": {"observables": ["a_rr"]}})
-    with pytest.raises(SceneError, match="nearest: \"a_r\""):
+    scene = Scene.from_dict(
+        {"surface": FREE, "load": {"p_star": 0.1}, "output": {"observables": ["a_rr"]}}
+    )
+    with pytest.raises(SceneError, match='nearest: "a_r"'):
         run_scene(scene, quiet=True)
 
 
 def test_duality_gap_only_on_request():
     """It costs half an FFT pair; without it the certificate has all the rest."""
-    plain, asked = (sweep_of(FREE, duality=wanted, accuracy=1e-3).solve(0.1) for wanted in (False, True))
+    plain, asked = (
+        sweep_of(FREE, duality=wanted, accuracy=1e-3).solve(0.1) for wanted in (False, True)
+    )
     assert plain.contact.certificate.duality_gap is None
     assert asked.contact.certificate.duality_gap > 0
     assert asked.fft_pairs == plain.fft_pairs + 0.5

@@ -5,7 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contacts import EXACT, field, random_heights, relative, rough, solve_scene, surface_over, sweep_of
+from contacts import (
+    EXACT,
+    field,
+    random_heights,
+    relative,
+    rough,
+    solve_scene,
+    surface_over,
+    sweep_of,
+)
 
 from hpc_gfmd.driver.certificate import certify
 from hpc_gfmd.driver.drive import Target, drive
@@ -70,7 +79,8 @@ def test_accuracy(name):
 
 @every_solver
 def test_state_goes_on_bit_by_bit(name):
-    """state -> load_state of a new solver continues with exactly the numbers of the one that was never stopped."""
+    """state -> load_state of a new solver continues with exactly the numbers of the one that was
+    never stopped."""
     problem = problem_of()
     one = started(name, problem)
     for _ in range(7):
@@ -91,7 +101,8 @@ def test_state_goes_on_bit_by_bit(name):
 
 @every_solver
 def test_progress_and_pairs(name):
-    """Progress tells what the state is; an iteration costs at least one FFT pair, and all are counted."""
+    """Progress tells what the state is; an iteration costs at least one FFT pair, and all are
+    counted."""
     solver = started(name, problem_of())
     for _ in range(20):
         before = solver.pairs
@@ -139,7 +150,10 @@ def test_another_load(name):
 def test_any_grid(name, n):
     z = random_heights(n, seed=11)
     made = surface_over(z)
-    assert drive(started(name, Problem(made.grid, made.h, 0.1)), Target(residual=1e-8)).status == "converged"
+    assert (
+        drive(started(name, Problem(made.grid, made.h, 0.1)), Target(residual=1e-8)).status
+        == "converged"
+    )
 
 
 @every_solver
@@ -149,7 +163,10 @@ def test_stops(name):
     solver = started(name, problem)
     assert drive(solver, Target(residual=1e-13, max_iterations=3)).status == "max_iterations"
     assert solver.iterations == 3
-    assert drive(solver, Target(residual=1e-13), lambda iterations, progress: iterations >= 5).status == "interrupted"
+    assert (
+        drive(solver, Target(residual=1e-13), lambda iterations, progress: iterations >= 5).status
+        == "interrupted"
+    )
     assert solver.iterations == 5
     broken = replace(problem, h=problem.h.copy())
     broken.h[3, 4] = np.nan
@@ -160,12 +177,15 @@ def test_stops(name):
 
 @every_solver
 def test_beyond_the_precision_it_stagnates(name):
-    step = solve_scene(SURFACE, 0.1, name=name, residual=1e-12, precision="single", max_iterations=3000)
+    step = solve_scene(
+        SURFACE, 0.1, name=name, residual=1e-12, precision="single", max_iterations=3000
+    )
     assert step.contact.outcome.status in ("stagnated", "max_iterations")
 
 
 def test_beyond_the_precision_it_does_not_go_on_for_long():
-    """Once it was refused where it believed to be there, little patience is left (78 iterations with all of it)."""
+    """Once it was refused where it believed to be there, little patience is left (78 iterations
+    with all of it)."""
     for p_star in (0.1, 0.4):
         step = solve_scene(rough((1, 16, 4)), p_star, precision="single", accuracy=1e-6)
         assert step.contact.outcome.status == "stagnated"

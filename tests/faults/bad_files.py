@@ -1,4 +1,5 @@
-"""Height maps and result files that must be refused: {how they are made: ([extension,] function(path), words of the message)}."""
+"""Height maps and result files that must be refused: {how they are made: ([extension,]
+function(path), words of the message)}."""
 
 import os
 import pickle
@@ -26,7 +27,9 @@ class Trap:
 def claims(path, shape):
     """A .npy file whose header promises `shape` and that holds 48 numbers."""
     with open(path, "wb") as file:
-        np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": shape})
+        np.lib.format.write_array_header_1_0(
+            file, {"descr": "<f8", "fortran_order": False, "shape": shape}
+        )
         file.write(Z.tobytes())
 
 
@@ -92,13 +95,29 @@ def with_value(value):
 
 
 HEIGHT_MAPS = {
-    "pickled .npy": (".npy", lambda p: saved(p, np.array([Trap(p.with_name("trapped"))], dtype=object)), "Python objects"),
-    "pickle as .npy": (".npy", lambda p: p.write_bytes(pickle.dumps(Trap(p.with_name("trapped")))), "does not begin as a .npy file"),
-    "zip as .npy": (".npy", lambda p: zipfile.ZipFile(p, "w").writestr("a.npy", b"x"), "does not begin as a .npy file"),
+    "pickled .npy": (
+        ".npy",
+        lambda p: saved(p, np.array([Trap(p.with_name("trapped"))], dtype=object)),
+        "Python objects",
+    ),
+    "pickle as .npy": (
+        ".npy",
+        lambda p: p.write_bytes(pickle.dumps(Trap(p.with_name("trapped")))),
+        "does not begin as a .npy file",
+    ),
+    "zip as .npy": (
+        ".npy",
+        lambda p: zipfile.ZipFile(p, "w").writestr("a.npy", b"x"),
+        "does not begin as a .npy file",
+    ),
     ".npy claiming 1e12 points": (".npy", lambda p: claims(p, (10**6, 10**6)), "cannot be read"),
     ".npy claiming negative size": (".npy", lambda p: claims(p, (-8, 6)), "npy"),
     ".npy of a huge size": (".npy", lambda p: claims(p, (10**30, 2)), "cannot be read"),
-    "truncated .npy": (".npy", lambda p: (saved(p, Z), cut(p, p.read_bytes(), 0.67)), "cannot be read"),
+    "truncated .npy": (
+        ".npy",
+        lambda p: (saved(p, Z), cut(p, p.read_bytes(), 0.67)),
+        "cannot be read",
+    ),
     "empty .npy": (".npy", lambda p: p.write_bytes(b""), "cannot be read"),
     "foreign .npy": (".npy", lambda p: p.write_text("1 2\n3 4\n"), "cannot be read"),
     "complex heights": (".npy", lambda p: saved(p, Z + 1j), "complex128"),
@@ -106,24 +125,60 @@ HEIGHT_MAPS = {
     "dates as heights": (".npy", lambda p: saved(p, Z.astype("M8[s]")), "allowed: real numbers"),
     "heights not a number": (".npy", lambda p: saved(p, with_value(np.nan)), "found nan at (7, 5)"),
     "infinite heights": (".npy", lambda p: saved(p, with_value(-np.inf)), "found -inf at (7, 5)"),
-    "heights beyond double": (".npy", lambda p: saved(p, with_value(1).astype("g") * np.longdouble("1e400")), "inf"),
+    "heights beyond double": (
+        ".npy",
+        lambda p: saved(p, with_value(1).astype("g") * np.longdouble("1e400")),
+        "inf",
+    ),
     "one axis": (".npy", lambda p: saved(p, Z.ravel()), "two axes"),
     "three axes": (".npy", lambda p: saved(p, Z.reshape(2, 4, 6)), "two axes"),
     "no points": (".npy", lambda p: saved(p, Z[:0]), "not empty"),
     "folder as height map": (".npy", lambda p: p.mkdir(), "no file"),
     "foreign HDF5 map": (".h5", lambda p: p.write_text("hello"), "cannot be read as hdf5"),
     "truncated HDF5 map": (".h5", lambda p: cut(p, raw_h5(p), 0.67), "z.h5"),
-    "garbled HDF5 map": (".h5", lambda p: garbled(p, raw_h5(p, np.random.default_rng(1).random((64, 64)), compression="gzip")), "z.h5"),
-    "missing data set": (".h5", lambda p: h5(p, lambda f: f.create_group("surface")), "surface.dataset"),
-    "external link": (".h5", lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("elsewhere.h5", "/surface"))), "link to another"),
+    "garbled HDF5 map": (
+        ".h5",
+        lambda p: garbled(
+            p, raw_h5(p, np.random.default_rng(1).random((64, 64)), compression="gzip")
+        ),
+        "z.h5",
+    ),
+    "missing data set": (
+        ".h5",
+        lambda p: h5(p, lambda f: f.create_group("surface")),
+        "surface.dataset",
+    ),
+    "external link": (
+        ".h5",
+        lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("elsewhere.h5", "/surface"))),
+        "link to another",
+    ),
     "soft link out of the file": (".h5", lambda p: h5(p, soft_way_out), "link to another file"),
-    "links in a circle": (".h5", lambda p: h5(p, lambda f: linked(f, h5py.SoftLink("/surface"))), "too many links"),
-    "link to a device": (".h5", lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("/dev/zero", "/x"))), "unable to open external"),
+    "links in a circle": (
+        ".h5",
+        lambda p: h5(p, lambda f: linked(f, h5py.SoftLink("/surface"))),
+        "too many links",
+    ),
+    "link to a device": (
+        ".h5",
+        lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("/dev/zero", "/x"))),
+        "unable to open external",
+    ),
     "virtual data set": (".h5", lambda p: h5(p, virtual), "lie in another file"),
-    "external data set": (".h5", lambda p: h5(p, lambda f: f.create_dataset("surface", (2, 2), "f8", external=[("/etc/hosts", 0, 32)])),
-                          "lie in another file"),
-    "HDF5 map of 2^62 points": (".h5", lambda p: h5(p, lambda f: f.create_dataset("surface", (2**40, 2**22), "f8", chunks=(64, 64))),
-                                "GiB"),
+    "external data set": (
+        ".h5",
+        lambda p: h5(
+            p, lambda f: f.create_dataset("surface", (2, 2), "f8", external=[("/etc/hosts", 0, 32)])
+        ),
+        "lie in another file",
+    ),
+    "HDF5 map of 2^62 points": (
+        ".h5",
+        lambda p: h5(
+            p, lambda f: f.create_dataset("surface", (2**40, 2**22), "f8", chunks=(64, 64))
+        ),
+        "GiB",
+    ),
     "truncated NetCDF map": (".nc", lambda p: cut(p, classic(p), 0.67), "cannot be read as netcdf"),
     "foreign NetCDF map": (".nc", lambda p: p.write_text("hello"), "cannot be read as netcdf"),
 }
@@ -174,10 +229,15 @@ RESULTS = {
     "garbled near its beginning": (lambda p: garbled(p, sound(p)[:4000]), "out.h5: "),
     "one bit of a number": (lambda p: one_bit(p, sound(p), np.float64(0.25).tobytes()), "damaged"),
     "one bit of a text": (lambda p: one_bit(p, sound(p), b'"converged"'), "damaged"),
-    "newer": (lambda p: edit(p, lambda f: f.attrs.modify("format_version", FORMAT_VERSION + 1)),
-              f"format_version is {FORMAT_VERSION + 1}, this program reads {FORMAT_VERSION}"),
+    "newer": (
+        lambda p: edit(p, lambda f: f.attrs.modify("format_version", FORMAT_VERSION + 1)),
+        f"format_version is {FORMAT_VERSION + 1}, this program reads {FORMAT_VERSION}",
+    ),
     "without surface": (lambda p: edit(p, lambda f: f.pop("surface")), "damaged"),
-    "without one of its numbers": (lambda p: edit(p, lambda f: f["steps/0000"].attrs.pop("a_r")), "damaged"),
+    "without one of its numbers": (
+        lambda p: edit(p, lambda f: f["steps/0000"].attrs.pop("a_r")),
+        "damaged",
+    ),
     "with a field of another size": (lambda p: edit(p, of_another_size), "the surface has (6, 5)"),
     "with a link out of it": (lambda p: edit(p, moved_out), "gap is a link to another file"),
     "a folder": (lambda p: p.mkdir(), "is a folder"),

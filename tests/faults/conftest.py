@@ -22,9 +22,12 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="package", autouse=True)
 def own_plans(tmp_path_factory):
-    """Plans of FFTW that nobody else changes: with others the last bits of two runs differ. Kernels are everybody's."""
+    """Plans of FFTW that nobody else changes: with others the last bits of two runs differ. Kernels
+    are everybody's."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("NUMBA_CACHE_DIR", os.environ.get("NUMBA_CACHE_DIR", str(cache_folder() / "kernels")))
+        patch.setenv(
+            "NUMBA_CACHE_DIR", os.environ.get("NUMBA_CACHE_DIR", str(cache_folder() / "kernels"))
+        )
         patch.setenv("HPC_GFMD_CACHE", str(tmp_path_factory.mktemp("cache")))
         for name in wisdom._used:
             wisdom._wisdom(name).replace(b"")
@@ -33,7 +36,8 @@ def own_plans(tmp_path_factory):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """small_disk(bytes): a tmpfs of that size, mounted on a folder; skips where that is not allowed."""
+    """small_disk(bytes): a tmpfs of that size, mounted on a folder; skips where that is not
+    allowed."""
     mounted = []
 
     def mount(size, folder=tmp_path / "disk"):
@@ -54,7 +58,8 @@ def small_disk(tmp_path):
 
 @pytest.fixture(scope="session")
 def undisturbed(tmp_path_factory):
-    """undisturbed(ranks, **how): the result of the run to which nothing happens; how: as for jobs.write_scene."""
+    """undisturbed(ranks, **how): the result of the run to which nothing happens; how: as for
+    jobs.write_scene."""
     made = {}
 
     def result(ranks, **how):

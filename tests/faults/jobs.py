@@ -1,4 +1,5 @@
-"""Jobs whose processes can be killed, watched and counted: nothing of them may be left, and none may hang."""
+"""Jobs whose processes can be killed, watched and counted: nothing of them may be left, and none
+may hang."""
 
 import contextlib
 import io
@@ -23,15 +24,18 @@ from hpc_gfmd.output.read import read_result
 MARK = "HPC_GFMD_TEST_JOB"  # in the environment of all processes of a job
 SABOTAGE = Path(__file__).with_name("sabotage.py")
 PATIENCE = 120.0  # seconds that an undisturbed job may take here, where others compute as well
-AT_ONCE = 20.0  # seconds from a fault to the end of the last process; the machine of the tests may be busy
+# seconds from a fault to the end of the last process; the machine of the tests may be busy
+AT_ONCE = 20.0
 
 needs_mpi = pytest.mark.skipif(bool(mpi_harness.missing()), reason="mpirun or mpi4py is missing")
 
 
 class Job:
-    """`mpirun -n ranks python -m hpc_gfmd args` (ranks None: without mpirun), started in the folder cwd.
+    """`mpirun -n ranks python -m hpc_gfmd args` (ranks None: without mpirun), started in the folder
+    cwd.
 
-    fault: arguments of sabotage.py, which then starts the program; wrapped: command put before it all.
+    fault: arguments of sabotage.py, which then starts the program; wrapped: command put before it
+    all.
     """
 
     def __init__(self, args, ranks=None, cwd=None, fault=None, env=None, wrapped=()):
@@ -39,9 +43,16 @@ class Job:
         program = ["-m", "hpc_gfmd"] if fault is None else [SABOTAGE, *fault, "--"]
         launcher = ["mpirun", "-n", ranks] if ranks else []
         command = [*wrapped, *launcher, sys.executable, *program, *args]
-        self.process = subprocess.Popen([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=cwd,
-                                        stdin=subprocess.DEVNULL, start_new_session=True, text=True,
-                                        env=mpi_harness.environment(**{MARK: self.mark}, **(env or {})))
+        self.process = subprocess.Popen(
+            [str(part) for part in command],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            cwd=cwd,
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
+            text=True,
+            env=mpi_harness.environment(**{MARK: self.mark}, **(env or {})),
+        )
         self.begun = self.hit = time.monotonic()
 
     def pids(self):
@@ -49,7 +60,10 @@ class Job:
         found = []
         for folder in Path("/proc").iterdir():
             try:
-                if folder.name.isdigit() and f"{MARK}={self.mark}".encode() in (folder / "environ").read_bytes():
+                if (
+                    folder.name.isdigit()
+                    and f"{MARK}={self.mark}".encode() in (folder / "environ").read_bytes()
+                ):
                     found.append(int(folder.name))
             except OSError:  # ended, or not ours
                 continue
@@ -57,8 +71,12 @@ class Job:
 
     def ranks(self):
         """The processes that compute."""
-        return [pid for pid in self.pids() if b"hpc_gfmd" in command_of(pid) or b"sabotage" in command_of(pid)
-                if b"mpirun" not in command_of(pid)]
+        return [
+            pid
+            for pid in self.pids()
+            if b"hpc_gfmd" in command_of(pid) or b"sabotage" in command_of(pid)
+            if b"mpirun" not in command_of(pid)
+        ]
 
     def kill(self, sign, *pids):
         """Send a signal; the time of the fault."""
@@ -79,11 +97,16 @@ class Job:
         return True
 
     def end(self, patience=AT_ONCE):
-        """Wait for the end of all processes; sets code, out, err and seconds since the fault. Fails if that takes too long."""
+        """Wait for the end of all processes; sets code, out, err and seconds since the fault. Fails
+        if that takes too long."""
         try:
-            self.out, self.err = self.process.communicate(timeout=max(patience - (time.monotonic() - self.hit), 0.1))
+            self.out, self.err = self.process.communicate(
+                timeout=max(patience - (time.monotonic() - self.hit), 0.1)
+            )
             while self.pids():
-                assert time.monotonic() - self.hit < patience, f"processes are left: {[command_of(pid) for pid in self.pids()]}"
+                assert time.monotonic() - self.hit < patience, (
+                    f"processes are left: {[command_of(pid) for pid in self.pids()]}"
+                )
                 time.sleep(0.01)
         except subprocess.TimeoutExpired:
             raise AssertionError(f"the job hangs {patience:g} s after the fault") from None
@@ -92,11 +115,16 @@ class Job:
                 os.kill(pid, signal.SIGKILL)
             self.process.wait()
         self.seconds = time.monotonic() - self.hit
-        self.code = self.process.returncode if self.process.returncode >= 0 else 128 - self.process.returncode
+        self.code = (
+            self.process.returncode
+            if self.process.returncode >= 0
+            else 128 - self.process.returncode
+        )
         return self
 
     def one_line(self):
-        """What the job said on stderr: one line, once, no traceback. (mpirun may add lines of its own.)"""
+        """What the job said on stderr: one line, once, no traceback. (mpirun may add lines of its
+        own.)"""
         lines = [line for line in self.err.splitlines() if line.startswith("hpc-gfmd:")]
         assert len(lines) == 1, self.err
         assert "Traceback" not in self.err or "internal error" in lines[0], self.err
@@ -125,9 +153,15 @@ EIGHT = [round(0.02 * 1.2**i, 6) for i in range(8)]
 
 def write_scene(folder, lam=32, loads=EIGHT[:5], residual=1e-8, fields=("gap",), checkpoint=1e-3):
     """scene.toml of a sweep, most loads of which start from the one before."""
-    (folder / "scene.toml").write_text(scene_text(
-        (2, lam, 2), loads, solver={"residual": residual, "precision": "double"}, output={"path": "out.h5", "fields": list(fields)},
-        machine={"checkpoint_seconds": checkpoint}))
+    (folder / "scene.toml").write_text(
+        scene_text(
+            (2, lam, 2),
+            loads,
+            solver={"residual": residual, "precision": "double"},
+            output={"path": "out.h5", "fields": list(fields)},
+            machine={"checkpoint_seconds": checkpoint},
+        )
+    )
     return folder / "out.h5"
 
 
@@ -141,14 +175,19 @@ def same_steps(found, wanted):
     """The steps of the first, of which there may be fewer, are those of the second."""
     for index, a, fields in zip(found.indices, found.steps, found.fields, strict=True):
         b = wanted.steps[wanted.indices.index(index)]
-        assert {k: v for k, v in a.items() if k != "wall_seconds"} == {k: v for k, v in b.items() if k != "wall_seconds"}
+        assert {k: v for k, v in a.items() if k != "wall_seconds"} == {
+            k: v for k, v in b.items() if k != "wall_seconds"
+        }
         for name, stored in fields.items():
             other = wanted.fields[wanted.indices.index(index)][name]
-            assert np.array_equal(stored.read(0, stored.shape[0]), other.read(0, other.shape[0])), name
+            assert np.array_equal(stored.read(0, stored.shape[0]), other.read(0, other.shape[0])), (
+                name
+            )
 
 
 def nothing_wrong(path, wanted):
-    """What can be read is right: a file under its final name is complete, finished steps are those of the undisturbed run.
+    """What can be read is right: a file under its final name is complete, finished steps are those
+    of the undisturbed run.
 
     Returns how many steps there are."""
     if path.exists():
@@ -166,9 +205,14 @@ def nothing_wrong(path, wanted):
 
 
 def finish(path, ranks=None):
-    """Go on to the end, as a user would: restart, or run where the run had not yet begun; no temporary files are left then."""
+    """Go on to the end, as a user would: restart, or run where the run had not yet begun; no
+    temporary files are left then."""
     complete, begun = path.exists(), (partial_folder(path) / "head.h5").exists()
-    job = call(["restart", path.name, "-q"] if begun or complete else ["run", "scene.toml", "-q"], ranks, path.parent)
+    job = call(
+        ["restart", path.name, "-q"] if begun or complete else ["run", "scene.toml", "-q"],
+        ranks,
+        path.parent,
+    )
     assert job.code == (2 if complete and not begun else 0), job.err
     left = sorted(p.name for p in path.parent.iterdir())
     assert left == ["out.h5", "scene.toml"], left

@@ -1,6 +1,7 @@
 """Run the program with a fault in it: `python sabotage.py FAULT RANK [ARGUMENT] -- run scene.toml`.
 
-The fault happens on one rank only (-1: on all), by replacing a function of the program; the program itself has no hooks for this.
+The fault happens on one rank only (-1: on all), by replacing a function of the program; the program
+itself has no hooks for this.
 """
 
 import os
@@ -20,7 +21,7 @@ def main(fault, rank, *rest):
         FAULTS[fault](*rest[:cut])
     from hpc_gfmd.cli import main as program
 
-    return program(list(rest[cut + 1:]))
+    return program(list(rest[cut + 1 :]))
 
 
 def after(function, count, then):
@@ -73,7 +74,8 @@ def write(count):
 
 
 def nan(count, value="nan"):
-    """A NaN or an infinity in the pressure of this rank, in the middle of a solve, in every precision."""
+    """A NaN or an infinity in the pressure of this rank, in the middle of a solve, in every
+    precision."""
     from hpc_gfmd.solvers.bpx import Bpx
 
     def spoil(go_on, args):
@@ -109,13 +111,18 @@ def slow(seconds):
 
 
 def hold(function, text, flag):
-    """A function of parallel/h5.py, _transfer or sync, that does not get on when the file's name has this text; a file says when."""
+    """A function of parallel/h5.py, _transfer or sync, that does not get on when the file's name
+    has this text; a file says when."""
     from hpc_gfmd.parallel import h5
 
     before = getattr(h5, function)
 
     def called(what, *args, **named):
-        if not named and text in (str(what) if function == "sync" else what.file.filename) and args[-1:] != ("read",):
+        if (
+            not named
+            and text in (str(what) if function == "sync" else what.file.filename)
+            and args[-1:] != ("read",)
+        ):
             Path(flag).touch()
             time.sleep(60)
         return before(what, *args, **named)
@@ -132,7 +139,9 @@ def vanish(folder):
     """A folder, when the third load is about to be written."""
     from hpc_gfmd.output.record import RunFile
 
-    RunFile.write_step = after(RunFile.write_step, 3, lambda go_on, _: shutil.rmtree(folder) or go_on())
+    RunFile.write_step = after(
+        RunFile.write_step, 3, lambda go_on, _: shutil.rmtree(folder) or go_on()
+    )
 
 
 def lag(seconds, flag):
@@ -147,7 +156,10 @@ def lag(seconds, flag):
     simulation.surface_size = after(simulation.surface_size, 1, wait)
 
 
-FAULTS = {fault.__name__: fault for fault in (surface, solve, no_memory, write, nan, limit, slow, hold, unreserved, vanish, lag)}
+FAULTS = {
+    fault.__name__: fault
+    for fault in (surface, solve, no_memory, write, nan, limit, slow, hold, unreserved, vanish, lag)
+}
 
 if __name__ == "__main__":
     sys.exit(main(*sys.argv[1:]))

@@ -1,4 +1,5 @@
-"""Caches that are stale, damaged or cannot be written: compiled again, never run, never an error."""
+"""Caches that are stale, damaged or cannot be written: compiled again, never run, never an
+error."""
 
 import errno
 import importlib.util
@@ -14,11 +15,14 @@ KERNEL = "from hpc_gfmd.kernels.jit import kernel\n\n@kernel\ndef f(x):\n    ret
 
 @pytest.fixture
 def compiled(tmp_path, monkeypatch):
-    """compiled(): (value, hits of the cache) of a small kernel, imported anew; .file(kind): its index or code in the cache."""
+    """compiled(): (value, hits of the cache) of a small kernel, imported anew; .file(kind): its
+    index or code in the cache."""
     numba = pytest.importorskip("numba")
     from hpc_gfmd.kernels.cache import sound
 
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))  # numba reads its variables anew where one has changed
+    monkeypatch.setenv(
+        "NUMBA_CACHE_DIR", str(tmp_path / "cache")
+    )  # numba reads its variables anew where one has changed
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
     (tmp_path / "small.py").write_text(KERNEL)
 
@@ -34,7 +38,10 @@ def compiled(tmp_path, monkeypatch):
 
 DAMAGE = {
     "index cut": ("nbi", lambda data: data[: len(data) // 2]),
-    "index of another version of numba": ("nbi", lambda data: pickle.dumps("0.0.1", -1) + b"anything"),
+    "index of another version of numba": (
+        "nbi",
+        lambda data: pickle.dumps("0.0.1", -1) + b"anything",
+    ),
     "code cut": ("nbc", lambda data: data[:-100]),
     "code of another program": ("nbc", lambda data: pickle.dumps((b"", b""))),
     "code of noise": ("nbc", lambda data: b"\xcc" * len(data)),
@@ -62,7 +69,9 @@ def test_a_cache_that_cannot_be_written_is_none(how, compiled, monkeypatch, tmp_
     if how == "no folder":
         (tmp_path / "cache").write_text("a file where the folder should be")
     elif how == "no room":
-        monkeypatch.setattr(shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(10**9, 10**9, 0))
+        monkeypatch.setattr(
+            shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(10**9, 10**9, 0)
+        )
     else:
         monkeypatch.setattr(os, "replace", fails)
     assert compiled() == (6.0, 0)
@@ -71,7 +80,8 @@ def test_a_cache_that_cannot_be_written_is_none(how, compiled, monkeypatch, tmp_
 
 
 def test_other_sources_have_another_folder_and_few_are_kept(compiled, monkeypatch, tmp_path):
-    """A function that is compiled into a kernel may live in another file, which numba does not look at."""
+    """A function that is compiled into a kernel may live in another file, which numba does not look
+    at."""
     import numba
 
     from hpc_gfmd.kernels import cache
@@ -82,7 +92,9 @@ def test_other_sources_have_another_folder_and_few_are_kept(compiled, monkeypatc
         assert compiled() == (6.0, 0)
         assert compiled() == (6.0, 1)
         os.utime(tmp_path / "cache" / f"hpc-gfmd-state{k}", (k, k))
-    assert sorted(path.name for path in (tmp_path / "cache").iterdir()) == [f"hpc-gfmd-state{k}" for k in (3, 4, 5, 6)]
+    assert sorted(path.name for path in (tmp_path / "cache").iterdir()) == [
+        f"hpc-gfmd-state{k}" for k in (3, 4, 5, 6)
+    ]
     assert users == numba.config.CACHE_DIR
 
 
@@ -99,7 +111,9 @@ def test_an_error_that_is_not_the_caches_is_raised(compiled):
 def test_a_run_with_a_garbled_cache(tmp_path):
     """Every file of it half overwritten; the run compiles, and gives the same numbers."""
     (tmp_path / "scene.toml").write_text(
-        "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [32, 32]\nperiods = [1, 1]\n[load]\npressure = 0.1\n")
+        "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [32, 32]\nperiods = [1,"
+        " 1]\n[load]\npressure = 0.1\n"
+    )
     env = environment(NUMBA_CACHE_DIR=str(tmp_path / "cache"))
     first = call(None, ["run", "scene.toml", "-o", "a.h5"], env=env, cwd=tmp_path, timeout=600)
     assert first.returncode == 0, first.stderr
@@ -110,9 +124,13 @@ def test_a_run_with_a_garbled_cache(tmp_path):
         path.write_bytes(data[: len(data) // 2] + b"\xcc" * (len(data) - len(data) // 2))
     again = call(None, ["run", "scene.toml", "-o", "b.h5"], env=env, cwd=tmp_path, timeout=600)
     assert again.returncode == 0, again.stderr
-    shown = [call(None, ["show", name, "--json"], env=env, cwd=tmp_path).stdout for name in ("a.h5", "b.h5")]
+    shown = [
+        call(None, ["show", name, "--json"], env=env, cwd=tmp_path).stdout
+        for name in ("a.h5", "b.h5")
+    ]
     assert [line for line in shown[0].splitlines() if "seconds" not in line] == [
-        line for line in shown[1].splitlines() if "seconds" not in line]
+        line for line in shown[1].splitlines() if "seconds" not in line
+    ]
 
 
 @pytest.mark.parametrize("content", [b"", b"[]", b"{", b'{"host": 1}', b"\xff\xfe", b"null"])

@@ -1,4 +1,5 @@
-"""Disks that are full, read-only or gone: one line, a code that is not 0, and what was finished before is continued afterwards."""
+"""Disks that are full, read-only or gone: one line, a code that is not 0, and what was finished
+before is continued afterwards."""
 
 import subprocess
 
@@ -11,23 +12,46 @@ SEVERAL = pytest.param(2, id="two ranks", marks=[pytest.mark.slow, needs_mpi])
 FULL = {  # when: KiB of the disk, of the scene, what the message names
     "at start": (4, {}, "output.path: cannot write to|writing .*head.h5: No space left"),
     "during a checkpoint": (300, {}, r"checkpoint\.h5: No space left on device \(.* MB needed\)"),
-    "during a field write": (300, {"checkpoint": 600, "fields": ["gap", "pressure", "displacement"]}, r"step-0000\.h5: No space"),
-    "while the result is put together": (1568, {"checkpoint": 600}, r"out\.h5: No space left.*the finished steps are safe in"),
+    "during a field write": (
+        300,
+        {"checkpoint": 600, "fields": ["gap", "pressure", "displacement"]},
+        r"step-0000\.h5: No space",
+    ),
+    "while the result is put together": (
+        1568,
+        {"checkpoint": 600},
+        r"out\.h5: No space left.*the finished steps are safe in",
+    ),
 }
 
 
-@pytest.mark.parametrize(("when", "ranks"), [
-    *[pytest.param(when, None, id=f"{when}-alone") for when in FULL],
-    *[pytest.param(when, 2, id=f"{when}-two ranks", marks=[needs_mpi, *[pytest.mark.slow] * (when != "during a field write")])
-      for when in FULL]])
+@pytest.mark.parametrize(
+    ("when", "ranks"),
+    [
+        *[pytest.param(when, None, id=f"{when}-alone") for when in FULL],
+        *[
+            pytest.param(
+                when,
+                2,
+                id=f"{when}-two ranks",
+                marks=[needs_mpi, *[pytest.mark.slow] * (when != "during a field write")],
+            )
+            for when in FULL
+        ],
+    ],
+)
 def test_full(small_disk, undisturbed, when, ranks):
     """No result, nothing half-written; with more space all goes on."""
     size, how, message = FULL[when]
     to_the_end = when == "while the result is put together"
-    plans = sum(path.stat().st_size for path in (cache_folder() / "wisdom").glob("*-float64"))  # are kept with the checkpoints
+    plans = sum(
+        path.stat().st_size for path in (cache_folder() / "wisdom").glob("*-float64")
+    )  # are kept with the checkpoints
     disk = small_disk(size * 1024 + plans * to_the_end)
     path = write_scene(disk, **how)
-    job = (run if to_the_end else call)(["run", "scene.toml", "-q"], ranks, disk)  # this process may know plans of other tests
+    job = (run if to_the_end else call)(
+        ["run", "scene.toml", "-q"], ranks, disk
+    )  # this process may know plans of other tests
     assert job.code in (1, 2)
     job.says(message)
     assert not path.exists()
@@ -41,7 +65,8 @@ def test_full(small_disk, undisturbed, when, ranks):
 
 @pytest.mark.parametrize("ranks", [None, SEVERAL])
 def test_full_in_the_middle_of_a_write(small_disk, undisturbed, ranks):
-    """Where the space could not be reserved: HDF5 and MPI meet the full disk, in a collective write on several ranks."""
+    """Where the space could not be reserved: HDF5 and MPI meet the full disk, in a collective write
+    on several ranks."""
     how = {"checkpoint": 600, "fields": ["gap", "pressure", "displacement"]}
     disk = small_disk(300 * 1024)
     path = write_scene(disk, **how)
@@ -72,7 +97,12 @@ def test_folder_vanished(tmp_path, what, ranks):
     folder = tmp_path / "folder"
     folder.mkdir()
     path = write_scene(folder)
-    job = run(["run", path.parent / "scene.toml", "-q", "-o", path], ranks, tmp_path, fault=["vanish", 0, folder / what])
+    job = run(
+        ["run", path.parent / "scene.toml", "-q", "-o", path],
+        ranks,
+        tmp_path,
+        fault=["vanish", 0, folder / what],
+    )
     assert job.code == 1
     job.says(r"step-0002\.h5: No such file or directory")
     assert not path.exists()

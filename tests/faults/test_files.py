@@ -1,4 +1,5 @@
-"""Bad files of every kind: one line that says what is wrong, exit code 2, nothing written, nothing executed."""
+"""Bad files of every kind: one line that says what is wrong, exit code 2, nothing written, nothing
+executed."""
 
 import h5py
 import numpy as np
@@ -14,7 +15,9 @@ from hpc_gfmd.surface.files import HeightMap
 
 @pytest.fixture
 def refused(tmp_path, cli):
-    """refused(*args, code=2): the line on stderr of a command in the folder of the bad file; nothing else is written."""
+    """refused(*args, code=2): the line on stderr of a command in the folder of the bad file;
+    nothing else is written."""
+
     def run(*args, code=2):
         before = sorted(tmp_path.rglob("*"))
         line = cli.refused(*args, code=code)
@@ -30,7 +33,10 @@ def test_height_map(fault, tmp_path, refused):
     extension, make, words = HEIGHT_MAPS[fault]
     path = tmp_path / f"z{extension}"
     make(path)
-    scene = {"surface": {"kind": "file", "physical_sizes": [1, 1], "path": path.name}, "load": {"pressure": 0.1}}
+    scene = {
+        "surface": {"kind": "file", "physical_sizes": [1, 1], "path": path.name},
+        "load": {"pressure": 0.1},
+    }
     (tmp_path / "scene.toml").write_text(tomli_w.dumps(scene | {"solver": {"max_iterations": 1}}))
     line = refused("run", "scene.toml")
     assert words in line
@@ -55,14 +61,22 @@ def test_one_bit_of_a_field(tmp_path, refused):
     place = data.index(FIELD.tobytes()) + 100
     path.write_bytes(data[:place] + bytes([data[place] ^ 16]) + data[place + 1 :])
     assert len(read_result(path).steps) == 2
-    assert "the numbers of steps/0000/gap are damaged" in refused("plot", "out.h5", "-o", ".", code=1)
+    assert "the numbers of steps/0000/gap are damaged" in refused(
+        "plot", "out.h5", "-o", ".", code=1
+    )
 
 
 def test_a_large_map_in_one_chunk_is_unpacked_once(tmp_path):
-    """Rows are read a few at a time; the chunk is kept, whatever happens to the file after the first of them."""
+    """Rows are read a few at a time; the chunk is kept, whatever happens to the file after the
+    first of them."""
     z = np.arange(2048.0 * 640).reshape(2048, 640)
     path = tmp_path / "z.h5"
-    h5(path, lambda file: file.create_dataset("surface", data=z, chunks=z.shape, compression="gzip", compression_opts=1))
+    h5(
+        path,
+        lambda file: file.create_dataset(
+            "surface", data=z, chunks=z.shape, compression="gzip", compression_opts=1
+        ),
+    )
     found = HeightMap(File(kind="file", path=str(path)))
     assert np.array_equal(found.rows(0, 64), z[:64])
     with open(path, "r+b") as file:  # what is packed there cannot be unpacked again
@@ -72,8 +86,18 @@ def test_a_large_map_in_one_chunk_is_unpacked_once(tmp_path):
         assert np.array_equal(found.rows(i, i + 64), z[i : i + 64])
 
 
-@pytest.mark.parametrize("array", [Z.astype(">f4"), np.asfortranarray(Z), Z.astype("i2"), Z.astype("u1"), Z.astype("f2"), Z[::2]],
-                         ids=["big endian", "Fortran order", "short integers", "bytes", "half precision", "every other row"])
+@pytest.mark.parametrize(
+    "array",
+    [Z.astype(">f4"), np.asfortranarray(Z), Z.astype("i2"), Z.astype("u1"), Z.astype("f2"), Z[::2]],
+    ids=[
+        "big endian",
+        "Fortran order",
+        "short integers",
+        "bytes",
+        "half precision",
+        "every other row",
+    ],
+)
 def test_sound_height_maps_of_every_kind(array, tmp_path):
     np.save(tmp_path / "z.npy", array)
     h5(tmp_path / "z.h5", lambda file: file.create_dataset("surface", data=array))
@@ -94,7 +118,8 @@ def test_soft_links_within_the_file_are_followed(tmp_path):
 
 
 def test_packed_netcdf_is_unpacked_and_missing_points_are_not_numbers(tmp_path):
-    """The conventions of NetCDF: height = scale_factor times number + add_offset, _FillValue where there is none."""
+    """The conventions of NetCDF: height = scale_factor times number + add_offset, _FillValue where
+    there is none."""
     from scipy.io import netcdf_file
 
     from hpc_gfmd.errors import SceneError
@@ -111,7 +136,9 @@ def test_packed_netcdf_is_unpacked_and_missing_points_are_not_numbers(tmp_path):
 
     found = write(tmp_path / "z.nc", scale_factor=0.25, add_offset=-3.0, _FillValue=np.int16(99))
     assert np.array_equal(found.rows(2, 5), 0.25 * Z[2:5] - 3)
-    assert np.argwhere(np.isnan(write(tmp_path / "holes.nc", missing_value=np.int16(5)).rows(0, 3))).tolist() == [[0, 5]]
+    assert np.argwhere(
+        np.isnan(write(tmp_path / "holes.nc", missing_value=np.int16(5)).rows(0, 3))
+    ).tolist() == [[0, 5]]
     with pytest.raises(SceneError, match="scale_factor is no number"):
         write(tmp_path / "odd.nc", scale_factor="much")
 
@@ -122,10 +149,19 @@ def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd):
     from hpc_gfmd.scene import Scene
     from hpc_gfmd.simulation import restart, run_scene
 
-    surface = {"kind": "self-affine", "hurst": 0.8, "L_over_lam_l": 1, "lam_l_over_lam_s": 16, "lam_s_over_a": 2, "seed": 1}
+    surface = {
+        "kind": "self-affine",
+        "hurst": 0.8,
+        "L_over_lam_l": 1,
+        "lam_l_over_lam_s": 16,
+        "lam_s_over_a": 2,
+        "seed": 1,
+    }
     scene = Scene.from_dict({"surface": surface, "load": {"p_star": 0.1}})
     whole = run_scene(scene, out=tmp_path / "whole.h5", quiet=True)
-    stopped = Scene.from_dict(scene.model_dump(exclude_none=True) | {"machine": {"wall_seconds": 1e-9}})
+    stopped = Scene.from_dict(
+        scene.model_dump(exclude_none=True) | {"machine": {"wall_seconds": 1e-9}}
+    )
     assert run_scene(stopped, out=tmp_path / "out.h5", quiet=True).status == "interrupted"
     path = tmp_path / "out.h5.partial" / "checkpoint.h5"
     data = path.read_bytes()
@@ -133,7 +169,11 @@ def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd):
         cut(path, data, 0.7)
     else:
         with h5py.File(path) as file:
-            place = file["steps/0000/g"].id.get_offset() + 64 if left == "numbers" else data.index(b"OHDR") + 30
+            place = (
+                file["steps/0000/g"].id.get_offset() + 64
+                if left == "numbers"
+                else data.index(b"OHDR") + 30
+            )
         path.write_bytes(data[:place] + b"\x55" * 64 + data[place + 64 :])
     capfd.readouterr()
     run = restart(tmp_path / "out.h5", ["machine.wall_seconds=1e9"])
@@ -141,4 +181,6 @@ def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd):
     assert line.endswith("load 1 begins anew")
     assert run.exit_code == 0
     assert [step["a_r"] for step in run.steps] == [step["a_r"] for step in whole.steps]
-    assert [step["iterations"] for step in run.steps] == [step["iterations"] for step in whole.steps]
+    assert [step["iterations"] for step in run.steps] == [
+        step["iterations"] for step in whole.steps
+    ]

@@ -13,8 +13,14 @@ from hpc_gfmd.output.folder import partial_folder
 pytestmark = needs_mpi
 RANKS = 2
 MOMENTS = int(os.environ.get("HPC_GFMD_MOMENTS", "9"))
-TARGETS = {"one rank": lambda job: job.ranks()[-1:], "all ranks": lambda job: job.ranks(), "mpirun": lambda job: []}
-HELD = {  # where one rank is held, while the others go on as far as they can: it, function of parallel/h5.py, file; loads that are kept
+TARGETS = {
+    "one rank": lambda job: job.ranks()[-1:],
+    "all ranks": lambda job: job.ranks(),
+    "mpirun": lambda job: [],
+}
+# where one rank is held, while the others go on as far as they can: it, function of parallel/h5.py,
+# file; loads that are kept
+HELD = {
     "in a collective write": (1, "_transfer", "step-0002.h5", 2),
     "before a file gets its name": (0, "sync", "step-0002.h5.tmp", 2),
     "in the collective write of the result": (1, "_transfer", "out.h5.tmp", 5),
@@ -27,14 +33,30 @@ def check(path, wanted, kept=0):
     nothing_wrong(path, wanted)
 
 
-@pytest.mark.parametrize(("where", "target"), [
-    pytest.param(where, target, marks=[] if (where, target) == ("in a collective write", "one rank") else pytest.mark.slow)
-    for where in HELD for target in TARGETS])
+@pytest.mark.parametrize(
+    ("where", "target"),
+    [
+        pytest.param(
+            where,
+            target,
+            marks=[]
+            if (where, target) == ("in a collective write", "one rank")
+            else pytest.mark.slow,
+        )
+        for where in HELD
+        for target in TARGETS
+    ],
+)
 def test_held(tmp_path, undisturbed, where, target):
     """Killed where that is being written."""
     rank, function, file, kept = HELD[where]
     path = write_scene(tmp_path, checkpoint=600)
-    job = Job(["run", "scene.toml", "-q"], RANKS, tmp_path, fault=["hold", rank, function, file, tmp_path / "held"])
+    job = Job(
+        ["run", "scene.toml", "-q"],
+        RANKS,
+        tmp_path,
+        fault=["hold", rank, function, file, tmp_path / "held"],
+    )
     assert job.wait_for((tmp_path / "held").exists), job.end().err
     job.kill(signal.SIGKILL, *TARGETS[target](job))
     job.end()

@@ -1,4 +1,5 @@
-"""Parts of the installation that are not there: not needed, or one line that says what to install."""
+"""Parts of the installation that are not there: not needed, or one line that says what to
+install."""
 
 import pytest
 from mpi_harness import call, environment, missing
@@ -32,12 +33,24 @@ def test_mpirun_without_mpi4py(folder):
     assert sorted(p.name for p in folder.iterdir()) == ["gone", "scene.toml"]
 
 
-@pytest.mark.parametrize(("module", "args", "code", "words"), [
-    ("numba", ["run", "scene.toml"], 1, "run needs numba, which is not installed here: pip install numba"),
-    ("matplotlib", ["plot", "out.h5"], 1, "plot needs matplotlib"), ("h5py", ["show", "out.h5"], 1, "h5py"),
-    ("mpi4py", ["run", "scene.toml"], 0, ""), ("numba", ["show", "out.h5"], 0, ""), ("matplotlib", ["show", "out.h5"], 0, ""),
-    ("numba", ["persson", "--hurst", "0.8", "--eps-f", "0.01", "--p-star", "0.1"], 0, "")],
-    ids=lambda x: " ".join(x[:2]) if isinstance(x, list) else None)
+@pytest.mark.parametrize(
+    ("module", "args", "code", "words"),
+    [
+        (
+            "numba",
+            ["run", "scene.toml"],
+            1,
+            "run needs numba, which is not installed here: pip install numba",
+        ),
+        ("matplotlib", ["plot", "out.h5"], 1, "plot needs matplotlib"),
+        ("h5py", ["show", "out.h5"], 1, "h5py"),
+        ("mpi4py", ["run", "scene.toml"], 0, ""),
+        ("numba", ["show", "out.h5"], 0, ""),
+        ("matplotlib", ["show", "out.h5"], 0, ""),
+        ("numba", ["persson", "--hurst", "0.8", "--eps-f", "0.01", "--p-star", "0.1"], 0, ""),
+    ],
+    ids=lambda x: " ".join(x[:2]) if isinstance(x, list) else None,
+)
 def test_a_missing_package(module, args, code, words, folder):
     from fuzz.seeds import seeds
 

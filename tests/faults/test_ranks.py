@@ -1,4 +1,5 @@
-"""What goes wrong on one rank only: all ranks end, one line says why, and nothing is sold as good."""
+"""What goes wrong on one rank only: all ranks end, one line says why, and nothing is sold as
+good."""
 
 import json
 
@@ -11,8 +12,14 @@ from hpc_gfmd.output.read import read_result
 pytestmark = needs_mpi
 RANKS = 2
 EXCEPTIONS = {  # where: fault, message
-    "while the surface is made": (["surface", 1], "internal error on rank 1: RuntimeError: sabotage"),
-    "in the middle of a solve": (["solve", 1, 20], "internal error on rank 1: RuntimeError: sabotage"),
+    "while the surface is made": (
+        ["surface", 1],
+        "internal error on rank 1: RuntimeError: sabotage",
+    ),
+    "in the middle of a solve": (
+        ["solve", 1, 20],
+        "internal error on rank 1: RuntimeError: sabotage",
+    ),
     "in the writer": (["write", 1, 6], r"writing .*\.h5: sabotage"),
     "in the writer, rank 0": (["write", 0, 6], r"writing .*\.h5: sabotage"),
 }
@@ -23,8 +30,13 @@ def wanted(undisturbed):
     return undisturbed(RANKS)
 
 
-@pytest.mark.parametrize("where", [pytest.param(name, marks=[] if name == "in the middle of a solve" else pytest.mark.slow)
-                                   for name in EXCEPTIONS])
+@pytest.mark.parametrize(
+    "where",
+    [
+        pytest.param(name, marks=[] if name == "in the middle of a solve" else pytest.mark.slow)
+        for name in EXCEPTIONS
+    ],
+)
 def test_exception(tmp_path, wanted, where):
     fault, message = EXCEPTIONS[where]
     path = write_scene(tmp_path)
@@ -40,9 +52,15 @@ def test_exception(tmp_path, wanted, where):
 @pytest.mark.slow
 @pytest.mark.parametrize(("value", "precision"), [("nan", "double"), ("-inf", "single")])
 def test_not_a_number(tmp_path, value, precision):
-    """In the middle of the second load, on one rank: that load is nonfinite, the others are what they are."""
+    """In the middle of the second load, on one rank: that load is nonfinite, the others are what
+    they are."""
     path = write_scene(tmp_path, loads=[0.02, 0.024, 0.2, 0.24], residual=1e-4)
-    job = run(["run", "scene.toml", "--set", f"solver.precision={precision}"], RANKS, tmp_path, fault=["nan", 1, 12, value])
+    job = run(
+        ["run", "scene.toml", "--set", f"solver.precision={precision}"],
+        RANKS,
+        tmp_path,
+        fault=["nan", 1, 12, value],
+    )
     assert job.code == 3, job.err
     result = read_result(path)
     status = [step["status"] for step in result.steps]
@@ -80,7 +98,12 @@ def test_address_space(tmp_path, ranks):
 def test_memory_limit_at_start(tmp_path):
     """ulimit -v is known before anything is computed."""
     path = write_scene(tmp_path, lam=2048, loads=[0.1])
-    job = run(["run", "scene.toml"], None, tmp_path, wrapped=["bash", "-c", 'ulimit -v 3000000; exec "$@"', "-"])
+    job = run(
+        ["run", "scene.toml"],
+        None,
+        tmp_path,
+        wrapped=["bash", "-c", 'ulimit -v 3000000; exec "$@"', "-"],
+    )
     assert job.code == 2, (job.code, job.err)
     job.says("need .* GiB")
     assert not path.exists()

@@ -1,4 +1,5 @@
-"""Signals and the wall-clock budget: a checkpoint, the documented exit code, and a restart that ends as if nothing had happened."""
+"""Signals and the wall-clock budget: a checkpoint, the documented exit code, and a restart that
+ends as if nothing had happened."""
 
 import signal
 import time
@@ -16,10 +17,21 @@ def third_load(job, path):
     assert job.wait_for((partial_folder(path) / "step-0001.h5").exists), job.end().err
 
 
-@pytest.mark.parametrize(("name", "ranks", "target"), [
-    ("SIGTERM", None, "the program"), pytest.param("SIGINT", None, "the program", marks=pytest.mark.slow),
-    *[pytest.param(*case, marks=[needs_mpi, pytest.mark.slow])
-      for case in (("SIGTERM", 2, "mpirun"), ("SIGUSR1", 2, "mpirun"), ("SIGUSR1", 2, "one rank"))]])
+@pytest.mark.parametrize(
+    ("name", "ranks", "target"),
+    [
+        ("SIGTERM", None, "the program"),
+        pytest.param("SIGINT", None, "the program", marks=pytest.mark.slow),
+        *[
+            pytest.param(*case, marks=[needs_mpi, pytest.mark.slow])
+            for case in (
+                ("SIGTERM", 2, "mpirun"),
+                ("SIGUSR1", 2, "mpirun"),
+                ("SIGUSR1", 2, "one rank"),
+            )
+        ],
+    ],
+)
 def test_signal(tmp_path, undisturbed, name, ranks, target):
     path = write_scene(tmp_path)
     job = Job(["run", "scene.toml"], ranks, tmp_path, fault=SLOW)
@@ -28,7 +40,8 @@ def test_signal(tmp_path, undisturbed, name, ranks, target):
     job.end()
     assert "Traceback" not in job.err
     by_mpirun = target == "mpirun" and name != "SIGUSR1"
-    if by_mpirun:  # it has its own code, and kills after a second those that are not ready; SIGUSR1 it passes on
+    # it has its own code, and kills after a second those that are not ready; SIGUSR1 it passes on
+    if by_mpirun:
         assert job.code == 1
     else:
         assert job.code == CODES[name], (job.code, job.err)
@@ -75,7 +88,9 @@ def test_one_rank_at_start(tmp_path):
 @pytest.mark.parametrize("ranks", [None, pytest.param(2, marks=[needs_mpi, pytest.mark.slow])])
 def test_wall_seconds(tmp_path, undisturbed, ranks):
     path = write_scene(tmp_path)
-    job = Job(["run", "scene.toml", "--set", "machine.wall_seconds=0.3"], ranks, tmp_path, fault=SLOW)
+    job = Job(
+        ["run", "scene.toml", "--set", "machine.wall_seconds=0.3"], ranks, tmp_path, fault=SLOW
+    )
     job.end(60)
     assert job.code == 143, job.err
     wanted = undisturbed(ranks)

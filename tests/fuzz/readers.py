@@ -1,4 +1,5 @@
-"""Every reader of files as a target for fuzzing: a file is read, or refused in one line; nothing else may happen."""
+"""Every reader of files as a target for fuzzing: a file is read, or refused in one line; nothing
+else may happen."""
 
 import faulthandler
 import json
@@ -15,8 +16,17 @@ from hpc_gfmd.surface.files import HeightMap
 from hpc_gfmd.theory import tfc
 
 MOST_POINTS = 2**20  # of a field that is read; larger ones are left to the check of the memory
-SECONDS, BYTES, LONGEST = 1, 8 * 2**30, 1500  # of the child that tries a file, and characters of a message
-HDF5 = ("hdf5", "netcdf", "result", "checkpoint")  # a file made to crash the HDF5 library is the library's matter
+SECONDS, BYTES, LONGEST = (
+    1,
+    8 * 2**30,
+    1500,
+)  # of the child that tries a file, and characters of a message
+HDF5 = (
+    "hdf5",
+    "netcdf",
+    "result",
+    "checkpoint",
+)  # a file made to crash the HDF5 library is the library's matter
 
 
 def read_scene(path):
@@ -39,7 +49,8 @@ def read_heights(path):
 
 
 def read_results(path):
-    """A result file as `show` prints it, as JSON, with its fields, and with its scene as `restart` would want it."""
+    """A result file as `show` prints it, as JSON, with its fields, and with its scene as `restart`
+    would want it."""
     result = read_result(path)
     assert as_text(result)
     json.dumps(as_dict(result), allow_nan=False)
@@ -69,14 +80,20 @@ def read_coefficients(path):
 
 
 READERS = {  # target: (reader, extension of its files)
-    "scene": (read_scene, ".toml"), "npy": (read_heights, ".npy"), "hdf5": (read_heights, ".h5"), "netcdf": (read_heights, ".nc"),
-    "result": (read_results, ".h5"), "checkpoint": (read_state, ".h5"), "runs": (read_runs, ".csv"),
+    "scene": (read_scene, ".toml"),
+    "npy": (read_heights, ".npy"),
+    "hdf5": (read_heights, ".h5"),
+    "netcdf": (read_heights, ".nc"),
+    "result": (read_results, ".h5"),
+    "checkpoint": (read_state, ".h5"),
+    "runs": (read_runs, ".csv"),
     "coefficients": (read_coefficients, ".json"),
 }
 
 
 def outcome(target, path):
-    """"read" or "refused"; anything else raises, and what a file does to the HDF5 library ends the process."""
+    """ "read" or "refused"; anything else raises, and what a file does to the HDF5 library ends the
+    process."""
     try:
         READERS[target][0](Path(path))
     except GfmdError as error:
@@ -96,12 +113,20 @@ def outcome_apart(target, path):
 
 
 def _in_a_fork(function):
-    """What a function returns, a text or nothing, or None if its process died. Raises AssertionError with what it raised."""
+    """What a function returns, a text or nothing, or None if its process died. Raises
+    AssertionError with what it raised."""
     read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:
         faulthandler.disable()
-        for fatal in (signal.SIGABRT, signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGILL, signal.SIGALRM):
+        for fatal in (
+            signal.SIGABRT,
+            signal.SIGSEGV,
+            signal.SIGBUS,
+            signal.SIGFPE,
+            signal.SIGILL,
+            signal.SIGALRM,
+        ):
             signal.signal(fatal, signal.SIG_DFL)  # a fuzzer's handler would wait for ever
         resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
         resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))

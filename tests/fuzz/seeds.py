@@ -31,7 +31,14 @@ def _scenes(folder):
 
 
 def _npy(folder):
-    arrays = [FIELD, FIELD.astype(">f4"), np.asfortranarray(FIELD.astype("i2")), np.zeros((0, 3)), FIELD[0], FIELD + 1j]
+    arrays = [
+        FIELD,
+        FIELD.astype(">f4"),
+        np.asfortranarray(FIELD.astype("i2")),
+        np.zeros((0, 3)),
+        FIELD[0],
+        FIELD + 1j,
+    ]
     found = []
     for i, array in enumerate(arrays):
         memory = io.BytesIO()
@@ -47,9 +54,18 @@ def _hdf5(folder):
         file["surface"].attrs["unit"] = "m"
         file["link"] = h5py.SoftLink("/surface")
     with h5py.File(found[1], "w") as file:
-        file.create_dataset("surface", data=FIELD.astype("i2"), chunks=(2, 3), compression="gzip", shuffle=True, fletcher32=True)
+        file.create_dataset(
+            "surface",
+            data=FIELD.astype("i2"),
+            chunks=(2, 3),
+            compression="gzip",
+            shuffle=True,
+            fletcher32=True,
+        )
     with h5py.File(found[2], "w", libver="v110") as file:
-        file.create_dataset("surface", data=FIELD.astype(">f4"), chunks=(3, 5), maxshape=(None, 5), scaleoffset=None)
+        file.create_dataset(
+            "surface", data=FIELD.astype(">f4"), chunks=(3, 5), maxshape=(None, 5), scaleoffset=None
+        )
     return found
 
 
@@ -69,10 +85,17 @@ def _results(folder):
     found = []
     for name, compressed in (("result", False), ("compressed", True)):
         path = folder / f"{name}.h5"
-        head = {"scene": SCENE.read_text(), "identity": "abc", "versions": {"numpy": "2"}, "setup_seconds": 0.1}
+        head = {
+            "scene": SCENE.read_text(),
+            "identity": "abc",
+            "versions": {"numpy": "2"},
+            "setup_seconds": 0.1,
+        }
         with RunFile(SerialComm(), path, N, (0, N[0]), head, SURFACE, compressed=compressed) as run:
             for index in range(2):
-                run.write_step(index, STEP | {"status": ("converged", "stagnated")[index]}, {"gap": FIELD})
+                run.write_step(
+                    index, STEP | {"status": ("converged", "stagnated")[index]}, {"gap": FIELD}
+                )
             run.finish("stagnated")
         found.append(path)
     return found
@@ -80,7 +103,9 @@ def _results(folder):
 
 def _checkpoints(folder):
     grid = type("Grid", (), {"n": N, "rows": (0, N[0])})
-    with RunFile(SerialComm(), folder / "out.h5", N, grid.rows, {"identity": "abc"}, SURFACE) as run:
+    with RunFile(
+        SerialComm(), folder / "out.h5", N, grid.rows, {"identity": "abc"}, SURFACE
+    ) as run:
         run.write_checkpoint(grid, "bpx", 0, ({"g": FIELD, "p": FIELD}, {"s": 1.0}), 2.0)
     return [run.partial / "checkpoint.h5"]
 
@@ -99,5 +124,13 @@ def _put(path, data):
     return path
 
 
-_MAKERS = {"scene": _scenes, "npy": _npy, "hdf5": _hdf5, "netcdf": _netcdf, "result": _results, "checkpoint": _checkpoints,
-           "runs": _runs, "coefficients": _coefficients}
+_MAKERS = {
+    "scene": _scenes,
+    "npy": _npy,
+    "hdf5": _hdf5,
+    "netcdf": _netcdf,
+    "result": _results,
+    "checkpoint": _checkpoints,
+    "runs": _runs,
+    "coefficients": _coefficients,
+}

@@ -1,4 +1,5 @@
-"""Whatever a file holds, it is read or refused in one line: changed bytes, valid HDF5 of odd content, and all that ever went wrong."""
+"""Whatever a file holds, it is read or refused in one line: changed bytes, valid HDF5 of odd
+content, and all that ever went wrong."""
 
 import hashlib
 from pathlib import Path
@@ -11,10 +12,24 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 REGRESSIONS = sorted(p for p in (Path(__file__).parent / "regressions").glob("*/*") if p.is_file())
-EXAMPLES = {"scene": 150, "npy": 100, "coefficients": 60, "runs": 60}  # of changed bytes; the others, HDF5 all, in a child each
-quick = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
-EDITS = st.lists(st.tuples(st.sampled_from(["set", "cut", "insert", "copy"]), st.floats(0, 1), st.binary(min_size=1, max_size=8)),
-                 min_size=1, max_size=6)
+EXAMPLES = {
+    "scene": 150,
+    "npy": 100,
+    "coefficients": 60,
+    "runs": 60,
+}  # of changed bytes; the others, HDF5 all, in a child each
+quick = settings(
+    deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
+EDITS = st.lists(
+    st.tuples(
+        st.sampled_from(["set", "cut", "insert", "copy"]),
+        st.floats(0, 1),
+        st.binary(min_size=1, max_size=8),
+    ),
+    min_size=1,
+    max_size=6,
+)
 
 
 def changed(data, edits):

@@ -12,7 +12,11 @@ from hpc_gfmd.scene import Scene
 from hpc_gfmd.simulation import run_scene
 
 pytestmark = pytest.mark.mpi
-COUNTED = list(observables_named(["patches", "patches_8", "perimeter", "percolation", "percolation_8", "spanning"]))
+COUNTED = list(
+    observables_named(
+        ["patches", "patches_8", "perimeter", "percolation", "percolation_8", "spanning"]
+    )
+)
 
 
 @pytest.mark.parametrize("share", [0.02, 0.4, 0.6, 0.97])
@@ -29,15 +33,24 @@ def test_same_numbers(comm, n, share):
 def test_same_distributions(comm, n, name):
     g, q = random_fields(n, seed=n[0])
     h = np.random.default_rng(1).random(n)
-    found, wanted = (all_distributions()[name](contact_of(g, q, (1.0, 1.3), world, h, (3.0, 0.2))) for world in (comm, None))
+    found, wanted = (
+        all_distributions()[name](contact_of(g, q, (1.0, 1.3), world, h, (3.0, 0.2)))
+        for world in (comm, None)
+    )
     assert found.keys() == wanted.keys()
     exact = {"edges", "density"}
     for what, array in found.items():
-        assert array == pytest.approx(wanted[what], rel=0 if what in exact else 1e-11, abs=0 if what in exact else 1e-14), what
+        assert array == pytest.approx(
+            wanted[what], rel=0 if what in exact else 1e-11, abs=0 if what in exact else 1e-14
+        ), what
         assert all(np.array_equal(array, other) for other in comm.allgather(array))
 
 
-@pytest.mark.parametrize(("n", "nominal"), [((40, 30), (20, 15)), ((64, 15), (31, 15)), ((9, 48), (9, 17)), ((4, 8), (2, 4))], ids=str)
+@pytest.mark.parametrize(
+    ("n", "nominal"),
+    [((40, 30), (20, 15)), ((64, 15), (31, 15)), ((9, 48), (9, 17)), ((4, 8), (2, 4))],
+    ids=str,
+)
 def test_surfaces_that_end(comm, n, nominal):
     """What lies beyond the surface does not count, and nothing touches across its edges."""
     g, q = random_fields(n, share=0.5)
@@ -51,25 +64,55 @@ def test_surfaces_that_end(comm, n, nominal):
         assert all_observables()[f"patches{end}"](contact) == len(sizes)
         assert all_observables()[f"patch_largest{end}"](contact) == max(sizes)
         for kind, wanted in (("contact", contact_percolates), ("gap", gap_percolates)):
-            assert tuple(all_observables()[f"{kind}_percolates_{axis}{end}"](contact) for axis in "xy") == wanted
-    sides = sum(np.sum(np.diff(touching, axis=axis, append=np.take(touching, [0 if periodic[axis] else -1], axis))) for axis in (0, 1))
+            assert (
+                tuple(all_observables()[f"{kind}_percolates_{axis}{end}"](contact) for axis in "xy")
+                == wanted
+            )
+    sides = sum(
+        np.sum(
+            np.diff(
+                touching, axis=axis, append=np.take(touching, [0 if periodic[axis] else -1], axis)
+            )
+        )
+        for axis in (0, 1)
+    )
     assert all_observables()["perimeter"](contact) == pytest.approx(np.pi / 4 * sides)
     for name, field in (("pressure", q), ("gap", g)):
         edges, density = all_distributions()[name](contact).values()
         values = field[part][field[part] > 0]
-        assert density == pytest.approx(np.histogram(values, edges)[0] / len(values) / np.diff(edges))
+        assert density == pytest.approx(
+            np.histogram(values, edges)[0] / len(values) / np.diff(edges)
+        )
 
 
 def test_in_the_file(comm, shared_path):
     """Of a run on all ranks; distributions as lists, and nothing that was not asked for."""
-    asked = {"observables": ["patches", "percolation"], "distributions": ["pressure", "patches", "gap_spectrum"]}
-    scene = Scene.from_dict({"surface": rough((1, 16, 2)), "load": {"p_star": [0.1, 1e3]}, "output": asked,
-                             "solver": {"accuracy": 1e-2}})
+    asked = {
+        "observables": ["patches", "percolation"],
+        "distributions": ["pressure", "patches", "gap_spectrum"],
+    }
+    scene = Scene.from_dict(
+        {
+            "surface": rough((1, 16, 2)),
+            "load": {"p_star": [0.1, 1e3]},
+            "output": asked,
+            "solver": {"accuracy": 1e-2},
+        }
+    )
     assert run_scene(scene, out=shared_path / "counted.h5", quiet=True, comm=comm).exit_code == 0
     rough_one, full = read_result(shared_path / "counted.h5").steps
-    names = {"pressure_edges", "pressure_density", "patches_edges", "patches_density", "gap_spectrum_q", "gap_spectrum_power"}
+    names = {
+        "pressure_edges",
+        "pressure_density",
+        "patches_edges",
+        "patches_density",
+        "gap_spectrum_q",
+        "gap_spectrum_power",
+    }
     assert {name for name, value in rough_one.items() if isinstance(value, list)} == names
-    assert np.sum(np.diff(rough_one["pressure_edges"]) * rough_one["pressure_density"]) == pytest.approx(1)
+    assert np.sum(
+        np.diff(rough_one["pressure_edges"]) * rough_one["pressure_density"]
+    ) == pytest.approx(1)
     assert rough_one["patches"] > full["patches"] == 1
     assert full["contact_percolates_x"] is True
     assert full["gap_percolates_x"] is False

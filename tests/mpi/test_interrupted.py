@@ -1,4 +1,5 @@
-"""Stopped by a signal or by its time limit, a run leaves a checkpoint from which any number of ranks goes on."""
+"""Stopped by a signal or by its time limit, a run leaves a checkpoint from which any number of
+ranks goes on."""
 
 import os
 import signal
@@ -23,12 +24,20 @@ pytestmark = pytest.mark.mpi
 
 
 def scene(**machine):
-    return Scene.from_dict({"surface": rough((2, 16, 2)), "load": {"p_star": [0.02, 0.2]}, "solver": EXACT,
-                            "output": {"fields": ["gap"]}, "machine": machine})
+    return Scene.from_dict(
+        {
+            "surface": rough((2, 16, 2)),
+            "load": {"p_star": [0.02, 0.2]},
+            "solver": EXACT,
+            "output": {"fields": ["gap"]},
+            "machine": machine,
+        }
+    )
 
 
 def test_time_limit_and_restart(comm, shared_path):
-    """Stopped in every iteration, one process and all ranks in turns, it ends with the answer of an uninterrupted run."""
+    """Stopped in every iteration, one process and all ranks in turns, it ends with the answer of an
+    uninterrupted run."""
     whole = run_scene(scene(), out=shared_path / "whole.h5", quiet=True, comm=comm)
     path = shared_path / "pieces.h5"
     run = run_scene(scene(wall_seconds=1e-9), out=path, quiet=True, comm=comm)
@@ -45,17 +54,26 @@ def test_time_limit_and_restart(comm, shared_path):
     for found, wanted in zip(run.steps, whole.steps, strict=True):
         for name in ("a_r", "gap_mean", "energy", "kappa", "iterations", "fft_pairs"):
             assert found[name] == pytest.approx(wanted[name], rel=1e-10), name
-    found, wanted = (read_result(p).fields[1]["gap"].read(0, 64) for p in (path, shared_path / "whole.h5"))
+    found, wanted = (
+        read_result(p).fields[1]["gap"].read(0, 64) for p in (path, shared_path / "whole.h5")
+    )
     assert np.abs(found - wanted).max() < 1e-10 * wanted.max()
     assert not partial_folder(path).exists()
 
 
 # tests/unit/test_restart.py has all solvers, on one process
-@pytest.mark.parametrize(("solver", "boundary", "loads"), [
-    ("bpx", "periodic", [0.1, 0.11, 0.12]), ("ccg", "periodic", [0.1, 0.11, 0.12]),
-    ("bpx", "free", {"approach": [0.1, 0.02, 0.03]})], ids=str)
+@pytest.mark.parametrize(
+    ("solver", "boundary", "loads"),
+    [
+        ("bpx", "periodic", [0.1, 0.11, 0.12]),
+        ("ccg", "periodic", [0.1, 0.11, 0.12]),
+        ("bpx", "free", {"approach": [0.1, 0.02, 0.03]}),
+    ],
+    ids=str,
+)
 def test_bit_identical(comm, shared_path, monkeypatch, solver, boundary, loads):
-    """On as many ranks: stopped in the first load and at the end of the second, then dead without a word."""
+    """On as many ranks: stopped in the first load and at the end of the second, then dead without a
+    word."""
     pieces = Pieces(monkeypatch, comm, shared_path)
     asked = small(solver, loads, boundary=boundary)
     part = pieces.undisturbed(asked) // 3
@@ -64,7 +82,8 @@ def test_bit_identical(comm, shared_path, monkeypatch, solver, boundary, loads):
 
 
 def test_another_number_of_ranks(comm, shared_path, monkeypatch):
-    """Begun by all ranks, continued by one, and then by all again, and the other way round: equal within rounding."""
+    """Begun by all ranks, continued by one, and then by all again, and the other way round: equal
+    within rounding."""
     pieces, alone = Pieces(monkeypatch, comm, shared_path), SerialComm()
     asked = small("auto", [0.02, 0.025, 0.2], accuracy=None, residual=1e-11)
     part = pieces.undisturbed(asked) // 3
@@ -78,12 +97,17 @@ def test_restart_of_what_is_not_there(comm, shared_path):
         restart(shared_path / "nothing.h5", comm=comm)
 
 
-SLOW = scene_text((2, 128, 2), [0.01 * 1.3 ** (i % 9) for i in range(300)], output={"path": "slow.h5"},
-                  solver={"residual": 1e-14, "precision": "double", "max_iterations": 10**7})
+SLOW = scene_text(
+    (2, 128, 2),
+    [0.01 * 1.3 ** (i % 9) for i in range(300)],
+    output={"path": "slow.h5"},
+    solver={"residual": 1e-14, "precision": "double", "max_iterations": 10**7},
+)
 
 
 def test_signal(mpirun, tmp_path):
-    """A signal to the job in one of its many load steps leaves what can be continued, and no result."""
+    """A signal to the job in one of its many load steps leaves what can be continued, and no
+    result."""
     (tmp_path / "scene.toml").write_text(SLOW)
     process = mpirun.start(["-m", "hpc_gfmd", "run", "scene.toml"], subprocess.PIPE, cwd=tmp_path)
     try:

@@ -1,4 +1,5 @@
-"""Low memory at small loads: rounding errors of the heights' transforms are not taken for pressure out of contact."""
+"""Low memory at small loads: rounding errors of the heights' transforms are not taken for pressure
+out of contact."""
 
 import numpy as np
 import pytest
@@ -16,9 +17,21 @@ P_STAR, RESIDUAL = 0.002, 2e-4
 
 def solved(comm):
     """The sweep and its step at a small load, in single precision and low memory."""
-    scene = Scene.from_dict({"surface": rough((2, 32, 2)), "load": {"p_star": [P_STAR]},
-                             "solver": {"residual": RESIDUAL, "precision": "single", "low_memory": True, "max_iterations": 60}})
-    sweep = LowMemorySweep(lambda dtype: build_surface(scene.surface, comm, dtype, low_memory=True), scene.solver)
+    scene = Scene.from_dict(
+        {
+            "surface": rough((2, 32, 2)),
+            "load": {"p_star": [P_STAR]},
+            "solver": {
+                "residual": RESIDUAL,
+                "precision": "single",
+                "low_memory": True,
+                "max_iterations": 60,
+            },
+        }
+    )
+    sweep = LowMemorySweep(
+        lambda dtype: build_surface(scene.surface, comm, dtype, low_memory=True), scene.solver
+    )
     return sweep, sweep.solve(P_STAR * sweep.surface.g_rms)
 
 
@@ -27,7 +40,9 @@ def test_small_loads(comm):
     outcome = step.contact.outcome
     assert (outcome.status, outcome.certificate.precision) == ("converged", "float64")
     assert outcome.certificate.residual < RESIDUAL
-    assert [fft.dtype for fft in sweep.surface.grid.planned()] == [np.float32]  # those of the certificate have given their memory back
+    assert [fft.dtype for fft in sweep.surface.grid.planned()] == [
+        np.float32
+    ]  # those of the certificate have given their memory back
     assert step.contact.contact_points == solved(SerialComm())[1].contact.contact_points
 
 

@@ -1,4 +1,5 @@
-"""What ranks send in an iteration is what was planned for each of them, to the byte; and how they agree before it."""
+"""What ranks send in an iteration is what was planned for each of them, to the byte; and how they
+agree before it."""
 
 import os
 from contextlib import nullcontext
@@ -37,9 +38,12 @@ def test_counted(comm, n_over, boundary, monkeypatch):
 
 
 def test_no_objects_of_all_ranks(comm, monkeypatch):
-    """From the arguments to the solved contact nothing is pickled that every rank contributes to: such messages grow with the ranks."""
+    """From the arguments to the solved contact nothing is pickled that every rank contributes to:
+    such messages grow with the ranks."""
     surface = rough((1, 16, 2))
-    scene = Scene.from_dict({"surface": surface, "load": {"p_star": [0.1]}, "machine": {"threads": "auto"}})
+    scene = Scene.from_dict(
+        {"surface": surface, "load": {"p_star": [0.1]}, "machine": {"threads": "auto"}}
+    )
     assert comm.machine.size == comm.size
 
     def refuse(*_):
@@ -50,9 +54,15 @@ def test_no_objects_of_all_ranks(comm, monkeypatch):
         monkeypatch.setattr(type(comm), name, refuse)
     require_memory(comm, scene, (32, 32), (1.0, 1.0), threads)
     api._require_the_same(comm, scene, (32, 32))
-    assert sweep_of(surface, comm=comm, accuracy=1e-2).solve(0.1).contact.outcome.status == "converged"
+    assert (
+        sweep_of(surface, comm=comm, accuracy=1e-2).solve(0.1).contact.outcome.status == "converged"
+    )
     monkeypatch.undo()
-    with pytest.raises(SceneError, match="other arguments on some ranks") if comm.size > 1 else nullcontext():
+    with (
+        pytest.raises(SceneError, match="other arguments on some ranks")
+        if comm.size > 1
+        else nullcontext()
+    ):
         api._require_the_same(comm, scene, (32, 32 + comm.rank))
 
 
@@ -64,7 +74,8 @@ def test_all_to_all(comm):
 
 
 def test_reduce(comm):
-    """In the order of the ranks; one message for each doubling of their number is all that a rank gets."""
+    """In the order of the ranks; one message for each doubling of their number is all that a rank
+    gets."""
     joined = []
 
     def join(one, next_one):
@@ -77,8 +88,12 @@ def test_reduce(comm):
 
 
 def test_memory_of_a_machine(comm, monkeypatch):
-    """One machine that is too small is an error on all ranks, with its need: that of all ranks on it."""
+    """One machine that is too small is an error on all ranks, with its need: that of all ranks on
+    it."""
     scene = Scene.from_dict({"surface": rough((1, 16, 2)), "load": {"p_star": [0.1]}})
     monkeypatch.setattr(memory, "available_gib", lambda: 0.1)
-    with pytest.raises(SceneError, match=rf"GiB on {comm.size} of {comm.size} ranks, {os.uname().nodename} has 0.10 GiB"):
+    with pytest.raises(
+        SceneError,
+        match=rf"GiB on {comm.size} of {comm.size} ranks, {os.uname().nodename} has 0.10 GiB",
+    ):
         require_memory(comm, scene, (32, 32), (1.0, 1.0), 1)

@@ -1,4 +1,5 @@
-"""Ranks of one node transpose in memory that they have in common, others by messages: whoever is beside whom, all is as on one rank."""
+"""Ranks of one node transpose in memory that they have in common, others by messages: whoever is
+beside whom, all is as on one rank."""
 
 import errno
 import gc
@@ -21,21 +22,26 @@ on_nodes = pytest.mark.parametrize("nodes", NODES)
 @pytest.fixture
 def machines(comm, nodes, monkeypatch):
     """The communicator of all ranks, as if they were on these nodes."""
-    return comm if comm is None or comm.size == 1 else on_pretended_nodes(comm, NODES[nodes], monkeypatch)
+    return (
+        comm
+        if comm is None or comm.size == 1
+        else on_pretended_nodes(comm, NODES[nodes], monkeypatch)
+    )
 
 
 def transformed(comm, n, dtype, threads):
-    """This rank's rows of random heights, transformed, every column multiplied by a number of its own, and back."""
+    """This rank's rows of random heights, transformed, every column multiplied by a number of its
+    own, and back."""
     grid = Grid(n, comm=comm, threads=threads)
     fft, first = grid.fft(dtype), grid.rows[0]
     field = np.random.default_rng(3).standard_normal(n).astype(dtype)
     out = grid.empty(dtype)
 
     def read(i0, i1, x):
-        x[:i1 - i0] = field[first + i0:first + i1]
+        x[: i1 - i0] = field[first + i0 : first + i1]
 
     def write(i0, i1, x):
-        out[i0:i1] = x[:i1 - i0]
+        out[i0:i1] = x[: i1 - i0]
 
     def multiply(block, m):
         j0, j1 = fft.columns_of(m)
@@ -43,7 +49,9 @@ def transformed(comm, n, dtype, threads):
         return j0
 
     fft.forward_rows(read)
-    assert fft.columns(multiply) == [int(j) for j in fft.edges[comm.rank:-1:comm.size] if j < fft.n_c]
+    assert fft.columns(multiply) == [
+        int(j) for j in fft.edges[comm.rank : -1 : comm.size] if j < fft.n_c
+    ]
     fft.backward_rows(write)
     return out, slice(*grid.rows)
 
@@ -55,12 +63,16 @@ def test_transforms(machines):
         wanted, _ = transformed(SerialComm(), n, np.float64, 1)
         for threads in (1, 2):
             found, mine = transformed(machines, n, np.float64, threads)
-            assert np.abs(found - wanted[mine]).max(initial=0) <= 1e-12 * np.abs(wanted).max(), (n, threads)
+            assert np.abs(found - wanted[mine]).max(initial=0) <= 1e-12 * np.abs(wanted).max(), (
+                n,
+                threads,
+            )
 
 
 @on_nodes
 def test_messages_are_those_between_nodes(machines, nodes):
-    """Counted as planned, for the solver's whole iteration; none of a transpose where all ranks have a node in common."""
+    """Counted as planned, for the solver's whole iteration; none of a transpose where all ranks
+    have a node in common."""
     sweep = sweep_of(rough((2, 32, 4)), comm=machines, accuracy=1e-2, precision="single")
     sweep.solve(0.1 * sweep.surface.g_rms)
     if machines.size == 1:
@@ -77,13 +89,18 @@ def test_messages_are_those_between_nodes(machines, nodes):
         planned = share_of(sweep.surface.grid.n, sweep.dtype, machines.size, machines.rank, **how)
         assert planned.traffic == share.traffic
         assert planned.layout.scratch_bytes == share.layout.scratch_bytes
-        most = [one.traffic for one in busiest(sweep.surface.grid.n, sweep.dtype, machines.size, **how)]  # what `plan` says
+        most = [
+            one.traffic for one in busiest(sweep.surface.grid.n, sweep.dtype, machines.size, **how)
+        ]  # what `plan` says
         assert tuple(machines.max(share.traffic)) == tuple(map(max, zip(*most, strict=True)))
 
 
 @on_nodes
 def test_same_contact(machines):
-    found, wanted = (solve_scene(rough((2, 16, 2)), 0.1, comm=c, residual=1e-11, precision="double") for c in (machines, SerialComm()))
+    found, wanted = (
+        solve_scene(rough((2, 16, 2)), 0.1, comm=c, residual=1e-11, precision="double")
+        for c in (machines, SerialComm())
+    )
     assert found.contact.contact_points == wanted.contact.contact_points
     assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-10)
 
@@ -93,7 +110,9 @@ def test_no_memory_in_common(comm, monkeypatch):
     if comm.size == 1:
         return
     real = os.readlink
-    monkeypatch.setattr(os, "readlink", lambda path: real("/proc/self/exe") if comm.rank == 1 else real(path))
+    monkeypatch.setattr(
+        os, "readlink", lambda path: real("/proc/self/exe") if comm.rank == 1 else real(path)
+    )
     made = MpiComm(comm.mpi)
     assert list(made.node_ranks) == [comm.rank]
     found, mine = transformed(made, (31, 37), np.float64, 1)
@@ -116,7 +135,8 @@ def test_too_much_memory_is_an_error_on_all_ranks(comm, monkeypatch):
 
 
 def test_memory_goes_with_the_grid(comm):
-    """No descriptor or mapping is left of a grid that is no longer used, and ranks need not meet for that."""
+    """No descriptor or mapping is left of a grid that is no longer used, and ranks need not meet
+    for that."""
     if comm.size == 1:
         return
 

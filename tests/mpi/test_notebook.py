@@ -1,4 +1,5 @@
-"""hpc_gfmd.solve with a communicator: the numbers of one process, fields by rows, one file, errors on all ranks."""
+"""hpc_gfmd.solve with a communicator: the numbers of one process, fields by rows, one file, errors
+on all ranks."""
 
 import runpy
 import sys
@@ -17,9 +18,13 @@ LOADS = [1e-3, 4e-3]
 NAMES = ("patches", "percolation", "stiffness")
 
 
-@pytest.mark.parametrize("heights", [Z, Z[:, :1] * np.ones(20), Z[:3]], ids=["rough", "profile", "fewer rows than ranks"])
+@pytest.mark.parametrize(
+    "heights", [Z, Z[:, :1] * np.ones(20), Z[:3]], ids=["rough", "profile", "fewer rows than ranks"]
+)
 def test_as_one_process(comm, shared_path, heights):
-    together, alone = (hpc_gfmd.solve(heights, LOADS, comm=one, boundary="periodic") for one in (comm, None))
+    together, alone = (
+        hpc_gfmd.solve(heights, LOADS, comm=one, boundary="periodic") for one in (comm, None)
+    )
     for one, other in zip(together, alone, strict=True):
         rows = slice(*one.rows)
         assert one.a_r == other.a_r
@@ -37,9 +42,12 @@ def test_as_one_process(comm, shared_path, heights):
 
 def test_wrong_on_one_rank_is_wrong_on_all(comm):
     mine = Z if comm.rank == 0 else Z[:12]
-    for arguments in ({"heights": mine, "pressure": 1.0}, {"heights": Z, "pressure": 1.0 + comm.rank},
-                      {"heights": Z if comm.rank == 0 else "z.npy", "pressure": 1.0},
-                      {"heights": Z, "pressure": 1.0 if comm.rank == 0 else -1.0}):
+    for arguments in (
+        {"heights": mine, "pressure": 1.0},
+        {"heights": Z, "pressure": 1.0 + comm.rank},
+        {"heights": Z if comm.rank == 0 else "z.npy", "pressure": 1.0},
+        {"heights": Z, "pressure": 1.0 if comm.rank == 0 else -1.0},
+    ):
         if comm.size == 1:
             hpc_gfmd.solve(**arguments, comm=comm)
         else:

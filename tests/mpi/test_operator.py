@@ -13,8 +13,22 @@ from hpc_gfmd.parallel import halo
 
 pytestmark = pytest.mark.mpi
 
-# thin (ranks without rows), few columns (ranks without columns), odd, prime, rectangular, more than one pass
-GRIDS = [(1, 1), (1, 8), (8, 1), (3, 16), (5, 12), (7, 11), (13, 1), (16, 2), (31, 37), (40, 64), (64, 40), (200, 301)]
+# thin (ranks without rows), few columns (ranks without columns), odd, prime, rectangular, more than
+# one pass
+GRIDS = [
+    (1, 1),
+    (1, 8),
+    (8, 1),
+    (3, 16),
+    (5, 12),
+    (7, 11),
+    (13, 1),
+    (16, 2),
+    (31, 37),
+    (40, 64),
+    (64, 40),
+    (200, 301),
+]
 
 
 def stiffness(n, sizes, u):
@@ -23,7 +37,9 @@ def stiffness(n, sizes, u):
 
 
 @pytest.mark.parametrize("n", GRIDS, ids=str)
-@pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-13), (np.float32, 1e-5)], ids=["double", "single"])
+@pytest.mark.parametrize(
+    ("dtype", "tolerance"), [(np.float64, 1e-13), (np.float32, 1e-5)], ids=["double", "single"]
+)
 def test_stiffness(comm, n, dtype, tolerance):
     sizes = (1.0, 1.7)
     grid = Grid(n, sizes, comm)
@@ -48,7 +64,9 @@ def test_stiffness_from_a_table(comm, n):
     energy = comm.sum([stiffness_times(Elastic(grid, body, np.float64), u[mine], out)])[0]
     alone = Grid(n, (1.0, 1.7))
     wanted = alone.empty(np.float64)
-    assert energy == pytest.approx(stiffness_times(Elastic(alone, body, np.float64), u, wanted), rel=1e-12, abs=1e-25)
+    assert energy == pytest.approx(
+        stiffness_times(Elastic(alone, body, np.float64), u, wanted), rel=1e-12, abs=1e-25
+    )
     assert np.abs(out - wanted[mine]).max(initial=0) <= 1e-12
 
 
@@ -81,14 +99,15 @@ def test_rows_of_all_ranks_make_the_grid(comm):
 @pytest.mark.parametrize(("n", "lost"), [(1, 0), (2, 0), (7, 0), (24, 0), (24, 5)])
 @pytest.mark.parametrize("case", range(4))
 def test_windows(comm, n, lost, case):
-    """Any rows of a ring, owned by any ranks or (the last ones) by nobody: `fill` takes them, `add` is its transpose."""
+    """Any rows of a ring, owned by any ranks or (the last ones) by nobody: `fill` takes them, `add`
+    is its transpose."""
     random = np.random.default_rng(case)
     starts = np.append(0, np.sort(random.integers(0, n - lost + 1, comm.size)))
     starts[-1] = n - lost
     lo = random.integers(-4, n, comm.size)
     hi = lo + random.integers(0, n + 6, comm.size)
     whole = random.standard_normal((2, n, 3))
-    whole[:, n - lost:] = 0
+    whole[:, n - lost :] = 0
     mine = slice(starts[comm.rank], starts[comm.rank + 1])
     window = halo.rows_of(comm, whole[:, mine], starts, lo, hi, n)
     taken = np.arange(lo[comm.rank], hi[comm.rank]) % n
@@ -111,9 +130,11 @@ def test_halo_rows_wrap_around(comm, rows):
     windows = halo.Windows(comm.rank, starts, starts[:-1] - 1, starts[1:] + 1)
     assert windows.in_place
     a = np.zeros((rows + 2, m))
-    a[1:-1] = whole[starts[comm.rank]:starts[comm.rank + 1]]
+    a[1:-1] = whole[starts[comm.rank] : starts[comm.rank + 1]]
     windows.fill(comm, a[1:-1], a)
-    assert np.array_equal(a, whole[np.arange(starts[comm.rank] - 1, starts[comm.rank + 1] + 1) % len(whole)])
+    assert np.array_equal(
+        a, whole[np.arange(starts[comm.rank] - 1, starts[comm.rank + 1] + 1) % len(whole)]
+    )
     ones = np.ones((1, rows + 2, m))
     windows.add(comm, ones, ones[:, 1:-1])
     assert comm.sum([ones[0, 1:-1].sum()])[0] == comm.size * (rows + 2) * m
@@ -123,6 +144,13 @@ def test_next_row_skips_ranks_without_rows(comm):
     for holes in ({0}, {comm.size - 1}, set(range(1, comm.size)), set()):
         if len(holes) < comm.size:
             rows = 0 if comm.rank in holes else 2
-            after = next(r for r in [(comm.rank + 1 + k) % comm.size for k in range(comm.size)] if r not in holes)
+            after = next(
+                r
+                for r in [(comm.rank + 1 + k) % comm.size for k in range(comm.size)]
+                if r not in holes
+            )
             starts = np.cumsum([0, *(0 if rank in holes else 2 for rank in range(comm.size))])
-            assert np.array_equal(halo.next_row(comm, np.full((3, rows, 4), comm.rank), starts), np.full((3, 4), after))
+            assert np.array_equal(
+                halo.next_row(comm, np.full((3, rows, 4), comm.rank), starts),
+                np.full((3, 4), after),
+            )

@@ -15,17 +15,23 @@ from hpc_gfmd.parallel.layout import row_starts
 from hpc_gfmd.surface.heights import Checksum
 
 pytestmark = pytest.mark.mpi
-SCENE = tomli_w.dumps({"surface": {"kind": "file", "physical_sizes": [1.0, 1.0], "path": "z.npy"}, "load": {"pressure": [0.2, 0.3]},
-                       "solver": {"accuracy": 1e-4}, "machine": {"wall_seconds": 1e-9}})
+SCENE = tomli_w.dumps(
+    {
+        "surface": {"kind": "file", "physical_sizes": [1.0, 1.0], "path": "z.npy"},
+        "load": {"pressure": [0.2, 0.3]},
+        "solver": {"accuracy": 1e-4},
+        "machine": {"wall_seconds": 1e-9},
+    }
+)
 GO_ON = ["restart", "contact.h5", "--set", "machine.wall_seconds=1000"]
 PARTIAL = "contact.h5.partial"
 
 
 def checksum_of(z, comm, sizes=(1.0, 1.0), pieces=2):
     starts = row_starts(len(z), comm.size)
-    mine, made = z[starts[comm.rank]:starts[comm.rank + 1]], Checksum()
+    mine, made = z[starts[comm.rank] : starts[comm.rank + 1]], Checksum()
     for i in range(0, len(mine), pieces):
-        made.add(mine[i:i + pieces])
+        made.add(mine[i : i + pieces])
     return made.of_all(comm, z.shape, sizes)
 
 
@@ -35,13 +41,16 @@ def test_one_checksum_for_any_number_of_ranks(comm):
     assert checksum_of(z, comm) == whole
     lifted, swapped = z.copy(), z[::-1].copy()
     lifted[-1, -1] = np.nextafter(lifted[-1, -1], 9)
-    others = [checksum_of(x, comm) for x in (lifted, swapped, z.reshape(8, 9))] + [checksum_of(z, comm, (1.0, 2.0))]
+    others = [checksum_of(x, comm) for x in (lifted, swapped, z.reshape(8, 9))] + [
+        checksum_of(z, comm, (1.0, 2.0))
+    ]
     assert len({whole, *others}) == 5
 
 
 @pytest.fixture
 def begun(comm, shared_path, monkeypatch, capfd):
-    """A run on heights z, stopped in its first load; begun(z, *args): exit code and stderr of a command with z as the heights."""
+    """A run on heights z, stopped in its first load; begun(z, *args): exit code and stderr of a
+    command with z as the heights."""
     if comm is None:
         return None
     monkeypatch.chdir(shared_path)
@@ -60,8 +69,16 @@ def begun(comm, shared_path, monkeypatch, capfd):
     return call
 
 
-@pytest.mark.parametrize(("other", "checkpoint"), [(lambda z: 2 * z, True), (lambda z: 2 * z, False), (lambda z: z[:-1], False),
-                                                   (lambda z: z.reshape(8, 18), True)], ids=["content", "head", "rows", "shape"])
+@pytest.mark.parametrize(
+    ("other", "checkpoint"),
+    [
+        (lambda z: 2 * z, True),
+        (lambda z: 2 * z, False),
+        (lambda z: z[:-1], False),
+        (lambda z: z.reshape(8, 18), True),
+    ],
+    ids=["content", "head", "rows", "shape"],
+)
 def test_other_heights_are_refused_and_the_right_ones_go_on(comm, begun, other, checkpoint):
     z = random_heights((12, 12))
     z[0, 0] += 0.1
@@ -75,7 +92,12 @@ def test_other_heights_are_refused_and_the_right_ones_go_on(comm, begun, other, 
     assert begun(z, *GO_ON)[0] == 0
     with h5py.File("contact.h5") as file:
         found = [step.attrs["gap_mean"] for step in file["steps"].values()]
-    assert begun(z, "run", "scene.toml", "-q", "-o", "whole.h5", "--set", "machine.wall_seconds=1000")[0] == 0
+    assert (
+        begun(z, "run", "scene.toml", "-q", "-o", "whole.h5", "--set", "machine.wall_seconds=1000")[
+            0
+        ]
+        == 0
+    )
     with h5py.File("whole.h5") as file:
         assert found == [step.attrs["gap_mean"] for step in file["steps"].values()]
 

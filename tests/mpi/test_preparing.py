@@ -1,4 +1,5 @@
-"""What is done to a height map before it is pressed: the same on any number of ranks, and what it says it is."""
+"""What is done to a height map before it is pressed: the same on any number of ranks, and what it
+says it is."""
 
 import numpy as np
 import pytest
@@ -21,7 +22,8 @@ PLANE, BOWL = 5 + 3 * X - 2 * Y, 5 + 3 * X - 2 * Y + X * X - X * Y + 4 * Y * Y
 
 @pytest.fixture
 def prepared(comm, shared_path):
-    """prepared(z, **keys): the heights after the keys of [surface], of all ranks, and the Topography."""
+    """prepared(z, **keys): the heights after the keys of [surface], of all ranks, and the
+    Topography."""
 
     def call(z, **keys):
         comm.barrier()
@@ -40,7 +42,9 @@ def prepared(comm, shared_path):
 def test_detrended(prepared):
     z = random_heights(N)
     for what, trend in (("mean", 5.0), ("tilt", PLANE), ("curvature", BOWL)):
-        bare, with_it = (prepared(heights, detrend=what, boundary="periodic")[0] for heights in (z, z + trend))
+        bare, with_it = (
+            prepared(heights, detrend=what, boundary="periodic")[0] for heights in (z, z + trend)
+        )
         assert np.allclose(with_it, bare, atol=1e-11)
         assert np.allclose(prepared(bare, detrend=what, boundary="periodic")[0], bare, atol=1e-12)
         assert abs(bare.mean()) < 1e-13
@@ -49,7 +53,8 @@ def test_detrended(prepared):
 
 
 def test_harmonic_functions_come_back(prepared):
-    """x y and a plane are harmonic, on the grid too: holes in them are filled with what was there, as long as the edge is known."""
+    """x y and a plane are harmonic, on the grid too: holes in them are filled with what was there,
+    as long as the edge is known."""
     z = 3 + 2 * X - Y + 4 * X * Y
     holes = z.copy()
     holes[3:9, 4:8] = np.nan
@@ -72,7 +77,9 @@ def test_harmonic_functions_come_back(prepared):
 def test_a_trend_is_that_of_the_measured_points(prepared):
     holes = PLANE.copy()
     holes[2:5, 3:9] = np.nan
-    assert np.allclose(prepared(holes, fill="harmonic", detrend="tilt", boundary="periodic")[0], 0, atol=1e-12)
+    assert np.allclose(
+        prepared(holes, fill="harmonic", detrend="tilt", boundary="periodic")[0], 0, atol=1e-12
+    )
 
 
 def test_cropped_flipped_mirrored(prepared):
@@ -88,7 +95,9 @@ def test_cropped_flipped_mirrored(prepared):
     assert np.array_equal(found, found[::-1])
     assert np.array_equal(found, found[:, ::-1])
     for crop in ((0, 0, 3, 1), (1, 0, 1, 1)):
-        with pytest.raises(SceneError, match=r"surface.crop: found points \d+ to \d+ of 14 along x"):
+        with pytest.raises(
+            SceneError, match=r"surface.crop: found points \d+ to \d+ of 14 along x"
+        ):
             prepared(z, crop=crop)
 
 
@@ -96,11 +105,15 @@ def test_window(prepared):
     z = random_heights(N) + PLANE
     found, _, done = prepared(z, window="hann")
     assert done == ("mean removed", "window hann")
-    assert np.allclose(found, (z - z.mean()) * np.outer(*(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n) for n in N)))
+    assert np.allclose(
+        found,
+        (z - z.mean()) * np.outer(*(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n) for n in N)),
+    )
 
 
 def test_resampled(prepared):
-    """A Fourier series is the same on any grid that resolves it; on a coarser one its short waves are gone."""
+    """A Fourier series is the same on any grid that resolves it; on a coarser one its short waves
+    are gone."""
 
     def series(n, short):
         x, y = np.meshgrid(*(2 * np.pi * np.arange(k) / k for k in n), indexing="ij")
@@ -112,12 +125,15 @@ def test_resampled(prepared):
     assert done == ("resampled to 42 x 30 points",)
     assert np.allclose(prepared(series(N, 1), downsample=2)[0], series((7, 5), 0))
     assert np.allclose(prepared(series(N, 1), refine=3, downsample=2)[0], series((21, 15), 1))
-    with pytest.raises(SceneError, match=r"surface.downsample: found 4, allowed: a divisor of 14 and of 10"):
+    with pytest.raises(
+        SceneError, match=r"surface.downsample: found 4, allowed: a divisor of 14 and of 10"
+    ):
         prepared(series(N, 0), downsample=4)
 
 
 def test_whether_it_is_periodic(prepared, comm):
-    """A random surface is; one with a tilt is not, until that is removed; a file that says so is believed."""
+    """A random surface is; one with a tilt is not, until that is removed; a file that says so is
+    believed."""
     x, y = np.meshgrid(np.arange(48) / 48, np.arange(40) / 40, indexing="ij")
     z = sum(np.cos(2 * np.pi * (k * x + (3 - k) * y) + k * k) for k in range(1, 4))
     _, topography, _ = prepared(z)
@@ -134,15 +150,28 @@ def test_whether_it_is_periodic(prepared, comm):
 def test_all_of_it_on_any_number_of_ranks(prepared, comm, shared_path):
     z = random_heights((33, 20)) + 1e-2 * np.arange(20)
     z[4:9, 3:5] = z[20:22, 12] = np.nan
-    keys = {"detrend": "curvature", "fill": "harmonic", "mirror": True, "crop": (0, 0, 32 / 16.5, 1), "downsample": 2, "flip": True}
+    keys = {
+        "detrend": "curvature",
+        "fill": "harmonic",
+        "mirror": True,
+        "crop": (0, 0, 32 / 16.5, 1),
+        "downsample": 2,
+        "flip": True,
+    }
     together = prepared(z, **keys)[0]
     spec = File(kind="file", path=str(shared_path / "z.npy"), physical_sizes=SIZES, **keys)
     alone, *_ = prepare(open_topography(spec), spec, SerialComm())
     assert np.allclose(together, alone.rows(0, alone.n[0]), atol=1e-13)
     surface = build_surface(spec, comm, np.float64)
     assert surface.grid.n == (32, 20)
-    assert surface.prepared == ("cropped to 32 x 20 points", "curvature removed", "12 points (1.9 %) filled", "upside down", "mirrored",
-                                "resampled to 32 x 20 points")
+    assert surface.prepared == (
+        "cropped to 32 x 20 points",
+        "curvature removed",
+        "12 points (1.9 %) filled",
+        "upside down",
+        "mirrored",
+        "resampled to 32 x 20 points",
+    )
 
 
 def test_what_is_noted(comm, shared_path):
@@ -153,15 +182,29 @@ def test_what_is_noted(comm, shared_path):
     holes = smooth.copy()
     holes[5:25, 5:25] = np.nan
     tilted = smooth + 0.1 * x
-    cases = [(smooth, {}, []), (rough, {}, ["not resolved"]), (holes, {"fill": "harmonic"}, ["21 % of the heights are filled"]),
-             (tilted, {"boundary": "periodic"}, ["opposite edges along x differ by", "of the variance of the heights is tilt"]),
-             (tilted, {"mirror": True}, ["is tilt"]), (30 * smooth, {}, ["the theory is that of small slopes"]),
-             (1e7 * smooth, {}, ["probably in different units"]), (1e-6 * smooth, {}, ["probably in different units"])]
+    cases = [
+        (smooth, {}, []),
+        (rough, {}, ["not resolved"]),
+        (holes, {"fill": "harmonic"}, ["21 % of the heights are filled"]),
+        (
+            tilted,
+            {"boundary": "periodic"},
+            ["opposite edges along x differ by", "of the variance of the heights is tilt"],
+        ),
+        (tilted, {"mirror": True}, ["is tilt"]),
+        (30 * smooth, {}, ["the theory is that of small slopes"]),
+        (1e7 * smooth, {}, ["probably in different units"]),
+        (1e-6 * smooth, {}, ["probably in different units"]),
+    ]
     for z, keys, words in cases:
         if comm.rank == 0:
             np.save(shared_path / "z.npy", z)
         comm.barrier()
-        notes = build_surface(File(kind="file", path=str(shared_path / "z.npy"), physical_sizes=SIZES, **keys), comm, np.float64).notes
+        notes = build_surface(
+            File(kind="file", path=str(shared_path / "z.npy"), physical_sizes=SIZES, **keys),
+            comm,
+            np.float64,
+        ).notes
         assert len(notes) == len(words), notes
         assert all(word in note for word, note in zip(words, notes))
         comm.barrier()

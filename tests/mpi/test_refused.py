@@ -1,4 +1,5 @@
-"""Bad scenes on any number of ranks: exit code 2, one line on stderr, once, nothing written, no hang."""
+"""Bad scenes on any number of ranks: exit code 2, one line on stderr, once, nothing written, no
+hang."""
 
 import h5py
 import numpy as np
@@ -8,7 +9,9 @@ import tomli_w
 from hpc_gfmd.cli import main
 
 pytestmark = pytest.mark.mpi
-GOOD = tomli_w.dumps({"surface": {"kind": "wave", "amplitude": 0.1, "n": [8, 8]}, "load": {"pressure": 0.1}})
+GOOD = tomli_w.dumps(
+    {"surface": {"kind": "wave", "amplitude": 0.1, "n": [8, 8]}, "load": {"pressure": 0.1}}
+)
 
 MAP = 'surface={{kind = "file", physical_sizes = [1, 1], path = {}}}'
 BAD = {  # name: overrides of the good scene, and what the message names
@@ -24,10 +27,22 @@ BAD = {  # name: overrides of the good scene, and what the message names
     "the largest number in the last row": ([MAP.format('"missing.npy"')], "(8, 7)"),
     "numbers that differ by more than there is": ([MAP.format('"both.npy"')], "surface.path"),
     "more threads than any machine bears": (["machine.threads=65536"], "machine.threads"),
-    "a pressure that the file cannot hold": (['output={dtype = "single", fields = ["pressure"]}', "material.E_star=1e-50",
-                                              "load={p_star = 0.1}"], "output.dtype"),
-    "units beyond double precision": (["material.E_star=1e-100", "surface.amplitude=1e-90", "surface.physical_sizes=[1e90, 1e90]"],
-                                      "E_star*g_rms"),
+    "a pressure that the file cannot hold": (
+        [
+            'output={dtype = "single", fields = ["pressure"]}',
+            "material.E_star=1e-50",
+            "load={p_star = 0.1}",
+        ],
+        "output.dtype",
+    ),
+    "units beyond double precision": (
+        [
+            "material.E_star=1e-100",
+            "surface.amplitude=1e-90",
+            "surface.physical_sizes=[1e90, 1e90]",
+        ],
+        "E_star*g_rms",
+    ),
     "complex heights": ([MAP.format('"complex.npy"')], "complex"),
     "three axes": ([MAP.format('"cube.npy"')], "cube.npy"),
     "no data set": ([MAP.format('"z.h5", dataset = "q"')], "height"),

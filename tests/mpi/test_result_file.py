@@ -63,13 +63,19 @@ def round_trip(comm, shared_path, n, rows, compressed, dtype):
     path = shared_path / "round.h5"
     fields = {"pressure": field(n), "gap": field(n, "float32")}
     local = {name: whole[slice(*rows)] for name, whole in fields.items()}
-    with RunFile(comm, path, n, rows, HEAD, SURFACE | {"n": list(n)}, compressed=compressed, dtype=dtype) as run:
+    with RunFile(
+        comm, path, n, rows, HEAD, SURFACE | {"n": list(n)}, compressed=compressed, dtype=dtype
+    ) as run:
         run.update(height_field=local["gap"])
         for index in (0, 1):
             run.write_step(index, {"p_star": 0.1 * (index + 1), "status": "converged"}, local)
         run.finish("converged", setup_seconds=1.5)
     result = read_result(path)
-    assert (result.status, result.scene_toml, result.surface["n"]) == ("converged", HEAD["scene"], list(n))
+    assert (result.status, result.scene_toml, result.surface["n"]) == (
+        "converged",
+        HEAD["scene"],
+        list(n),
+    )
     assert [step["p_star"] for step in result.steps] == [0.1, 0.2]
     assert result.head["versions"] == '{"numpy": "2"}'
     assert result.head["setup_seconds"] == 1.5
@@ -94,10 +100,16 @@ def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
 
     def write(world, path, rows):
         for compressed in (False, True):
-            with RunFile(world, path / f"{compressed}.h5", n, rows, HEAD, SURFACE, compressed=compressed) as run:
+            with RunFile(
+                world, path / f"{compressed}.h5", n, rows, HEAD, SURFACE, compressed=compressed
+            ) as run:
                 run.update(height_field=whole[slice(*rows)])
                 for index in (0, 1):
-                    run.write_step(index, {"p": 0.1 + index}, {"gap": whole[slice(*rows)], "pressure": whole[slice(*rows)] + index})
+                    run.write_step(
+                        index,
+                        {"p": 0.1 + index},
+                        {"gap": whole[slice(*rows)], "pressure": whole[slice(*rows)] + index},
+                    )
                 run.finish("converged")
         world.barrier()
 
@@ -108,16 +120,26 @@ def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
             file.visit(names.append)
             for name in names:
                 item = file[name]
-                attributes = {k: str(v) for k, v in item.attrs.items() if k not in own and "LIST" not in k}
+                attributes = {
+                    k: str(v) for k, v in item.attrs.items() if k not in own and "LIST" not in k
+                }
                 is_data = isinstance(item, h5py.Dataset)
-                found[name] = attributes, (item.dtype.str, item.chunks, item.compression, item[()].tobytes()) if is_data else None
+                found[name] = (
+                    attributes,
+                    (item.dtype.str, item.chunks, item.compression, item[()].tobytes())
+                    if is_data
+                    else None,
+                )
         return found
 
     (shared_path / f"alone-{comm.rank}").mkdir()
     write(comm, shared_path, slab(comm, 7))
     write(SerialComm(), shared_path / f"alone-{comm.rank}", (0, 7))
     for name in ("False.h5", "True.h5"):
-        together, by_one = content(shared_path / name), content(shared_path / f"alone-{comm.rank}" / name)
+        together, by_one = (
+            content(shared_path / name),
+            content(shared_path / f"alone-{comm.rank}" / name),
+        )
         assert list(together) == list(by_one)
         assert together == by_one
         assert "steps/0001/gap" in together
@@ -132,7 +154,9 @@ def test_several_ranks_write_and_read_by_mpi_io(comm, shared_path, monkeypatch):
         def __init__(self, name, mode="r", **how):
             super().__init__(name, mode, **how)
             if comm.size == 1 or "comm" in how:
-                drivers.append((mode, self.driver, self.id.get_access_plist().get_driver() == h5py.h5fd.MPIO))
+                drivers.append(
+                    (mode, self.driver, self.id.get_access_plist().get_driver() == h5py.h5fd.MPIO)
+                )
 
     def spy(kind):
         found = create(kind)
@@ -146,7 +170,9 @@ def test_several_ranks_write_and_read_by_mpi_io(comm, shared_path, monkeypatch):
     h5.write_file(comm, shared_path / "a.h5", (7, 5), rows, {"u": whole[slice(*rows)]})
     if comm.size > 1:
         assert drivers == [("r+", "mpio", True)]
-    stored = h5.Stored(shared_path / "a.h5", "u", (7, 5), whole.dtype, checksum(shared_path / "a.h5", "u"))
+    stored = h5.Stored(
+        shared_path / "a.h5", "u", (7, 5), whole.dtype, checksum(shared_path / "a.h5", "u")
+    )
     drivers.clear()
     stored.slab(comm, rows)
     if comm.size > 1:
@@ -193,11 +219,15 @@ def test_many_pieces(comm, shared_path, monkeypatch):
             assert np.array_equal(numbers(path, "a/b"), whole)
             found.add(checksum(path, "a/b"))
             comm.barrier()
-    h5.write_file(comm, path, n, rows, {"c": h5.Stored(path, "a/b", n, whole.dtype, *found)})  # a copy of itself, by all ranks
+    h5.write_file(
+        comm, path, n, rows, {"c": h5.Stored(path, "a/b", n, whole.dtype, *found)}
+    )  # a copy of itself, by all ranks
     assert np.array_equal(numbers(path, "c"), whole)
     monkeypatch.setattr(h5, "PIECE_BYTES", 2**26)
     h5.write_file(SerialComm(), shared_path / f"alone-{comm.rank}.h5", n, (0, 60), {"a/b": whole})
-    assert found == {checksum(shared_path / f"alone-{comm.rank}.h5", "a/b")}  # whatever the ranks and pieces
+    assert found == {
+        checksum(shared_path / f"alone-{comm.rank}.h5", "a/b")
+    }  # whatever the ranks and pieces
 
 
 def test_damage_on_one_rank_stops_all(comm, shared_path):
@@ -211,12 +241,18 @@ def test_damage_on_one_rank_stops_all(comm, shared_path):
         if comm.rank == 0:
             with h5py.File(path) as file:
                 data = file["u"].id
-                place = data.get_chunk_info_by_coord((39, 0)).byte_offset + 20 if compressed else data.get_offset() + 39 * 30 * 8
+                place = (
+                    data.get_chunk_info_by_coord((39, 0)).byte_offset + 20
+                    if compressed
+                    else data.get_offset() + 39 * 30 * 8
+                )
             content = bytearray(path.read_bytes())
             content[place] ^= 1
             path.write_bytes(content)
         comm.barrier()
-        with pytest.raises(GfmdError, match="inflate" if compressed else "the numbers of u are damaged"):
+        with pytest.raises(
+            GfmdError, match="inflate" if compressed else "the numbers of u are damaged"
+        ):
             stored.slab(comm, rows)
         comm.barrier()
 
@@ -305,7 +341,11 @@ def test_errors_are_agreed(comm, shared_path, monkeypatch):
             with pytest.raises(GfmdError, match="no such number"):
                 h5.write_file(comm, run.partial / "step-0001.h5", n, rows, fields)
             comm.barrier()
-            assert sorted(p.name for p in run.partial.iterdir()) == ["head.h5", "lock", "step-0000.h5"]
+            assert sorted(p.name for p in run.partial.iterdir()) == [
+                "head.h5",
+                "lock",
+                "step-0000.h5",
+            ]
             comm.barrier()
             if comm.rank == 0:
                 shutil.rmtree(run.partial)

@@ -1,9 +1,19 @@
-"""The answer does not depend on the number of ranks: areas, gaps, pressures, iterations, surfaces, files."""
+"""The answer does not depend on the number of ranks: areas, gaps, pressures, iterations, surfaces,
+files."""
 
 import h5py
 import numpy as np
 import pytest
-from contacts import EXACT, field, heights_of, random_heights, rough, solve_scene, sweep_of, sweep_over
+from contacts import (
+    EXACT,
+    field,
+    heights_of,
+    random_heights,
+    rough,
+    solve_scene,
+    sweep_of,
+    sweep_over,
+)
 
 from hpc_gfmd.bounds import Pattern, misclassified_points
 from hpc_gfmd.driver.prescribed import Prescribed
@@ -29,7 +39,9 @@ def assert_same(comm, step, serial, tolerance=TOLERANCE):
     assert step.contact.outcome.status == serial.contact.outcome.status
     assert step.iterations == serial.iterations
     mine = slice(*step.contact.surface.rows)
-    for name in ("pressure", "gap", "displacement")[:2 if serial.contact.surface.h is None else 3]:  # in low memory there is none
+    for name in ("pressure", "gap", "displacement")[
+        : 2 if serial.contact.surface.h is None else 3
+    ]:  # in low memory there is none
         found, wanted = field(step, name), field(serial, name)
         assert found.shape == wanted[mine].shape
         assert np.abs(found - wanted[mine]).max(initial=0) <= tolerance * np.abs(wanted).max()
@@ -37,14 +49,27 @@ def assert_same(comm, step, serial, tolerance=TOLERANCE):
 
 
 @pytest.mark.parametrize("p_star", [0.02, 0.3])
-@pytest.mark.parametrize("surface", [
-    rough((2, 16, 2)), rough((1, 31, 2.0), seed=3), rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
-    rough((1, 97, 2), hurst=1.0)], ids=["64x64", "62x62", "48x24", "194x194"])
+@pytest.mark.parametrize(
+    "surface",
+    [
+        rough((2, 16, 2)),
+        rough((1, 31, 2.0), seed=3),
+        rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
+        rough((1, 97, 2), hurst=1.0),
+    ],
+    ids=["64x64", "62x62", "48x24", "194x194"],
+)
 def test_rough(comm, surface, p_star):
-    assert_same(comm, solve_scene(surface, p_star, comm=comm, **EXACT), solve_scene(surface, p_star, **EXACT))
+    assert_same(
+        comm,
+        solve_scene(surface, p_star, comm=comm, **EXACT),
+        solve_scene(surface, p_star, **EXACT),
+    )
 
 
-@pytest.mark.parametrize("n", [(3, 16), (5, 12), (7, 11), (2, 40), (40, 2), (40, 3), (67, 71), (130, 128)], ids=str)
+@pytest.mark.parametrize(
+    "n", [(3, 16), (5, 12), (7, 11), (2, 40), (40, 2), (40, 3), (67, 71), (130, 128)], ids=str
+)
 def test_any_grid(comm, n):
     """Ranks without rows or columns, odd and prime numbers of points, a rectangular cell."""
     z = random_heights(n, seed=4)
@@ -55,11 +80,15 @@ def test_any_grid(comm, n):
     assert_same(comm, *steps)
 
 
-@pytest.mark.parametrize(("quantity", "value", "low_memory"),
-                         [("gap_mean", 0.02, False), ("a_r", 0.3, True), ("approach", 0.05, False)])
+@pytest.mark.parametrize(
+    ("quantity", "value", "low_memory"),
+    [("gap_mean", 0.02, False), ("a_r", 0.3, True), ("approach", 0.05, False)],
+)
 def test_prescribed(comm, quantity, value, low_memory):
     """The search for a load takes the same steps on any number of ranks."""
-    surface = rough((2, 16, 4), boundary="free" if quantity == "approach" else "periodic", h_rms=0.05)
+    surface = rough(
+        (2, 16, 4), boundary="free" if quantity == "approach" else "periodic", h_rms=0.05
+    )
     solver = {"accuracy": 1e-3, "precision": "double", "low_memory": low_memory}
     found, wanted = (sweep_of(surface, comm=world, **solver) for world in (comm, SerialComm()))
     for factor in (1.0, 0.8):
@@ -70,7 +99,10 @@ def test_prescribed(comm, quantity, value, low_memory):
 
 @pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
 def test_a_gap_that_closes(comm, boundary):
-    found, wanted = (sweep_of(rough((2, 16, 2), boundary=boundary), comm=world, accuracy=1e-6) for world in (comm, SerialComm()))
+    found, wanted = (
+        sweep_of(rough((2, 16, 2), boundary=boundary), comm=world, accuracy=1e-6)
+        for world in (comm, SerialComm())
+    )
     steps = [sweep.solve(Prescribed("a_r", 1.0)) for sweep in (found, wanted)]
     assert steps[0].contact.contact_points == steps[0].contact.N
     assert steps[0].contact.p_mean == pytest.approx(steps[1].contact.p_mean, rel=1e-6)
@@ -78,17 +110,39 @@ def test_a_gap_that_closes(comm, boundary):
 
 
 @pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
-@pytest.mark.parametrize("surface", [rough((2, 16, 2)), rough((1, 31, 2.0), seed=3), {"kind": "sphere", "radius": 3.0, "n": [5, 33]}],
-                         ids=["64x64", "62x62", "5x33"])
+@pytest.mark.parametrize(
+    "surface",
+    [
+        rough((2, 16, 2)),
+        rough((1, 31, 2.0), seed=3),
+        {"kind": "sphere", "radius": 3.0, "n": [5, 33]},
+    ],
+    ids=["64x64", "62x62", "5x33"],
+)
 def test_surfaces_that_end(comm, surface, boundary):
     """Ranks that have nothing but the outside of a surface, or only a few rows of it."""
-    assert_same(comm, *(solve_scene(surface | {"boundary": boundary}, 0.1, comm=world, **EXACT) for world in (comm, SerialComm())))
+    assert_same(
+        comm,
+        *(
+            solve_scene(surface | {"boundary": boundary}, 0.1, comm=world, **EXACT)
+            for world in (comm, SerialComm())
+        ),
+    )
 
 
-@pytest.mark.parametrize("solver", [{"precision": "single"}, {"precision": "single", "low_memory": True}, {"nested": False}], ids=str)
+@pytest.mark.parametrize(
+    "solver",
+    [{"precision": "single"}, {"precision": "single", "low_memory": True}, {"nested": False}],
+    ids=str,
+)
 def test_ways_to_solve_a_surface_that_ends(comm, solver):
-    surface = rough((2, 32, 4), boundary="free")  # large enough for coarse grids that are spread over the ranks
-    found, wanted = (solve_scene(surface, 0.1, comm=world, accuracy=1e-3, **solver) for world in (comm, SerialComm()))
+    surface = rough(
+        (2, 32, 4), boundary="free"
+    )  # large enough for coarse grids that are spread over the ranks
+    found, wanted = (
+        solve_scene(surface, 0.1, comm=world, accuracy=1e-3, **solver)
+        for world in (comm, SerialComm())
+    )
     assert found.contact.outcome.status == "converged"
     assert found.contact.contact_points == pytest.approx(wanted.contact.contact_points, rel=1e-3)
     assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-3)
@@ -99,13 +153,25 @@ def test_ways_to_solve_a_surface_that_ends(comm, solver):
 def test_every_solver(comm, name):
     accurate = EXACT | {"name": name, "residual": 1e-8}
     surface = rough((1, 16, 2), seed=2)
-    assert_same(comm, solve_scene(surface, 0.1, comm=comm, **accurate), solve_scene(surface, 0.1, **accurate), 1e-8)
+    assert_same(
+        comm,
+        solve_scene(surface, 0.1, comm=comm, **accurate),
+        solve_scene(surface, 0.1, **accurate),
+        1e-8,
+    )
 
 
-@pytest.mark.parametrize("surface", [
-    {"kind": "wave", "amplitude": 0.1, "n": [48, 30]}, {"kind": "wave", "amplitude": 0.1, "n": [30, 48], "periods": [0, 2]},
-    {"kind": "wave", "amplitude": 0.1, "n": [32, 32], "periods": [1, 1]}, {"kind": "sphere", "radius": 1.0, "n": [33, 32]},
-    {"kind": "wave", "amplitude": 0.0, "n": [9, 8]}], ids=["along x", "along y", "both", "sphere", "flat"])
+@pytest.mark.parametrize(
+    "surface",
+    [
+        {"kind": "wave", "amplitude": 0.1, "n": [48, 30]},
+        {"kind": "wave", "amplitude": 0.1, "n": [30, 48], "periods": [0, 2]},
+        {"kind": "wave", "amplitude": 0.1, "n": [32, 32], "periods": [1, 1]},
+        {"kind": "sphere", "radius": 1.0, "n": [33, 32]},
+        {"kind": "wave", "amplitude": 0.0, "n": [9, 8]},
+    ],
+    ids=["along x", "along y", "both", "sphere", "flat"],
+)
 def test_analytic_surfaces(comm, surface):
     steps = [sweep_of(surface, comm=world, **EXACT).solve(0.01) for world in (comm, SerialComm())]
     found, wanted = steps
@@ -113,23 +179,40 @@ def test_analytic_surfaces(comm, surface):
     assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=TOLERANCE)
     for name in ("pressure", "gap"):
         whole = field(wanted, name)
-        assert np.abs(field(found, name) - whole[mine]).max(initial=0) <= TOLERANCE * np.abs(whole).max()
+        assert (
+            np.abs(field(found, name) - whole[mine]).max(initial=0)
+            <= TOLERANCE * np.abs(whole).max()
+        )
 
 
 def test_single_precision(comm):
     surface = rough((2, 32, 2))
-    found, wanted = (solve_scene(surface, 0.1, comm=world, accuracy=1e-3, precision="single") for world in (comm, SerialComm()))
+    found, wanted = (
+        solve_scene(surface, 0.1, comm=world, accuracy=1e-3, precision="single")
+        for world in (comm, SerialComm())
+    )
     assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-3)
-    assert all_observables()["a_r"](found.contact) == pytest.approx(all_observables()["a_r"](wanted.contact), rel=2e-3)
+    assert all_observables()["a_r"](found.contact) == pytest.approx(
+        all_observables()["a_r"](wanted.contact), rel=2e-3
+    )
 
 
-@pytest.mark.parametrize("surface", [rough((2, 16, 2)), rough((1, 15, 3.0), hurst=0.0), rough((3, 5, 2.0), physical_sizes=[1.0, 0.1])],
-                         ids=["even", "odd", "three rows of columns"])
+@pytest.mark.parametrize(
+    "surface",
+    [
+        rough((2, 16, 2)),
+        rough((1, 15, 3.0), hurst=0.0),
+        rough((3, 5, 2.0), physical_sizes=[1.0, 0.1]),
+    ],
+    ids=["even", "odd", "three rows of columns"],
+)
 def test_surface(comm, surface):
     """The heights of a seed are the same on every rank count."""
     z = heights_of(surface)
     made = sweep_of(surface, comm=comm).surface
-    assert np.abs(-made.h * made.height_unit - z[slice(*made.rows)]).max(initial=0) < 1e-12 * np.ptp(z)
+    assert np.abs(-made.h * made.height_unit - z[slice(*made.rows)]).max(
+        initial=0
+    ) < 1e-12 * np.ptp(z)
 
 
 @pytest.mark.parametrize("file", ["z.npy", "z.h5"])
@@ -143,12 +226,22 @@ def test_height_map(comm, shared_path, file):
         with h5py.File(path, "w") as made:
             made["a/heights"] = z
     comm.barrier()
-    surface = {"kind": "file", "path": str(path), "dataset": "a/heights", "physical_sizes": [2.0, 1.5]}
-    assert_same(comm, sweep_of(surface, 3.0, comm, **EXACT).solve(0.7), sweep_over(z, (2.0, 1.5), E_star=3.0).solve(0.7))
+    surface = {
+        "kind": "file",
+        "path": str(path),
+        "dataset": "a/heights",
+        "physical_sizes": [2.0, 1.5],
+    }
+    assert_same(
+        comm,
+        sweep_of(surface, 3.0, comm, **EXACT).solve(0.7),
+        sweep_over(z, (2.0, 1.5), E_star=3.0).solve(0.7),
+    )
 
 
 def test_height_map_in_hdf5_is_read_by_mpi_io(comm, shared_path, monkeypatch):
-    """By the driver that HDF5 itself names, every rank its own rows, also where they are packed; the file is closed at the end."""
+    """By the driver that HDF5 itself names, every rank its own rows, also where they are packed;
+    the file is closed at the end."""
     opened, asked, z = [], [], random_heights((70, 8))
     own, getitem = h5py.File.__init__, h5py.Dataset.__getitem__
 
@@ -182,20 +275,43 @@ def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):
         np.save(path, random_heights(n))
     comm.barrier()
     asked, rows = [], HeightMap.rows
-    monkeypatch.setattr(HeightMap, "rows", lambda self, start, stop: asked.append((start, stop)) or rows(self, start, stop))
-    made = sweep_of({"kind": "file", "path": str(path), "physical_sizes": [1, 1]}, comm=comm).surface
+    monkeypatch.setattr(
+        HeightMap,
+        "rows",
+        lambda self, start, stop: asked.append((start, stop)) or rows(self, start, stop),
+    )
+    made = sweep_of(
+        {"kind": "file", "path": str(path), "physical_sizes": [1, 1]}, comm=comm
+    ).surface
     assert asked[0][0] == made.rows[0]
     assert asked[-1][1] == made.rows[1]
     assert max(stop - start for start, stop in asked) < n[0]
 
 
-@pytest.mark.parametrize("surface", [rough((2, 8, 3), seed=6), {"kind": "sphere", "radius": 9.0, "n": [48, 60], "boundary": "free",
-                                                                "physical_sizes": [1.0, 7.0]}], ids=["rough", "free, long across"])
+@pytest.mark.parametrize(
+    "surface",
+    [
+        rough((2, 8, 3), seed=6),
+        {
+            "kind": "sphere",
+            "radius": 9.0,
+            "n": [48, 60],
+            "boundary": "free",
+            "physical_sizes": [1.0, 7.0],
+        },
+    ],
+    ids=["rough", "free, long across"],
+)
 def test_result_file(comm, shared_path, surface):
     """The file of the whole run: numbers and fields of several loads, as from one process."""
-    scene = Scene.from_dict({
-        "surface": surface, "load": {"p_star": [0.05, 0.06, 0.3]}, "solver": EXACT,
-        "output": {"fields": ["pressure", "gap", "displacement"]}})
+    scene = Scene.from_dict(
+        {
+            "surface": surface,
+            "load": {"p_star": [0.05, 0.06, 0.3]},
+            "solver": EXACT,
+            "output": {"fields": ["pressure", "gap", "displacement"]},
+        }
+    )
     paths = [shared_path / "all.h5", shared_path / f"one{comm.rank}.h5"]
     for path, world in zip(paths, (comm, SerialComm()), strict=True):
         run = run_scene(scene, out=path, quiet=True, comm=world)
@@ -216,7 +332,8 @@ def test_result_file(comm, shared_path, surface):
 
 @pytest.mark.parametrize("side", [7, 17])
 def test_edges_between_slabs(comm, side):
-    """Squares of about as many points as decide whether edges move together: the same points are uncertain wherever slabs end."""
+    """Squares of about as many points as decide whether edges move together: the same points are
+    uncertain wherever slabs end."""
     n = (2 * side, 2 * side)
     x, y = np.divmod(np.arange(n[0] * n[1]).reshape(n), n[1])
     g = np.where((x < side) == (y < side), 0.0, 3.0)
@@ -225,5 +342,14 @@ def test_edges_between_slabs(comm, side):
     for world in (comm, SerialComm()):
         grid = Grid(n, (1.0, 1.0), world)
         mine = slice(*grid.rows)
-        found.append(misclassified_points(Problem(grid, g[mine], 0.1), g[mine], p[mine], 1.0, float(side**2), Pattern(side**2, 0.0)))
+        found.append(
+            misclassified_points(
+                Problem(grid, g[mine], 0.1),
+                g[mine],
+                p[mine],
+                1.0,
+                float(side**2),
+                Pattern(side**2, 0.0),
+            )
+        )
     assert found[0] == found[1] > 0

@@ -1,4 +1,5 @@
-"""Grids so large, or limits so low, that coarse levels and coarse grids are spread over the ranks: as on one rank."""
+"""Grids so large, or limits so low, that coarse levels and coarse grids are spread over the ranks:
+as on one rank."""
 
 import numpy as np
 import pytest
@@ -14,13 +15,17 @@ LARGE = rough((2, 300, 2), seed=5)  # 1200 x 1200
 
 
 def spread_levels(sweep):
-    """Levels of the preconditioner and grids of the nested start, beside the finest, that no rank holds as a whole."""
+    """Levels of the preconditioner and grids of the nested start, beside the finest, that no rank
+    holds as a whole."""
     grids = len([coarse for coarse in sweep.nested.grids if coarse.comm.size > 1])
-    return sweep.solver.levels.distributed, int(sweep.surface.grid.comm.max([grids])[0])  # a rank may have no part in the last ones
+    return sweep.solver.levels.distributed, int(
+        sweep.surface.grid.comm.max([grids])[0]
+    )  # a rank may have no part in the last ones
 
 
 def compare(comm, surface, loads, fields, **solver):
-    """Solve loads on all ranks and on one; numbers equal to `fields`, relative to the largest, areas to the point."""
+    """Solve loads on all ranks and on one; numbers equal to `fields`, relative to the largest,
+    areas to the point."""
     sweeps = [sweep_of(surface, comm=world, **solver) for world in (comm, SerialComm())]
     for p_star in loads:
         together, alone = (sweep.solve(p_star * sweep.surface.g_rms) for sweep in sweeps)
@@ -29,11 +34,15 @@ def compare(comm, surface, loads, fields, **solver):
         assert together.fft_pairs == pytest.approx(alone.fft_pairs)
         assert together.contact.contact_points == alone.contact.contact_points
         for name in ("gap_mean", "energy", "stiffness", "a_r_corrected"):
-            assert all_observables()[name](together.contact) == pytest.approx(all_observables()[name](alone.contact), rel=fields)
+            assert all_observables()[name](together.contact) == pytest.approx(
+                all_observables()[name](alone.contact), rel=fields
+            )
         mine = slice(*together.contact.surface.rows)
         for name in ("pressure", "gap"):
             whole = field(alone, name)
-            assert np.abs(field(together, name) - whole[mine]).max(initial=0) <= fields * whole.max()
+            assert (
+                np.abs(field(together, name) - whole[mine]).max(initial=0) <= fields * whole.max()
+            )
     return sweeps[0]
 
 
@@ -43,9 +52,15 @@ def test_large_grid(comm):
     assert spread_levels(sweep) == (3, 3 if comm.size > 1 else 0)
 
 
-@pytest.mark.parametrize("surface", [
-    rough((2, 16, 2)), rough((1, 31, 2.0), seed=3), rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5])],
-    ids=["64x64", "62x62", "48x24"])
+@pytest.mark.parametrize(
+    "surface",
+    [
+        rough((2, 16, 2)),
+        rough((1, 31, 2.0), seed=3),
+        rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
+    ],
+    ids=["64x64", "62x62", "48x24"],
+)
 def test_small_limits(comm, surface, monkeypatch):
     """The same paths on small grids, where answers can be exact."""
     monkeypatch.setattr(multilevel, "COARSEST_POINTS", 16)

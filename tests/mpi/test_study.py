@@ -8,7 +8,11 @@ from hpc_gfmd.study.runner import run_missing
 from hpc_gfmd.study.store import Store
 
 pytestmark = pytest.mark.mpi
-CASES = [Case(0.8, 2, 16, 2, 1, (0.05, 0.35)), Case(0.3, 2, 8, 3, 2, (0.02,)), Case(0.3, 2, 8, 1.5, 2, (0.02,))]
+CASES = [
+    Case(0.8, 2, 16, 2, 1, (0.05, 0.35)),
+    Case(0.3, 2, 8, 3, 2, (0.02,)),
+    Case(0.3, 2, 8, 1.5, 2, (0.02,)),
+]
 PERSONAL = {"wall_seconds", "ranks", "a_r_error", "gap_error", "pressure_error"}
 
 
@@ -23,4 +27,8 @@ def test_same_lines(comm, shared_path):
     for ours, alone in zip(found, own.load(), strict=True):
         assert ours["ranks"] == comm.size
         for name in alone.keys() - PERSONAL:
-            assert ours[name] == (pytest.approx(alone[name], rel=2e-5) if isinstance(alone[name], float) else alone[name]), name
+            assert ours[name] == (
+                pytest.approx(alone[name], rel=2e-5)
+                if isinstance(alone[name], float)
+                else alone[name]
+            ), name

@@ -1,4 +1,5 @@
-"""Ranks with threads: to the last bit what they find with one, also where coarse grids and levels are on fewer of the ranks."""
+"""Ranks with threads: to the last bit what they find with one, also where coarse grids and levels
+are on fewer of the ranks."""
 
 import numpy as np
 import pytest
@@ -14,33 +15,68 @@ from hpc_gfmd.surface import build_surface
 
 pytestmark = pytest.mark.mpi
 CASES = {
-    "single": (rough((2, 16, 4)), {"p_star": [0.05, 0.3]}, {"accuracy": 1e-3, "precision": "single"}),
-    "odd": (rough((1, 31, 3.0), physical_sizes=[1.0, 2.0]), {"p_star": [0.1]}, {"residual": 1e-10, "precision": "double"}),
+    "single": (
+        rough((2, 16, 4)),
+        {"p_star": [0.05, 0.3]},
+        {"accuracy": 1e-3, "precision": "single"},
+    ),
+    "odd": (
+        rough((1, 31, 3.0), physical_sizes=[1.0, 2.0]),
+        {"p_star": [0.1]},
+        {"residual": 1e-10, "precision": "double"},
+    ),
     "free": (rough((2, 16, 2), boundary="free"), {"p_star": [0.05]}, {"accuracy": 1e-3}),
-    "free, one axis": (rough((2, 16, 2), boundary=["free", "periodic"]), {"force": [0.02]}, {"accuracy": 1e-3}),
+    "free, one axis": (
+        rough((2, 16, 2), boundary=["free", "periodic"]),
+        {"force": [0.02]},
+        {"accuracy": 1e-3},
+    ),
     "prescribed gap": (rough((2, 16, 2)), {"gap_over_h_rms": [1.0, 0.5]}, {"accuracy": 1e-3}),
     "prescribed area": (rough((2, 16, 2)), {"a_r": [0.1]}, {"accuracy": 1e-3}),
     "single, then double": (rough((2, 16, 2)), {"p_star": [0.05, 0.06, 0.4]}, {"accuracy": 1e-3}),
-    "low memory": (rough((2, 32, 4)), {"p_star": [0.05, 0.06, 0.4]}, {"accuracy": 1e-3, "precision": "single", "low_memory": True}),
-    **{name: (rough((2, 16, 2), seed=2), {"p_star": [0.03, 0.2]}, {"name": name, "residual": 1e-9, "precision": "double"})
-       for name in solver_names()},
+    "low memory": (
+        rough((2, 32, 4)),
+        {"p_star": [0.05, 0.06, 0.4]},
+        {"accuracy": 1e-3, "precision": "single", "low_memory": True},
+    ),
+    **{
+        name: (
+            rough((2, 16, 2), seed=2),
+            {"p_star": [0.03, 0.2]},
+            {"name": name, "residual": 1e-9, "precision": "double"},
+        )
+        for name in solver_names()
+    },
 }
 WITHOUT_GRIDS = ("low memory", "ccg")  # none is left, none was made
 
 
 @pytest.fixture
 def small(monkeypatch):
-    """Limits so low that small grids have several passes, blocks, and levels and grids on some of the ranks."""
-    for module, name, value in ((multilevel, "COARSEST_POINTS", 64), (multilevel, "RANK_POINTS", 1024), (nested, "RANK_POINTS", 1024),
-                                (nested, "COARSEST", 8), (layout, "ROW_BYTES", 2**12), (layout, "COLUMN_BYTES", 2**12)):
+    """Limits so low that small grids have several passes, blocks, and levels and grids on some of
+    the ranks."""
+    for module, name, value in (
+        (multilevel, "COARSEST_POINTS", 64),
+        (multilevel, "RANK_POINTS", 1024),
+        (nested, "RANK_POINTS", 1024),
+        (nested, "COARSEST", 8),
+        (layout, "ROW_BYTES", 2**12),
+        (layout, "COLUMN_BYTES", 2**12),
+    ):
         monkeypatch.setattr(module, name, value)
 
 
 def solved(comm, case, threads):
-    """Of every load: all numbers, fields, iterations; and how many ranks have a part in the grids."""
+    """Of every load: all numbers, fields, iterations; and how many ranks have a part in the
+    grids."""
     surface, load, solver = CASES[case]
-    scene = Scene.from_dict({"surface": surface, "load": load, "solver": solver, "machine": {"threads": threads}})
-    sweep = sweep_of(scene, lambda dtype: build_surface(scene.surface, comm, dtype, threads, scene.solver.low_memory))
+    scene = Scene.from_dict(
+        {"surface": surface, "load": load, "solver": solver, "machine": {"threads": threads}}
+    )
+    sweep = sweep_of(
+        scene,
+        lambda dtype: build_surface(scene.surface, comm, dtype, threads, scene.solver.low_memory),
+    )
     steps = []
     for load in sweep.pressures(scene.load):
         step = sweep.solve(load)
@@ -49,7 +85,9 @@ def solved(comm, case, threads):
         assert len(fft.row_scratch) == threads
         assert min(len(fft.passes()), fft.K) > 1
         numbers = {name: f(step.contact) for name, f in all_observables().items()}
-        steps.append((numbers, step.iterations, [field(step, name) for name in ("pressure", "gap")]))
+        steps.append(
+            (numbers, step.iterations, [field(step, name) for name in ("pressure", "gap")])
+        )
     grids = [] if case in WITHOUT_GRIDS else sweep.nested.grids
     return steps, min((grid.comm.size for grid in grids), default=0)
 
@@ -59,7 +97,9 @@ def test_same_with_threads(comm, case, small):
     if comm.size > 2:  # nothing new, and many threads for a small machine
         return
     (one, fewest), (several, _) = (solved(comm, case, threads) for threads in (1, 4 - comm.size))
-    assert comm.rank > 0 or fewest == (case not in WITHOUT_GRIDS)  # rank 0 is alone with the coarsest grid
+    assert comm.rank > 0 or fewest == (
+        case not in WITHOUT_GRIDS
+    )  # rank 0 is alone with the coarsest grid
     for (numbers, iterations, fields), (found, done, there) in zip(one, several, strict=True):
         assert found == numbers
         assert done == iterations

@@ -19,8 +19,10 @@ class Odd:
     scale: float
 
     def __str__(self):
-        return (f"{self.kind} {self.heights.shape} p*={self.p_star:.3g} E*={self.E_star:.2g} heights x {self.scale:.1g} "
-                f"sizes={self.sizes} {self.settings}")
+        return (
+            f"{self.kind} {self.heights.shape} p*={self.p_star:.3g} E*={self.E_star:.2g} heights x"
+            f" {self.scale:.1g} sizes={self.sizes} {self.settings}"
+        )
 
     def falsehood(self, solution):
         """What a converged solution says that is not true of its fields, or None."""
@@ -34,7 +36,10 @@ class Odd:
         if g.min() < 0:
             return "penetration"
         eps = max(self.settings.get("accuracy", 0.0), self.settings.get("residual", 0.0), 1e-5)
-        if abs(p.mean() - self.pressure) > eps * np.sqrt(np.mean((p / self.pressure) ** 2)) * self.pressure:
+        if (
+            abs(p.mean() - self.pressure)
+            > eps * np.sqrt(np.mean((p / self.pressure) ** 2)) * self.pressure
+        ):
             return f"load {p.mean() / self.pressure}"
         wrong = np.where((g > 0) | (p < 0), p, 0.0)
         if np.linalg.norm(wrong) > 1.01 * eps * np.linalg.norm(p):
@@ -58,18 +63,27 @@ SHAPES = {
     "cone": lambda rng, x, y: -np.hypot(x[:, None], y),
     "flat punch": lambda rng, x, y: 1.0 * (np.hypot(x[:, None], y) < 0.25),
     "cylinder": lambda rng, x, y: -(x[:, None] ** 2) + 0 * y,
-    "wave": lambda rng, x, y: np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * rng.integers(3) * y),
+    "wave": lambda rng, x, y: (
+        np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * rng.integers(3) * y)
+    ),
     "checkerboard": lambda rng, x, y: 1.0 * ((np.arange(len(x))[:, None] + np.arange(len(y))) % 2),
     "flat plane": lambda rng, x, y: np.zeros((len(x), len(y))),
-    "staircase": lambda rng, x, y: np.round(3 * _spectrum(rng, x, y, 0.8) / (_spectrum(rng, x, y, 0.8).std() + 1e-9)),
-    "one asperity": lambda rng, x, y: 1.0 * ((np.arange(len(x))[:, None] == 0) & (np.arange(len(y)) == 0)),
-    "one pit": lambda rng, x, y: -100.0 * ((np.arange(len(x))[:, None] == 0) & (np.arange(len(y)) == 0)),
+    "staircase": lambda rng, x, y: np.round(
+        3 * _spectrum(rng, x, y, 0.8) / (_spectrum(rng, x, y, 0.8).std() + 1e-9)
+    ),
+    "one asperity": lambda rng, x, y: (
+        1.0 * ((np.arange(len(x))[:, None] == 0) & (np.arange(len(y)) == 0))
+    ),
+    "one pit": lambda rng, x, y: (
+        -100.0 * ((np.arange(len(x))[:, None] == 0) & (np.arange(len(y)) == 0))
+    ),
 }
 SIZES = ((2, 2), (1, 64), (97, 1), (2, 31), (3, 3), (31, 31), (101, 64))
 
 
 def odd_problems(count, seed, n=(16, 256)):
-    """`count` problems of all kinds in turn, with odd sizes, units, loads, targets and precisions."""
+    """`count` problems of all kinds in turn, with odd sizes, units, loads, targets and
+    precisions."""
     rng = np.random.default_rng(seed)
     return [_odd_problem(rng, list(SHAPES)[i % len(SHAPES)], n) for i in range(count)]
 
@@ -86,15 +100,32 @@ def _odd_problem(rng, kind, n):
     scale = 10.0 ** rng.choice([-12, -3, 0, 0, 0, 3, 12])
     E_star = 10.0 ** rng.choice([-6, 0, 0, 3, 12])
     z *= scale
-    slopes = [np.diff(np.concatenate([z, z.take([0], axis)], axis), axis=axis) * m / size
-              for axis, (m, size) in enumerate(zip((n_x, n_y), sizes, strict=True))]
+    slopes = [
+        np.diff(np.concatenate([z, z.take([0], axis)], axis), axis=axis) * m / size
+        for axis, (m, size) in enumerate(zip((n_x, n_y), sizes, strict=True))
+    ]
     slope = np.sqrt(np.mean(np.square(slopes[0])) + np.mean(np.square(slopes[1])))
     p_star = float(10.0 ** rng.uniform(-6, 2))
     if rng.random() < 0.15:
         z += 1e6 * z.std() * rng.choice([-1, 1])
     precision = str(rng.choice(["auto", "single", "double"]))
     if rng.random() < 0.8:
-        settings = {"accuracy": float(rng.choice([1e-2, 1e-3, 1e-4] if precision == "single" else [1e-2, 1e-3, 1e-4, 1e-6]))}
+        settings = {
+            "accuracy": float(
+                rng.choice(
+                    [1e-2, 1e-3, 1e-4] if precision == "single" else [1e-2, 1e-3, 1e-4, 1e-6]
+                )
+            )
+        }
     else:
         settings = {"residual": 1e-6 if precision != "single" else 1e-2}
-    return Odd(kind, z, p_star * E_star * (slope or 1.0), E_star, sizes, settings | {"precision": precision}, p_star, scale)
+    return Odd(
+        kind,
+        z,
+        p_star * E_star * (slope or 1.0),
+        E_star,
+        sizes,
+        settings | {"precision": precision},
+        p_star,
+        scale,
+    )

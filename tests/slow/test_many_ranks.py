@@ -6,7 +6,14 @@ import mpi_harness
 import pytest
 
 SCRIPT = Path(__file__).parents[1] / "many_ranks.py"
-RANKS = ((2, 2), (4, 4), (8, 8), (8, 1), (16, 16), (16, 4))  # and as if so many of them shared a node
+RANKS = (
+    (2, 2),
+    (4, 4),
+    (8, 8),
+    (8, 1),
+    (16, 16),
+    (16, 4),
+)  # and as if so many of them shared a node
 ROUNDING = 1e-9
 
 
@@ -21,7 +28,9 @@ def check(lam_l_over_lam_s, rank_counts, folder):
     assert alone["status"] == "converged"
     for ranks, per_node in rank_counts:
         found = solved(ranks, per_node, lam_l_over_lam_s, folder)
-        assert {name: found[name] for name in ("n", "status", "contact")} == {name: alone[name] for name in ("n", "status", "contact")}
+        assert {name: found[name] for name in ("n", "status", "contact")} == {
+            name: alone[name] for name in ("n", "status", "contact")
+        }
         assert abs(found["iterations"] - alone["iterations"]) <= 1
         assert found["gap_mean"] == pytest.approx(alone["gap_mean"], rel=ROUNDING)
         assert max(found["pressure"], found["gap"]) <= ROUNDING
@@ -35,5 +44,7 @@ def check(lam_l_over_lam_s, rank_counts, folder):
 def test_2048(tmp_path):
     found = check(512, RANKS, tmp_path)
     assert found["n"] == 2048
-    assert found["levels"] == 3  # of 1024, 512 and 256 points; rank 0 alone has those up to 128 x 128
+    assert (
+        found["levels"] == 3
+    )  # of 1024, 512 and 256 points; rank 0 alone has those up to 128 x 128
     assert found["grids"] == [16, 16, 8, 2, 1]  # down to 64 x 64

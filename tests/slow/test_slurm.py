@@ -8,12 +8,22 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-CAN = os.geteuid() == 0 and shutil.which("mpirun") and (shutil.which("slurmctld") or shutil.which("apt-get"))
+CAN = (
+    os.geteuid() == 0
+    and shutil.which("mpirun")
+    and (shutil.which("slurmctld") or shutil.which("apt-get"))
+)
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not CAN, reason="needs root, mpirun, and Slurm or apt-get to install it")
 @pytest.mark.parametrize("part", ["mpirun", "srun", "array", "scaling", "chain", "startup"])
 def test_jobs_of_one_machine(part):
-    done = subprocess.run([ROOT / "scripts" / "slurm-test", part], capture_output=True, text=True, timeout=1800, check=False)
+    done = subprocess.run(
+        [ROOT / "scripts" / "slurm-test", part],
+        capture_output=True,
+        text=True,
+        timeout=1800,
+        check=False,
+    )
     assert done.returncode == 0, done.stdout + done.stderr

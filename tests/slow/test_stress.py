@@ -1,4 +1,5 @@
-"""Solvers on surfaces and numbers of every kind: nothing raises, hangs or claims what is not true."""
+"""Solvers on surfaces and numbers of every kind: nothing raises, hangs or claims what is not
+true."""
 
 import os
 import time
@@ -24,7 +25,13 @@ def run(problem, **settings):
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", hpc_gfmd.errors.NotConverged)  # the status tells
         try:
-            solution = hpc_gfmd.solve(problem.heights, problem.pressure, problem.E_star, problem.sizes, **problem.settings | settings)
+            solution = hpc_gfmd.solve(
+                problem.heights,
+                problem.pressure,
+                problem.E_star,
+                problem.sizes,
+                **problem.settings | settings,
+            )
         except Exception as error:  # whatever it is, it is what this test looks for
             return "raised", f"{type(error).__name__}: {error}"
     if time.perf_counter() - begun > SECONDS:
@@ -46,8 +53,15 @@ def test_the_default_solver_converges_on_everything():
     results = [run(problem) for problem in problems]
     report("bpx", problems, results)
     # Where single precision was insisted on it may be too little, which the status tells.
-    assert not [p for p, (status, wrong) in zip(problems, results, strict=True)
-                if wrong or (status != "converged" and not (status == "stagnated" and p.settings["precision"] == "single"))]
+    assert not [
+        p
+        for p, (status, wrong) in zip(problems, results, strict=True)
+        if wrong
+        or (
+            status != "converged"
+            and not (status == "stagnated" and p.settings["precision"] == "single")
+        )
+    ]
 
 
 @pytest.mark.slow
@@ -56,4 +70,8 @@ def test_the_other_solvers_fail_honestly(name):
     problems = odd_problems(max(int(60 * PROBLEMS), 6), SEED + 1, n=(16, 64))
     results = [run(problem, name=name, max_iterations=2000) for problem in problems]
     report(name, problems, results)
-    assert not [p for p, (status, wrong) in zip(problems, results, strict=True) if wrong or status in ("raised", "slow")]
+    assert not [
+        p
+        for p, (status, wrong) in zip(problems, results, strict=True)
+        if wrong or status in ("raised", "slow")
+    ]

@@ -27,15 +27,25 @@ def run(path, folder, monkeypatch):
 
 
 def test_in_a_process_of_its_own(tmp_path):
-    arguments = [sys.executable, "-W", "error:::__main__", FOLDER / f"{ALONE}.py", str(SMALL[ALONE])]
-    done = subprocess.run(arguments, cwd=tmp_path, env=environment(MPLBACKEND="Agg"), capture_output=True, text=True)
+    arguments = [
+        sys.executable,
+        "-W",
+        "error:::__main__",
+        FOLDER / f"{ALONE}.py",
+        str(SMALL[ALONE]),
+    ]
+    done = subprocess.run(
+        arguments, cwd=tmp_path, env=environment(MPLBACKEND="Agg"), capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     assert "a_r = " in done.stdout
     for name in ("measured.png", "measured_patches.png", "measured.h5"):
         assert (tmp_path / name).stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("path", [path for path in EXAMPLES if path.stem not in (MPI, ALONE)], ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", [path for path in EXAMPLES if path.stem not in (MPI, ALONE)], ids=lambda path: path.stem
+)
 @pytest.mark.filterwarnings("error:::__main__")
 def test_example(path, tmp_path, monkeypatch):
     run(path, tmp_path, monkeypatch)

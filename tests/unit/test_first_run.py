@@ -6,9 +6,16 @@ import pytest
 from hpc_gfmd.kernels import cache
 
 
-@pytest.mark.parametrize(("kept", "said"), [(False, "compiling, once (about 20 s)"),
-                                          (True, "compiling what this scene needs in addition")])
-def test_compiling_is_announced_once_and_only_if_something_is_compiled(tmp_path, monkeypatch, kept, said):
+@pytest.mark.parametrize(
+    ("kept", "said"),
+    [
+        (False, "compiling, once (about 20 s)"),
+        (True, "compiling what this scene needs in addition"),
+    ],
+)
+def test_compiling_is_announced_once_and_only_if_something_is_compiled(
+    tmp_path, monkeypatch, kept, said
+):
     monkeypatch.setattr(cache, "folder", lambda: tmp_path)
     if kept:
         (tmp_path / "kernel.nbi").write_bytes(b"")
@@ -31,7 +38,12 @@ def test_a_run_hands_its_voice_to_the_compiler(tmp_path, monkeypatch, capsys):
     from hpc_gfmd.scene import Scene
 
     monkeypatch.setattr(warmup, "_tiny_contact", lambda *_: numba.njit(lambda x: x * 3)(1))
-    scene = Scene.from_dict({"surface": {"kind": "wave", "amplitude": 0.1, "n": [8, 8]}, "load": {"p_star": 0.1},
-                             "output": {"path": str(tmp_path / "a.h5")}})
+    scene = Scene.from_dict(
+        {
+            "surface": {"kind": "wave", "amplitude": 0.1, "n": [8, 8]},
+            "load": {"p_star": 0.1},
+            "output": {"path": str(tmp_path / "a.h5")},
+        }
+    )
     simulation.run_scene(scene)
     assert capsys.readouterr().out.startswith("compiling")

@@ -1,4 +1,5 @@
-"""The gap mode: with it the preconditioner is still symmetric, and knows the answer to a change of the load as it knows other waves."""
+"""The gap mode: with it the preconditioner is still symmetric, and knows the answer to a change of
+the load as it knows other waves."""
 
 import numpy as np
 import pytest
@@ -12,12 +13,16 @@ from hpc_gfmd.operators.elastic import Elastic, reader
 from hpc_gfmd.operators.multilevel import Multilevel
 
 N = (144, 160)
-GRIDS = {"half-space": (Grid(N), HALF_SPACE), "layer": (Grid(N, (0.9, 1.0)), Layer(0.3, 0.3, "bonded")),
-         "free": (Grid(N, nominal=(96, 106)), Free((True, True)))}
+GRIDS = {
+    "half-space": (Grid(N), HALF_SPACE),
+    "layer": (Grid(N, (0.9, 1.0)), Layer(0.3, 0.3, "bonded")),
+    "free": (Grid(N, nominal=(96, 106)), Free((True, True))),
+}
 
 
 class Tangent:
-    """M and K on the free points of a contact t, fields that are 0 on it; K relative to the shortest wave, as M has it."""
+    """M and K on the free points of a contact t, fields that are 0 on it; K relative to the
+    shortest wave, as M has it."""
 
     def __init__(self, grid, body, t):
         self.t, self.scale, self.elastic = t, body.scale(grid), Elastic(grid, body, np.float64)
@@ -29,8 +34,16 @@ class Tangent:
         fields[:, 1:-1] = r, self.t
         restrict_level(fields, self.levels.fields[0][:2], self.transfer)
         self.levels.sweep_levels(anew)
-        smooth_level(fields, self.levels.z, z, 1.0, self.levels.damping, self.levels.coupling, self.transfer,
-                     self.levels.nominal[0])
+        smooth_level(
+            fields,
+            self.levels.z,
+            z,
+            1.0,
+            self.levels.damping,
+            self.levels.coupling,
+            self.transfer,
+            self.levels.nominal[0],
+        )
         return z[1:-1] * (1 - self.t)
 
     def stiffness(self, u):
@@ -69,7 +82,9 @@ def test_no_wave_is_left_out(name, share):
     before = tangent.spectrum(r)
     tangent.precondition(r, anew=True)
     after = tangent.spectrum(r)
-    assert np.vdot(s, tangent.precondition(r)) == pytest.approx(np.vdot(r, tangent.precondition(s)), rel=1e-9)
+    assert np.vdot(s, tangent.precondition(r)) == pytest.approx(
+        np.vdot(r, tangent.precondition(s)), rel=1e-9
+    )
     assert after[0] > 0.4
     assert after[-1] < 1.05 * before[-1]
     assert before[0] < 0.2 or share > 0.001
@@ -78,6 +93,12 @@ def test_no_wave_is_left_out(name, share):
 def test_where_there_is_none():
     """Small grids, nothing in contact, much in contact."""
     mode = Multilevel(Grid(N), HALF_SPACE, np.float64, N[0]).gap_mode
-    assert [mode.wanted(share) for share in (0.0, 1e-4, 0.1, 0.5, 1.0)] == [False, True, True, False, False]
+    assert [mode.wanted(share) for share in (0.0, 1e-4, 0.1, 0.5, 1.0)] == [
+        False,
+        True,
+        True,
+        False,
+        False,
+    ]
     assert (mode.find(np.full((18, 20), 0.1)) == 0).all()  # M has it
     assert not Multilevel(Grid((96, 96)), HALF_SPACE, np.float64, 96).gap_mode.wanted(0.1)

@@ -1,4 +1,5 @@
-"""`hpc-gfmd init` writes scenes that run, `hpc-gfmd help scene` says all there is to say of them."""
+"""`hpc-gfmd init` writes scenes that run, `hpc-gfmd help scene` says all there is to say of
+them."""
 
 import re
 import tomllib
@@ -26,7 +27,15 @@ def test_a_scene_of_every_kind_runs(tmp_path, kind, cli):
 @pytest.mark.parametrize("kind", ANALYTIC)
 def test_every_key_stands_in_it_and_is_one(tmp_path, kind):
     lines = compose(kind, tmp_path / "scene.toml")[0].splitlines()
-    table, known = "", {path for s in sections() if s.kind in ("", kind) for path in (f"{s.table}.{k.name}" for k in s.keys)}
+    table, known = (
+        "",
+        {
+            path
+            for s in sections()
+            if s.kind in ("", kind)
+            for path in (f"{s.table}.{k.name}" for k in s.keys)
+        },
+    )
     for line in lines[1:]:
         table = (re.match(r"\[(\w+)\]", line) or [None, table])[1]
         if found := re.match(r"(?:# )?(\w+) = .*  # \S", line):
@@ -47,8 +56,14 @@ def test_a_map_is_read_and_what_it_needs_is_written(tmp_path):
     tilted(tmp_path / "map.npz", [240.0, 160.0], "nm")
     written, missing = compose(str(tmp_path / "map.npz"), tmp_path / "scene.toml")
     assert not missing
-    for line in ("24 x 16 points", 'path = "map.npz"', 'fill = "harmonic"  .*# 1 points', 'detrend = "tilt"  .*# .. % of the variance',
-                 r'# physical_sizes = \["240 nm", "160 nm"\]  .*as the file says', '# unit = "nm"  .*as the file says'):
+    for line in (
+        "24 x 16 points",
+        'path = "map.npz"',
+        'fill = "harmonic"  .*# 1 points',
+        'detrend = "tilt"  .*# .. % of the variance',
+        r'# physical_sizes = \["240 nm", "160 nm"\]  .*as the file says',
+        '# unit = "nm"  .*as the file says',
+    ):
         assert re.search(line, written), line
     (tmp_path / "scene.toml").write_text(written)
     assert load_scene(tmp_path / "scene.toml").surface.detrend == "tilt"
@@ -61,8 +76,16 @@ def test_a_map_that_knows_its_sizes_runs_as_init_wrote_it(tmp_path, cli):
 
 
 def test_a_map_with_an_edge_is_taken_to_end_there(tmp_path):
-    np.savez(tmp_path / "map.npz", z=np.linspace(-1, 1, 20)[:, None] ** 3 + np.zeros(20), physical_sizes=[1.0, 1.0], unit="um")
-    assert re.search('\nboundary = "free"  .*# opposite edges', compose(str(tmp_path / "map.npz"), tmp_path / "a.toml")[0])
+    np.savez(
+        tmp_path / "map.npz",
+        z=np.linspace(-1, 1, 20)[:, None] ** 3 + np.zeros(20),
+        physical_sizes=[1.0, 1.0],
+        unit="um",
+    )
+    assert re.search(
+        '\nboundary = "free"  .*# opposite edges',
+        compose(str(tmp_path / "map.npz"), tmp_path / "a.toml")[0],
+    )
     mirrored = compose(str(tmp_path / "map.npz"), tmp_path / "a.toml", ["surface.mirror=true"])[0]
     assert "\nmirror = true" in mirrored
     assert '\nboundary = "free"' not in mirrored
@@ -70,24 +93,43 @@ def test_a_map_with_an_edge_is_taken_to_end_there(tmp_path):
 
 @pytest.mark.parametrize("key", ["refine", "downsample"])
 def test_what_a_free_boundary_does_not_have_is_not_made_free(tmp_path, key):
-    np.savez(tmp_path / "map.npz", z=np.linspace(-1, 1, 20)[:, None] ** 3 + np.zeros(20), physical_sizes=[1.0, 1.0], unit="um")
-    (tmp_path / "a.toml").write_text(compose(str(tmp_path / "map.npz"), tmp_path / "a.toml", [f"surface.{key}=2"])[0])
+    np.savez(
+        tmp_path / "map.npz",
+        z=np.linspace(-1, 1, 20)[:, None] ** 3 + np.zeros(20),
+        physical_sizes=[1.0, 1.0],
+        unit="um",
+    )
+    (tmp_path / "a.toml").write_text(
+        compose(str(tmp_path / "map.npz"), tmp_path / "a.toml", [f"surface.{key}=2"])[0]
+    )
     surface = load_scene(tmp_path / "a.toml").surface
     assert (getattr(surface, key), surface.mirror, surface.boundary) == (2, True, None)
 
 
 def test_what_nobody_says_is_not_invented(tmp_path, cli):
     tilted(tmp_path / "map.npz", None, None)
-    assert "before it runs it needs surface.physical_sizes and surface.unit" in cli.prints("init", "map.npz")
+    assert "before it runs it needs surface.physical_sizes and surface.unit" in cli.prints(
+        "init", "map.npz"
+    )
     assert "surface.physical_sizes: found nothing" in cli.refused("run", "scene.toml")
-    assert not compose("map.npz", tmp_path / "a.toml", ['surface.physical_sizes=["3 um", "2 um"]', "surface.unit=nm"])[1]
+    assert not compose(
+        "map.npz",
+        tmp_path / "a.toml",
+        ['surface.physical_sizes=["3 um", "2 um"]', "surface.unit=nm"],
+    )[1]
 
 
 def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, cli):
     (tmp_path / "scene.toml").write_text("mine")
-    for arguments, words in ((["init"], "which exists"), (["init", "wave", "-o", "no/a.toml"], "the folder no does not exist"),
-                             (["init", "wav", "-o", "a.toml"], "found wav, allowed: a kind of surface (self-affine, wave, sphere)"),
-                             (["init", "wave", "-o", "a.toml", "--set", "load.presure=3"], "nearest: load.pressure")):
+    for arguments, words in (
+        (["init"], "which exists"),
+        (["init", "wave", "-o", "no/a.toml"], "the folder no does not exist"),
+        (
+            ["init", "wav", "-o", "a.toml"],
+            "found wav, allowed: a kind of surface (self-affine, wave, sphere)",
+        ),
+        (["init", "wave", "-o", "a.toml", "--set", "load.presure=3"], "nearest: load.pressure"),
+    ):
         assert words in cli.refused(*arguments)
     assert (tmp_path / "scene.toml").read_text() == "mine"
     assert not (tmp_path / "a.toml").exists()
@@ -107,7 +149,9 @@ def test_help_has_every_key_with_what_it_is():
                     assert item.json_schema_extra["allowed"] in page
 
 
-@pytest.mark.parametrize(("key", "lines"), [("solver.accuracy", 3), ("accuracy", 3), ("physical_sizes", 8)])
+@pytest.mark.parametrize(
+    ("key", "lines"), [("solver.accuracy", 3), ("accuracy", 3), ("physical_sizes", 8)]
+)
 def test_help_on_one_key(key, lines):
     assert len(text(key).splitlines()) >= lines
     assert key.rpartition(".")[2] in text(key)

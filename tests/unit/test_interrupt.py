@@ -1,4 +1,5 @@
-"""Requests to stop are heard between two iterations, too, and signal handlers come back; who started this process can be said."""
+"""Requests to stop are heard between two iterations, too, and signal handlers come back; who
+started this process can be said."""
 
 import os
 import signal
@@ -23,7 +24,8 @@ SCENE = {"surface": rough((2, 16, 2)), "load": {"p_star": [0.1, 0.3]}, "output":
 
 
 def killing(function, n):
-    """The same, with a SIGTERM to this process before it is called for a grid of n x n points (that of compiling has others)."""
+    """The same, with a SIGTERM to this process before it is called for a grid of n x n points (that
+    of compiling has others)."""
 
     def call(what, *args, **kwargs):
         if getattr(what, "grid", what).n == (n, n):
@@ -33,10 +35,14 @@ def killing(function, n):
     return call
 
 
-@pytest.mark.parametrize(("module", "name", "n"), [(selfaffine, "rms_of_columns", 64), (nested, "_roughly_solved", 32)],
-                         ids=["surface", "nested"])
+@pytest.mark.parametrize(
+    ("module", "name", "n"),
+    [(selfaffine, "rms_of_columns", 64), (nested, "_roughly_solved", 32)],
+    ids=["surface", "nested"],
+)
 def test_stops_before_the_first_iteration(module, name, n, tmp_path, monkeypatch):
-    """No iteration on the finest grid, the exit code of a signal, and a restart that ends as if nothing had happened."""
+    """No iteration on the finest grid, the exit code of a signal, and a restart that ends as if
+    nothing had happened."""
     monkeypatch.chdir(tmp_path)
     before = signal.getsignal(signal.SIGTERM)
     with monkeypatch.context() as patched:
@@ -50,7 +56,11 @@ def test_stops_before_the_first_iteration(module, name, n, tmp_path, monkeypatch
     assert again.status == "converged"
     whole = run_scene(Scene.from_dict(SCENE), out="whole.h5", quiet=True)
     for found, wanted in zip(again.steps, whole.steps, strict=True):
-        assert (found["a_r"], found["gap_mean"], found["iterations"]) == (wanted["a_r"], wanted["gap_mean"], wanted["iterations"])
+        assert (found["a_r"], found["gap_mean"], found["iterations"]) == (
+            wanted["a_r"],
+            wanted["gap_mean"],
+            wanted["iterations"],
+        )
     assert read_result("out.h5").status == "converged"
 
 
@@ -95,7 +105,12 @@ def test_handlers_of_c_come_back():
 
 @pytest.fixture
 def unlaunched(monkeypatch):
-    for name in (*launcher.LAUNCHER_SIZE, *launcher.LAUNCHER_RANK, launcher.LAUNCHER, "SLURM_PROCID"):
+    for name in (
+        *launcher.LAUNCHER_SIZE,
+        *launcher.LAUNCHER_RANK,
+        launcher.LAUNCHER,
+        "SLURM_PROCID",
+    ):
         monkeypatch.delenv(name, raising=False)
     return monkeypatch
 
@@ -113,7 +128,9 @@ def test_launcher_can_be_said(unlaunched):
     assert launched() == (True, None)
     unlaunched.setattr(world, "_world", None)
     unlaunched.setenv("HPC_GFMD_LAUNCHER", "slurm")
-    with pytest.raises(SceneError, match=r'HPC_GFMD_LAUNCHER: found "slurm", allowed: "mpi", "none"'):
+    with pytest.raises(
+        SceneError, match=r'HPC_GFMD_LAUNCHER: found "slurm", allowed: "mpi", "none"'
+    ):
         world.world()
 
 

@@ -1,4 +1,5 @@
-"""Whoever looks at a result, in whatever way, is told when it is less than was asked for, or says little."""
+"""Whoever looks at a result, in whatever way, is told when it is less than was asked for, or says
+little."""
 
 import json
 import warnings
@@ -24,11 +25,15 @@ def z():
 
 @pytest.fixture
 def run(tmp_path, cli):
-    """run(p_star, accuracy, precision): (exit code, table of the run, `show`, `show --json`, `plot`)."""
+    """run(p_star, accuracy, precision): (exit code, table of the run, `show`, `show --json`,
+    `plot`)."""
+
     def solve(p_star, accuracy=1e-3, precision="auto"):
         (tmp_path / "scene.toml").write_text(scene(p_star, accuracy, precision))
         done = cli("run", "scene.toml")
-        shown, data, plotted = (cli.prints(*args, "contact.h5") for args in (("show",), ("show", "--json"), ("plot",)))
+        shown, data, plotted = (
+            cli.prints(*args, "contact.h5") for args in (("show",), ("show", "--json"), ("plot",))
+        )
         return done.code, done.out, shown, json.loads(data), plotted
 
     return solve
@@ -79,7 +84,10 @@ def test_few_points_that_touch_are_told_everywhere(run):
     points = round(data["steps"][0]["a_r"] * 64**2)
     assert points < 20
     for text in (table, shown, plotted):
-        assert f"step 0: only {points} points touch: the area is known to {100 / points:.0f} % at best" in text
+        assert (
+            f"step 0: only {points} points touch: the area is known to {100 / points:.0f} % at best"
+            in text
+        )
     assert data["steps"][0]["note"].startswith(f"only {points} points touch")
     assert "fewer than 100 of the 64 x 64 points touch" in table  # before the run, from the scene
 
@@ -113,14 +121,25 @@ def test_plan_tells_before_the_run(tmp_path, cli):
 
 
 def test_steep_heights_are_told(z):
-    assert hpc_gfmd.solve(3 * z, 0.1, boundary="periodic").note == "g_rms = 3: the theory is that of small slopes"
+    assert (
+        hpc_gfmd.solve(3 * z, 0.1, boundary="periodic").note
+        == "g_rms = 3: the theory is that of small slopes"
+    )
 
 
 def test_notes_on_a_height_map_are_told_everywhere(z, tmp_path, cli):
     """Heights in nm beside sizes in m; every load has the note, the table says it once."""
     np.save("z.npy", 1e9 * z)
-    (tmp_path / "s.toml").write_text('surface = {kind = "file", path = "z.npy", physical_sizes = [1, 1]}\nload.p_star = [0.1, 0.2]')
+    (tmp_path / "s.toml").write_text(
+        'surface = {kind = "file", path = "z.npy", physical_sizes = [1, 1]}\nload.p_star = [0.1,'
+        " 0.2]"
+    )
     log = cli.prints("run", "s.toml")
     for text in (log, cli.prints("show", "contact.h5")):
-        assert text.count("steps 0, 1: g_rms = 1e+09: heights and sizes are probably in different units") == 1
+        assert (
+            text.count(
+                "steps 0, 1: g_rms = 1e+09: heights and sizes are probably in different units"
+            )
+            == 1
+        )
     assert "note: g_rms" in log

@@ -27,8 +27,16 @@ def write(path, loads=LOADS, **how):
     with RunFile(SerialComm(), path, N, (0, N[0]), HEAD, SURFACE, **how) as run:
         run.update(height_field=HEIGHTS)
         for step, p in enumerate(loads):
-            attributes = {"p": p, "a_r": 2 * p, "status": "converged", "note": "few points" if step else None, "patches": [1, 2]}
-            run.write_step(step, attributes, {name: field(step, name) for name in ("pressure", "gap")})
+            attributes = {
+                "p": p,
+                "a_r": 2 * p,
+                "status": "converged",
+                "note": "few points" if step else None,
+                "patches": [1, 2],
+            }
+            run.write_step(
+                step, attributes, {name: field(step, name) for name in ("pressure", "gap")}
+            )
         run.finish("converged")
     return path
 
@@ -41,7 +49,9 @@ def path(tmp_path):
 @pytest.mark.parametrize("compressed", [False, True])
 def test_one_step_in_xarray(tmp_path, compressed):
     xarray = pytest.importorskip("xarray")
-    with xarray.open_dataset(write(tmp_path / "out.h5", compressed=compressed), group="steps/0001", engine="h5netcdf") as step:
+    with xarray.open_dataset(
+        write(tmp_path / "out.h5", compressed=compressed), group="steps/0001", engine="h5netcdf"
+    ) as step:
         pressure = step.pressure
         assert pressure.dims == ("x", "y")
         assert np.array_equal(pressure, field(1, "pressure"))
@@ -143,7 +153,10 @@ def test_npz_and_csv(path, cli):
         assert list(found["status"]) == ["converged", "converged"]
     assert cli.prints("export", path, "--to", "csv") == f"{path.with_suffix('.csv')}\n"
     lines = list(csv.DictReader(path.with_suffix(".csv").read_text().splitlines()))
-    assert [(line["step"], float(line["a_r"]), line["note"]) for line in lines] == [("0", 0.2, ""), ("1", 0.5, "few points")]
+    assert [(line["step"], float(line["a_r"]), line["note"]) for line in lines] == [
+        ("0", 0.2, ""),
+        ("1", 0.5, "few points"),
+    ]
 
 
 def test_exports_that_are_refused(path, tmp_path, cli):
@@ -156,5 +169,7 @@ def test_exports_that_are_refused(path, tmp_path, cli):
     content[place] ^= 4
     path.write_bytes(content)
     for kind in ("vtkhdf", "netcdf", "npz"):
-        assert "the numbers of steps/0001/gap are damaged" in cli.refused("export", path, "--to", kind, code=1)
+        assert "the numbers of steps/0001/gap are damaged" in cli.refused(
+            "export", path, "--to", kind, code=1
+        )
     assert os.listdir(tmp_path) == ["out.h5"]

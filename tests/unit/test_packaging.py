@@ -1,4 +1,5 @@
-"""What is published agrees with itself: one version, links that lead somewhere, an archive with all that the tests need."""
+"""What is published agrees with itself: one version, links that lead somewhere, an archive with all
+that the tests need."""
 
 import os
 import re
@@ -17,7 +18,9 @@ VERSIONED = {
     "CITATION.cff": r"^version: (.+)$",
     "CHANGELOG.md": r"^## \[(\d[^\]]*)\]",
     "packaging/conda/recipe.yaml": r'^  version: "(.+)"$',
-    "packaging/spack/spack_repo/hpc_gfmd/packages/py_hpc_gfmd/package.py": r'^    version\("([^"]+)"',
+    "packaging/spack/spack_repo/hpc_gfmd/packages/py_hpc_gfmd/package.py": (
+        r'^    version\("([^"]+)"'
+    ),
     "packaging/apptainer/hpc-gfmd.def": r"hpc_gfmd-(.+)\.tar\.gz /opt$",
 }
 
@@ -42,12 +45,21 @@ def test_links_lead_somewhere(path):
 def archive(tmp_path_factory):
     """The source archive as a build makes it: {path in the repository: content}."""
     folder = tmp_path_factory.mktemp("dist")
-    subprocess.run([sys.executable, "-c", f"import backend; backend.build_sdist({str(folder)!r})"], cwd=ROOT, check=True,
-                   env=os.environ | {"PYTHONPATH": str(ROOT / "packaging")}, capture_output=True)
+    subprocess.run(
+        [sys.executable, "-c", f"import backend; backend.build_sdist({str(folder)!r})"],
+        cwd=ROOT,
+        check=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT / "packaging")},
+        capture_output=True,
+    )
     (path,) = folder.iterdir()
     assert path.name == f"hpc_gfmd-{hpc_gfmd.__version__}.tar.gz"
     with tarfile.open(path) as file:
-        return {member.name.partition("/")[2]: file.extractfile(member).read() for member in file if member.isfile()}
+        return {
+            member.name.partition("/")[2]: file.extractfile(member).read()
+            for member in file
+            if member.isfile()
+        }
 
 
 def test_links_of_the_published_readme_are_absolute(archive):
@@ -61,7 +73,13 @@ def test_links_of_the_published_readme_are_absolute(archive):
 
 def test_the_source_archive_has_the_repository(archive):
     """All that git has but what makes no sense without it; nothing that was made here."""
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.split("\n")[:-1]
-    wanted = {name for name in listed if not name.startswith(".")} or {"tests/conftest.py", "scripts/setup", "docs/conf.py"}
+    listed = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False
+    ).stdout.split("\n")[:-1]
+    wanted = {name for name in listed if not name.startswith(".")} or {
+        "tests/conftest.py",
+        "scripts/setup",
+        "docs/conf.py",
+    }
     assert wanted <= set(archive)
     assert not [name for name in archive if re.search(r"__pycache__|\.h5$|\.venv|generated/", name)]

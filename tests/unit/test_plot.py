@@ -26,17 +26,41 @@ WAVE = '[surface]\nkind = "wave"\namplitude = 0.1\nn = [32, 24]\nperiods = [0, 2
 UNITS = {"unit": "m", "pressure_unit": "Pa", "physical_sizes": [1e-5, 7.5e-6], "h_rms": 2e-8}
 
 
-def write(path, n=(32, 24), steps=2, fields=("pressure", "gap"), surface=None, status="converged", scene=SCENE, spike=1.0,
-          **attributes):
+def write(
+    path,
+    n=(32, 24),
+    steps=2,
+    fields=("pressure", "gap"),
+    surface=None,
+    status="converged",
+    scene=SCENE,
+    spike=1.0,
+    **attributes,
+):
     random = np.random.default_rng(1)
-    surface = {"n": list(n), "physical_sizes": [1.0, 0.75], "h_rms": 0.1, "g_rms": 1.0, "eps_f": 0.01} | (surface or {})
-    with RunFile(SerialComm(), path, n, (0, n[0]), {"scene": scene, "identity": "a"}, surface) as run:
+    surface = {
+        "n": list(n),
+        "physical_sizes": [1.0, 0.75],
+        "h_rms": 0.1,
+        "g_rms": 1.0,
+        "eps_f": 0.01,
+    } | (surface or {})
+    with RunFile(
+        SerialComm(), path, n, (0, n[0]), {"scene": scene, "identity": "a"}, surface
+    ) as run:
         for index in range(steps):
             noise = random.normal(size=n)
             whole = {"pressure": np.clip(noise, 0, 1.5), "gap": np.maximum(-noise, 0)}
             whole["pressure"].flat[whole["pressure"].argmax()] *= spike
             p = 0.01 * 4.0**index
-            step = {"p": p, "p_star": p, "a_r": 0.5, "kappa": 0.5 / p, "gap_mean": 0.4, "gap_over_h_rms": 4.0}
+            step = {
+                "p": p,
+                "p_star": p,
+                "a_r": 0.5,
+                "kappa": 0.5 / p,
+                "gap_mean": 0.4,
+                "gap_over_h_rms": 4.0,
+            }
             step |= {"a_r_error": 1e-3, "status": status} | attributes
             run.write_step(index, step, {name: whole[name] for name in fields})
         run.finish(status)
@@ -53,13 +77,21 @@ def test_three_pictures_lie_beside_the_file(tmp_path):
     made = plot_result(write(tmp_path / "run.h5"))
     assert [p.name for p in made] == ["run_maps.png", "run_distributions.png", "run_curves.png"]
     assert all(p.parent == tmp_path and ink(p) > 0.02 for p in made)
-    assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".h5") == sorted(p.name for p in made)
+    assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".h5") == sorted(
+        p.name for p in made
+    )
 
 
 def test_pictures_in_a_new_folder(tmp_path, cli):
     file = write(tmp_path / "run.h5", status="stagnated")
-    assert "! not converged: step 0, 1 (marked in the pictures)" in cli.prints("plot", file, "-o", "a")
-    assert sorted(p.name for p in (tmp_path / "a").iterdir()) == ["curves.png", "distributions.png", "maps.png"]
+    assert "! not converged: step 0, 1 (marked in the pictures)" in cli.prints(
+        "plot", file, "-o", "a"
+    )
+    assert sorted(p.name for p in (tmp_path / "a").iterdir()) == [
+        "curves.png",
+        "distributions.png",
+        "maps.png",
+    ]
     assert "pictures cannot go to" in cli.refused("plot", file, "-o", "no/b")
 
 
@@ -70,11 +102,20 @@ def test_whatever_fields_there_are(tmp_path, fields):
     assert all(ink(p) > 0.01 for p in made)
 
 
-@pytest.mark.parametrize(("surface", "attributes"), [
-    ({"h_rms": 0.0, "g_rms": 0.0, "eps_f": 0.0}, {"p_star": float("inf"), "gap_over_h_rms": float("nan")}),
-    ({}, {"a_r": 1.0, "gap_mean": 0.0, "gap_over_h_rms": 0.0}), ({}, {"a_r_error": float("inf"), "gap_error": float("nan")}),
-    ({"eps_f": float("nan")}, {"a_r": None, "kappa": None}), ({"physical_sizes": [0.1, 2.0]}, {"n": (3, 50), "steps": 3})],
-    ids=["flat", "full contact", "unknown errors", "few observables", "many steps of a long cell"])
+@pytest.mark.parametrize(
+    ("surface", "attributes"),
+    [
+        (
+            {"h_rms": 0.0, "g_rms": 0.0, "eps_f": 0.0},
+            {"p_star": float("inf"), "gap_over_h_rms": float("nan")},
+        ),
+        ({}, {"a_r": 1.0, "gap_mean": 0.0, "gap_over_h_rms": 0.0}),
+        ({}, {"a_r_error": float("inf"), "gap_error": float("nan")}),
+        ({"eps_f": float("nan")}, {"a_r": None, "kappa": None}),
+        ({"physical_sizes": [0.1, 2.0]}, {"n": (3, 50), "steps": 3}),
+    ],
+    ids=["flat", "full contact", "unknown errors", "few observables", "many steps of a long cell"],
+)
 def test_unusual_results_are_drawn_too(tmp_path, surface, attributes):
     assert len(plot_result(write(tmp_path / "run.h5", surface=surface, **attributes))) == 3
 
@@ -113,7 +154,9 @@ def texts(fig):
     return " | ".join(found.get_text() for found in fig.findobj(matplotlib.text.Text))
 
 
-@pytest.mark.parametrize(("suffix", "begins"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
+@pytest.mark.parametrize(
+    ("suffix", "begins"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")]
+)
 def test_the_suffix_says_the_format(tmp_path, suffix, begins):
     file = write(tmp_path / "run.h5", n=(8, 6))
     (one,) = plot_result(file, tmp_path / f"one.{suffix}", "pressure", step=1)
@@ -125,27 +168,47 @@ def test_the_suffix_says_the_format(tmp_path, suffix, begins):
 
 def test_dpi(tmp_path):
     file = write(tmp_path / "run.h5", n=(8, 6))
-    wide = [matplotlib.image.imread(plot_result(file, tmp_path / "a.png", "curves", dpi=dpi)[0]).shape[1] for dpi in (50, 150)]
+    wide = [
+        matplotlib.image.imread(plot_result(file, tmp_path / "a.png", "curves", dpi=dpi)[0]).shape[
+            1
+        ]
+        for dpi in (50, 150)
+    ]
     assert wide[1] == pytest.approx(3 * wide[0], rel=0.02)
 
 
-@pytest.mark.parametrize(("scene", "kind", "name"), [(SCENE, "self-affine", "Persson"), (SPHERE, "sphere", "Hertz"),
-                                                    (WAVE, "wave", "Westergaard"), ("", "file", None)])
+@pytest.mark.parametrize(
+    ("scene", "kind", "name"),
+    [
+        (SCENE, "self-affine", "Persson"),
+        (SPHERE, "sphere", "Hertz"),
+        (WAVE, "wave", "Westergaard"),
+        ("", "file", None),
+    ],
+)
 def test_theory_stands_beside_its_own_surfaces_only(tmp_path, scene, kind, name):
     file = write(tmp_path / "run.h5", scene=scene, surface={"kind": kind})
     for picture in figures(file, ["curves", "distributions"]).values():
         said = texts(picture)
-        assert {found for found in ("Persson", "Hertz", "Westergaard") if found in said} == ({name} if name else set())
+        assert {found for found in ("Persson", "Hertz", "Westergaard") if found in said} == (
+            {name} if name else set()
+        )
     assert r"\kappa" in texts(plot(file, "curves")) or kind in ("sphere", "wave")
     layer = scene.replace("[load]", "[material]\nnu1 = 0.3\nthickness = 0.1\n[load]")
-    assert not name or name not in texts(plot(write(tmp_path / "layer.h5", scene=layer, surface={"kind": kind}), "curves"))
+    assert not name or name not in texts(
+        plot(write(tmp_path / "layer.h5", scene=layer, surface={"kind": kind}), "curves")
+    )
 
 
 @pytest.mark.parametrize("rolloff", [1, 4])
 def test_the_gap_of_theory_is_that_of_the_surface(tmp_path, rolloff):
-    """The line in the panel of the mean gap, in units of h_rms; with a roll-off against the spectrum sampled finely."""
+    """The line in the panel of the mean gap, in units of h_rms; with a roll-off against the
+    spectrum sampled finely."""
     scene = SCENE.replace("lam_s_over_a", f"lam_l_over_lam_r = {rolloff}\nlam_s_over_a")
-    picture = plot(write(tmp_path / "run.h5", scene=scene, surface={"kind": "self-affine", "eps_f": 1 / 16}), "curves")
+    picture = plot(
+        write(tmp_path / "run.h5", scene=scene, surface={"kind": "self-affine", "eps_f": 1 / 16}),
+        "curves",
+    )
     (ax,) = (ax for ax in picture.axes if "langle g" in ax.get_ylabel())
     (line,) = (line for line in ax.get_lines() if line.get_label().startswith("Persson"))
     p_star, gap = map(np.asarray, line.get_data())
@@ -162,9 +225,14 @@ def test_the_gap_of_theory_is_that_of_the_surface(tmp_path, rolloff):
 
 def test_axes_have_units_or_none(tmp_path):
     density = {"pressure_edges": [0.0, 2e7], "pressure_density": [5e-8]}
-    file = write(tmp_path / "run.h5", n=(8, 6), surface=UNITS, p=2e7, p_star=0.1, gap_mean=3e-8, **density)
-    for what, absolute, relative in (("maps", "(µm)", "/L_x"), ("curves", "p_0$ (MPa)", "p^*"),
-                                     ("distributions", "(1/MPa)", r"\bar{g})")):
+    file = write(
+        tmp_path / "run.h5", n=(8, 6), surface=UNITS, p=2e7, p_star=0.1, gap_mean=3e-8, **density
+    )
+    for what, absolute, relative in (
+        ("maps", "(µm)", "/L_x"),
+        ("curves", "p_0$ (MPa)", "p^*"),
+        ("distributions", "(1/MPa)", r"\bar{g})"),
+    ):
         plain, scaled = texts(plot(file, what)), texts(plot(file, what, dimensionless=True))
         assert absolute in plain
         assert "10 × 7.5 µm" in plain
@@ -202,7 +270,10 @@ def test_a_window_is_drawn_with_all_its_points(tmp_path):
         gap = read_result(file).fields[1]["gap"].read(0, 32)[8:16, :8]  # up to 3 m
         assert np.allclose(np.ma.filled(image.get_array(), 0), gap.T)
     for wrong in ((0, 1, 0, 1), (3e-6, 1e-6, 0, 1e-6), ("a", 1, 0, 1), (0, 1e-6, 0)):
-        with pytest.raises(SceneError, match=r"^window: found .*, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= 1e-05 m"):
+        with pytest.raises(
+            SceneError,
+            match=r"^window: found .*, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= 1e-05 m",
+        ):
             plot(file, window=wrong)
 
 
@@ -210,14 +281,19 @@ def test_what_is_left_out_is_said(tmp_path, cli):
     file = write(tmp_path / "run.h5", n=(8, 6), steps=9)
     assert "5 of 9 loads not shown" in texts(plot(file))
     assert "not shown" not in texts(plot(file, "curves"))
-    assert "shown: step 0, 3, 5, 8; left out: 1, 2, 4, 6, 7" in cli.prints("plot", file, "-o", "a.png", "--what", "maps")
+    assert "shown: step 0, 3, 5, 8; left out: 1, 2, 4, 6, 7" in cli.prints(
+        "plot", file, "-o", "a.png", "--what", "maps"
+    )
     assert "step 4" in texts(plot(file, step=4))
 
 
 def test_what_there_is_not_is_refused(tmp_path):
     file = write(tmp_path / "run.h5", n=(8, 6), fields=())
-    for how, words in (({"what": "map"}, "what: found 'map', allowed: curves"), ({"what": "maps"}, "need output.fields"),
-                       ({"what": "curves", "step": 7}, "step: found 7, allowed: 0, 1")):
+    for how, words in (
+        ({"what": "map"}, "what: found 'map', allowed: curves"),
+        ({"what": "maps"}, "need output.fields"),
+        ({"what": "curves", "step": 7}, "step: found 7, allowed: 0, 1"),
+    ):
         with pytest.raises(SceneError, match=words):
             plot(file, **how)
 
@@ -233,8 +309,14 @@ def test_heights_of_an_array():
 
 def test_spectra_are_drawn_where_they_are_stored(tmp_path):
     q = [1.0, 2.0, 4.0]
-    file = write(tmp_path / "run.h5", n=(8, 6), pressure_spectrum_q=q, pressure_spectrum_power=[3.0, 2.0, 1.0],
-                 heights_autocorrelation_r=q, heights_autocorrelation_correlation=[2.0, 1.0, 0.0])
+    file = write(
+        tmp_path / "run.h5",
+        n=(8, 6),
+        pressure_spectrum_q=q,
+        pressure_spectrum_power=[3.0, 2.0, 1.0],
+        heights_autocorrelation_r=q,
+        heights_autocorrelation_correlation=[2.0, 1.0, 0.0],
+    )
     assert list(figures(file)) == ["maps", "distributions", "spectra", "curves"]
     said = texts(plot(file, "spectra"))
     assert "C_p(q)" in said

@@ -1,4 +1,5 @@
-"""A run that was stopped, or died, and went on is the run that was not disturbed, to the last bit."""
+"""A run that was stopped, or died, and went on is the run that was not disturbed, to the last
+bit."""
 
 import numpy as np
 import pytest
@@ -19,21 +20,35 @@ def pieces(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("solver", sorted(solver_names()))
 def test_bit_identical(pieces, solver):
-    """Stopped in the middle of loads and at once, and dead somewhere without a word, with and without checkpoints."""
+    """Stopped in the middle of loads and at once, and dead somewhere without a word, with and
+    without checkpoints."""
     asked = scene(solver)
     count = pieces.undisturbed(asked)
     part = count // 4
-    for plan in ([(1, False, ()), (1, False, ()), (part, False, ()), (part, False, ()), (part + 1, False, ())],
-                 [(count - 2, True, ())], [(2 * part, True, (part,)), (part, True, (2, 3))]):
+    for plan in (
+        [
+            (1, False, ()),
+            (1, False, ()),
+            (part, False, ()),
+            (part, False, ()),
+            (part + 1, False, ()),
+        ],
+        [(count - 2, True, ())],
+        [(2 * part, True, (part,)), (part, True, (2, 3))],
+    ):
         pieces.run(asked, *plan)
         pieces.compare()
 
 
-SWEEPS = {"each load": scene("auto"),
-          "low memory": scene("bpx", [0.05, 0.06, 0.3], ["gap"], low_memory=True),
-          "prescribed": scene("auto", {"gap_over_h_rms": [0.3, 0.32, 1.2, 0.0, 0.4]}),
-          "prescribed areas": scene("bpx", {"a_r": [0.1, 0.5]}, ["gap"], low_memory=True),
-          "single until a load with few points": scene("auto", [0.3, 1e-4, 1.2e-4, 1.3e-4], precision="auto", accuracy=1e-3)}
+SWEEPS = {
+    "each load": scene("auto"),
+    "low memory": scene("bpx", [0.05, 0.06, 0.3], ["gap"], low_memory=True),
+    "prescribed": scene("auto", {"gap_over_h_rms": [0.3, 0.32, 1.2, 0.0, 0.4]}),
+    "prescribed areas": scene("bpx", {"a_r": [0.1, 0.5]}, ["gap"], low_memory=True),
+    "single until a load with few points": scene(
+        "auto", [0.3, 1e-4, 1.2e-4, 1.3e-4], precision="auto", accuracy=1e-3
+    ),
+}
 
 
 @pytest.mark.parametrize("name", SWEEPS)
@@ -48,7 +63,8 @@ def test_with_a_gap_mode(pieces, monkeypatch):
 
 
 def test_precision_given_up_in_the_middle(pieces, monkeypatch):
-    """A load that stagnates in single precision is solved again in double; stopped there, it does not begin in single again."""
+    """A load that stagnates in single precision is solved again in double; stopped there, it does
+    not begin in single again."""
     monkeypatch.setattr(sweep, "first_precision", lambda _: np.dtype(np.float32))
     asked = scene("bpx", [0.3, 0.35], precision="auto", accuracy=None, residual=1e-8)
     stop_everywhere(pieces, asked)

@@ -24,7 +24,10 @@ def test_the_state_of_another_load_is_refused():
     asked = p * (1 + 1e-13)  # as with another number of ranks
     again.restore(lambda _: held, numbers, asked)
     assert again.solver.p0 == asked / again.surface.g_rms != numbers["p0"]
-    found, wanted = again.solve(asked, midway=True), sweep_of(rough((2, 8, 2)), accuracy=1e-6).solve(p)
+    found, wanted = (
+        again.solve(asked, midway=True),
+        sweep_of(rough((2, 8, 2)), accuracy=1e-6).solve(p),
+    )
     assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-10)
     assert found.iterations == wanted.iterations
 
@@ -35,12 +38,19 @@ def test_the_state_of_another_version_is_refused():
     sweep.solve(load, watch=lambda iterations, _: iterations == 3)
     arrays, numbers = sweep.state()
     held, search = {name: np.array(data) for name, data in arrays.items()}, numbers["search"]
-    for other in (search | {"guesses": 0}, {key: value for key, value in search.items() if key != "wall"}):
+    for other in (
+        search | {"guesses": 0},
+        {key: value for key, value in search.items() if key != "wall"},
+    ):
         with pytest.raises(SceneError, match="of another version"):
-            sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(lambda _: held, numbers | {"search": other}, load)
+            sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(
+                lambda _: held, numbers | {"search": other}, load
+            )
     less = {key: value for key, value in numbers["own"].items() if key != "gap_mean"}
     with pytest.raises(SceneError, match="of another version"):
-        sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(lambda _: held, numbers | {"own": less}, load)
+        sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(
+            lambda _: held, numbers | {"own": less}, load
+        )
     again = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
     again.restore(lambda _: held, numbers, load)
     assert again.solve(load, midway=True).contact.outcome.status == "converged"
@@ -73,7 +83,9 @@ def test_heights_that_change_while_a_run_goes_on(tmp_path):
     path, z = tmp_path / "z.npy", random_heights((32, 32))
     np.save(path, z)
     surface = {"kind": "file", "path": str(path), "physical_sizes": [1, 1]}
-    scene = Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}, "solver": {"accuracy": 1e-2}})
+    scene = Scene.from_dict(
+        {"surface": surface, "load": {"p_star": 1.0}, "solver": {"accuracy": 1e-2}}
+    )
     sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
     assert sweep.solve(0.4 * sweep.surface.g_rms).contact.g.dtype == np.float32
     np.save(path, 2 * z)

@@ -15,7 +15,11 @@ from hpc_gfmd.parallel.comm import SerialComm
 def test_a_finished_file_holds_everything(path):
     complete(path, 1)
     result = read_result(path)
-    assert (result.status, result.scene_toml, result.head["versions"]) == ("converged", "title = 'x'", '{"numpy": "2"}')
+    assert (result.status, result.scene_toml, result.head["versions"]) == (
+        "converged",
+        "title = 'x'",
+        '{"numpy": "2"}',
+    )
     assert result.surface == SURFACE
     assert result.steps == [STEP]
     assert result.head["format"] == "hpc-gfmd"
@@ -35,22 +39,41 @@ def test_the_layout_is_the_documented_one(path):
 
 
 def test_attributes_of_all_kinds_survive(path):
-    step = {"p": 1, "flag": True, "text": "mu \u03bc", "list": [1.0, 2.0], "nothing": None, "nan": float("nan"),
-            "numpy": np.float32(0.5), "words": ["a", "b"]}
+    step = {
+        "p": 1,
+        "flag": True,
+        "text": "mu \u03bc",
+        "list": [1.0, 2.0],
+        "nothing": None,
+        "nan": float("nan"),
+        "numpy": np.float32(0.5),
+        "words": ["a", "b"],
+    }
     with begin(path) as run:
         run.write_step(0, step)
         run.finish("x")
     (found,) = read_result(path).steps
     assert np.isnan(found.pop("nan"))
-    assert found == {"p": 1, "flag": True, "text": "mu \u03bc", "list": [1.0, 2.0], "numpy": 0.5, "words": ["a", "b"]}
+    assert found == {
+        "p": 1,
+        "flag": True,
+        "text": "mu \u03bc",
+        "list": [1.0, 2.0],
+        "numpy": 0.5,
+        "words": ["a", "b"],
+    }
     assert type(found["flag"]) is bool
 
 
 def test_write_file_leaves_no_trace_of_a_failure(tmp_path):
     target = tmp_path / "state.h5"
-    h5.write_file(SerialComm(), target, N, (0, N[0]), {"u": FIELD}, lambda file: file.attrs.update(dt=1.0))
+    h5.write_file(
+        SerialComm(), target, N, (0, N[0]), {"u": FIELD}, lambda file: file.attrs.update(dt=1.0)
+    )
     with pytest.raises(GfmdError):
-        h5.write_file(SerialComm(), target, N, (0, N[0]), {}, lambda file: file.attrs.update(dt=object()))
+        h5.write_file(
+            SerialComm(), target, N, (0, N[0]), {}, lambda file: file.attrs.update(dt=object())
+        )
     with h5py.File(target) as file:
         assert file.attrs["dt"] == 1.0
     assert names(tmp_path) == ["state.h5"]
@@ -71,9 +94,14 @@ def test_a_damaged_field_is_neither_read_nor_copied(path, tmp_path):
     content = bytearray(complete(path, 1).read_bytes())
     content[content.index(FIELD.tobytes()) + 13] ^= 1
     path.write_bytes(content)
-    stored, damaged = read_result(path).fields[0]["gap"], "the numbers of steps/0000/gap are damaged"
+    stored, damaged = (
+        read_result(path).fields[0]["gap"],
+        "the numbers of steps/0000/gap are damaged",
+    )
     for _ in range(2):
-        assert np.array_equal(stored.read(3, 6), FIELD[3:])  # not all of them, so that nobody can tell
+        assert np.array_equal(
+            stored.read(3, 6), FIELD[3:]
+        )  # not all of them, so that nobody can tell
         for start in (0, 2):
             assert stored.read(start, start + 2).shape == (2, 5)
         with pytest.raises(GfmdError, match=damaged):

@@ -1,4 +1,5 @@
-"""Files in wrong places, damaged ones beside sound ones, and results that stand in the way: nothing finished is lost without a word."""
+"""Files in wrong places, damaged ones beside sound ones, and results that stand in the way: nothing
+finished is lost without a word."""
 
 import shutil
 from pathlib import Path
@@ -54,8 +55,12 @@ def test_what_lies_in_the_place_of_a_step_is_left_out(path, tmp_path, cli):
     with begin(path, resume=True) as run:
         run.write_checkpoint(GRID, "bpx", 0, ({"g": FIELD}, {}))
     other = interrupted(tmp_path / "other.h5", identity="xyz") / "step-0001.h5"
-    for source, words in ((folder / "step-0000.h5", "holds no load step 1"), (folder / "head.h5", "holds no load step 1"),
-                          (folder / "checkpoint.h5", "not a result"), (other, "belongs to another scene")):
+    for source, words in (
+        (folder / "step-0000.h5", "holds no load step 1"),
+        (folder / "head.h5", "holds no load step 1"),
+        (folder / "checkpoint.h5", "not a result"),
+        (other, "belongs to another scene"),
+    ):
         shutil.copy(source, folder / "step-0001.h5")
         found = read_partial(path)
         assert found.indices == [0, 2]
@@ -79,7 +84,10 @@ def test_a_checkpoint_belongs_to_its_scene(path, tmp_path):
         with pytest.raises(SceneError, match="a checkpoint of bpx, allowed: of ccg and this scene"):
             run.checkpoint("ccg")
         shutil.copy(run.partial / "checkpoint.h5", other)
-        with begin(tmp_path / "other.h5", "xyz", resume=True) as run_of_other, pytest.raises(SceneError, match="of another scene"):
+        with (
+            begin(tmp_path / "other.h5", "xyz", resume=True) as run_of_other,
+            pytest.raises(SceneError, match="of another scene"),
+        ):
             run_of_other.checkpoint("bpx")
         shutil.copy(other / "step-0000.h5", run.partial / "checkpoint.h5")
         with pytest.raises(SceneError, match="not a checkpoint"):
@@ -90,7 +98,9 @@ def test_loads_are_in_the_order_of_their_numbers(path):
     """9,999 is before 10,000 in the folder, in the file, and for ParaView."""
     with begin(path) as run:
         for index in (10000, 9999, 10001):
-            run.write_step(index, {"p": float(index), "status": "converged"}, {"gap": FIELD + index})
+            run.write_step(
+                index, {"p": float(index), "status": "converged"}, {"gap": FIELD + index}
+            )
         assert read_partial(path).indices == [9999, 10000, 10001]
         run.finish("converged")
     assert read_result(path).indices == [9999, 10000, 10001]
@@ -120,13 +130,18 @@ def test_a_newer_run_beside_a_result_is_mentioned(path, cli):
     interrupted(path, 2)
     for arguments in ((), ("--json",)):
         told = cli("show", path, *arguments)
-        assert f"note: a newer run was interrupted, or is running: 2 finished load steps in {path}.partial" in told.out + told.err
+        assert (
+            "note: a newer run was interrupted, or is running: 2 finished load steps in"
+            f" {path}.partial" in told.out + told.err
+        )
         assert told.code == 0
 
 
 def test_a_result_of_another_scene_is_not_replaced(path):
     whole = complete(path).read_bytes()
-    with pytest.raises(SceneError, match="holds the result of another scene, allowed: another path, or --force") as caught:
+    with pytest.raises(
+        SceneError, match="holds the result of another scene, allowed: another path, or --force"
+    ) as caught:
         begin(path, "xyz")
     assert "\n" not in str(caught.value)
     assert path.read_bytes() == whole
@@ -161,13 +176,17 @@ def test_an_interrupted_run_that_cannot_be_read_is_not_removed_silently(path):
     for file in folder.glob("*.h5"):
         file.write_bytes(b"lost")
     with begin(path) as run:
-        assert run.notes == ["removed an interrupted run that cannot be read (3 files of load steps)"]
+        assert run.notes == [
+            "removed an interrupted run that cannot be read (3 files of load steps)"
+        ]
 
 
 def test_the_command_line(cli):
     """--force, a folder that is not there, and the folder of a run in place of its file."""
-    Path("scene.toml").write_text('[surface]\nkind = "wave"\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n'
-                                  '[output]\npath = "out.h5"\nfields = ["gap", "displacement", "heights"]\n')
+    Path("scene.toml").write_text(
+        '[surface]\nkind = "wave"\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n'
+        '[output]\npath = "out.h5"\nfields = ["gap", "displacement", "heights"]\n'
+    )
     assert cli("run", "scene.toml", "-q").code in (0, 3)
     with h5py.File("out.h5") as file:
         assert file.attrs["io"] == "serial"
@@ -178,7 +197,9 @@ def test_the_command_line(cli):
     assert "--force" in cli.refused("run", "scene.toml", "-q", "--set", "load.pressure=0.2")
     assert cli("run", "scene.toml", "-q", "--set", "load.pressure=0.2", "--force").code in (0, 3)
     assert read_result("out.h5").steps[0]["p"] == 0.2
-    assert "the folder missing does not exist" in cli.refused("run", "scene.toml", "-q", "-o", "missing/out.h5")
+    assert "the folder missing does not exist" in cli.refused(
+        "run", "scene.toml", "-q", "-o", "missing/out.h5"
+    )
     interrupted(Path("x.h5"))
     for command in ("restart", "show"):
         err = cli.refused(command, "x.h5.partial")

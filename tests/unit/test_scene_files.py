@@ -17,14 +17,23 @@ def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
     return path
 
 
-@pytest.mark.parametrize(("content", "words"), [
-    (b"", "empty"), (b" \n\t", "empty"), (b"\x89HDF\r\n\x1a\n", "0x89 at position 0"),
-    (b"a = 1\n\xff", "0xff"),
-    (b"[surface]\nkind = \n", "line 2"), (b"a = 1\na = 2\n", "line 2"), (b"\0", "not valid TOML"),
-    (b"a = " + b"[" * 5000, "nested too deeply"), (b"a = " + b"9" * 5000, "not valid TOML"),
-    (b"x" * (1 << 20) + b"x", "more than"), (b"title = 'only'", "surface: found nothing"),
-    (b"load.p_star = 0x" + b"f" * 5000, "surface: found nothing"),
-])
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "empty"),
+        (b" \n\t", "empty"),
+        (b"\x89HDF\r\n\x1a\n", "0x89 at position 0"),
+        (b"a = 1\n\xff", "0xff"),
+        (b"[surface]\nkind = \n", "line 2"),
+        (b"a = 1\na = 2\n", "line 2"),
+        (b"\0", "not valid TOML"),
+        (b"a = " + b"[" * 5000, "nested too deeply"),
+        (b"a = " + b"9" * 5000, "not valid TOML"),
+        (b"x" * (1 << 20) + b"x", "more than"),
+        (b"title = 'only'", "surface: found nothing"),
+        (b"load.p_star = 0x" + b"f" * 5000, "surface: found nothing"),
+    ],
+)
 def test_a_bad_file_is_refused_in_one_line(tmp_path, content, words):
     path = write(tmp_path, content)
     with pytest.raises(SceneError) as caught:
@@ -61,10 +70,20 @@ def test_the_surface_file_counts_from_the_folder_of_the_scene(tmp_path, monkeypa
 
 def test_overrides(tmp_path):
     path = write(tmp_path, tomli_w.dumps(tables()))
-    scene = load_scene(path, ["surface.hurst=0.3", "load.p_star = [0.1, 0.2]", "solver.name=gfmd",
-                              "title=a = b", 'output.path="x.h5"', "solver.options.mass=2",
-                              "machine.threads=auto",
-                              "solver.low_memory=true", "surface.hurst=0.5"])
+    scene = load_scene(
+        path,
+        [
+            "surface.hurst=0.3",
+            "load.p_star = [0.1, 0.2]",
+            "solver.name=gfmd",
+            "title=a = b",
+            'output.path="x.h5"',
+            "solver.options.mass=2",
+            "machine.threads=auto",
+            "solver.low_memory=true",
+            "surface.hurst=0.5",
+        ],
+    )
     assert scene.surface.hurst == 0.5
     assert scene.load.p_star == (0.1, 0.2)
     assert scene.solver.name == "gfmd"
@@ -77,14 +96,22 @@ def test_overrides(tmp_path):
     assert load_scene(path, ["title="]).title == ""
 
 
-@pytest.mark.parametrize(("override", "words"), [
-    ("surface.hurst", "table.key=value"), ("=1", "table.key=value"), ("a..b=1", "table.key=value"),
-    ("surface.hurst.x=1", "surface.hurst is no table"), ("surface.hurts=1", "nearest: surface.hurst"),
-    ("surface.hurst=high", "found 'high'"), ("surface.seed=1\nx=2", "found '1\\nx=2'"),
-    ("a\nb=1", "unknown key"),
-    ("title=\udcff", "title: found"), ("surface.hurst=" + "[" * 5000, "surface.hurst: found"),
-    ("surface.seed=0x" + "f" * 5000, "found a huge integer"),
-])
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("surface.hurst", "table.key=value"),
+        ("=1", "table.key=value"),
+        ("a..b=1", "table.key=value"),
+        ("surface.hurst.x=1", "surface.hurst is no table"),
+        ("surface.hurts=1", "nearest: surface.hurst"),
+        ("surface.hurst=high", "found 'high'"),
+        ("surface.seed=1\nx=2", "found '1\\nx=2'"),
+        ("a\nb=1", "unknown key"),
+        ("title=\udcff", "title: found"),
+        ("surface.hurst=" + "[" * 5000, "surface.hurst: found"),
+        ("surface.seed=0x" + "f" * 5000, "found a huge integer"),
+    ],
+)
 def test_a_bad_override_is_refused_in_one_line(tmp_path, override, words):
     with pytest.raises(SceneError) as caught:
         load_scene(write(tmp_path, tomli_w.dumps(tables())), [override])
@@ -96,12 +123,18 @@ def test_names_against_the_registries():
     output = {"observables": ["a_r"], "fields": ["gap"]}
     scene = Scene.from_dict(tables(solver={"name": "gfmd"}, output=output))
     check_names(scene, ["gfmd", "ccg"], ["a_r", "kappa"], ["gap", "pressure"])
-    check_names(Scene.from_dict(tables()), [], [], [])      # "auto" needs no registry
-    for known, words in (((["gfm", "ccg"], ["a_r"], ["gap"]),
-                          "solver.name: found 'gfmd', nearest: \"gfm\", allowed: auto, ccg, gfm"),
-                         ((["gfmd"], ["area", "kappa"], ["gap"]),
-                          "output.observables: found 'a_r', nearest: \"area\", allowed: area, kappa"),
-                         ((["gfmd"], ["a_r"], []), "output.fields: found 'gap', allowed: none")):
+    check_names(Scene.from_dict(tables()), [], [], [])  # "auto" needs no registry
+    for known, words in (
+        (
+            (["gfm", "ccg"], ["a_r"], ["gap"]),
+            "solver.name: found 'gfmd', nearest: \"gfm\", allowed: auto, ccg, gfm",
+        ),
+        (
+            (["gfmd"], ["area", "kappa"], ["gap"]),
+            "output.observables: found 'a_r', nearest: \"area\", allowed: area, kappa",
+        ),
+        ((["gfmd"], ["a_r"], []), "output.fields: found 'gap', allowed: none"),
+    ):
         with pytest.raises(SceneError) as caught:
             check_names(scene, *known)
         assert str(caught.value) == words

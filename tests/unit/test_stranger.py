@@ -1,4 +1,5 @@
-"""Somebody with a measured surface: from the file of the instrument to numbers, a picture and a distribution, as the README says."""
+"""Somebody with a measured surface: from the file of the instrument to numbers, a picture and a
+distribution, as the README says."""
 
 import re
 import subprocess
@@ -14,18 +15,31 @@ from hpc_gfmd.surface.instruments import surface_topography
 
 SIZE = 12e-6  # m
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-PYTHON, TOML = (re.search(f"```{language}\n(.*?)```", README, re.DOTALL)[1] for language in ("python", "toml"))
+PYTHON, TOML = (
+    re.search(f"```{language}\n(.*?)```", README, re.DOTALL)[1] for language in ("python", "toml")
+)
 LOAD, MODULUS = "20 MPa", "2 GPa"  # that stand in both
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """With a scan as microscopes make them: a part of a rough surface, not periodic, tilted, in the instrument's format."""
+    """With a scan as microscopes make them: a part of a rough surface, not periodic, tilted, in the
+    instrument's format."""
     folder = tmp_path_factory.mktemp("stranger")
-    wall = hpc_gfmd.make_surface("self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=16, lam_s_over_a=4, seed=3, g_rms=0.1,
-                                 physical_sizes=(2 * SIZE, 2 * SIZE))
+    wall = hpc_gfmd.make_surface(
+        "self-affine",
+        hurst=0.8,
+        L_over_lam_l=2,
+        lam_l_over_lam_s=16,
+        lam_s_over_a=4,
+        seed=3,
+        g_rms=0.1,
+        physical_sizes=(2 * SIZE, 2 * SIZE),
+    )
     heights = wall.heights[:64, :64] + 1e-7 * np.arange(64)[:, None]
-    surface_topography().Topography(1e9 * heights, (1e9 * SIZE, 1e9 * SIZE), unit="nm").to_x3p(str(folder / "scan.x3p"))
+    surface_topography().Topography(1e9 * heights, (1e9 * SIZE, 1e9 * SIZE), unit="nm").to_x3p(
+        str(folder / "scan.x3p")
+    )
     return folder
 
 
@@ -61,6 +75,10 @@ def test_a_scene_of_eight_lines(folder):
     assert f"{100 * solution.a_r:.2f} " in told.replace("+-", " ")
     assert "[% +- solver]" in told
     assert "[MPa]" in told
-    python = hpc_gfmd.solve(hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free"), LOAD, MODULUS)
+    python = hpc_gfmd.solve(
+        hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free"), LOAD, MODULUS
+    )
     assert (solution.a_r, solution.status) == (python.a_r, "converged")
-    assert solution.distributions["patches"]["density"] == pytest.approx(python.distribution("patches")["density"])
+    assert solution.distributions["patches"]["density"] == pytest.approx(
+        python.distribution("patches")["density"]
+    )

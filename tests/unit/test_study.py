@@ -1,4 +1,5 @@
-"""Studies: what is stored is safe and complete, what is there is not solved again, shares and surfaces are what they claim."""
+"""Studies: what is stored is safe and complete, what is there is not solved again, shares and
+surfaces are what they claim."""
 
 import errno
 import os
@@ -18,15 +19,47 @@ from hpc_gfmd.surface import build_surface
 SMALL = Case(0.8, 2, 8, 2, 1, (0.05, 0.35))
 CASES = [SMALL, replace(SMALL, hurst=0.3), replace(SMALL, lam_s_over_a=4)]
 SCHEMA = {
-    "hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "n", "seed", "p_star", "accuracy", "eps_t", "eps_f", "eps_c", "h_rms",
-    "g_rms", "lam_s", "a_r", "a_r_edge", "kappa", "kappa_edge", "gap_over_h_rms", "gap_over_g_rms_lam_s", "contact_points", "a_r_error",
-    "gap_error", "pressure_error", "status", "iterations", "fft_pairs", "wall_seconds", "precision", "ranks", "version",
+    "hurst",
+    "L_over_lam_l",
+    "lam_l_over_lam_s",
+    "lam_s_over_a",
+    "n",
+    "seed",
+    "p_star",
+    "accuracy",
+    "eps_t",
+    "eps_f",
+    "eps_c",
+    "h_rms",
+    "g_rms",
+    "lam_s",
+    "a_r",
+    "a_r_edge",
+    "kappa",
+    "kappa_edge",
+    "gap_over_h_rms",
+    "gap_over_g_rms_lam_s",
+    "contact_points",
+    "a_r_error",
+    "gap_error",
+    "pressure_error",
+    "status",
+    "iterations",
+    "fft_pairs",
+    "wall_seconds",
+    "precision",
+    "ranks",
+    "version",
 }
 
 
 def run_of(case, p_star, **more):
     """The part of a stored run that tells it from others."""
-    return {name: getattr(case, name) for name in (*runner.FIELDS, "accuracy")} | {"p_star": p_star} | more
+    return (
+        {name: getattr(case, name) for name in (*runner.FIELDS, "accuracy")}
+        | {"p_star": p_star}
+        | more
+    )
 
 
 def has(store, case):
@@ -37,7 +70,9 @@ def has(store, case):
 def solve(cases, store, **how):
     """run_missing on one process, and what it said."""
     said = []
-    return runner.run_missing(cases, store, SerialComm(), say=how.pop("say", said.append), **how), said
+    return runner.run_missing(
+        cases, store, SerialComm(), say=how.pop("say", said.append), **how
+    ), said
 
 
 @pytest.fixture(scope="module")
@@ -53,10 +88,19 @@ def test_stored_runs(solved):
     for run in runs:
         assert set(run) == SCHEMA
         assert run["status"] == "converged"
-        assert run["a_r"] == run["contact_points"] / run["n"] ** 2 == pytest.approx(run["kappa"] * run["p_star"])
+        assert (
+            run["a_r"]
+            == run["contact_points"] / run["n"] ** 2
+            == pytest.approx(run["kappa"] * run["p_star"])
+        )
         assert 0 < run["a_r_edge"] < run["a_r"]
-        assert run["gap_over_h_rms"] * run["h_rms"] == pytest.approx(run["gap_over_g_rms_lam_s"] * run["g_rms"] * run["lam_s"])
-        assert (run["n"], run["lam_s"]) == (round(2 * 8 * run["lam_s_over_a"]), pytest.approx(1 / 16))
+        assert run["gap_over_h_rms"] * run["h_rms"] == pytest.approx(
+            run["gap_over_g_rms_lam_s"] * run["g_rms"] * run["lam_s"]
+        )
+        assert (run["n"], run["lam_s"]) == (
+            round(2 * 8 * run["lam_s_over_a"]),
+            pytest.approx(1 / 16),
+        )
 
 
 def test_finished_ones_are_skipped(solved):
@@ -72,7 +116,16 @@ def test_finished_ones_are_skipped(solved):
     assert {run["lam_s_over_a"] for run in store.runs_of(CASES[2:])} == {4}
 
 
-@pytest.mark.parametrize("torn", [b'{"hurst": 0.8, "L_over_l', b'{"hurst": 0.8, "n": 3}\n', b"\x00\xff garbage\n", b"7\n", b"\n\n"])
+@pytest.mark.parametrize(
+    "torn",
+    [
+        b'{"hurst": 0.8, "L_over_l',
+        b'{"hurst": 0.8, "n": 3}\n',
+        b"\x00\xff garbage\n",
+        b"7\n",
+        b"\n\n",
+    ],
+)
 def test_store_survives_a_torn_line(tmp_path, torn):
     store = Store(tmp_path)
     store.append(run_of(SMALL, 0.05, a_r=0.1))
@@ -144,7 +197,9 @@ def test_large_surfaces_are_solved_in_low_memory(tmp_path, monkeypatch, solved):
 
 
 def test_cheapest_first_and_each_surface_once():
-    cases = runner.merged([replace(SMALL, p_star=(0.1,)), CASES[2], SMALL, replace(SMALL, p_star=(0.2, 0.05))])
+    cases = runner.merged(
+        [replace(SMALL, p_star=(0.1,)), CASES[2], SMALL, replace(SMALL, p_star=(0.2, 0.05))]
+    )
     assert [case.p_star for case in cases] == [(0.05, 0.1, 0.2, 0.35), (0.05, 0.35)]
     assert [case.n for case in cases] == [32, 64]
 
@@ -153,14 +208,20 @@ def test_cheapest_first_and_each_surface_once():
 def test_shares_are_disjoint_and_complete(parts):
     cases = [case for name in catalogue.names() for case in catalogue.study(name).cases("paper")]
     shares = [runner.share(cases, part, parts) for part in range(1, parts + 1)]
-    assert sorted((c for share in shares for c in share), key=str) == sorted(runner.merged(cases), key=str)
+    assert sorted((c for share in shares for c in share), key=str) == sorted(
+        runner.merged(cases), key=str
+    )
     costs = [sum(case.cost for case in share) for share in shares]
     assert max(costs) - min(costs) <= max(case.cost for case in runner.merged(cases))
 
 
 def test_same_surface_along_an_eps_c_series():
     heights = []
-    for case in [c for c in levels.eps_c_series("quick") if c.hurst == 0.3 and c.seed == 2 and c.lam_l_over_lam_s == 16][:3]:
+    for case in [
+        c
+        for c in levels.eps_c_series("quick")
+        if c.hurst == 0.3 and c.seed == 2 and c.lam_l_over_lam_s == 16
+    ][:3]:
         surface = build_surface(case.scene().surface, SerialComm(), np.float64)
         step = round(case.lam_s_over_a / 2)
         coarse = surface.h[::step, ::step] * surface.height_unit
@@ -180,18 +241,32 @@ def test_levels(level):
         assert reference in {(c.L_over_lam_l, c.lam_l_over_lam_s, c.lam_s_over_a) for c in cases}
         for case in cases:
             assert case.scene().n == (case.n, case.n)
-    assert max(case.n for case in levels.eps_f_series(level)) <= {"quick": 512, "desk": 16384, "paper": 2**17}[level]
+    assert (
+        max(case.n for case in levels.eps_f_series(level))
+        <= {"quick": 512, "desk": 16384, "paper": 2**17}[level]
+    )
 
 
 def test_catalogue():
     beyond = ["curves", "distributions", "limit", "percolation", "stiffness"]
-    assert catalogue.names() == [*(f"fig{k}" for k in range(1, 14)), *(f"table{k}" for k in range(1, 6)), *beyond]
+    assert catalogue.names() == [
+        *(f"fig{k}" for k in range(1, 14)),
+        *(f"table{k}" for k in range(1, 6)),
+        *beyond,
+    ]
     for name in catalogue.names():
         study = catalogue.study(name)
-        assert (study.name, bool(study.title), bool(study.paper), bool(study.question)) == (name, True, True, name in beyond)
+        assert (study.name, bool(study.title), bool(study.paper), bool(study.question)) == (
+            name,
+            True,
+            True,
+            name in beyond,
+        )
         for level in levels.LEVELS:
             assert study.cases(level)
-            assert all(case.scene().n == (case.n, case.n) for case in study.cases(level) if name in beyond)
+            assert all(
+                case.scene().n == (case.n, case.n) for case in study.cases(level) if name in beyond
+            )
         with pytest.raises(SceneError, match="quick, desk, paper"):
             study.cases("dusk")
     with pytest.raises(SceneError, match="nearest: 'fig1'"):
@@ -199,7 +274,10 @@ def test_catalogue():
 
 
 def test_more_of_a_stored_load_is_solved_for(solved, tmp_path):
-    store, more = Store(tmp_path), replace(SMALL, p_star=(0.05,), observables=("perimeter",), distributions=("pressure",))
+    store, more = (
+        Store(tmp_path),
+        replace(SMALL, p_star=(0.05,), observables=("perimeter",), distributions=("pressure",)),
+    )
     for run in solved[0].runs_of([SMALL]):
         store.append(run)
     assert has(store, SMALL)

@@ -1,4 +1,5 @@
-"""The report: one command makes it from nothing at the quick level; every study tabulates and draws; the errata are what they claim."""
+"""The report: one command makes it from nothing at the quick level; every study tabulates and
+draws; the errata are what they claim."""
 
 import json
 import re
@@ -42,7 +43,9 @@ def text(quick):
 
 def test_everything_that_the_report_names_is_there(quick, text):
     links = re.findall(r"\]\(([^)]+)\)", text)
-    assert {f"{study.name}.{ending}" for study in STUDIES for ending in ("png", "csv", "json")} | {report.OUR_TABLE} == set(links)
+    assert {f"{study.name}.{ending}" for study in STUDIES for ending in ("png", "csv", "json")} | {
+        report.OUR_TABLE
+    } == set(links)
     for link in set(links):
         assert (quick / link).stat().st_size > 100
     for study in STUDIES:
@@ -50,8 +53,14 @@ def test_everything_that_the_report_names_is_there(quick, text):
 
 
 def test_report_is_complete(quick, text):
-    for heading in ("Open questions", "kappa in the TFC limit", "The exponent alpha_c", "Theory is 2 to 3 times", "Errata",
-                    "Paper says / we find / why"):
+    for heading in (
+        "Open questions",
+        "kappa in the TFC limit",
+        "The exponent alpha_c",
+        "Theory is 2 to 3 times",
+        "Errata",
+        "Paper says / we find / why",
+    ):
         assert heading in text
     assert "nan" not in re.sub(r"[a-zA-Z]nan|nan[a-zA-Z]", "", text)
     assert "not yet" not in text
@@ -66,11 +75,23 @@ def test_numbers_come_from_the_rows(quick, text):
     """What stands in the report is in the tables: the theory factors, to all their digits."""
     rows = json.loads((quick / "fig6.json").read_text())["rows"]
     section = text.partition("Theory is 2 to 3 times")[2].partition("##")[0]
-    lines = [[cell.strip() for cell in line.split("|")[1:-1]] for line in section.splitlines() if line.startswith("| 0")]
+    lines = [
+        [cell.strip() for cell in line.split("|")[1:-1]]
+        for line in section.splitlines()
+        if line.startswith("| 0")
+    ]
     assert lines
     for hurst, p_star, eps_f, _, printed, corrected, *_ in lines:
-        row = next(r for r in rows if (f"{r['hurst']:g}", f"{r['p_star']:.3f}", f"1/{1 / r['eps_f']:g}") == (hurst, p_star, eps_f))
-        assert (f"{row['over_persson_printed']:.3f}", f"{row['over_persson']:.3f}") == (printed, corrected)
+        row = next(
+            r
+            for r in rows
+            if (f"{r['hurst']:g}", f"{r['p_star']:.3f}", f"1/{1 / r['eps_f']:g}")
+            == (hurst, p_star, eps_f)
+        )
+        assert (f"{row['over_persson_printed']:.3f}", f"{row['over_persson']:.3f}") == (
+            printed,
+            corrected,
+        )
         theory = float(persson.mean_gap(row["p_star"], row["hurst"], row["eps_f"]))
         assert row["over_persson"] == pytest.approx(row["gap_over_h_rms"] / theory)
 
@@ -90,8 +111,12 @@ def test_our_coefficients(quick):
 
 
 def test_physics_at_the_quick_level(quick):
-    """Scaled down as it is, it shows what the paper shows: kappa falls with eps_c, the correction shrinks the area, theory is near."""
-    rows = {study.name: json.loads((quick / f"{study.name}.json").read_text())["rows"] for study in STUDIES}
+    """Scaled down as it is, it shows what the paper shows: kappa falls with eps_c, the correction
+    shrinks the area, theory is near."""
+    rows = {
+        study.name: json.loads((quick / f"{study.name}.json").read_text())["rows"]
+        for study in STUDIES
+    }
     for row in rows["fig1"]:
         assert persson.kappa(row["p_star"]) < row["kappa_edge"] < row["kappa"]
     assert all(0.7 < row["over_persson"] < 1.5 for row in rows["fig6"])
@@ -103,7 +128,8 @@ def test_physics_at_the_quick_level(quick):
 
 @pytest.mark.parametrize("study", STUDIES, ids=lambda study: study.name)
 def test_studies_from_made_up_runs(study, tmp_path):
-    """From other numbers than the solver's rows with errors and a comparison of three columns, from next to none a picture."""
+    """From other numbers than the solver's rows with errors and a comparison of three columns, from
+    next to none a picture."""
     runs = runs_of(study.cases("quick"))
     rows = study.tabulate(runs, "quick")
     assert rows
@@ -112,7 +138,9 @@ def test_studies_from_made_up_runs(study, tmp_path):
     for line in study.compare(rows):
         assert set(line) == {"paper", "ours", "why"}
         assert "nan" not in line["ours"]
-    few = study.tabulate([run for run in runs if run["seed"] == 1 and run["hurst"] == runs[-1]["hurst"]][:2], "quick")
+    few = study.tabulate(
+        [run for run in runs if run["seed"] == 1 and run["hurst"] == runs[-1]["hurst"]][:2], "quick"
+    )
     study.draw(few, tmp_path / "few.png")
     study.compare(few)
     assert (tmp_path / "few.png").read_bytes().startswith(PNG)
@@ -141,7 +169,9 @@ def test_dynamics_finds_the_contact():
     n = len(z)
     q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(n, 1 / n)], indexing="ij"))
     g_rms = np.sqrt(np.sum(q**2 * np.abs(np.fft.fft2(z) / z.size) ** 2))
-    solved = hpc_gfmd.solve(z, 0.2 * g_rms, E_star=2.0, physical_sizes=(2 * np.pi, 2 * np.pi), accuracy=1e-6)
+    solved = hpc_gfmd.solve(
+        z, 0.2 * g_rms, E_star=2.0, physical_sizes=(2 * np.pi, 2 * np.pi), accuracy=1e-6
+    )
     found = dynamics.gfmd(steps=3000)
     assert found["gap"][-1] == pytest.approx(solved.gap_mean, rel=1e-3)
     assert found["a_r"] == pytest.approx(solved.a_r, abs=2.5 / z.size)
@@ -156,6 +186,8 @@ def test_missing_factor_by_quadrature():
 
 def test_formulas_in_the_errata():
     assert "1.000000000000" in formulas.parseval()
-    assert "0.500000 of the printed height, 1.000000 of the printed slope" in formulas.height_scale()
+    assert (
+        "0.500000 of the printed height, 1.000000 of the printed slope" in formulas.height_scale()
+    )
     assert "right 1.5, printed 0" in formulas.scaling()
     assert "8192 points" in formulas.inverted_ratio()

@@ -15,13 +15,26 @@ def test_table_marks_what_did_not_converge():
     assert "[unit of E*]" in units
     assert first.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "7", "converged"]
     assert second.split()[:2] == ["!", "1"]
-    assert remarks == ["! step 1: NOT CONVERGED (stagnated), less accurate than asked", "  step 1: fewer than 100 points touch"]
+    assert remarks == [
+        "! step 1: NOT CONVERGED (stagnated), less accurate than asked",
+        "  step 1: fewer than 100 points touch",
+    ]
 
 
-@pytest.mark.parametrize(("value", "error", "text"), [
-    (0.016049, 1.2e-3, "0.01605 +- 0.00002"), (3.2e-5, 1e-2, "(3.20 +- 0.03)e-05"), (2.27, None, "2.27"),
-    (2.27, float("nan"), "2.27 +- ?"), (0.0, 1e-3, "0"), (1.0, 0.0, "1 +- 0"), (float("nan"), 1e-3, "nan"), (0.5, 3.0, "0.5 +- 1.5"),
-    (0.016049, 1e-9, "0.0160490 +- 2e-11")])
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.016049, 1.2e-3, "0.01605 +- 0.00002"),
+        (3.2e-5, 1e-2, "(3.20 +- 0.03)e-05"),
+        (2.27, None, "2.27"),
+        (2.27, float("nan"), "2.27 +- ?"),
+        (0.0, 1e-3, "0"),
+        (1.0, 0.0, "1 +- 0"),
+        (float("nan"), 1e-3, "nan"),
+        (0.5, 3.0, "0.5 +- 1.5"),
+        (0.016049, 1e-9, "0.0160490 +- 2e-11"),
+    ],
+)
 def test_numbers_have_as_many_digits_as_they_deserve(value, error, text):
     assert with_error(value, error) == text
 

@@ -25,11 +25,14 @@ def maps(cli):
 
 
 def test_the_sum_is_pressed(maps, cli):
-    """As given by hand; what is to be done to it is done to the sum; another second map is another surface."""
+    """As given by hand; what is to be done to it is done to the sum; another second map is another
+    surface."""
     first, second = maps
     Path("s.toml").write_text(
-        'surface = {kind = "file", path = ["first.npy", "second.npy"], physical_sizes = [1, 2], detrend = "tilt", flip = true}\n'
-        'load.pressure = 0.1\noutput.fields = ["heights", "pressure"]\n')
+        'surface = {kind = "file", path = ["first.npy", "second.npy"], physical_sizes = [1, 2],'
+        ' detrend = "tilt", flip = true}\nload.pressure = 0.1\noutput.fields = ["heights",'
+        ' "pressure"]\n'
+    )
     cli.prints("run", "s.toml", "-q")
     found = read_result("contact.h5")
     np.save("sum.npy", first + second)
@@ -51,13 +54,24 @@ def test_units_of_both(maps):
     assert both.unit == "m"
 
 
-@pytest.mark.parametrize(("second", "keys", "words"), [
-    ("other.npy", {"physical_sizes": [1, 2]}, "found points 24 x 20 in first.npy and 20 x 24 in other.npy, allowed: two maps"),
-    ("long.npz", {}, "found lengths 1 x 2 in m.npz and 1 x 3 in long.npz"),
-    ("m.npz", {"physical_sizes": [1, 2]}, "found the unit none in first.npy and m in m.npz"),
-    ("never.npy", {"physical_sizes": [1, 2]}, "found never.npy, which is no file"),
-    ("holes.npy", {"physical_sizes": [1, 2]}, r"found nan at \(0, 3\) in first.npy \+ holes.npy"),
-])
+@pytest.mark.parametrize(
+    ("second", "keys", "words"),
+    [
+        (
+            "other.npy",
+            {"physical_sizes": [1, 2]},
+            "found points 24 x 20 in first.npy and 20 x 24 in other.npy, allowed: two maps",
+        ),
+        ("long.npz", {}, "found lengths 1 x 2 in m.npz and 1 x 3 in long.npz"),
+        ("m.npz", {"physical_sizes": [1, 2]}, "found the unit none in first.npy and m in m.npz"),
+        ("never.npy", {"physical_sizes": [1, 2]}, "found never.npy, which is no file"),
+        (
+            "holes.npy",
+            {"physical_sizes": [1, 2]},
+            r"found nan at \(0, 3\) in first.npy \+ holes.npy",
+        ),
+    ],
+)
 def test_refused(maps, second, keys, words):
     np.save("other.npy", maps[1].T)
     np.save("holes.npy", np.where(np.arange(20) == 3, np.nan, maps[1]))
@@ -66,7 +80,12 @@ def test_refused(maps, second, keys, words):
         hpc_gfmd.read_surface(["first.npy" if keys else "m.npz", second], **keys)
 
 
-@pytest.mark.parametrize("path", [[], ["first.npy"], ["first.npy"] * 3, ["first.npy", 1], [""] * 2], ids=str)
+@pytest.mark.parametrize(
+    "path", [[], ["first.npy"], ["first.npy"] * 3, ["first.npy", 1], [""] * 2], ids=str
+)
 def test_not_two(maps, path):
-    with pytest.raises(SceneError, match=r"surface.path: found .*, allowed: the path of a height map .* or a list of two"):
+    with pytest.raises(
+        SceneError,
+        match=r"surface.path: found .*, allowed: the path of a height map .* or a list of two",
+    ):
         Scene.from_dict({"surface": {"kind": "file", "path": path}} | LOAD)

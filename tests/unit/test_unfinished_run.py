@@ -1,4 +1,5 @@
-"""A run that dies, is disturbed or meets another one: its file is complete or not there, and nothing finished is lost."""
+"""A run that dies, is disturbed or meets another one: its file is complete or not there, and
+nothing finished is lost."""
 
 import fcntl
 import os
@@ -40,7 +41,9 @@ def test_a_fresh_run_removes_what_was_left_and_says_so(path):
 def test_finished_steps_of_another_scene_are_not_removed_unasked(path):
     with begin(path) as run:
         run.write_step(0, STEP)
-    with pytest.raises(SceneError, match=r"holds 1 finished load steps of another scene, allowed: .* --force"):
+    with pytest.raises(
+        SceneError, match=r"holds 1 finished load steps of another scene, allowed: .* --force"
+    ):
         begin(path, identity="other")
     assert read_result(path).steps == [STEP]
     with begin(path, identity="other", force=True) as run:
@@ -103,7 +106,12 @@ def test_foreign_files_in_the_folder_are_kept(path):
 
 
 def test_two_runs_cannot_write_the_same_file(path):
-    with begin(path), pytest.raises(SceneError, match=r"out\.h5: another run is writing this file \(process \d+ on"):
+    with (
+        begin(path),
+        pytest.raises(
+            SceneError, match=r"out\.h5: another run is writing this file \(process \d+ on"
+        ),
+    ):
         begin(path)
     begin(path).close()
 
@@ -146,7 +154,9 @@ def test_a_full_disk_keeps_what_is_there(path, monkeypatch):
     monkeypatch.setattr(os, "posix_fallocate", posix_fallocate)
     with pytest.raises(GfmdError, match=r"step-0001\.h5: No space left on device"):
         run.write_step(1, STEP, {"gap": FIELD})
-    with pytest.raises(GfmdError, match=r"No space left on device .*; the finished steps are safe in"):
+    with pytest.raises(
+        GfmdError, match=r"No space left on device .*; the finished steps are safe in"
+    ):
         run.finish("converged")
     run.close()
     assert path.read_bytes() == whole
@@ -161,8 +171,13 @@ def test_a_step_that_is_damaged_before_the_end_is_never_left_out(path):
     step = run.partial / "step-0001.h5"
     whole = step.read_bytes()
     place = whole.index(FIELD.tobytes())
-    for damaged, match in ((whole[:500], r"step-0001\.h5: Unable to .*truncated"),
-                           (whole[:place] + b"\1" + whole[place + 1 :], r"step-0001\.h5: the numbers of steps/0001/gap are damaged")):
+    for damaged, match in (
+        (whole[:500], r"step-0001\.h5: Unable to .*truncated"),
+        (
+            whole[:place] + b"\1" + whole[place + 1 :],
+            r"step-0001\.h5: the numbers of steps/0001/gap are damaged",
+        ),
+    ):
         step.write_bytes(damaged)
         with pytest.raises(GfmdError, match=match):
             run.finish("converged")

@@ -1,4 +1,5 @@
-"""Numbers of any size: they survive in the fields that come back and are stored, or the scene is refused."""
+"""Numbers of any size: they survive in the fields that come back and are stored, or the scene is
+refused."""
 
 import h5py
 import numpy as np
@@ -28,7 +29,9 @@ def plain(z):
 
 
 def close(found, wanted, unit):
-    np.testing.assert_allclose(found.astype(float) / unit, wanted, rtol=1e-5, atol=1e-6 * np.abs(wanted).max())
+    np.testing.assert_allclose(
+        found.astype(float) / unit, wanted, rtol=1e-5, atol=1e-6 * np.abs(wanted).max()
+    )
 
 
 @pytest.mark.parametrize("unit", UNITS)
@@ -47,14 +50,24 @@ def test_any_unit_of_length(z, plain, unit):
 
 
 def scene(unit, length=1.0, **output):
-    return Scene.from_dict({"surface": ROUGH | {"physical_sizes": [length, length]}, "material": {"E_star": unit},
-                            "load": {"p_star": [0.1]}, "solver": {"accuracy": 1e-2}, "output": {"fields": list(FIELDS)} | output})
+    return Scene.from_dict(
+        {
+            "surface": ROUGH | {"physical_sizes": [length, length]},
+            "material": {"E_star": unit},
+            "load": {"p_star": [0.1]},
+            "solver": {"accuracy": 1e-2},
+            "output": {"fields": list(FIELDS)} | output,
+        }
+    )
 
 
 def test_any_unit_in_the_file(tmp_path):
     fields = []
     for unit, length in ((1.0, 1.0), (1e-45, 1e-45), (1e45, 1e45)):
-        assert run_scene(scene(unit, length), out=tmp_path / "a.h5", quiet=True, force=True).exit_code == 0
+        assert (
+            run_scene(scene(unit, length), out=tmp_path / "a.h5", quiet=True, force=True).exit_code
+            == 0
+        )
         with h5py.File(tmp_path / "a.h5") as file:
             fields.append([file["steps/0000"][name][:] for name in FIELDS])
     for found, unit in ((fields[1], 1e-45), (fields[2], 1e45)):
@@ -62,13 +75,23 @@ def test_any_unit_in_the_file(tmp_path):
             close(one, wanted, unit)
 
 
-@pytest.mark.parametrize(("unit", "length", "name"),
-                         [(1e-40, 1, "pressure"), (1e40, 1, "pressure"), (1, 1e-40, "gap"), (1, 1e40, "gap")])
-def test_single_precision_that_is_insisted_on_is_refused_where_it_is_too_little(tmp_path, unit, length, name):
-    with pytest.raises(SceneError, match=rf'^output\.dtype: found "single", which cannot hold the {name} .*allowed: "double"$'):
+@pytest.mark.parametrize(
+    ("unit", "length", "name"),
+    [(1e-40, 1, "pressure"), (1e40, 1, "pressure"), (1, 1e-40, "gap"), (1, 1e40, "gap")],
+)
+def test_single_precision_that_is_insisted_on_is_refused_where_it_is_too_little(
+    tmp_path, unit, length, name
+):
+    with pytest.raises(
+        SceneError,
+        match=rf'^output\.dtype: found "single", which cannot hold the {name} .*allowed: "double"$',
+    ):
         run_scene(scene(unit, length, dtype="single"), out=tmp_path / "a.h5", quiet=True)
     assert list(tmp_path.iterdir()) == []
-    assert run_scene(scene(unit, length, dtype="double"), out=tmp_path / "a.h5", quiet=True).exit_code == 0
+    assert (
+        run_scene(scene(unit, length, dtype="double"), out=tmp_path / "a.h5", quiet=True).exit_code
+        == 0
+    )
 
 
 @pytest.mark.parametrize("p", [1e-40, 1e40])
@@ -82,7 +105,8 @@ def test_a_load_that_single_precision_cannot_hold(z, p):
 
 
 def test_a_load_at_free_edges_that_coarse_levels_cannot_hold(z):
-    """Full contact is not uniform there; up to about the load that is refused it is found, in double precision beyond squares."""
+    """Full contact is not uniform there; up to about the load that is refused it is found, in
+    double precision beyond squares."""
     with pytest.raises(SceneError, match=r"^load: found p\* = .*, allowed: 1e-100 to"):
         hpc_gfmd.solve(z, 1e40, boundary="free")
     with pytest.raises(SceneError, match=r'^solver\.precision: found "single"'):
@@ -91,9 +115,14 @@ def test_a_load_at_free_edges_that_coarse_levels_cannot_hold(z):
     assert (found.status, found.precision, found.a_r) == ("converged", "float64", 1.0)
 
 
-@pytest.mark.parametrize("given", [{"E_star": 1e100, "heights": 1e100, "physical_sizes": (1e-100, 1e-100)},
-                                   {"E_star": 1e-100, "heights": 1e-90, "physical_sizes": (1e90, 1e90)},
-                                   {"E_star": 1e-20, "pressure": 1e90}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"E_star": 1e100, "heights": 1e100, "physical_sizes": (1e-100, 1e-100)},
+        {"E_star": 1e-100, "heights": 1e-90, "physical_sizes": (1e90, 1e90)},
+        {"E_star": 1e-20, "pressure": 1e90},
+    ],
+)
 def test_units_beyond_double_precision_are_refused(z, given):
     given = {"pressure": 1.0} | given
     with pytest.raises(SceneError, match=r"allowed: 1e-[12][05]0 to 1e"):
@@ -104,10 +133,15 @@ def test_units_beyond_double_precision_are_refused(z, given):
 def test_heights_that_instruments_write_for_missing_points(z, value, tmp_path, cli):
     broken = z.copy()
     broken[3, 4] = value
-    with pytest.raises(SceneError, match=r"surface: found .* at \(3, 4\), allowed: finite heights, -1e\+100 to 1e\+100$"):
+    with pytest.raises(
+        SceneError,
+        match=r"surface: found .* at \(3, 4\), allowed: finite heights, -1e\+100 to 1e\+100$",
+    ):
         hpc_gfmd.solve(broken, 0.1)
     np.save("z.npy", broken)
-    (tmp_path / "s.toml").write_text('[surface]\nkind = "file"\nphysical_sizes = [1, 1]\npath = "z.npy"\n[load]\np_star = 0.1\n')
+    (tmp_path / "s.toml").write_text(
+        '[surface]\nkind = "file"\nphysical_sizes = [1, 1]\npath = "z.npy"\n[load]\np_star = 0.1\n'
+    )
     err = cli.refused("run", "s.toml")
     assert "surface.path" in err
     assert "(3, 4)" in err

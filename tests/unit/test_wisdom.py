@@ -1,4 +1,5 @@
-"""FFTW's measured plans: kept once, the same on all ranks and in every continuation, bounded, and never an error."""
+"""FFTW's measured plans: kept once, the same on all ranks and in every continuation, bounded, and
+never an error."""
 
 import fcntl
 
@@ -20,7 +21,8 @@ N = (120, 84)
 
 @pytest.fixture
 def memory(tmp_path, monkeypatch):
-    """The wisdom of this process in double precision, with an empty cache and nothing known; afterwards as before."""
+    """The wisdom of this process in double precision, with an empty cache and nothing known;
+    afterwards as before."""
     monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path / "cache"))
     found = wisdom._wisdom("float64")
     before = found.text()
@@ -73,7 +75,8 @@ def test_what_a_run_has_planned_is_not_forgotten_in_its_middle(memory, monkeypat
 
 
 def test_nobody_is_waited_for(memory, tmp_path, monkeypatch):
-    """Not for one who keeps the file locked, not for one who cannot write; and no lock is asked for."""
+    """Not for one who keeps the file locked, not for one who cannot write; and no lock is asked
+    for."""
     monkeypatch.setattr(fcntl, "flock", lambda *_: pytest.fail("a lock"))
     plan()
     monkeypatch.setattr(caches.os, "replace", lambda *_: (_ for _ in ()).throw(PermissionError()))
@@ -81,7 +84,10 @@ def test_nobody_is_waited_for(memory, tmp_path, monkeypatch):
     assert files(tmp_path) == [memory.path]
 
 
-@pytest.mark.parametrize("content", [b"", b"(fftw-3.3.10 fftw_wisdom", b"\0\xff" * 500, b"(" * 5000, b"x" * 2 * wisdom.LIMIT])
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"(fftw-3.3.10 fftw_wisdom", b"\0\xff" * 500, b"(" * 5000, b"x" * 2 * wisdom.LIMIT],
+)
 def test_a_damaged_file_is_measured_again(content, memory):
     memory.path.parent.mkdir(parents=True)
     memory.path.write_bytes(content)

@@ -8,14 +8,16 @@ from ..rows import Rows
 
 @dataclass(frozen=True)
 class Erratum:
-    """printed, right: text; show: function of {study: rows}, how our numbers show it, "" while they do not reach that far."""
+    """printed, right: text; show: function of {study: rows}, how our numbers show it, "" while they
+    do not reach that far."""
 
     printed: str
     right: str
     show: Callable[[dict], str]
 
     def row(self, tables: dict[str, Rows]) -> dict | None:
-        """{"printed", "right", "shown"}; None while some study has no rows and this erratum cannot do without."""
+        """{"printed", "right", "shown"}; None while some study has no rows and this erratum cannot
+        do without."""
         try:
             shown = self.show(tables)
         except (ValueError, TypeError, IndexError):
@@ -26,7 +28,8 @@ class Erratum:
 
 
 class Errata(list):
-    """The errata of a file, in order; the methods are decorators, by what is printed and what is right."""
+    """The errata of a file, in order; the methods are decorators, by what is printed and what is
+    right."""
 
     def add(self, printed: str, right: str) -> Callable:
         """The function of {study: rows} shows this erratum."""

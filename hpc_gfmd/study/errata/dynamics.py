@@ -1,4 +1,5 @@
-"""Green's function molecular dynamics on a small surface, with the signs as printed or as they should be."""
+"""Green's function molecular dynamics on a small surface, with the signs as printed or as they
+should be."""
 
 import numpy as np
 
@@ -11,16 +12,23 @@ def small_surface(n: int = N_SMALL, hurst: float = HURST, seed: int = 1) -> np.n
     """A small self-affine surface, h_rms = 1, mean 0, peaks up."""
     q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(n, 1 / n)], indexing="ij"))
     keep = (q >= 2) & (q <= n / 4)
-    z_q = np.where(keep, np.fft.fft2(np.random.default_rng(seed).standard_normal((n, n))) / np.where(keep, q, 1) ** (1 + hurst), 0)
+    z_q = np.where(
+        keep,
+        np.fft.fft2(np.random.default_rng(seed).standard_normal((n, n)))
+        / np.where(keep, q, 1) ** (1 + hurst),
+        0,
+    )
     z = np.fft.ifft2(z_q).real
     return z / z.std()
 
 
 def gfmd(damping: int = -1, load: int = -1, lifted: bool = False, steps: int = STEPS) -> dict:
-    """The paper's dynamics on a small surface, in units E* = 2, cell 2 pi, as its pseudocode but for the two signs.
+    """The paper's dynamics on a small surface, in units E* = 2, cell 2 pi, as its pseudocode but
+    for the two signs.
 
-    damping, load: -1 is right, +1 is printed. lifted: start at h_max instead of touching. Returns {"gap": mean gap/h_rms of every
-    step, "speed": largest change of a displacement in every step, "a_r"}.
+    damping, load: -1 is right, +1 is printed. lifted: start at h_max instead of touching. Returns
+    {"gap": mean gap/h_rms of every step, "speed": largest change of a displacement in every step,
+    "a_r"}.
     """
     z = small_surface()
     h = z.max() - z

@@ -27,19 +27,34 @@ def means(runs: Rows, level: str) -> Rows:
 
 
 def with_theory(runs: Rows, level: str | None = None, unit: str = "h_rms") -> Rows:
-    """Means over realisations of the gap in a unit with Persson's, corrected and as printed, and the ratios of simulation to both."""
+    """Means over realisations of the gap in a unit with Persson's, corrected and as printed, and
+    the ratios of simulation to both."""
     rows = average(runs, (f"gap_over_{unit}",))
     for row in rows:
-        theory = {name: float(persson.mean_gap(row["p_star"], row["hurst"], row["eps_f"], printed=printed, unit=unit))
-                  for name, printed in (("persson", False), ("persson_printed", True))}
-        row |= theory | {f"over_{name}": row[f"gap_over_{unit}"] / gap if gap > 0 else None for name, gap in theory.items()}
+        theory = {
+            name: float(
+                persson.mean_gap(
+                    row["p_star"], row["hurst"], row["eps_f"], printed=printed, unit=unit
+                )
+            )
+            for name, printed in (("persson", False), ("persson_printed", True))
+        }
+        row |= theory | {
+            f"over_{name}": row[f"gap_over_{unit}"] / gap if gap > 0 else None
+            for name, gap in theory.items()
+        }
     return rows
 
 
 def share_explained(rows: Rows) -> float | None:
-    """How much of ln(simulation/theory) the missing factor of 2 accounts for, mean over the finer half of the rows; None of no rows."""
+    """How much of ln(simulation/theory) the missing factor of 2 accounts for, mean over the finer
+    half of the rows; None of no rows."""
     part = [row for row in fine_half(rows) if row["over_persson"] and row["over_persson_printed"]]
-    logs = [np.log(row["over_persson_printed"] / row["over_persson"]) / np.log(row["over_persson_printed"]) for row in part]
+    logs = [
+        np.log(row["over_persson_printed"] / row["over_persson"])
+        / np.log(row["over_persson_printed"])
+        for row in part
+    ]
     return float(np.mean(logs)) if logs else None
 
 
@@ -50,10 +65,14 @@ def coarse_grid(rows: Rows) -> Sayings:
         if printed and len(series) > 1:
             best = finest(series, "eps_c")
             yield saying(
-                f"{paper.at('high', hurst)}: gap {'almost' if printed > 2 else 'roughly'} {printed:g} times the limit at eps_c = 1/2",
+                f"{paper.at('high', hurst)}: gap {'almost' if printed > 2 else 'roughly'}"
+                f" {printed:g} times the limit at eps_c = 1/2",
                 "{ratio:.4f} times that at eps_c = {eps_c:1/} (lam_l/lam_s = {lam_l_over_lam_s:g})",
-                "the same surfaces on finer grids, the error of every gap bounded by its duality gap: this is what the grid alone does",
-                **best, ratio=coarsest(series, "eps_c")[GAP] / best[GAP])
+                "the same surfaces on finer grids, the error of every gap bounded by its duality"
+                " gap: this is what the grid alone does",
+                **best,
+                ratio=coarsest(series, "eps_c")[GAP] / best[GAP],
+            )
 
 
 def finite_size(rows: Rows) -> Sayings:
@@ -65,13 +84,17 @@ def finite_size(rows: Rows) -> Sayings:
             slope = (small[GAP] - large[GAP]) / (small["eps_t"] - large["eps_t"])
             yield saying(
                 f"{paper.at(pressure, hurst)}: C_t = {printed['C_t']:g}",
-                f"{slope:+.3g} from eps_t = {small['eps_t']:g} to {large['eps_t']:g} (lam_l/lam_s = {small['lam_l_over_lam_s']:g})",
-                f"one realisation scatters by {relative_scatter(small, GAP) or 0:.1%} at eps_t = {small['eps_t']:g}: the few "
-                "longest waves make h_rms; both cutoffs are included here, and how they are cut matters at eps_t = 1")
+                f"{slope:+.3g} from eps_t = {small['eps_t']:g} to {large['eps_t']:g} (lam_l/lam_s ="
+                f" {small['lam_l_over_lam_s']:g})",
+                f"one realisation scatters by {relative_scatter(small, GAP) or 0:.1%} at eps_t ="
+                f" {small['eps_t']:g}: the few longest waves make h_rms; both cutoffs are included"
+                " here, and how they are cut matters at eps_t = 1",
+            )
 
 
 def exponents(rows: Rows, unit: str) -> Sayings:
-    """The exponents of eps_f beside those of the paper. In the unit g_rms lam_s, those in the unit h_rms less H are expected."""
+    """The exponents of eps_f beside those of the paper. In the unit g_rms lam_s, those in the unit
+    h_rms less H are expected."""
     for pressure, hurst, chosen in families(rows):
         alpha, sigma = fits.power_law(fine_half(chosen), "eps_f", f"gap_over_{unit}")
         printed = of_hurst(f"gap_exponents_{unit}", hurst, pressure)
@@ -80,21 +103,32 @@ def exponents(rows: Rows, unit: str) -> Sayings:
         why = "ours: the finer half of the octaves; the exponent still changes with eps_f"
         if unit == "g_rms_lam_s":
             expected = of_hurst("gap_exponents_h_rms", hurst, pressure) - hurst
-            why = (f"exponents in the two units differ by H, so the paper's own in units of h_rms makes this one {expected:+.3f}; "
-                   "negative: the gap in units of g_rms lam_s rises as eps_f falls")
-        yield saying(f"{paper.at(pressure, hurst)}: exponent of eps_f {printed:g}", quoted(alpha, sigma), why)
+            why = (
+                "exponents in the two units differ by H, so the paper's own in units of h_rms"
+                f" makes this one {expected:+.3f}; negative: the gap in units of g_rms lam_s rises"
+                " as eps_f falls"
+            )
+        yield saying(
+            f"{paper.at(pressure, hurst)}: exponent of eps_f {printed:g}", quoted(alpha, sigma), why
+        )
 
 
 def theory_factors(rows: Rows, unit: str) -> Sayings:
-    """By how much Persson's theory is too small at the high pressure: as printed, corrected, and what the missing factor explains."""
+    """By how much Persson's theory is too small at the high pressure: as printed, corrected, and
+    what the missing factor explains."""
     for hurst, part in by_hurst(low_high(rows)["high"]).items():
         if (explained := share_explained(part)) is not None:
-            spans = [_span([row[name] for row in fine_half(part) if row[name]]) for name in ("over_persson_printed", "over_persson")]
+            spans = [
+                _span([row[name] for row in fine_half(part) if row[name]])
+                for name in ("over_persson_printed", "over_persson")
+            ]
             printed = of_hurst(f"theory_factor_{unit}", hurst) or 0
             yield saying(
                 f"{paper.at('high', hurst)}: theory {printed:g} times too small",
                 f"{spans[0]} times as printed, {spans[1]} times corrected",
-                f"the missing factor 2 in the second term explains {explained:.0%} of the logarithm of our ratio")
+                f"the missing factor 2 in the second term explains {explained:.0%} of the logarithm"
+                " of our ratio",
+            )
 
 
 def decades_needed(rows: Rows) -> Sayings:
@@ -109,9 +143,13 @@ def decades_needed(rows: Rows) -> Sayings:
     limit = gap(1e-60)
     needed = next(d for d in np.arange(1, 41) / 2 if gap(10.0**-d) >= (1 - CONVERGED) * limit)
     yield saying(
-        f"H = {claim['hurst']:g}, a_r of order 0.01: self-affine over {claim['decades']} decades before the gap has its fractal limit",
-        f"corrected theory: within {CONVERGED:.0%} after {needed:g} decades; after three it has {gap(1e-3) / limit:.1g} of it",
-        "no simulation can show the limit; theory that fits the data at large eps_f says where it lies")
+        f"H = {claim['hurst']:g}, a_r of order 0.01: self-affine over {claim['decades']} decades"
+        " before the gap has its fractal limit",
+        f"corrected theory: within {CONVERGED:.0%} after {needed:g} decades; after three it has"
+        f" {gap(1e-3) / limit:.1g} of it",
+        "no simulation can show the limit; theory that fits the data at large eps_f says where it"
+        " lies",
+    )
 
 
 def _span(values: list) -> str:
@@ -119,18 +157,39 @@ def _span(values: list) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _against_ratio(name: str, ratio: str, paper_says: str, series: Callable[[str], list], compare: Callable[[Rows], Sayings]) -> Study:
+def _against_ratio(
+    name: str,
+    ratio: str,
+    paper_says: str,
+    series: Callable[[str], list],
+    compare: Callable[[Rows], Sayings],
+) -> Study:
     """gap/h_rms against a ratio; marks tell eps_f."""
     draw = partial(two_pressures, x=ratio, observable=GAP)
     return Study(name, f"gap/h_rms against {ratio}", paper_says, series, means, draw, compare)
 
 
-def _against_theory(name: str, title: str, unit: str, paper_says: str, compare: Callable[[Rows], Sayings],
-                    widest: tuple[float, float] | None = None) -> Study:
-    """The gap in a unit against eps_f, with Persson's theory over the range of the data or over `widest`."""
-    draw = partial(two_pressures, x="eps_f", observable=f"gap_over_{unit}", series="lam_s_over_a", theory=gap_lines(unit, widest),
-                   base=10 if widest else 2)
-    return Study(name, title, paper_says, eps_f_series, partial(with_theory, unit=unit), draw, compare)
+def _against_theory(
+    name: str,
+    title: str,
+    unit: str,
+    paper_says: str,
+    compare: Callable[[Rows], Sayings],
+    widest: tuple[float, float] | None = None,
+) -> Study:
+    """The gap in a unit against eps_f, with Persson's theory over the range of the data or over
+    `widest`."""
+    draw = partial(
+        two_pressures,
+        x="eps_f",
+        observable=f"gap_over_{unit}",
+        series="lam_s_over_a",
+        theory=gap_lines(unit, widest),
+        base=10 if widest else 2,
+    )
+    return Study(
+        name, title, paper_says, eps_f_series, partial(with_theory, unit=unit), draw, compare
+    )
 
 
 def _exponents_and_factors(unit: str) -> Callable[[Rows], Sayings]:
@@ -138,16 +197,41 @@ def _exponents_and_factors(unit: str) -> Callable[[Rows], Sayings]:
 
 
 STUDIES = (
-    _against_ratio("fig4", "eps_c",
-                   "linear in eps_c; three times the limit at eps_c = 1/2 for H = 0, p* = 0.353, 20 % above it for H = 0.8",
-                   eps_c_series, coarse_grid),
-    _against_ratio("fig5", "eps_t", "linear in eps_t, scatter large at low p* and large H; eps_f = 1/1024, eps_c = 1/2",
-                   eps_t_series, finite_size),
-    _against_theory("fig6", "gap/h_rms against eps_f, with Persson theory", "h_rms",
-                    "power laws; theory within 10 % at p* = 0.007, 2 to 3 times too small at 0.353", _exponents_and_factors("h_rms")),
-    _against_theory("fig7", "gap/(g_rms lam_s) against eps_f, with Persson theory", "g_rms_lam_s",
-                    "theory scaled by 3.3, 3.1, 2.75, 2 (H = 0, 0.3, 0.5, 0.8) at p* = 0.353 and not at 0.007",
-                    _exponents_and_factors("g_rms_lam_s")),
-    _against_theory("fig8", "gap/(g_rms lam_s) against eps_f over 15 decades", "g_rms_lam_s",
-                    "Persson theory converges in the fractal limit, far below any eps_f that can be solved", decades_needed, WIDEST),
+    _against_ratio(
+        "fig4",
+        "eps_c",
+        "linear in eps_c; three times the limit at eps_c = 1/2 for H = 0, p* = 0.353, 20 % above it"
+        " for H = 0.8",
+        eps_c_series,
+        coarse_grid,
+    ),
+    _against_ratio(
+        "fig5",
+        "eps_t",
+        "linear in eps_t, scatter large at low p* and large H; eps_f = 1/1024, eps_c = 1/2",
+        eps_t_series,
+        finite_size,
+    ),
+    _against_theory(
+        "fig6",
+        "gap/h_rms against eps_f, with Persson theory",
+        "h_rms",
+        "power laws; theory within 10 % at p* = 0.007, 2 to 3 times too small at 0.353",
+        _exponents_and_factors("h_rms"),
+    ),
+    _against_theory(
+        "fig7",
+        "gap/(g_rms lam_s) against eps_f, with Persson theory",
+        "g_rms_lam_s",
+        "theory scaled by 3.3, 3.1, 2.75, 2 (H = 0, 0.3, 0.5, 0.8) at p* = 0.353 and not at 0.007",
+        _exponents_and_factors("g_rms_lam_s"),
+    ),
+    _against_theory(
+        "fig8",
+        "gap/(g_rms lam_s) against eps_f over 15 decades",
+        "g_rms_lam_s",
+        "Persson theory converges in the fractal limit, far below any eps_f that can be solved",
+        decades_needed,
+        WIDEST,
+    ),
 )

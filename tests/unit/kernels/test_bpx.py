@@ -20,7 +20,9 @@ def state(random, n, dtype=float):
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
 @pytest.mark.parametrize("coupling", [0.0, 1.1])
-@pytest.mark.parametrize(("dtype", "rough", "rounding"), [(np.float64, 1e-7, 1e-12), (np.float32, 1 / 128, 1e-4)])
+@pytest.mark.parametrize(
+    ("dtype", "rough", "rounding"), [(np.float64, 1e-7, 1e-12), (np.float32, 1 / 128, 1e-4)]
+)
 def test_projected_step(random, n, coupling, dtype, rough, rounding):
     g, p, d = state(random, n, dtype)
     t, m, P_x, P_y = whole(n)
@@ -38,7 +40,9 @@ def test_projected_step(random, n, coupling, dtype, rough, rounding):
     assert np.allclose(x, wanted, rtol=rough, atol=rounding)
     clipped = (wanted == -g) & ~closed
     assert np.array_equal(x[clipped], -g[clipped])  # to the bit
-    assert np.array_equal(np.where(np.isinf(Widened(d)[:]), -g, Widened(d)[:]), x)  # what `update_state` takes it for
+    assert np.array_equal(
+        np.where(np.isinf(Widened(d)[:]), -g, Widened(d)[:]), x
+    )  # what `update_state` takes it for
     assert np.all(g + x >= 0)
     assert found == pytest.approx(np.vdot(p.astype(float), x), abs=10 * rounding)
 
@@ -51,7 +55,9 @@ def clipped_of(dtype):
 @pytest.mark.parametrize(("dtype", "rough"), [(np.float32, 1 / 128), (np.float64, 1e-7)])
 def test_half_the_width(random, dtype, rough):
     """In kernels as in NumPy; 16 bits make nothing larger, and infinity stays what it is."""
-    numbers = np.concatenate([random.standard_normal(999) * 10.0 ** random.integers(-30, 30, 999), [0, -np.inf, np.inf]]).astype(dtype)
+    numbers = np.concatenate(
+        [random.standard_normal(999) * 10.0 ** random.integers(-30, 30, 999), [0, -np.inf, np.inf]]
+    ).astype(dtype)
     halves = narrowed(numbers, dtype)
     assert halves.dtype == half(dtype)
     assert halves.itemsize == numbers.itemsize // 2
@@ -66,7 +72,8 @@ def test_half_the_width(random, dtype, rough):
 @pytest.mark.parametrize("s", [1.0, 0.5, 0.0])
 @pytest.mark.parametrize("excess", [0.0, 0.3])
 def test_update(random, n, s, excess):
-    """New state, sums, and the restriction of p and x on F, of a part of p on A and of the indicator of A; one or several passes."""
+    """New state, sums, and the restriction of p and x on F, of a part of p on A and of the
+    indicator of A; one or several passes."""
     for longest in (n[0], 2):
         grid = Grid(n)
         levels_of = Multilevel(grid, HalfSpace(), np.float64, longest)
@@ -85,9 +92,17 @@ def test_update(random, n, s, excess):
         free = ~closed
         assert np.allclose(g, new_g)
         assert np.allclose(p, new_p)
-        wanted = [np.sum(new_p[free] ** 2), np.sum(new_p**2), np.sum((new_p * e)[free]), np.sum((x * e)[free]),
-                  np.sum((new_p * x)[free]), closed.sum(), new_g.sum(),
-                  np.sum(closed & (new_p + s * x <= 0)), np.sum((new_g > 0) & (new_g + s * e <= 0))]
+        wanted = [
+            np.sum(new_p[free] ** 2),
+            np.sum(new_p**2),
+            np.sum((new_p * e)[free]),
+            np.sum((x * e)[free]),
+            np.sum((new_p * x)[free]),
+            closed.sum(),
+            new_g.sum(),
+            np.sum(closed & (new_p + s * x <= 0)),
+            np.sum((new_g > 0) & (new_g + s * e <= 0)),
+        ]
         assert np.sum(sums, axis=0) == pytest.approx(np.array(wanted), rel=1e-11, abs=1e-11)
         m = levels_of.levels[1].n
         found = np.zeros((3, *m))
@@ -95,5 +110,7 @@ def test_update(random, n, s, excess):
             found[:, (row - 1) % m[0]] += levels_of.fields[0][:, row]
         factor = m[0] * m[1] / (n[0] * n[1])
         P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
-        for field, fine in zip(found, (new_p * (free + excess * closed), 1.0 * closed, x * free), strict=True):
+        for field, fine in zip(
+            found, (new_p * (free + excess * closed), 1.0 * closed, x * free), strict=True
+        ):
             assert np.allclose(field, factor * P_x.T @ fine @ P_y, atol=1e-12)

@@ -1,4 +1,5 @@
-"""Kernels of the certificate and of the cheap observables against what they mean, written down once more in NumPy."""
+"""Kernels of the certificate and of the cheap observables against what they mean, written down once
+more in NumPy."""
 
 import numpy as np
 import pytest
@@ -13,11 +14,20 @@ def test_kkt_residuals(random):
     sums, extremes = certify.kkt_residuals(g, p, x, 0.2, g.shape, 0, 6)
     fresh = 0.2 + x
     closed = (g <= 0) & (fresh > 0)
-    wanted = (np.sum(fresh[~closed] ** 2), np.sum(fresh[~closed] ** 4), np.sum(fresh[closed] ** 2), np.sum(fresh[closed]),
-              np.sum(np.abs(fresh) * g), closed.sum(), g.sum())
+    wanted = (
+        np.sum(fresh[~closed] ** 2),
+        np.sum(fresh[~closed] ** 4),
+        np.sum(fresh[closed] ** 2),
+        np.sum(fresh[closed]),
+        np.sum(np.abs(fresh) * g),
+        closed.sum(),
+        g.sum(),
+    )
     assert np.array_equal(p, fresh)
     assert sums == pytest.approx(wanted, rel=1e-13)
-    assert extremes == pytest.approx((max(-g.min(), 0), max((-fresh[g <= 0]).max(initial=0), 0)), rel=1e-13)
+    assert extremes == pytest.approx(
+        (max(-g.min(), 0), max((-fresh[g <= 0]).max(initial=0), 0)), rel=1e-13
+    )
     assert certify.open_moments(g, p, g.shape) == pytest.approx(wanted[:2], rel=1e-13)
 
 
@@ -26,7 +36,9 @@ def test_uncertain_points(random):
     takes, contact = np.where(g > 0, g / 0.7, np.abs(p)), (g <= 0) & (p > 0)
     tied, takes = takes < 0.05, np.where(g > 0, np.maximum(takes - np.maximum(p, 0), 0), takes) ** 2
     counts = np.zeros((2, certify.BINS))
-    closed, *changes = certify.count_uncertain(g, p, g.shape, g[0].copy(), 0.7, 0.05, 0.1, 0.5, counts)
+    closed, *changes = certify.count_uncertain(
+        g, p, g.shape, g[0].copy(), 0.7, 0.05, 0.1, 0.5, counts
+    )
     assert closed == np.sum(g <= 0)
     assert changes == [np.sum((g <= 0) != np.roll(g <= 0, 1, axis)) for axis in (1, 0)]
     edges = 0.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)
@@ -52,6 +64,8 @@ def test_contact_edges(random):
     g, p = np.where(closed, 0.0, 1.0), np.ones((7, 6))
     wanted = tuple(np.sum(closed != np.roll(closed, 1, axis)) for axis in (1, 0))
     assert certify.contact_edges(g, p, g.shape, g[0], p[0], True) == wanted
-    parts = (certify.contact_edges(g[:3], p[:3], (3, 6), g[3], p[3], True),
-             certify.contact_edges(g[3:], p[3:], (4, 6), g[0], p[0], True))
+    parts = (
+        certify.contact_edges(g[:3], p[:3], (3, 6), g[3], p[3], True),
+        certify.contact_edges(g[3:], p[3:], (4, 6), g[0], p[0], True),
+    )
     assert tuple(map(sum, zip(*parts, strict=True))) == wanted

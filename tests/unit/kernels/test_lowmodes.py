@@ -15,7 +15,9 @@ def parts_of(field):
     """Scalar products with the modes, by definition."""
     (k_x, x), (k_y, y) = tables(0), tables(1)
     norm = np.outer(np.where(k_x > 0, np.sqrt(2), 1), np.where(k_y > 0, np.sqrt(2), 1))
-    return np.array([norm * (f(x) @ field @ g(y).T) for f in (np.cos, np.sin) for g in (np.cos, np.sin)])
+    return np.array(
+        [norm * (f(x) @ field @ g(y).T) for f in (np.cos, np.sin) for g in (np.cos, np.sin)]
+    )
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -24,16 +26,18 @@ def test_there_and_back(dtype):
     spectrum = np.fft.rfft2(field).astype(np.result_type(dtype, np.complex64))
     (k_x, _), (k_y, _) = tables(0), tables(1)
     parts = np.empty((4, len(k_x), len(k_y)))
-    shift_x, shift_y = (np.exp(2j * np.pi * middle / n * k) for middle, n, k in zip(MIDDLE, N, (k_x, k_y)))
+    shift_x, shift_y = (
+        np.exp(2j * np.pi * middle / n * k) for middle, n, k in zip(MIDDLE, N, (k_x, k_y))
+    )
     norm = np.outer(*(np.where(k > 0, 2.0, np.sqrt(2)) for k in (k_x, k_y))) / 2
-    split(spectrum[:, :len(k_y)], shift_x, shift_y, norm, parts)
+    split(spectrum[:, : len(k_y)], shift_x, shift_y, norm, parts)
     assert np.allclose(parts, parts_of(field), atol=1e-4 if dtype == np.float32 else 1e-12)
     up, down = np.empty(norm.shape, complex), np.empty((len(k_x) - 1, len(k_y)), complex)
     join(parts, shift_x, shift_y, norm, 3.0, up, down)
-    wanted = 3 * np.fft.rfft2(field)[:, :len(k_y)]
+    wanted = 3 * np.fft.rfft2(field)[:, : len(k_y)]
     tolerance = 1e-3 if dtype == np.float32 else 1e-11
-    assert np.allclose(up, wanted[:len(k_x)], atol=tolerance)
-    assert np.allclose(down, wanted[N[0] - MODES[0]:], atol=tolerance)
+    assert np.allclose(up, wanted[: len(k_x)], atol=tolerance)
+    assert np.allclose(down, wanted[N[0] - MODES[0] :], atol=tolerance)
 
 
 @pytest.mark.parametrize("how", ["all", "columns", "rows"])

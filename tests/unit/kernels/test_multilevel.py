@@ -1,4 +1,5 @@
-"""Levels, what is restricted to them and interpolated from them, and the preconditioner as a matrix."""
+"""Levels, what is restricted to them and interpolated from them, and the preconditioner as a
+matrix."""
 
 import gc
 import weakref
@@ -31,8 +32,16 @@ def test_transfers_are_adjoint(random, n):
     assert np.allclose(R, P_x.T @ x @ P_y / ratio, atol=1e-13)
     Py = np.zeros((1, n[0] + 2, n[1]))
     rt = np.zeros((2, n[0] + 2, n[1]))
-    multilevel.smooth_level(rt, y[np.arange(-1, m[0] + 1) % m[0]].copy(), Py[0], 1.0, 4.0, 1.0, t.tables,
-                            tuple(map(np.ones, n)))
+    multilevel.smooth_level(
+        rt,
+        y[np.arange(-1, m[0] + 1) % m[0]].copy(),
+        Py[0],
+        1.0,
+        4.0,
+        1.0,
+        t.tables,
+        tuple(map(np.ones, n)),
+    )
     assert np.allclose(Py[0, 1:-1], P_x @ y @ P_y.T, atol=1e-13)
     assert np.vdot(R, y) * ratio == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)
 
@@ -53,7 +62,11 @@ def test_hierarchy(n, sizes):
 def test_every_coarse_row_has_one_owner():
     for n in range(1, 40):
         for size in (1, 2, 3, 4, 7):
-            starts = Grid((n, 4)).starts if size == 1 else np.sort(np.random.default_rng(n).integers(0, n + 1, size - 1))
+            starts = (
+                Grid((n, 4)).starts
+                if size == 1
+                else np.sort(np.random.default_rng(n).integers(0, n + 1, size - 1))
+            )
             starts = np.array([0, n]) if size == 1 else np.array([0, *starts, n])
             m = (n + 1) // 2
             owned = owned_rows(starts, n, m)
@@ -70,7 +83,13 @@ def by_matrices(grid, r, theta, level=0):
         n, m = hierarchy[level].n, hierarchy[level + 1].n
         P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
         ratio = n[0] * n[1] / (m[0] * m[1])
-        z = z + COUPLING * P_x @ by_matrices(grid, P_x.T @ r @ P_y / ratio, P_x.T @ theta @ P_y / ratio, level + 1) @ P_y.T
+        z = (
+            z
+            + COUPLING
+            * P_x
+            @ by_matrices(grid, P_x.T @ r @ P_y / ratio, P_x.T @ theta @ P_y / ratio, level + 1)
+            @ P_y.T
+        )
     return z
 
 
@@ -101,7 +120,8 @@ def test_sweep(random, n):
 
 
 def test_made_once():
-    """What only depends on grid, body and precision is made once for all solvers, and goes with the grid."""
+    """What only depends on grid, body and precision is made once for all solvers, and goes with the
+    grid."""
     grid, body = Grid((16, 16)), HalfSpace()
     one, other = Multilevel(grid, body, np.float64, 16), Multilevel(grid, body, np.float64, 8)
     assert one.steps is other.steps
@@ -117,13 +137,18 @@ def test_made_once():
 
 
 @pytest.mark.parametrize("coarsest_points", [None, 0])
-@pytest.mark.parametrize(("n", "nominal"), [((16, 16), (8, 8)), ((30, 12), (15, 12)), ((14, 20), (7, 10)), ((16, 8), (16, 8))], ids=str)
+@pytest.mark.parametrize(
+    ("n", "nominal"),
+    [((16, 16), (8, 8)), ((30, 12), (15, 12)), ((14, 20), (7, 10)), ((16, 8), (16, 8))],
+    ids=str,
+)
 def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
-    """|v|^2 and <v, S r> by sums over levels, v = t N/n - s: of the indicators of contact and surface as they are, level by level."""
+    """|v|^2 and <v, S r> by sums over levels, v = t N/n - s: of the indicators of contact and
+    surface as they are, level by level."""
     grid = Grid(n, nominal=nominal)
     sweep = Multilevel(grid, HalfSpace(), np.float64, n[0], coarsest_points)
     s = np.zeros(n)
-    s[:nominal[0], :nominal[1]] = 1
+    s[: nominal[0], : nominal[1]] = 1
     t = s * (random.random(n) < 0.4)
     r = np.where(t > 0, 0, random.standard_normal(n))
     g, p = np.where(t > 0, 0.0, 1.0), np.where(t > 0, 1.0, r)
@@ -135,9 +160,15 @@ def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
     v, wanted_norm, wanted_product = t - share * s, 0.0, 0.0
     for k, (level, softness) in enumerate(zip(levels(grid), HalfSpace().softness(grid))):
         if k:
-            P_x, P_y = interpolation(*v.shape[:1], level.n[0]), interpolation(v.shape[1], level.n[1])
+            P_x, P_y = (
+                interpolation(*v.shape[:1], level.n[0]),
+                interpolation(v.shape[1], level.n[1]),
+            )
             v, r = (P_x.T @ x @ P_y * (level.n[0] * level.n[1] / x.size) for x in (v, r))
-        weight, w = softness * grid.cell_points / v.size, v if k else t  # s is left out on the finest level
+        weight, w = (
+            softness * grid.cell_points / v.size,
+            v if k else t,
+        )  # s is left out on the finest level
         wanted_norm += weight * np.vdot(w, w)
         wanted_product += weight * np.vdot(v, r) * (k > 0 or not grid.padded)
     assert norm == pytest.approx(wanted_norm, rel=1e-9)

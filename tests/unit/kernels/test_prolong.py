@@ -18,18 +18,31 @@ def prolonged(u, p, h, compliance, stencil, parts=1):
         first, last = -(-start // step), -(-stop // step)
 
         def cut(a, i, k, width):
-            return tuple(np.take(a, np.arange(*r), axis=0, mode="wrap") for r in ((i - width, i), (i, k), (k, k + width)))
+            return tuple(
+                np.take(a, np.arange(*r), axis=0, mode="wrap")
+                for r in ((i - width, i), (i, k), (k, k + width))
+            )
 
         g = np.empty((stop - start, n_y))
         coarse = [cut(a, first, last, prolong.HALO) for a in (u, p)]
-        prolong.prolong_gap(*coarse, cut(h, start, stop, prolong.SWEEPS), g, (start, n_x), (first, m_x), (m_x != n_x, m_y != n_y),
-                            compliance, stencil, h.shape)
+        prolong.prolong_gap(
+            *coarse,
+            cut(h, start, stop, prolong.SWEEPS),
+            g,
+            (start, n_x),
+            (first, m_x),
+            (m_x != n_x, m_y != n_y),
+            compliance,
+            stencil,
+            h.shape,
+        )
         out.append(g)
     return np.concatenate(out)
 
 
 def interpolated(a, n, near, far):
-    """Rows of a at even places, and between them the mean of four rows with these weights (two of them the nearest)."""
+    """Rows of a at even places, and between them the mean of four rows with these weights (two of
+    them the nearest)."""
     if len(a) == n:
         return a
     between = near * (a + np.roll(a, -1, 0)) + far * (np.roll(a, 1, 0) + np.roll(a, -2, 0))
@@ -37,22 +50,39 @@ def interpolated(a, n, near, far):
 
 
 def test_interpolation_of_a_displacement():
-    """Without contact cubic interpolation is all: exact for points on the coarse grid, and of fourth order between them."""
+    """Without contact cubic interpolation is all: exact for points on the coarse grid, and of
+    fourth order between them."""
     errors = []
     for n in (32, 64):
         x = np.arange(n) / n
         u = np.cos(2 * np.pi * x)[:, None] * np.sin(2 * np.pi * x)
         coarse = u[::2, ::2].copy()
-        g = prolonged(coarse, np.zeros_like(coarse), np.full((n, n), 10.0), 0.6, np.array([1.2, -0.2, -0.2, -0.04]))
+        g = prolonged(
+            coarse,
+            np.zeros_like(coarse),
+            np.full((n, n), 10.0),
+            0.6,
+            np.array([1.2, -0.2, -0.2, -0.04]),
+        )
         assert np.allclose(g[::2, ::2] - 10, coarse)
         errors.append(np.abs(g - 10 - u).max())
     assert errors[0] / errors[1] > 12
 
 
-@pytest.mark.parametrize(("n", "m"), [((32, 48), (16, 24)), ((33, 47), (17, 24)), ((31, 20), (31, 10)), ((24, 31), (12, 31)),
-                                      ((12, 2), (6, 2)), ((10, 1), (5, 1))])
+@pytest.mark.parametrize(
+    ("n", "m"),
+    [
+        ((32, 48), (16, 24)),
+        ((33, 47), (17, 24)),
+        ((31, 20), (31, 10)),
+        ((24, 31), (12, 31)),
+        ((12, 2), (6, 2)),
+        ((10, 1), (5, 1)),
+    ],
+)
 def test_local_relaxation(random, n, m):
-    """prolong_gap does what its formula says, in any number of slabs; its gap is never negative, and 0 where heights poke through."""
+    """prolong_gap does what its formula says, in any number of slabs; its gap is never negative,
+    and 0 where heights poke through."""
     u, p, h = random.standard_normal(m), random.standard_normal(m), random.standard_normal(n)
     stencil, compliance = np.array([1.2, -0.3, -0.2, -0.04]), 0.7
     w = interpolated(interpolated(u, n[0], 9 / 16, -1 / 16).T, n[1], 9 / 16, -1 / 16).T + h
@@ -61,8 +91,18 @@ def test_local_relaxation(random, n, m):
     for _ in range(prolong.SWEEPS):
         rows = np.roll(v, 1, 0) + np.roll(v, -1, 0)
         columns = np.roll(v, 1, 1) + np.roll(v, -1, 1)
-        v = np.maximum(v - compliance * (P + stencil[0] * v + stencil[1] * rows + stencil[2] * columns
-                                  + stencil[3] * (np.roll(rows, 1, 1) + np.roll(rows, -1, 1))), -w)
+        v = np.maximum(
+            v
+            - compliance
+            * (
+                P
+                + stencil[0] * v
+                + stencil[1] * rows
+                + stencil[2] * columns
+                + stencil[3] * (np.roll(rows, 1, 1) + np.roll(rows, -1, 1))
+            ),
+            -w,
+        )
     g = prolonged(u, p, h, compliance, stencil)
     assert np.allclose(g, w + v, atol=1e-13)
     assert g.min() == 0
@@ -71,11 +111,15 @@ def test_local_relaxation(random, n, m):
 
 
 def test_stiffness_between_neighbours():
-    """It is K in real space, by a direct sum over the wave vectors; axes without neighbours have none."""
+    """It is K in real space, by a direct sum over the wave vectors; axes without neighbours have
+    none."""
     grid = Grid((64, 80), (1.0, 1.0))
     q = np.hypot(grid.q_x[:, None], 2 * np.pi * np.fft.fftfreq(80) * grid.a / grid.spacings[1])
     theta_x, theta_y = 2 * np.pi * np.fft.fftfreq(64)[:, None], 2 * np.pi * np.fft.fftfreq(80)
-    wanted = [np.mean(0.5 * q * np.cos(i * theta_x) * np.cos(j * theta_y)) for i, j in ((0, 0), (1, 0), (0, 1), (1, 1))]
+    wanted = [
+        np.mean(0.5 * q * np.cos(i * theta_x) * np.cos(j * theta_y))
+        for i, j in ((0, 0), (1, 0), (0, 1), (1, 1))
+    ]
     assert HalfSpace().near(grid) == pytest.approx(wanted, abs=1e-4)
     assert (HalfSpace().near(Grid((64, 1)))[2:] == 0).all()
     assert (HalfSpace().near(Grid((2, 64)))[[1, 3]] == 0).all()
