@@ -119,12 +119,12 @@ def all_numbers() -> dict[str, tuple[str, str]]:
 
 
 def meaning_of(name: str) -> str:
-    """What a number of a load means; "" for names that are not known."""
+    """Return what the number of this name means; "" for a name that is not known."""
     return all_numbers().get(name, ("", ""))[0]
 
 
 def unit_of(name: str, surface: Mapping[str, Any]) -> str:
-    """The unit of a number of a load, such as "Pa/m"; surface: attributes of the result's surface.
+    """Return the unit of the number of this name: "Pa/m". surface: the attributes of a result's.
 
     "1": dimensionless; "": nobody named the unit, or the number is not known.
     """
