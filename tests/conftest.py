@@ -131,12 +131,13 @@ def cli(capfd):
     `out` and `err`.
 
     cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with
-    which one is refused.
+    which one is refused; cli.script: makes the parser of a script whose command line is meant.
     """
 
     def run(*args):
         capfd.readouterr()
-        return SimpleNamespace(code=main(list(map(str, args))), **capfd.readouterr()._asdict())
+        code = main(list(map(str, args)), run.script)
+        return SimpleNamespace(code=code, **capfd.readouterr()._asdict())
 
     def prints(*args):
         done = run(*args)
@@ -149,7 +150,7 @@ def cli(capfd):
         assert done.err.strip().isprintable()
         return done.err
 
-    run.prints, run.refused = prints, refused
+    run.prints, run.refused, run.script = prints, refused, None
     return run
 
 
