@@ -61,7 +61,7 @@ def test_time_limit_and_restart(comm, shared_path):
     assert not partial_folder(path).exists()
 
 
-# tests/unit/test_restart.py has all solvers, on one process
+# tests/unit/run/test_restart.py has all solvers, on one process
 @pytest.mark.parametrize(
     ("solver", "boundary", "loads"),
     [

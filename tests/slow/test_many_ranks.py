@@ -5,7 +5,7 @@ from pathlib import Path
 import mpi_harness
 import pytest
 
-SCRIPT = Path(__file__).parents[1] / "many_ranks.py"
+SCRIPT = Path(__file__).with_name("many_ranks.py")
 RANKS = (
     (2, 2),
     (4, 4),
