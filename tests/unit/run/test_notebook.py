@@ -134,12 +134,8 @@ def test_it_is_what_a_run_writes(tmp_path):
     assert set(run.result.head) == set(memory.result.head)
     assert set(run.result.surface) == set(memory.result.surface)
     for a, b in zip(run, memory, strict=True):
-        assert (a.a_r, a.status, a.iterations, a.observable("perimeter")) == (
-            b.a_r,
-            b.status,
-            b.iterations,
-            b.observable("perimeter"),
-        )
+        assert (a.a_r, a.status) == (b.a_r, b.status)
+        assert a.observable("perimeter") == b.observable("perimeter")
         assert np.allclose(a.pressure, b.pressure, atol=1e-3 * a.p)
         assert np.allclose(a.gap, b.gap, atol=1e-3 * a.gap_mean)
         assert np.allclose(a.heights, b.heights, atol=1e-6 * a.h_rms)
