@@ -31,7 +31,7 @@ from .solution import Solution
 from .solutions import Interrupted, Solutions, solutions_of
 from .surface.build import Surface, surface_from_rows
 from .surface.heights import Checksum, checked
-from .surface.quality import MapQuality
+from .surface.quality import DIFFERENT_UNITS, MapQuality
 from .surface.topography import Rows, Topography
 from .versions import versions
 
@@ -305,6 +305,10 @@ def _quality_notes(
 
 
 def _warn(comm: Comm, steps: Sequence[dict]) -> None:
+    notes = [note for step in steps for note in (step["note"] or "").split("; ")]
+    for note in dict.fromkeys(notes) if comm.rank == 0 else ():
+        if note.endswith(DIFFERENT_UNITS):
+            warnings.warn(note, stacklevel=3)
     for index, step in enumerate(steps):
         if step["status"] != "converged" and comm.rank == 0:
             which = f"load {index + 1}: " if len(steps) > 1 else ""

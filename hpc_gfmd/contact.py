@@ -13,6 +13,7 @@ import numpy as np
 from .bodies.halfspace import HALF_SPACE
 from .errors import SceneError
 from .fields import FIELDS, LazyField
+from .surface.quality import load_notes
 from .units import field_dtype
 
 if TYPE_CHECKING:
@@ -121,7 +122,11 @@ class Contact:
     @property
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
-        return "; ".join(filter(None, [self._doubt, self.remark, *self.surface.notes])) or None
+        of_load = load_notes(self.p_mean, self.E_star, self.surface.unit)
+        return (
+            "; ".join(filter(None, [self._doubt, self.remark, *of_load, *self.surface.notes]))
+            or None
+        )
 
     @property
     def _doubt(self) -> str | None:
