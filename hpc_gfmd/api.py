@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import partial
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -337,6 +338,11 @@ def _require_the_same(comm: Comm, scene: Scene, shape: Sequence[int]) -> None:
 
 def _checked(heights: Any) -> np.ndarray:
     """The array as it is. Raises SceneError for what is no complete height map."""
+    if isinstance(heights, str | PathLike):
+        raise SceneError(
+            f"heights: found {str(heights)!r}, allowed: an array, or"
+            f" hpc_gfmd.read_surface({str(heights)!r})"
+        )
     if np.ma.is_masked(heights):
         raise SceneError("heights: found masked points, allowed: a complete height map")
     try:

@@ -122,7 +122,7 @@ class Contact:
     @property
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
-        of_load = load_notes(self.p_mean, self.E_star, self.surface.unit)
+        of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
         return (
             "; ".join(filter(None, [self._doubt, self.remark, *of_load, *self.surface.notes]))
             or None

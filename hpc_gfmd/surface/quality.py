@@ -12,6 +12,7 @@ from .topography import Topography
 
 STEEP = 1.0 + 1e-6  # g_rms beyond which slopes are not small; 1 itself has rounding errors
 ABSURD = 1e-5, 30.0  # g_rms of real surfaces is between them
+OVERLOADED = 10.0  # mean pressure over E*
 DIFFERENT_UNITS = "are probably in different units"
 NO_MODULUS = "no modulus is given: E_star = 1 is taken, and pressures are in units of E*"
 TILT = 0.5  # share of the variance of the heights
@@ -142,10 +143,11 @@ def outliers(found: Topography, quality: MapQuality, comm: Any) -> int:
     return int(summed(comm, count)[0])
 
 
-def load_notes(p_mean: float, E_star: float, unit: str) -> list[str]:
-    """Notes on a mean pressure p_mean beside the modulus E_star; unit: of a measured surface."""
+def load_notes(p_mean: float, E_star: float, g_rms: float, unit: str) -> list[str]:
+    """Notes on a mean pressure p_mean beside the modulus E_star, on a surface of slope g_rms; unit:
+    of a measured one."""
     found = [NO_MODULUS] if unit and E_star == 1 else []
-    if p_mean > ABSURD[1] * E_star:
+    if p_mean > OVERLOADED * E_star * max(g_rms, 1.0):
         found.append(f"p = {p_mean / E_star:.2g} E*: loads and moduli {DIFFERENT_UNITS}")
     return found
 

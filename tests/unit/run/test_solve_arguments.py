@@ -20,7 +20,12 @@ REFUSED = [
     ({"E_star": HUGE}, "material.E_star: found 1000"),
     ({"E_star": 1e-320}, "material.E_star: found 1e-320"),
     ({"E_star": True}, "material.E_star: found true"),
-    ({"E_star": "1"}, "material.E_star: found '1'"),
+    ({"E_star": "1"}, "material.E_star: found '1', it is no number with a unit, allowed"),
+    ({"pressure": "20 Mpa"}, "'Mpa' is no unit of pressure (did you mean \"MPa\"?), allowed"),
+    ({"pressure": "20 um"}, "found '20 um', 'um' is a unit of length, not of pressure, allowed"),
+    ({"pressure": "0,8 MPa"}, "found '0,8 MPa', decimals have a point, not a comma, allowed"),
+    ({"tol": 1e-3}, "solver.tol: unknown key, nearest: solver.accuracy"),
+    ({"nu": 0.3}, "found nu1 (nu) alone, allowed: with E1, or with thickness"),
     ({"E1": 2.0}, "material: found E1, allowed"),
     ({"E_star": 1j}, "material.E_star: found 1j"),
     ({"E_star": np.array([1.0, 2.0])}, "material.E_star: found [1.0, 2.0]"),
@@ -67,7 +72,7 @@ REFUSED = [
     ({"p_star": 0.1}, "load: found p_star and pressure"),
     ({"heights": [[1, 2], [3]]}, "heights: found"),
     ({"heights": [[HUGE, 1]]}, "heights: found"),
-    ({"heights": "z.npy"}, "heights: found"),
+    ({"heights": "z.npy"}, "allowed: an array, or hpc_gfmd.read_surface('z.npy')"),
     *[
         ({"heights": wrong}, "heights: found")
         for wrong in (None, Z + 1j, Z[0], Z[:0], Z[None], Z > 0, Z.astype(object))

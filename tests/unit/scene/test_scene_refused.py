@@ -74,6 +74,7 @@ def test_a_bad_value_is_named_with_its_key_and_what_is_allowed(path, value):
     ("data", "words"),
     [
         (tables({"hurst": "0.8"}), "found '0.8', allowed: a number from 0 to 1"),
+        (tables({"hurst": "0,8"}), "found '0,8', decimals have a point, not a comma, allowed: a n"),
         (tables({"seed": True}), "found true"),
         (
             tables(load={"pressure": -3}),
@@ -119,7 +120,7 @@ def test_a_bad_value_is_named_with_its_key_and_what_is_allowed(path, value):
                 " E2, nu2"
             ),
         ),
-        (tables(material={"nu1": 0.3}), "material: found nu1, allowed"),
+        (tables(material={"nu1": 0.3}), "material: found nu1 (nu) alone, allowed: with E1, or"),
         (
             tables(material={"thickness": 1}),
             "material: found thickness with nothing else, allowed: thickness with E1, nu1",

@@ -195,6 +195,14 @@ def test_what_a_file_may_not_say(make, words, tmp_path):
         hpc_gfmd.read_surface(tmp_path / "z.npz")
 
 
+def test_a_format_that_is_not_known(tmp_path, capfd):
+    """Known ones are named; what other readers thought of it is not printed."""
+    (tmp_path / "z.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8)
+    with pytest.raises(SceneError, match=r"is not known, or .* known are npy, .*, x3p, .*gwy"):
+        open_topography(spec(tmp_path / "z.png"))
+    assert not capfd.readouterr().out
+
+
 def test_uneven_points_are_no_grid(tmp_path):
     netcdf4(tmp_path / "z.nc", "m")
     with h5py.File(tmp_path / "z.nc", "r+") as file:
