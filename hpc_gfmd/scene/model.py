@@ -23,8 +23,8 @@ RESOLVED = 8  # points in a wave length; with fewer the contact is one of single
 TOUCHING = 100  # fewer contact points than this say little about a rough contact
 
 
-# in a line, but for texts and remarks: more parts than a key of any table has; Python's parser takes
-# hours with very many
+# in a line, but for texts and remarks: a key of more parts than any table has; Python's parser takes
+# hours with very many parts
 NO_KEY, TOO_DEEP = re.compile(r'"(\\.|[^"\\])*+"|\'[^\']*+\'|#.*'), re.compile(r"(\.[\s\w-]*+){9}")
 
 
@@ -238,7 +238,7 @@ def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:
     it."""
     for line in text.splitlines():
         if TOO_DEEP.search(NO_KEY.sub("", line)):
-            raise SceneError(f"{origin}: found keys of too many parts, allowed: table.key")
+            raise SceneError(f"{origin}: found keys nested too deeply, allowed: a scene in TOML")
     try:
         return tomllib.loads(text)
     except RecursionError:
