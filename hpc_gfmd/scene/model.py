@@ -23,8 +23,8 @@ RESOLVED = 8  # points in a wave length; with fewer the contact is one of single
 TOUCHING = 100  # fewer contact points than this say little about a rough contact
 
 
-# in a line, but for texts and remarks: a key of more parts than any table has; Python's parser takes
-# hours with very many parts
+# in a line, but for texts and remarks: a key of more parts than any table has; the parser takes
+# hours with very many
 NO_KEY, TOO_DEEP = re.compile(r'"(\\.|[^"\\])*+"|\'[^\']*+\'|#.*'), re.compile(r"(\.[\s\w-]*+){9}")
 
 
