@@ -243,6 +243,15 @@ def _attributes(group: Any) -> dict:
         if text is None
         else text
         if name == "scene"
-        else one_line(text, len(text) + 1)
+        else _printable(text)
         for name, text in texts.items()
     }
+
+
+def _printable(text: Any) -> Any:
+    """A text, or a list of them, in one line each: a terminal would obey control characters."""
+    return (
+        one_line(text, len(text) + 1)
+        if isinstance(text, str)
+        else [_printable(one) for one in text]
+    )

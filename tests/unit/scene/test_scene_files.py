@@ -71,6 +71,14 @@ def test_the_surface_file_counts_from_the_folder_of_the_scene(tmp_path, monkeypa
     assert refusal(tables({"kind": "file", "path": ""})).startswith("surface.path: found ''")
 
 
+def test_a_load_takes_the_place_of_another(tmp_path):
+    path = write(tmp_path, tomli_w.dumps(tables()))
+    assert load_scene(path).load.given[0] == "p_star"
+    assert load_scene(path, ["load.a_r=0.1"]).load.given == ("a_r", (0.1,))
+    with pytest.raises(SceneError, match=r"load\.a_rr"):
+        load_scene(path, ["load.a_rr=0.1"])
+
+
 def test_overrides(tmp_path):
     path = write(tmp_path, tomli_w.dumps(tables()))
     scene = load_scene(
