@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from ..aside import aside
-from ..errors import GfmdError, SceneError
+from ..contact import all_numbers, unit_of
 from ..output.describe import coordinates, image, name_it
 from ..output.read import Result, read_result
 from ..parallel.guard import one_line
-from ..quantity import in_units
-from ..registry import all_numbers, unit_of
+from ..util.atomic import aside
+from ..util.errors import GfmdError, SceneError
+from ..util.quantities import in_units
 
 HEIGHTS = "heights"  # the same for all loads
 

@@ -6,7 +6,7 @@ import signal
 import time
 from typing import Any, NoReturn, Self
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 from .comm import Comm
 
 CHEAP = 0.05  # share of the time that may go into checkpoints between loads

@@ -9,9 +9,9 @@ from zipfile import ZipFile
 
 import numpy as np
 
-from .. import errors
-from ..errors import SceneError
 from ..parallel.h5 import driver, inside, io_way
+from ..util import errors
+from ..util.errors import SceneError
 from . import instruments, text
 from .metadata import NAMES, Metadata, by_attributes, by_axes, ends
 from .packed import Packing
