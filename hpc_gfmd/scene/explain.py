@@ -7,9 +7,9 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from ..errors import one_line
-from ..not_modelled import ONLY, is_not_modelled
-from ..quantity import DECIMAL_COMMA, NO_COMMA
+from ..util.errors import one_line
+from ..util.quantities import DECIMAL_COMMA, NO_COMMA
+from .not_modelled import ONLY, is_not_modelled
 from .table import LARGEST, SMALLEST, allowed
 
 _short = reprlib.Repr()

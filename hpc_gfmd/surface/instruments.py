@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 from .metadata import Metadata
 
 ANY_CHANNEL = "surface"  # the name that nobody gave

@@ -9,10 +9,10 @@ import pytest
 from contacts import heights_of, rough
 
 from hpc_gfmd.commands.init import compose
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.scene import Scene, load_scene
 from hpc_gfmd.scene.reference import markdown, sections, text
 from hpc_gfmd.scene.surface import KINDS
+from hpc_gfmd.util.errors import SceneError
 
 ANALYTIC = [kind for kind in KINDS if kind != "file"]
 
