@@ -26,7 +26,6 @@ COMMANDS = (
     "persson",
     "tfc",
     "study",
-    "bench",
     "info",
 )
 DESCRIPTION = (
@@ -36,7 +35,7 @@ DESCRIPTION = (
 )
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
     """argparse whose complaints are SceneErrors, so that under MPI they are printed once."""
 
     def error(self, message: str) -> NoReturn:
@@ -45,20 +44,21 @@ class _Parser(argparse.ArgumentParser):
 
 def build_parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
     """The parser with these commands."""
-    parser = _Parser(prog="hpc-gfmd", description=DESCRIPTION)
+    parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {__version__}")
-    subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_Parser)
+    subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
     for name in commands:
         command = importlib.import_module(f".commands.{name}", __package__)
         command.add_parser(subparsers).set_defaults(main=command.main)
     return parser
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, parser: argparse.ArgumentParser | None = None) -> int:
     """Run one command; returns its exit code. What cannot be printed stops no command, but is an
-    error where it was the result."""
+    error where it was the result. parser: of a script, instead of that of all commands; it sets
+    `main`."""
     with unfailing_output() as out:
-        code, prints = _run(sys.argv[1:] if argv is None else argv)
+        code, prints = _run(sys.argv[1:] if argv is None else argv, parser)
         out.flush()
         if code or not prints or out.lost is None:
             return code
@@ -67,14 +67,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 1
 
 
-def _run(argv: Sequence[str]) -> tuple[int, bool]:
+def _run(argv: Sequence[str], parser: argparse.ArgumentParser | None) -> tuple[int, bool]:
     """(exit code, whether the result is what was printed)."""
     from .parallel.leaving import leave_together
 
     # The restart command lives with run; what is not asked for is not imported.
     asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
     try:
-        args = build_parser([asked] if asked in COMMANDS else COMMANDS).parse_args(argv)
+        parser = parser or build_parser([asked] if asked in COMMANDS else COMMANDS)
+        args = parser.parse_args(argv)
         return args.main(args) or 0, not getattr(args, "saves", False)
     except (GfmdError, ModuleNotFoundError) as error:
         if isinstance(error, ModuleNotFoundError):

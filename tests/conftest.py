@@ -109,11 +109,11 @@ def cli(tmp_path, monkeypatch, capfd):
     `code`, `out` and `err`.
 
     cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with
-    which one is refused.
+    which one is refused; main: of a script, instead of hpc-gfmd's.
     """
     monkeypatch.chdir(tmp_path)
 
-    def run(*args):
+    def run(*args, main=main):
         capfd.readouterr()
         return SimpleNamespace(code=main(list(map(str, args))), **capfd.readouterr()._asdict())
 
@@ -122,8 +122,8 @@ def cli(tmp_path, monkeypatch, capfd):
         assert done.code == 0, done.err
         return done.out
 
-    def refused(*args, code=2):
-        done = run(*args)
+    def refused(*args, code=2, main=main):
+        done = run(*args, main=main)
         assert (done.code, done.err.count("\n")) == (code, 1), done.err
         assert done.err.strip().isprintable()
         return done.err

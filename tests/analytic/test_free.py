@@ -10,10 +10,10 @@ import free_patch
 import numpy as np
 import oracle
 import pytest
+from bench.cells import Cells
 from contacts import EXACT, field, random_heights, relative, rough, surface_over, sweep_of
 from scipy.stats import norm
 
-from hpc_gfmd.bench.cells import Cells
 from hpc_gfmd.bodies.free import ROUNDED, Free
 from hpc_gfmd.driver.certificate import certify
 from hpc_gfmd.registry import all_observables, solver_names

@@ -13,10 +13,10 @@ FILES = sorted(ROOT.rglob("*.py"))
 LONGEST = 560  # lines
 
 ALLOWED_IN = {  # module: folders or files that may import it
-    "numba": ("kernels/", "commands/info.py", "bench/"),
-    "mpi4py": ("parallel/", "commands/info.py", "bench/"),
-    "mpi4py_fft": ("parallel/", "bench/"),
-    "matplotlib": ("plotting/", "bench/"),
+    "numba": ("kernels/", "commands/info.py"),
+    "mpi4py": ("parallel/", "commands/info.py"),
+    "mpi4py_fft": ("parallel/"),
+    "matplotlib": ("plotting/"),
 }
 TOP = (
     "composition",
@@ -161,7 +161,7 @@ def test_only_bodies_know_a_stiffness():
         "_by_table",
         "halfspace.HalfSpace",
     )
-    places = ("bodies/", "kernels/spectral.py", "operators/coarsening.py", "grid.py", "bench/")
+    places = ("bodies/", "kernels/spectral.py", "operators/coarsening.py", "grid.py")
     knowing = {name(path) for path in FILES if any(word in path.read_text() for word in words)}
     assert not {f for f in knowing if not f.startswith(places)}
     assert any(f.startswith("bodies/") for f in knowing)

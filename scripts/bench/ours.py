@@ -7,10 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from ..driver.drive import Target
-from ..driver.sweep import Sweep
-from ..registry import solver_class
-from ..scene import Solver
+from hpc_gfmd.driver.drive import Target
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.registry import solver_class
+from hpc_gfmd.scene import Solver
+
 from .cases import Case
 
 

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from ..grid import Grid
-from ..operators.coarsening import levels
+from hpc_gfmd.grid import Grid
+from hpc_gfmd.operators.coarsening import levels
+
 from .cases import DTYPES
 from .model import Machine
 from .passes import COPY, field_passes

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bodies.base import Multipliers, Tabled
-from ..bodies.free import Coupled, Free, added
-from ..grid import Grid
-from ..operators.images import images, kernel
-from ..parallel.fft import SlabFFT
+from hpc_gfmd.bodies.base import Multipliers, Tabled
+from hpc_gfmd.bodies.free import Coupled, Free, added
+from hpc_gfmd.grid import Grid
+from hpc_gfmd.operators.images import images, kernel
+from hpc_gfmd.parallel.fft import SlabFFT
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..errors import GfmdError
-from ..registry import solver_names
+from hpc_gfmd.errors import GfmdError
+from hpc_gfmd.registry import solver_names
+
 from .cases import Case
 from .ours import Ours, Solved
 from .reference import Reference, reference

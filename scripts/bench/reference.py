@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..caches import cache_folder, keep
-from ..driver.certificate import certify
-from ..errors import GfmdError
-from ..problem import Problem
+from hpc_gfmd.caches import cache_folder, keep
+from hpc_gfmd.driver.certificate import certify
+from hpc_gfmd.errors import GfmdError
+from hpc_gfmd.problem import Problem
+
 from .cases import Case
 from .ours import Ours
 
