@@ -5,7 +5,7 @@ import argparse
 import importlib
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from errno import ENOMEM
 from functools import partial
 from typing import NoReturn
@@ -25,9 +25,10 @@ COMMANDS = (
     "export",
     "persson",
     "tfc",
-    "study",
     "info",
 )
+# commands that are scripts of the repository
+MOVED = {"study": "python scripts/paper", "bench": "python scripts/bench"}
 DESCRIPTION = (
     "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml;"
     " hpc-gfmd plot contact.h5. With a measured map: hpc-gfmd init scan.x3p. Every key of a scene:"
@@ -53,12 +54,16 @@ def build_parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
     return parser
 
 
-def main(argv: Sequence[str] | None = None, parser: argparse.ArgumentParser | None = None) -> int:
+def main(
+    argv: Sequence[str] | None = None, script: Callable[[], argparse.ArgumentParser] | None = None
+) -> int:
     """Run one command; returns its exit code. What cannot be printed stops no command, but is an
-    error where it was the result. parser: of a script, instead of that of all commands; it sets
-    `main`."""
+    error where it was the result.
+
+    script: makes the Parser of a script of its own instead, with the default `main`.
+    """
     with unfailing_output() as out:
-        code, prints = _run(sys.argv[1:] if argv is None else argv, parser)
+        code, prints = _run(sys.argv[1:] if argv is None else argv, script)
         out.flush()
         if code or not prints or out.lost is None:
             return code
@@ -67,14 +72,18 @@ def main(argv: Sequence[str] | None = None, parser: argparse.ArgumentParser | No
         return 1
 
 
-def _run(argv: Sequence[str], parser: argparse.ArgumentParser | None) -> tuple[int, bool]:
+def _run(
+    argv: Sequence[str], script: Callable[[], argparse.ArgumentParser] | None
+) -> tuple[int, bool]:
     """(exit code, whether the result is what was printed)."""
     from .parallel.leaving import leave_together
 
     # The restart command lives with run; what is not asked for is not imported.
     asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
     try:
-        parser = parser or build_parser([asked] if asked in COMMANDS else COMMANDS)
+        if asked in MOVED and script is None:
+            raise SceneError(f"{asked}: found no such command, allowed: {MOVED[asked]}")
+        parser = script() if script else build_parser([asked] if asked in COMMANDS else COMMANDS)
         args = parser.parse_args(argv)
         return args.main(args) or 0, not getattr(args, "saves", False)
     except (GfmdError, ModuleNotFoundError) as error:

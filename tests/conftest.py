@@ -109,26 +109,27 @@ def cli(tmp_path, monkeypatch, capfd):
     `code`, `out` and `err`.
 
     cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with
-    which one is refused; main: of a script, instead of hpc-gfmd's.
+    which one is refused; cli.script: makes the parser of a script whose command line is meant.
     """
     monkeypatch.chdir(tmp_path)
 
-    def run(*args, main=main):
+    def run(*args):
         capfd.readouterr()
-        return SimpleNamespace(code=main(list(map(str, args))), **capfd.readouterr()._asdict())
+        code = main(list(map(str, args)), run.script)
+        return SimpleNamespace(code=code, **capfd.readouterr()._asdict())
 
     def prints(*args):
         done = run(*args)
         assert done.code == 0, done.err
         return done.out
 
-    def refused(*args, code=2, main=main):
-        done = run(*args, main=main)
+    def refused(*args, code=2):
+        done = run(*args)
         assert (done.code, done.err.count("\n")) == (code, 1), done.err
         assert done.err.strip().isprintable()
         return done.err
 
-    run.prints, run.refused = prints, refused
+    run.prints, run.refused, run.script = prints, refused, None
     return run
 
 

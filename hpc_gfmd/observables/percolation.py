@@ -7,8 +7,8 @@ along x if the cell is repeated. Reaching from one edge of the cell to the other
 neither needed nor enough. Points are connected where they share a side, as those of patches.py: a
 fluid does not pass between two points that touch and share a corner. By names that end in _8 it
 does, and contact passes, too: where no contact that shares sides goes around, a gap that shares
-corners does. At random both happen near a contact area of 0.40 (`hpc-gfmd study percolation`; 0.42:
-Dapp, Luecke, Persson, Mueser 2012), the truth being between the two.
+corners does. At random both happen near a contact area of 0.40 (`python scripts/paper percolation`;
+0.42: Dapp, Luecke, Persson, Mueser 2012), the truth being between the two.
 
 gap_spans_x: whether the gap reaches along x from edge to edge, the cell being periodic along y
 alone: a fluid that enters along one edge of a seal comes out at the other. In a finite cell it does

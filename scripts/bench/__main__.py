@@ -1,11 +1,13 @@
-"""`python scripts/bench ITEM`, also under mpirun: measures speed."""
+"""`python scripts/bench ITEM`, from any folder, also under mpirun."""
 
 import sys
 from pathlib import Path
 
-sys.path[0] = str(Path(__file__).resolve().parents[1])  # of the package `bench`
+if not __package__:  # started by its path
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from bench.command import main  # noqa: E402
+from bench.command import make_parser
+from hpc_gfmd.cli import main
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(script=make_parser))

@@ -2,11 +2,11 @@
 surfaces."""
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-from hpc_gfmd import cli
+from hpc_gfmd.cli import Parser
 from hpc_gfmd.commands.number import number
 from hpc_gfmd.errors import SceneError
 
@@ -14,14 +14,14 @@ PRECISIONS = ("single", "double")
 ALONE = ("accuracy", "kernels", "peers")  # these run on one rank
 
 
-def build_parser() -> ArgumentParser:
+def make_parser() -> ArgumentParser:
     """The parser of all measurements."""
-    parser = cli.Parser(
+    parser = Parser(
         prog="bench",
         description="Measure speed. Alternating runs, warmed up; compare numbers of one call only.",
     )
     parser.set_defaults(main=run)
-    parts = parser.add_subparsers(metavar="WHAT", required=True, parser_class=cli.Parser)
+    parts = parser.add_subparsers(metavar="WHAT", required=True, parser_class=Parser)
 
     kernels = _part(
         parts,
@@ -188,11 +188,6 @@ def _part(parts: Any, what: str, text: str, sizes: Iterable[int], repeats: int) 
     )
     parser.set_defaults(what=what)
     return parser
-
-
-def main(argv: Sequence[str] | None = None) -> int:
-    """Measure; returns the exit code."""
-    return cli.main(argv, build_parser())
 
 
 def run(args: Namespace) -> int:

@@ -1,11 +1,12 @@
-"""`python scripts/campaign`: presses walls that nobody tuned to and prints what came of it."""
+"""`python scripts/campaign`, from any folder."""
 
 import sys
 from pathlib import Path
 
-sys.path[0] = str(Path(__file__).resolve().parents[1])  # of the package `campaign`
+if not __package__:  # started by its path
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from campaign.run import main  # noqa: E402
+from campaign.run import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -13,7 +13,7 @@ import pytest
 from bench import command, peers, scaling, workers
 from bench.cases import Case
 from bench.cells import Cells
-from bench.command import main
+from bench.command import make_parser
 from bench.loosest import loosest
 from bench.messages import LARGE
 from bench.model import Machine, Network, predict
@@ -23,6 +23,7 @@ from bench.reference import reference
 from bench.timing import Clock, Sample, Stopwatch, ratio
 from bench.workers import Worker, what_failed
 
+from hpc_gfmd import cli as command_line
 from hpc_gfmd.errors import GfmdError
 from hpc_gfmd.grid import Grid
 
@@ -30,6 +31,10 @@ from hpc_gfmd.grid import Grid
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch):
     monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path / "cache"))
+
+
+def main(arguments):
+    return command_line.main(arguments, make_parser)
 
 
 def rows(path):
@@ -282,7 +287,8 @@ def test_another_code_is_given_the_loosest_tolerance_that_will_do(tmp_path, monk
 )
 def test_wrong_arguments_are_one_line_and_code_2(arguments, says, monkeypatch, tmp_path, cli):
     monkeypatch.setenv("HPC_GFMD_PEERS", str(tmp_path / "nowhere"))
-    assert says in cli.refused(*arguments, main=main)
+    cli.script = make_parser
+    assert says in cli.refused(*arguments)
 
 
 def test_transforms(tmp_path):

@@ -4,13 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from paper.items import curves
+from paper.reference_data import write_reference
+from paper.store import Store
 from study_runs import runs_of
 
 from hpc_gfmd import reference
 from hpc_gfmd.errors import SceneError
-from hpc_gfmd.study.items import curves
-from hpc_gfmd.study.reference_data import write_reference
-from hpc_gfmd.study.store import Store
 from hpc_gfmd.theory import persson
 
 AREA, GAP = 1.3, 0.8  # made-up runs over theory, at H = 0

@@ -5,8 +5,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError
-from ..reference.data import FORMAT
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.reference.data import FORMAT
+
 from . import catalogue
 from .publish import write_whole
 from .rows import Rows
@@ -62,7 +63,7 @@ def write_reference(path: str | Path, store: Store, level: str) -> int:
         "format": FORMAT,
         "note": NOTE.format(end=tables["p_star"]["gap_over_h_rms"][-1]),
         "provenance": {
-            "command": f"hpc-gfmd study curves --level {level} --no-run --reference FILE",
+            "command": f"python scripts/paper curves --level {level} --no-run --reference FILE",
             "level": level,
             "versions": sorted({run["version"] for run in runs}),
             "accuracy": sorted({run["accuracy"] for run in runs}),

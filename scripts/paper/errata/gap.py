@@ -4,7 +4,8 @@ tables."""
 from collections.abc import Iterator
 from typing import Any
 
-from ...theory import persson
+from hpc_gfmd.theory import persson
+
 from .. import paper
 from ..items import gap
 from ..paper import of_hurst

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ...plotting.style import COLOURS, THEORY, figure
+from hpc_gfmd.plotting.style import COLOURS, THEORY, figure
+
 from ..catalogue import Study
 from ..draw import points
 from ..levels import series_of

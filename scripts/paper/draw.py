@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..plotting.style import COLOURS, THEORY, figure, legend
-from ..theory import elastic, persson
+from hpc_gfmd.plotting.style import COLOURS, THEORY, figure, legend
+from hpc_gfmd.theory import elastic, persson
+
 from .levels import HURST, PRESSURES
 from .rows import Rows, by_hurst, low_high
 

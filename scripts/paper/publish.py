@@ -8,8 +8,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from .. import __version__
-from ..aside import aside
+from hpc_gfmd import __version__
+from hpc_gfmd.aside import aside
+
 from .catalogue import Study
 from .rows import Rows
 from .store import Store
@@ -27,7 +28,7 @@ PAGE = """# {title}
 
 All numbers: [{name}.csv]({name}.csv), [{name}.json]({name}.json). "±" is one standard error.
 
-Made by `hpc-gfmd study {name} --level {level}` (hpc_gfmd {version}): {loads} loads on {surfaces} surfaces, grids from {low}² to {high}²
+Made by `python scripts/paper {name} --level {level}` (hpc_gfmd {version}): {loads} loads on {surfaces} surfaces, grids from {low}² to {high}²
 points, {minutes:.0f} minutes of solving in all, on one shared core; {poor} loads failed their accuracy of {accuracy:g}.
 """
 

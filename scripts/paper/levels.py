@@ -10,7 +10,8 @@ from collections.abc import Callable
 from math import sqrt
 from typing import Any
 
-from ..errors import SceneError
+from hpc_gfmd.errors import SceneError
+
 from .case import Case
 
 LEVELS = ("quick", "desk", "paper")

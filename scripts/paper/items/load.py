@@ -2,7 +2,8 @@
 
 from functools import partial
 
-from ...theory import elastic, persson
+from hpc_gfmd.theory import elastic, persson
+
 from .. import paper
 from ..averages import average
 from ..catalogue import Study

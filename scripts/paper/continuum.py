@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import SceneError
+from hpc_gfmd.errors import SceneError
+
 from .rows import Rows
 from .scatter import SOLVER_SHARE, Scatter, error_of
 

@@ -9,7 +9,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from .. import __version__
+from hpc_gfmd import __version__
+
 from . import catalogue, coefficients, questions
 from .catalogue import Study
 from .errata import area, formulas, gap
@@ -24,7 +25,7 @@ ERRATA = (*formulas.ERRATA, *area.ERRATA, *gap.ERRATA)
 HEAD = """# The paper, reproduced, checked and extended
 
 N. Prodanov, W. B. Dapp, M. H. Müser, *On the contact area and mean gap of rough, elastic contacts*, Tribology Letters 53 (2014) 433:
-every figure and table, made by `hpc-gfmd study all --level {level}` (hpc_gfmd {version}). All numbers below are computed from the runs
+every figure and table, made by `python scripts/paper all --level {level}` (hpc_gfmd {version}). All numbers below are computed from the runs
 in `runs*.jsonl` when this page is written; nothing is typed in.
 
 {loads} loads on grids from {low}² to {high}² points, {minutes:.0f} minutes of solving in all, accuracy {accuracy:g}; {poor} failed it.

@@ -5,8 +5,9 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..errors import SceneError
-from ..theory.tfc_fit import TfcFit
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.theory.tfc_fit import TfcFit
+
 from . import fits, paper
 from .levels import PRESSURES, REFERENCE, at_level
 from .publish import write_whole

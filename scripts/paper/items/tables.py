@@ -3,7 +3,8 @@
 from functools import partial
 from typing import Any
 
-from ...errors import SceneError
+from hpc_gfmd.errors import SceneError
+
 from .. import coefficients, draw, paper
 from ..catalogue import Study
 from ..levels import HURST_GAP, tfc_series

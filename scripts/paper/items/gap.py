@@ -6,7 +6,8 @@ from itertools import chain
 
 import numpy as np
 
-from ...theory import persson
+from hpc_gfmd.theory import persson
+
 from .. import fits, paper
 from ..averages import average, relative_scatter
 from ..catalogue import Study

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import SceneError
-from ...plotting.style import THEORY, figure, shade
-from ...theory import persson
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.plotting.style import THEORY, figure, shade
+from hpc_gfmd.theory import persson
+
 from ..catalogue import Study
 from ..continuum import POWERS, continuum
 from ..draw import points

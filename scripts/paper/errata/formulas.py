@@ -4,7 +4,8 @@ and now."""
 import numpy as np
 from scipy.integrate import quad
 
-from ...theory import persson
+from hpc_gfmd.theory import persson
+
 from .. import paper
 from ..levels import HURST, PRESSURES
 from . import Errata

@@ -1,16 +1,17 @@
-"""`hpc-gfmd study`: the paper's figures and tables, and questions beyond it."""
+"""`python scripts/paper`: the paper's figures and tables, and questions beyond it."""
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import Any
 
-from ..errors import SceneError
+from hpc_gfmd.cli import Parser
+from hpc_gfmd.errors import SceneError
 
 
-def add_parser(subparsers: Any) -> ArgumentParser:
-    parser = subparsers.add_parser(
-        "study",
-        help="a figure or table of the paper",
+def make_parser() -> ArgumentParser:
+    """The parser of the command line."""
+    parser = Parser(
+        prog="python scripts/paper",
         description=(
             "Reproduce figures and tables of the paper: solve the contacts that are missing,"
             " tabulate, draw. Works the same alone and under mpirun/srun; what is finished is kept,"
@@ -70,16 +71,17 @@ def add_parser(subparsers: Any) -> ArgumentParser:
         metavar="T",
         help='threads of each rank: a number or "auto" (default 1)',
     )
-    parser.set_defaults(saves=True)
+    parser.set_defaults(saves=True, main=main)
     return parser
 
 
 def main(args: Namespace) -> int:
     """Solve, tabulate and draw. Raises SceneError for names, levels and shares that do not
     exist."""
-    from ..parallel.world import world
-    from ..study import catalogue
-    from ..study.levels import REFERENCE, at_level
+    from hpc_gfmd.parallel.world import world
+
+    from . import catalogue
+    from .levels import REFERENCE, at_level
 
     comm = world()
     if args.list:
@@ -112,8 +114,8 @@ def _solve(
     threads: int | str,
     comm: Any,
 ) -> Any:
-    from ..study.runner import run_missing, share
-    from ..study.store import Store
+    from .runner import run_missing, share
+    from .store import Store
 
     cases = [case for study in studies for case in study.cases(args.level)]
     if part:
@@ -128,9 +130,10 @@ def _solve(
 
 
 def _publish(args: Namespace, studies: Sequence, folder: str, comm: Any) -> None:
-    from ..parallel.guard import guarded
-    from ..study.publish import as_text, publish
-    from ..study.store import Store
+    from hpc_gfmd.parallel.guard import guarded
+
+    from .publish import as_text, publish
+    from .store import Store
 
     with guarded(comm, "writing tables and pictures"):
         if comm.rank != 0:
@@ -143,19 +146,19 @@ def _publish(args: Namespace, studies: Sequence, folder: str, comm: Any) -> None
                 flush=True,
             )
         if args.report or "all" in args.name:
-            from ..study.report import report
+            from .report import report
 
             print(f"report: {report(folder, args.level)}", flush=True)
         if args.coefficients:
-            from ..study.coefficients import our_table, write_our_table
-            from ..study.levels import tfc_series
+            from .coefficients import our_table, write_our_table
+            from .levels import tfc_series
 
             write_our_table(
                 our_table(store.runs_of(tfc_series(args.level)), args.level), args.coefficients
             )
             print(f"coefficients: {args.coefficients}", flush=True)
         if args.reference:
-            from ..study.reference_data import write_reference
+            from .reference_data import write_reference
 
             print(
                 f"{args.reference}: {write_reference(args.reference, store, args.level)} curves",
@@ -164,7 +167,7 @@ def _publish(args: Namespace, studies: Sequence, folder: str, comm: Any) -> None
 
 
 def _names(given: Sequence[str]) -> list[str]:
-    from ..study import catalogue
+    from . import catalogue
 
     if not given:
         raise SceneError(f"NAME: found nothing, allowed: all, {', '.join(catalogue.names())}")

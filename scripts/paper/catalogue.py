@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from ..errors import SceneError
-from ..scene.explain import nearest
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.scene.explain import nearest
+
 from . import items
 from .case import Case
 from .paper import Sayings

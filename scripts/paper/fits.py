@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
-from ..theory.tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.theory.tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc
+
 from .levels import REFERENCE, at_level
 from .rows import Rows, groups, near
 from .scatter import SOLVER_SHARE, Scatter, error_of

@@ -16,9 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import SceneError
-from ..theory.least_squares import least_squares
-from ..theory.tfc_fit import PAPER_ALPHA
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.theory.least_squares import least_squares
+from hpc_gfmd.theory.tfc_fit import PAPER_ALPHA
+
 from .rows import Rows
 from .scatter import Scatter
 

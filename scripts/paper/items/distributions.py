@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from scipy.stats import sem
 
-from ...plotting.style import COLOURS, THEORY, figure
-from ...theory import persson
+from hpc_gfmd.plotting.style import COLOURS, THEORY, figure
+from hpc_gfmd.theory import persson
+
 from ..catalogue import Study
 from ..draw import points
 from ..levels import P_HIGH, P_LOW, series_of

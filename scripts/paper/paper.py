@@ -6,8 +6,9 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from ..theory import tfc
-from ..theory.tfc_fit import term
+from hpc_gfmd.theory import tfc
+from hpc_gfmd.theory.tfc_fit import term
+
 from .rows import near
 from .text import filled
 

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import SceneError
-from ...plotting.style import COLOURS, figure
+from hpc_gfmd.errors import SceneError
+from hpc_gfmd.plotting.style import COLOURS, figure
+
 from ..case import Case
 from ..catalogue import Study
 from ..draw import points

@@ -7,19 +7,20 @@ from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
-from .. import __version__
-from ..composition import sweep_of
-from ..driver.memory import require_memory
-from ..driver.timing import expected_seconds
-from ..driver.warmup import compile_once
-from ..errors import GfmdError, SceneError
-from ..observables import area, gap
-from ..parallel.guard import on_rank_0
-from ..parallel.interrupt import Interrupt, Stopped
-from ..parallel.world import threads_of
-from ..registry import distributions_named, observables_named
-from ..scene import Solver
-from ..surface import build_surface
+from hpc_gfmd import __version__
+from hpc_gfmd.composition import sweep_of
+from hpc_gfmd.driver.memory import require_memory
+from hpc_gfmd.driver.timing import expected_seconds
+from hpc_gfmd.driver.warmup import compile_once
+from hpc_gfmd.errors import GfmdError, SceneError
+from hpc_gfmd.observables import area, gap
+from hpc_gfmd.parallel.guard import on_rank_0
+from hpc_gfmd.parallel.interrupt import Interrupt, Stopped
+from hpc_gfmd.parallel.world import threads_of
+from hpc_gfmd.registry import distributions_named, observables_named
+from hpc_gfmd.scene import Solver
+from hpc_gfmd.surface import build_surface
+
 from .case import DISTRIBUTION, Case
 from .store import Store, key_of, missing
 
