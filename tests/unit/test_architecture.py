@@ -15,8 +15,8 @@ LONGEST = 560  # lines
 ALLOWED_IN = {  # module: folders or files that may import it
     "numba": ("kernels/", "commands/info.py"),
     "mpi4py": ("parallel/", "commands/info.py"),
-    "mpi4py_fft": ("parallel/"),
-    "matplotlib": ("plotting/"),
+    "mpi4py_fft": ("parallel/",),
+    "matplotlib": ("plotting/",),
 }
 TOP = (
     "composition",
