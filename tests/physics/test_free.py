@@ -6,12 +6,12 @@ from math import acosh, pi, sqrt
 from pathlib import Path
 
 import contacts
-import free_patch
 import numpy as np
 import oracle
 import pytest
 from bench.cells import Cells
 from contacts import EXACT, field, random_heights, relative, rough, surface_over, sweep_of
+from physics import free_patch
 from scipy.stats import norm
 
 from hpc_gfmd.bodies.free import ROUNDED, Free
