@@ -29,8 +29,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from ..aligned import zeros_aligned
 from ..kernels.spectral import from_blocks, to_blocks, transpose, transpose_back
+from ..util.aligned import zeros_aligned
 from .layout import Layout
 from .plans import Plans
 from .shared import common_memory

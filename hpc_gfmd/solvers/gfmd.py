@@ -22,12 +22,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..aligned import zeros_aligned
 from ..kernels.dynamics import DynamicsSums, update_pressure, verlet_step
 from ..operators.elastic import Elastic
-from ..options import read_options
-from ..problem import Problem
+from ..operators.problem import Problem
+from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
+from .options import read_options
 
 DT = 0.95  # default time step, relative to the stability limit
 UNDERDAMPED = 0.5  # share of the Rayleigh quotient that is taken as mu

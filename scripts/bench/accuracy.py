@@ -12,8 +12,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hpc_gfmd.errors import GfmdError
-from hpc_gfmd.registry import solver_names
+from hpc_gfmd.solvers import solver_names
+from hpc_gfmd.util.errors import GfmdError
 
 from .cases import Case
 from .ours import Ours, Solved

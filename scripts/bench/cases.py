@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
+from hpc_gfmd.bodies import body_of
 from hpc_gfmd.bodies.base import Body
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import Comm, SerialComm
-from hpc_gfmd.registry import body_of
 from hpc_gfmd.scene import Material, Scene, Solver
 from hpc_gfmd.surface import Surface, build_surface
 

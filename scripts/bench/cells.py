@@ -15,9 +15,9 @@ import numpy as np
 
 from hpc_gfmd.bodies.base import Multipliers, Tabled
 from hpc_gfmd.bodies.free import Coupled, Free, added
-from hpc_gfmd.grid import Grid
-from hpc_gfmd.operators.images import images, kernel
+from hpc_gfmd.bodies.images import images, kernel
 from hpc_gfmd.parallel.fft import SlabFFT
+from hpc_gfmd.parallel.grid import Grid
 
 
 @dataclass(frozen=True)

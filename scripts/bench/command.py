@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-from hpc_gfmd.cli import Parser
+from hpc_gfmd.commands.cli import Parser
 from hpc_gfmd.commands.number import number
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.util.errors import SceneError
 
 PRECISIONS = ("single", "double")
 ALONE = ("accuracy", "kernels", "peers")  # these run on one rank

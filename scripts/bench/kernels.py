@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from hpc_gfmd.grid import Grid
-from hpc_gfmd.operators.coarsening import levels
+from hpc_gfmd.parallel.coarsening import levels
+from hpc_gfmd.parallel.grid import Grid
 
 from .cases import DTYPES
 from .model import Machine

@@ -24,7 +24,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hpc_gfmd.errors import GfmdError, SceneError
+from hpc_gfmd.util.errors import GfmdError, SceneError
 
 from .cases import Case
 from .loosest import PATIENCE, loosest

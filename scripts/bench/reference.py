@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hpc_gfmd.caches import cache_folder, keep
-from hpc_gfmd.driver.certificate import certify
-from hpc_gfmd.errors import GfmdError
-from hpc_gfmd.problem import Problem
+from hpc_gfmd.certificate.certificate import certify
+from hpc_gfmd.operators.problem import Problem
+from hpc_gfmd.util.caches import cache_folder, keep
+from hpc_gfmd.util.errors import GfmdError
 
 from .cases import Case
 from .ours import Ours

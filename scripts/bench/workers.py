@@ -12,8 +12,8 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
-from hpc_gfmd.errors import GfmdError
 from hpc_gfmd.parallel.comm import Comm
+from hpc_gfmd.util.errors import GfmdError
 
 from .timing import K, in_turn
 

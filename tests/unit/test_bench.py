@@ -23,9 +23,9 @@ from bench.reference import reference
 from bench.timing import Clock, Sample, Stopwatch, ratio
 from bench.workers import Worker, what_failed
 
-from hpc_gfmd import cli as command_line
-from hpc_gfmd.errors import GfmdError
-from hpc_gfmd.grid import Grid
+from hpc_gfmd.commands import cli as command_line
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.util.errors import GfmdError
 
 
 @pytest.fixture(autouse=True)
