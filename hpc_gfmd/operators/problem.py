@@ -3,8 +3,8 @@
 Units: in-plane length a = sqrt(a_x a_y), height g_rms a, pressure E* g_rms. Everything is then of
 order one whatever the scene's units, and p0 is p*:
 
-    p = p0 + K u,   K(q) of the elastic body (|q|/2 for a half-space),    u >= -h,    g = u + h >=
-    0,    p >= 0,    p g = 0.
+    p = p0 + K u    K(q) of the elastic body (|q|/2 for a half-space)
+    g = u + h >= 0,    p >= 0,    p g = 0
 """
 
 from __future__ import annotations

@@ -3,9 +3,10 @@ transforms of its grid.
 
 With f_q = (1/N) sum_r f(r) exp(-i q.r), without the mean (q = 0):
 
-    C(q) = L_x L_y <|f_q|^2>        averaged over the wave vectors in a ring,    sum_q C(q)/(L_x
-    L_y) = variance of f A(r) = <f(x) f(x + r)>          averaged over x and over the distances r in
-    a ring (minimal image),    A(0) = variance of f
+    C(q) = L_x L_y <|f_q|^2>    averaged over the wave vectors in a ring
+    A(r) = <f(x) f(x + r)>      averaged over x and the distances r in a ring (minimal image)
+
+The variance of f is sum_q C(q)/(L_x L_y) = A(0).
 
 Rings are RINGS to a factor of two, beginning at the longest wave and at the nearest neighbours; q
 and r are means over their points. Along one axis alone (the other has one point) C is L <|f_q|^2>.
