@@ -27,7 +27,6 @@ FLOORS = (  # from the top down: a folder imports from those below its own floor
 ALLOWED_IN = {  # module: folders or files that may import it
     "numba": ("kernels/", "commands/info.py"),
     "mpi4py": ("parallel/", "commands/info.py"),
-    "mpi4py_fft": ("parallel/",),
     "matplotlib": ("plotting/",),
 }
 HEAVY = ("numpy", "scipy", "h5py", "numba", "matplotlib")  # not for the scene
