@@ -12,6 +12,7 @@ from contacts import scene_text
 from mpi_harness import call, environment
 
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.interrupt import Interrupt
 from hpc_gfmd.scene import load_scene
 from hpc_gfmd.surface import build_surface
 
@@ -94,7 +95,7 @@ def test_show(cli, solved):
     ("statement", "absent"),
     [
         ("import hpc_gfmd", "numpy pydantic numba mpi4py h5py matplotlib typing"),
-        ("import hpc_gfmd.cli", "numba mpi4py matplotlib"),
+        ("import hpc_gfmd.commands.cli", "numba mpi4py matplotlib"),
         ("import hpc_gfmd.scene", "numba mpi4py matplotlib"),
         ("import hpc_gfmd.output.read", "numba mpi4py matplotlib"),
         ("import hpc_gfmd.theory.persson", "numba mpi4py matplotlib"),
@@ -137,15 +138,23 @@ def test_not_converged(cli, folder):
     assert cli.prints("plot contact.h5")
 
 
-def test_interrupted(cli, folder):
-    """Exit code 143, then restart."""
-    run = cli("run scene.toml --set machine.wall_seconds=1e-9")
-    assert run.code == 143
-    assert "restart" in run.out + run.err
-    assert json.loads(cli.prints("show --json contact.h5"))["status"] == "interrupted"
-    assert cli("restart contact.h5").code == 143  # the time limit is part of the stored scene
-    (folder / "contact.h5.partial").rename(folder / "kept.h5.partial")
-    assert cli("restart contact.h5").code == 2
+def test_interrupted(cli, folder, monkeypatch):
+    """Exit code 143, then the same command or restart; time that does not even reach the first load
+    is a mistake, not one more part of the run."""
+    in_no_time = "run scene.toml --set machine.wall_seconds=1e-9"
+    assert "more than the" in cli.refused(in_no_time)
+    assert not (folder / "contact.h5.partial").exists()
+    with monkeypatch.context() as patched:
+        patched.setattr(Interrupt, "require_time", lambda self: None)
+        run = cli(in_no_time)
+        assert run.code == 143
+        assert "restart" in run.out + run.err
+        assert json.loads(cli.prints("show --json contact.h5"))["status"] == "interrupted"
+        assert cli("restart contact.h5").code == 143  # the limit is part of the stored scene
+    assert "machine.wall_seconds" in cli.refused("restart contact.h5")
+    assert (folder / "contact.h5.partial" / "checkpoint.h5").exists()
+    assert "0 finished loads are there" in cli.prints("run scene.toml")
+    assert cli("restart contact.h5").code == 2  # complete
 
 
 @pytest.mark.parametrize(

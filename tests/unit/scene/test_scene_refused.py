@@ -7,12 +7,13 @@ import tomllib
 import pytest
 from scene_tables import SURFACE, TABLES, changed, refusal, rows, tables
 
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.not_modelled import is_not_modelled
-from hpc_gfmd.options import read_options
-from hpc_gfmd.registry import distribution_names, observable_names, solver_names
+from hpc_gfmd.contact import distribution_names, observable_names
 from hpc_gfmd.scene import Scene
+from hpc_gfmd.scene.not_modelled import is_not_modelled
 from hpc_gfmd.scene.surface import KINDS
+from hpc_gfmd.solvers import solver_names
+from hpc_gfmd.solvers.options import read_options
+from hpc_gfmd.util.errors import SceneError
 
 BAD = tomllib.loads(r"""
 [surface]
