@@ -5,7 +5,7 @@ import argparse
 import importlib
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from errno import ENOMEM
 from functools import partial
 from typing import NoReturn
@@ -25,10 +25,10 @@ COMMANDS = (
     "export",
     "persson",
     "tfc",
-    "study",
     "bench",
     "info",
 )
+MOVED = {"study": "python scripts/paper"}  # commands that are scripts of the repository
 DESCRIPTION = (
     "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml;"
     " hpc-gfmd plot contact.h5. With a measured map: hpc-gfmd init scan.x3p. Every key of a scene:"
@@ -36,7 +36,7 @@ DESCRIPTION = (
 )
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
     """argparse whose complaints are SceneErrors, so that under MPI they are printed once."""
 
     def error(self, message: str) -> NoReturn:
@@ -45,20 +45,25 @@ class _Parser(argparse.ArgumentParser):
 
 def build_parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
     """The parser with these commands."""
-    parser = _Parser(prog="hpc-gfmd", description=DESCRIPTION)
+    parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {__version__}")
-    subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_Parser)
+    subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
     for name in commands:
         command = importlib.import_module(f".commands.{name}", __package__)
         command.add_parser(subparsers).set_defaults(main=command.main)
     return parser
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(
+    argv: Sequence[str] | None = None, script: Callable[[], argparse.ArgumentParser] | None = None
+) -> int:
     """Run one command; returns its exit code. What cannot be printed stops no command, but is an
-    error where it was the result."""
+    error where it was the result.
+
+    script: makes the Parser of a script of its own instead, with the default `main`.
+    """
     with unfailing_output() as out:
-        code, prints = _run(sys.argv[1:] if argv is None else argv)
+        code, prints = _run(sys.argv[1:] if argv is None else argv, script)
         out.flush()
         if code or not prints or out.lost is None:
             return code
@@ -67,14 +72,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 1
 
 
-def _run(argv: Sequence[str]) -> tuple[int, bool]:
+def _run(
+    argv: Sequence[str], script: Callable[[], argparse.ArgumentParser] | None
+) -> tuple[int, bool]:
     """(exit code, whether the result is what was printed)."""
     from .parallel.leaving import leave_together
 
     # The restart command lives with run; what is not asked for is not imported.
     asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
     try:
-        args = build_parser([asked] if asked in COMMANDS else COMMANDS).parse_args(argv)
+        if asked in MOVED and script is None:
+            raise SceneError(f"{asked}: found no such command, allowed: {MOVED[asked]}")
+        parser = script() if script else build_parser([asked] if asked in COMMANDS else COMMANDS)
+        args = parser.parse_args(argv)
         return args.main(args) or 0, not getattr(args, "saves", False)
     except (GfmdError, ModuleNotFoundError) as error:
         if isinstance(error, ModuleNotFoundError):

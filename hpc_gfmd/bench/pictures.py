@@ -103,62 +103,54 @@ def _legend(fig: Any, rows: Rows, solvers: Sequence[str], n: int) -> None:
 def scaling_picture(rows: Rows, model_rows: Rows, folder: str | PathLike) -> None:
     """Draw scaling.png into a folder: measured efficiency and shares, and the model's solve time on
     a cluster."""
-    with figure(Path(folder) / "scaling.png", 10.5, 3.4) as fig:
+    with figure(Path(folder) / "scaling.png", 10.5, 4.0) as fig:
         measured, shares, model = fig.subplots(1, 3)
-        _efficiency(measured, rows)
+        series = _series(rows, "kind", "precision", "n")
+        for (kind, precision, n), points in series.items():
+            measured.semilogx(
+                [row["ranks"] * row["threads"] for row in points],
+                [row["efficiency"] for row in points],
+                {"strong": "o-", "weak": "s--"}.get(kind, "^:"),
+                base=2,
+                label=f"{kind}, $n = {n}$, {precision}",
+            )
+        measured.set(xlabel="cores", ylabel="parallel efficiency", title="measured", ylim=(0, 1.1))
         _shares(shares, [row for row in rows if row["kind"] == "strong"])
-        for k, (n, link) in enumerate(
-            dict.fromkeys((row["n"], row["network_gb_per_s"]) for row in model_rows)
-        ):
-            here = [row for row in model_rows if (row["n"], row["network_gb_per_s"]) == (n, link)]
+        for (n, link), points in _series(model_rows, "n", "network_gb_per_s").items():
             model.loglog(
-                [row["nodes"] for row in here],
-                [row["seconds"] for row in here],
+                [row["nodes"] for row in points],
+                [row["seconds"] for row in points],
                 "o-",
-                ms=4,
-                color=COLOURS[k % len(COLOURS)],
                 label=f"$n = 2^{{{round(np.log2(n))}}}$, {link:g} GB/s",
             )
-        model.set(xlabel="nodes (model)", ylabel="solve (s)", title="predicted")
-        model.legend()
+        model.set(xlabel="nodes", ylabel="solve (s)", title="predicted by the model")
+        for ax in (measured, model):
+            ax.xaxis.set_major_formatter("{x:g}")
+        for ax in (measured, shares, model):
+            for k, line in enumerate(ax.lines):
+                line.set_color(COLOURS[k % len(COLOURS)])
+            ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2)
 
 
-def _efficiency(ax: Any, rows: Rows) -> None:
-    for k, (kind, precision) in enumerate(
-        dict.fromkeys((row["kind"], row["precision"]) for row in rows)
-    ):
-        here = [row for row in rows if (row["kind"], row["precision"]) == (kind, precision)]
-        for n in dict.fromkeys(row["n"] for row in here) if kind == "strong" else (None,):
-            points = [row for row in here if n is None or row["n"] == n]
-            ax.plot(
-                [row["ranks"] for row in points],
-                [row["efficiency"] for row in points],
-                "o-" if kind == "strong" else "s:",
-                ms=4,
-                color=COLOURS[k % len(COLOURS)],
-                label=f"{kind}, {precision}" + (f", n = {n}" if n else ""),
-            )
-    ax.set(xlabel="ranks", ylabel="parallel efficiency", title="measured", ylim=(0, 1.2))
-    ax.legend(fontsize="x-small")
+def _series(rows: Rows, *keys: str) -> dict[tuple[Any, ...], list[Mapping[str, Any]]]:
+    """The rows that share the values of the keys."""
+    found: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
+    for row in rows:
+        found.setdefault(tuple(row[key] for key in keys), []).append(row)
+    return found
 
 
 def _shares(ax: Any, rows: Rows) -> None:
     parts = [key for key in rows[0] if key.startswith("share_")] if rows else []
     bottom = np.zeros(len(rows))
-    for k, part in enumerate(parts):
+    for part, colour in zip(parts, COLOURS, strict=False):
         heights = np.array([row[part] for row in rows])
-        ax.bar(
-            range(len(rows)),
-            heights,
-            bottom=bottom,
-            color=COLOURS[k % len(COLOURS)],
-            label=part.removeprefix("share_"),
-        )
+        name = part.removeprefix("share_").replace("fft", "FFT")
+        ax.bar(range(len(rows)), heights, bottom=bottom, color=colour, label=name)
         bottom += heights
-    ax.set_xticks(
-        range(len(rows)),
-        [f"{row['n']}\n{row['ranks']} r\n{row['precision'][0]}" for row in rows],
-        fontsize="xx-small",
-    )
-    ax.set(ylabel="share of the time", title="where it goes")
-    ax.legend(fontsize="x-small")
+    ax.set_xticks(range(len(rows)), [row["ranks"] for row in rows])
+    ax.tick_params("x", length=0)
+    for (n, precision), members in _series(rows, "n", "precision").items():
+        middle = rows.index(members[0]) + (len(members) - 1) / 2
+        ax.annotate(f"$n = {n}$, {precision}", (middle, 1.02), ha="center")
+    ax.set(xlabel="ranks", ylabel="share of the time", title="where it goes", ylim=(0, 1.1))

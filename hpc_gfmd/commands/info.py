@@ -32,10 +32,8 @@ def facts() -> dict[str, str]:
     found["MPI"] = _mpi_library()
     found["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"
     found["solvers"] = "auto (bpx), " + ", ".join(solver_names())
-    found["cores"] = (
-        # type: ignore[attr-defined]
-        f"{len(os.sched_getaffinity(0))}, vector unit of {numba.config.CPU_NAME or 'the host'}"
-    )
+    vectors = numba.config.CPU_NAME or "the host"  # type: ignore[attr-defined]
+    found["cores"] = f"{len(os.sched_getaffinity(0))}, vector unit of {vectors}"
     found["memory"] = f"{available_gib():.1f} GiB free"
     found["cache"] = str(cache_folder())
     return found

@@ -6,8 +6,8 @@ with uncertainties.
 
 Extrapolated to large cells and fine grids, interpolated along all three. The mean gap ends at a
 smaller p_star than the contact area: above, it closes (contact everywhere) in some cells. The data
-file is made from stored runs by `hpc-gfmd study curves --level desk --no-run --reference FILE`.
-Reading it needs neither MPI nor compiled kernels.
+file is made from stored runs by `python scripts/paper curves --level desk --no-run --reference
+FILE`. Reading it needs neither MPI nor compiled kernels.
 """
 
 import numpy as np

@@ -163,7 +163,7 @@ def _read(path: Path | Traversable) -> Reference:
                 raise ValueError("arrays of different lengths, or values that are not positive")
         return Reference(hurst, eps_f, p_star, value, sigma, data["provenance"])
     except (OSError, ValueError, KeyError, TypeError) as error:
-        allowed = "a JSON file written by hpc-gfmd study curves --reference"
+        allowed = "a JSON file written by python scripts/paper curves --reference"
         raise SceneError(f"reference: found {str(path)!r} ({error}), allowed: {allowed}") from None
 
 

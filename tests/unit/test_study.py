@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import catalogue, levels, runner
+from paper.case import Case
+from paper.store import Store, key_of, missing
 
 from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.study import catalogue, levels, runner
-from hpc_gfmd.study.case import Case
-from hpc_gfmd.study.store import Store, key_of, missing
 from hpc_gfmd.surface import build_surface
 
 SMALL = Case(0.8, 2, 8, 2, 1, (0.05, 0.35))
@@ -186,7 +186,7 @@ def test_unconverged_runs_are_marked(tmp_path):
 
 def test_large_surfaces_are_solved_in_low_memory(tmp_path, monkeypatch, solved):
     """And are the same contacts."""
-    monkeypatch.setattr("hpc_gfmd.study.case.LARGE", 64)
+    monkeypatch.setattr("paper.case.LARGE", 64)
     large = replace(CASES[2])  # one that has not made its scene
     assert large.scene().solver.low_memory
     solve([large], Store(tmp_path))
