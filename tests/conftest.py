@@ -17,8 +17,8 @@ import mpi_harness
 import pytest
 from hypothesis import settings
 
-from hpc_gfmd.caches import cache_folder
-from hpc_gfmd.cli import main
+from hpc_gfmd.commands.cli import main
+from hpc_gfmd.util.caches import cache_folder
 
 settings.register_profile(
     "repeatable", derandomize=True
@@ -178,9 +178,9 @@ def comm():
     the kernels."""
     if not mpi_harness.is_child():
         return None
+    from hpc_gfmd.contact import all_observables
     from hpc_gfmd.driver.warmup import compile_once
     from hpc_gfmd.parallel.world import world
-    from hpc_gfmd.registry import all_observables
     from hpc_gfmd.scene import Solver
 
     for precision in ("single", "double"):

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import hpc_gfmd.scene
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.scene import Scene
+from hpc_gfmd.util.errors import SceneError
 
 SHIPPED = sorted((Path(hpc_gfmd.scene.__file__).parents[1] / "scenes").glob("*.toml"))
 SURFACE = {

@@ -12,8 +12,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..errors import GfmdError
-from ..registry import solver_names
+from ..solvers import solver_names
+from ..util.errors import GfmdError
 from .cases import Case
 from .ours import Ours, Solved
 from .reference import Reference, reference

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
+from ..bodies import body_of
 from ..bodies.base import Body
 from ..driver.sweep import Sweep
 from ..parallel.comm import Comm, SerialComm
-from ..registry import body_of
 from ..scene import Material, Scene, Solver
 from ..surface import Surface, build_surface
 from .cells import Cells

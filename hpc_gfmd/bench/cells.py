@@ -15,9 +15,9 @@ import numpy as np
 
 from ..bodies.base import Multipliers, Tabled
 from ..bodies.free import Coupled, Free, added
-from ..grid import Grid
-from ..operators.images import images, kernel
+from ..bodies.images import images, kernel
 from ..parallel.fft import SlabFFT
+from ..parallel.grid import Grid
 
 
 @dataclass(frozen=True)

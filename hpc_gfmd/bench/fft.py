@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..errors import GfmdError
-from ..grid import Grid
 from ..parallel.comm import Comm
+from ..parallel.grid import Grid
 from ..parallel.world import world
+from ..util.errors import GfmdError
 from .cases import DTYPES
 from .report import Report
 from .timing import Clock, ratio

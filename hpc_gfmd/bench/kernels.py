@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ..grid import Grid
-from ..operators.coarsening import levels
+from ..parallel.coarsening import levels
+from ..parallel.grid import Grid
 from .cases import DTYPES
 from .model import Machine
 from .passes import COPY, field_passes

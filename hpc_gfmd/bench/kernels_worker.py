@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import DTypeLike
 
+from ..operators.problem import Problem
 from ..parallel.comm import Comm
 from ..parallel.world import world
-from ..problem import Problem
-from ..registry import solver_class
+from ..solvers import solver_class
 from .cases import DTYPES, Case
 from .fft import bare_pairs
 from .timing import Clock, Stopwatch

@@ -1,5 +1,5 @@
 """A performance model: measured speed of one core, the memory bandwidth of a node, and a network,
-put together with what every rank has and sends by the code's own account (driver/decomposition.py).
+put together with what every rank has and sends by the code's own account (runs/decomposition.py).
 
 An FFT pair on one grid, with everything that goes along with it, takes on the rank that has most
 
@@ -28,8 +28,8 @@ from typing import Any
 
 import numpy as np
 
-from ..driver.decomposition import Share, share_of
 from ..parallel.comm import stages
+from ..runs.decomposition import Share, share_of
 from .passes import field_passes
 
 MOST_THREADS = 8  # of a rank: more were never measured

@@ -7,10 +7,10 @@ from typing import Literal
 
 import numpy as np
 
-from ..driver.drive import Target
+from ..certificate.criterion import Target
 from ..driver.sweep import Sweep
-from ..registry import solver_class
 from ..scene import Solver
+from ..solvers import solver_class
 from .cases import Case
 
 

@@ -24,7 +24,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..errors import GfmdError, SceneError
+from ..util.errors import GfmdError, SceneError
 from .cases import Case
 from .loosest import PATIENCE, loosest
 from .ours import Ours

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..caches import cache_folder, keep
-from ..driver.certificate import certify
-from ..errors import GfmdError
-from ..problem import Problem
+from ..certificate.certificate import certify
+from ..operators.problem import Problem
+from ..util.caches import cache_folder, keep
+from ..util.errors import GfmdError
 from .cases import Case
 from .ours import Ours
 

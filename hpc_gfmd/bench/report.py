@@ -12,9 +12,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError
 from ..parallel.comm import Comm
-from ..versions import processor, versions
+from ..util.errors import SceneError
+from ..util.versions import processor, versions
 
 Columns = dict[str, tuple[str, str]]
 

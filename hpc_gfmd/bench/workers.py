@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from typing import Any
 
-from ..errors import GfmdError
 from ..parallel.comm import Comm
+from ..util.errors import GfmdError
 from .timing import K, in_turn
 
 # seconds between two looks of a rank that waits: those that measure wait for the one whose core it

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 from .number import number
 
 PRECISIONS = ("single", "double")

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from ..aside import aside
-from ..errors import GfmdError, SceneError
 from ..output.describe import coordinates, image, name_it
 from ..output.read import Result, read_result
 from ..parallel.guard import one_line
+from ..util.atomic import aside
+from ..util.errors import GfmdError, SceneError
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:

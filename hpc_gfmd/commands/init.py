@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError, one_line
+from ..util.errors import SceneError, one_line
 
 DEFAULT = "self-affine"
 

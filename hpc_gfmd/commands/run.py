@@ -50,7 +50,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 def main(args: Namespace) -> int:
     """Solve; the exit code tells whether every step converged."""
-    from ..simulation import run_scene
+    from ..runs.simulation import run_scene
 
     return run_scene(
         args.scene, args.set, args.output, force=args.force, quiet=args.quiet
@@ -59,6 +59,6 @@ def main(args: Namespace) -> int:
 
 def main_restart(args: Namespace) -> int:
     """Continue; the exit code is that of the whole run."""
-    from ..simulation import restart
+    from ..runs.simulation import restart
 
     return restart(args.file, args.set, quiet=args.quiet).exit_code

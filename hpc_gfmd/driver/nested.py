@@ -20,16 +20,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..grid import Grid
+from ..certificate.certificate import certify
 from ..kernels.prolong import HALO, SWEEPS, prolong_gap
-from ..operators.coarsening import gathered, halved
 from ..parallel import interrupt
+from ..parallel.coarsening import gathered, halved
+from ..parallel.grid import Grid
 from ..parallel.halo import Windows, neighbours, rows_of
-from .certificate import certify
 from .wall import Wall
 
 if TYPE_CHECKING:
-    from ..problem import Problem
+    from ..operators.problem import Problem
     from ..solvers.base import Solver
     from .search import Search
 

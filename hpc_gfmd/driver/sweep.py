@@ -11,17 +11,18 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..bodies.halfspace import HALF_SPACE
-from ..contact import Contact
-from ..errors import SceneError
+from ..certificate.certificate import Certificate, certify, unseen_error
+from ..certificate.criterion import Outcome, Target
+from ..contact.contact import Contact
+from ..operators.problem import Problem
 from ..parallel import interrupt
-from ..problem import Problem
-from ..registry import solver_class
-from ..units import require_range, single_solves
+from ..solvers import solver_class
+from ..surface.units import require_range, single_solves
+from ..util.errors import SceneError
 from .area import AreaSearch
-from .certificate import Certificate, certify, unseen_error
 from .closing import Closing, closing_pressure, flat_solution
 from .curve import Curve
-from .drive import LoopState, Outcome, Target, drive
+from .drive import LoopState, drive
 from .nested import Nested, cold_gap
 from .opening import Opening, nearly_closes
 from .precision import NOISE, counting, few_points, first_precision
@@ -32,7 +33,7 @@ from .wall import Wall
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
-    from ..grid import Grid
+    from ..parallel.grid import Grid
     from ..scene import Load
     from ..scene import Solver as Settings
     from ..surface import Surface

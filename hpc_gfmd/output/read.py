@@ -8,11 +8,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError, one_line
 from ..parallel import guard
 from ..parallel.h5 import CHECKSUM, Stored, inside
 from ..scene import ArrayScene, Scene
 from ..scene.model import parse_toml
+from ..util.errors import SceneError, one_line
 from .folder import HEAD, is_held, partial_folder, step_files
 
 FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3

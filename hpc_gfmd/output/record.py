@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import GfmdError, SceneError
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0, one_line
 from ..parallel.h5 import Stored, io_way, write_file
+from ..util.errors import GfmdError, SceneError
 from .describe import SIGNS, describe
 from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
 from .read import (

@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError
-from ..fields import Slab
+from ..util.errors import SceneError
+from .fields import Slab
 from .read import Result
 from .record import RunFile
 

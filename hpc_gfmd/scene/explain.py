@@ -7,8 +7,8 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from ..errors import one_line
-from ..not_modelled import ONLY, is_not_modelled
+from ..util.errors import one_line
+from .not_modelled import ONLY, is_not_modelled
 from .table import LARGEST, SMALLEST, allowed
 
 _short = reprlib.Repr()

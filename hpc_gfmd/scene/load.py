@@ -6,10 +6,10 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError
-from ..not_modelled import ONLY, is_not_modelled
+from ..util.errors import SceneError
 from .explain import nearest, printable, shown
 from .model import Scene, parse_toml
+from .not_modelled import ONLY, is_not_modelled
 
 MAX_BYTES = 1 << 20  # no scene is longer; a data file given by mistake often is
 

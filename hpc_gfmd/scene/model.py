@@ -10,7 +10,7 @@ from typing import Any, Self
 import tomli_w
 from pydantic import ValidationError, model_validator
 
-from ..errors import SceneError, one_line
+from ..util.errors import SceneError, one_line
 from .explain import explain
 from .settings import Load, Machine, Material, Output, Solver
 from .surface import KINDS, AnySurface, File, SelfAffine, Surface, Wave

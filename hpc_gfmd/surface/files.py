@@ -7,9 +7,9 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from .. import errors
-from ..errors import SceneError
 from ..parallel.h5 import driver, inside, io_way
+from ..util import errors
+from ..util.errors import SceneError
 from . import instruments, text
 from .metadata import Metadata, by_attributes, by_axes
 from .packed import Packing

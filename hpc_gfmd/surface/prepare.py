@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 from .fill import filled
 from .quality import FILLED, notes_on
 from .resample import resampled

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 from .slabs import own_slabs, summed
 from .topography import Topography
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ..parallel.comm import SerialComm
-from ..quantity import factor, prefixed
 from ..scene import File
+from ..util.quantities import factor, prefixed
 from .files import HeightMap
 from .prepare import prepare
 from .quality import JUMP, TILT, MapQuality

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
-from ..quantity import Quantity, factor
+from ..util.errors import SceneError
+from ..util.quantities import Quantity, factor
 from .files import HeightMap
 from .heights import checked
 

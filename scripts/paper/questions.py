@@ -3,7 +3,7 @@ alpha_f, and what the missing factor of Persson's theory explains."""
 
 from typing import Any
 
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.util.errors import SceneError
 
 from . import fits, paper
 from .items.gap import share_explained

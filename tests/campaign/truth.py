@@ -4,11 +4,12 @@ the package's solvers is used here.
 Guess the contact C. Its pressure follows from a linear problem on C (few points touch) or on the
 rest F (most touch), each by conjugate gradients preconditioned by the inverse operator; points of
 the wrong sign change sides. Where that goes round in circles, steps of projected conjugate
-gradients (Polonsky and Keer) lie between, which always converge. Units: those of problem.py:
-lengths in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so that K = |q|/2 and p0 is
-p*. With free edges the S between two points that makes the discrete problem is that of a periodic
-cell (q rounded near the end of an axis that ends) less its images, by sums over rows of images of
-its own (tests/physics/test_free.py has S by quadrature), and K its inverse.
+gradients (Polonsky and Keer) lie between, which always converge. Units: those of
+operators/problem.py: lengths in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so
+that K = |q|/2 and p0 is p*. With free edges the S between two points that makes the discrete
+problem is that of a periodic cell (q rounded near the end of an axis that ends) less its images, by
+sums over rows of images of its own (tests/physics/test_free.py has S by quadrature), and K its
+inverse.
 """
 
 from dataclasses import dataclass

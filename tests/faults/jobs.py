@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from contacts import scene_text
 
-from hpc_gfmd.cli import main
+from hpc_gfmd.commands.cli import main
 from hpc_gfmd.output.folder import is_held, partial_folder
 from hpc_gfmd.output.read import read_result
 

@@ -13,12 +13,12 @@ from mpi_harness import end
 from pieces import Pieces
 from pieces import scene as small
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.folder import is_held, partial_folder
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.runs.simulation import restart, run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.simulation import restart, run_scene
+from hpc_gfmd.util.errors import SceneError
 
 pytestmark = pytest.mark.mpi
 

@@ -9,7 +9,7 @@ import pytest
 import tomli_w
 from contacts import random_heights
 
-from hpc_gfmd.cli import main
+from hpc_gfmd.commands.cli import main
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.layout import row_starts
 from hpc_gfmd.surface.heights import Checksum

@@ -7,11 +7,11 @@ import h5py
 import numpy as np
 import pytest
 
-from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.util.errors import GfmdError, SceneError
 
 pytestmark = pytest.mark.mpi
 

@@ -9,7 +9,7 @@ import pytest
 from contacts import heights_of, rough, scene_text, solve_scene, sweep_of, sweep_over
 
 import hpc_gfmd
-from hpc_gfmd.observables.area import (
+from hpc_gfmd.contact.area import (
     EDGE_CORRECTION,
     OBSERVABLES,
     a_r,

@@ -22,9 +22,9 @@ from hpc_gfmd.bench.passes import field_passes
 from hpc_gfmd.bench.reference import reference
 from hpc_gfmd.bench.timing import Clock, Sample, Stopwatch, ratio
 from hpc_gfmd.bench.workers import Worker, what_failed
-from hpc_gfmd.cli import main
-from hpc_gfmd.errors import GfmdError
-from hpc_gfmd.grid import Grid
+from hpc_gfmd.commands.cli import main
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.util.errors import GfmdError
 
 
 @pytest.fixture(autouse=True)

@@ -3,7 +3,7 @@
 from functools import partial
 from typing import Any
 
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.util.errors import SceneError
 
 from .. import coefficients, draw, paper
 from ..catalogue import Study

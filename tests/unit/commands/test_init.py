@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from hpc_gfmd.commands.init import compose
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.scene import Scene, load_scene
 from hpc_gfmd.scene.reference import markdown, sections, text
 from hpc_gfmd.scene.surface import KINDS
+from hpc_gfmd.util.errors import SceneError
 
 ANALYTIC = [kind for kind in KINDS if kind != "file"]
 

@@ -8,9 +8,9 @@ import pytest
 
 from hpc_gfmd.commands import show
 from hpc_gfmd.commands.limits import limits_text, to_limits
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.read import Result
 from hpc_gfmd.theory import tfc
+from hpc_gfmd.util.errors import SceneError
 
 SURFACE = {"kind": "self-affine", "hurst": 0.8, "eps_t": 0.5, "eps_f": 1 / 1024, "eps_c": 0.5}
 

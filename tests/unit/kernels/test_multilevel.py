@@ -10,11 +10,11 @@ from transfers import SIZES, interpolation, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.bodies.layer import Layer
-from hpc_gfmd.grid import Grid
 from hpc_gfmd.kernels import multilevel
-from hpc_gfmd.operators.coarsening import levels, owned_rows
 from hpc_gfmd.operators.coarsest import COUPLING, DAMPING
 from hpc_gfmd.operators.multilevel import Hierarchy, Multilevel
+from hpc_gfmd.parallel.coarsening import levels, owned_rows
+from hpc_gfmd.parallel.grid import Grid
 
 
 @pytest.mark.parametrize("n", SIZES, ids=str)

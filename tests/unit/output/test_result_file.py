@@ -6,10 +6,10 @@ import pytest
 from result_files import FIELD, STEP, SURFACE, N, begin, complete, names
 
 from hpc_gfmd import load
-from hpc_gfmd.errors import GfmdError
 from hpc_gfmd.output.read import FORMAT_VERSION, read_result
 from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.util.errors import GfmdError
 
 
 def test_a_finished_file_holds_everything(path):

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from result_files import FIELD, N, begin, complete, interrupted
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.util.errors import SceneError
 
 GRID = type("Grid", (), {"n": N, "rows": (0, N[0]), "comm": SerialComm()})
 

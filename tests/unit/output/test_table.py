@@ -5,7 +5,7 @@ import json
 import pytest
 from result_files import STEP, SURFACE, begin
 
-from hpc_gfmd.table import table, with_error
+from hpc_gfmd.output.table import table, with_error
 
 
 def test_table_marks_what_did_not_converge():

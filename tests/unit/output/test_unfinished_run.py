@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from result_files import FIELD, STEP, begin, complete, names
 
-from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_partial, read_result
-from hpc_gfmd.simulation import restart
+from hpc_gfmd.runs.simulation import restart
+from hpc_gfmd.util.errors import GfmdError, SceneError
 
 
 def test_an_interrupted_run_can_be_read_and_resumed(path):

@@ -7,8 +7,8 @@ import pytest
 import tomli_w
 from scene_tables import FILE, refusal, tables
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.scene import Scene, check_names, load_scene
+from hpc_gfmd.util.errors import SceneError
 
 
 def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:

@@ -6,10 +6,7 @@ import math
 import pytest
 from scene_tables import SURFACE, WAVE, refusal, tables
 
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.not_modelled import is_not_modelled
-from hpc_gfmd.options import read_options
-from hpc_gfmd.registry import distribution_names, observable_names, solver_names
+from hpc_gfmd.contact import distribution_names, observable_names
 from hpc_gfmd.scene import (
     File,
     Load,
@@ -22,6 +19,10 @@ from hpc_gfmd.scene import (
     Sphere,
     Wave,
 )
+from hpc_gfmd.scene.not_modelled import is_not_modelled
+from hpc_gfmd.solvers import solver_names
+from hpc_gfmd.solvers.options import read_options
+from hpc_gfmd.util.errors import SceneError
 
 BAD = {
     "surface.kind": ["selfaffine", 1],

@@ -7,13 +7,13 @@ import pytest
 from contacts import random_heights
 
 import hpc_gfmd
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import File, Scene
-from hpc_gfmd.simulation import run_scene
 from hpc_gfmd.surface import build_surface
 from hpc_gfmd.surface.instruments import surface_topography
 from hpc_gfmd.surface.topography import open_topography
+from hpc_gfmd.util.errors import SceneError
 
 N, SIZES = (
     (12, 8),

@@ -7,9 +7,9 @@ import pytest
 from contacts import random_heights
 
 import hpc_gfmd
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.scene import Scene
+from hpc_gfmd.util.errors import SceneError
 
 LOAD = {"load": {"pressure": 0.1}}
 

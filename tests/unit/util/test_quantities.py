@@ -7,11 +7,11 @@ import pytest
 from scene_tables import SPHERE, SURFACE, WAVE, refusal, tables
 
 import hpc_gfmd
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.quantity import factor, parse, prefixed
+from hpc_gfmd.output.table import table
+from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.simulation import run_scene
-from hpc_gfmd.table import table
+from hpc_gfmd.util.errors import SceneError
+from hpc_gfmd.util.quantities import factor, parse, prefixed
 
 
 @pytest.mark.parametrize(
