@@ -77,9 +77,7 @@ class Pieces:
             status = None
             if comm is self.comm or self.comm.rank == 0:
                 try:
-                    status = run_scene(
-                        scene, out=self.path, resume=k > 0, quiet=True, comm=comm
-                    ).status
+                    status = run_scene(scene, out=self.path, quiet=True, comm=comm).status
                 except Died:
                     status = "died"
             self.comm.barrier()

@@ -25,7 +25,9 @@ def add_parser(subparsers: Any) -> ArgumentParser:
         help="change the scene: table.key=value",
     )
     parser.add_argument(
-        "--force", action="store_true", help="overwrite the result of another scene"
+        "--force",
+        action="store_true",
+        help="begin anew whatever is there: an interrupted run, the result of another scene",
     )
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(saves=True)

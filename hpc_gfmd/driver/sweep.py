@@ -104,7 +104,7 @@ class Sweep:
         )
         self._search: Search | Closing | None = None
         self._punch: np.ndarray | None = None  # see _flat_solution
-        self._curve = Curve()
+        self._curve, self._failed = Curve(), False
         self._set_precision(first_precision(settings))
 
     def pressures(self, load: Load) -> Sequence[float | Prescribed]:
@@ -151,6 +151,7 @@ class Sweep:
         if midway and isinstance(load, Prescribed) and self._search is None:
             load = self.solver.p0 * self.E_star * self.surface.slope
         if not midway:
+            self._forget_failure()
             self._spent, self._search = 0.0, None
             if (
                 isinstance(load, Prescribed)
@@ -183,9 +184,13 @@ class Sweep:
             self._spent = self._spent if step is None else step.fft_pairs
             step = self._solve(load, watch, False)
         assert step is not None  # without `promote` there is one
-        if step.contact.outcome.status == "nonfinite":
-            self.solver = None  # nothing starts from that
+        self._failed = step.contact.outcome.status not in ("converged", "interrupted")
         return step
+
+    def _forget_failure(self) -> None:
+        """After a load that failed the next one starts afresh."""
+        if self._failed:
+            self.solver, self._curve, self._failed = None, Curve(), False
 
     def _too_little(self, p_star: float) -> bool:
         """Whether single precision is too little for a load."""
@@ -198,6 +203,8 @@ class Sweep:
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """What `restore` needs to go on in the present load or, given the load that is upcoming, at
         its beginning: local slabs by name, and numbers."""
+        if upcoming is not None:
+            self._forget_failure()
         arrays: dict[str, Any] = {}
         numbers: dict[str, Any] = {
             "dtype": self.dtype.name,

@@ -10,6 +10,7 @@ from ..util.quantities import prefixed
 
 DIGITS = 4  # of a number without an error estimate
 MAX_DIGITS = 6
+ROOM = 9  # for the cells of rows that are not yet known
 LEGEND = (
     "+-: estimated error of the solver on this grid; grid: estimated error of a_r by the size of a"
     " grid point, % of a_r"
@@ -54,13 +55,34 @@ def table(steps: list[dict], indices: list[int] | None = None, surface: dict | N
     its number and a line of its own below the table, as has a step with a `note`.
     """
     indices = list(range(len(steps))) if indices is None else indices
-    rows = cells(steps, indices, surface)
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    lines = [
-        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
-        for row in rows
-    ]
-    return "\n".join([*(line.rstrip() for line in lines), *remarks(indices, steps)])
+    return "\n".join([*_lines(cells(steps, indices, surface)), *remarks(indices, steps)])
+
+
+class GrowingTable:
+    """The same table, printed row by row as the steps of a surface finish."""
+
+    def __init__(self, surface: dict):
+        self._surface, self._steps = surface, dict[int, dict]()
+        self._heading: list[str] = []
+
+    def add(self, steps: dict[int, dict]) -> str:
+        """Rows of more steps, by their numbers; above them the headings where these are not the
+        last ones any more: of a wider column, or in other units."""
+        self._steps |= steps
+        lines = _lines(cells([*self._steps.values()], [*self._steps], self._surface), ROOM)
+        before, self._heading = self._heading, lines[:2]
+        return "\n".join([*(lines[:2] if lines[:2] != before else ()), *lines[-len(steps) :]])
+
+    def end(self) -> list[str]:
+        """What is said below the rows, a line each."""
+        return remarks([*self._steps], [*self._steps.values()])
+
+
+def _lines(rows: list[list[str]], least: int = 0) -> list[str]:
+    """Texts of rows of cells, each column as wide as its widest cell, and at least so wide."""
+    widths = [max(least, *map(len, column)) for column in zip(*rows)]
+    lines = ("  ".join(map(str.rjust, row, widths)) for row in rows)
+    return [line.rstrip() for line in lines]
 
 
 def html_table(

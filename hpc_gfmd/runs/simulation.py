@@ -19,7 +19,7 @@ from ..output.fields import FIELDS
 from ..output.folder import HEAD, clear, is_held, partial_folder
 from ..output.read import read_partial
 from ..output.record import RunFile
-from ..output.table import surface_line, table
+from ..output.table import GrowingTable, surface_line
 from ..parallel import wisdom
 from ..parallel.comm import Comm
 from ..parallel.guard import guarded, on_rank_0
@@ -45,7 +45,7 @@ from .progress import Reporter
 
 OTHER_HEIGHTS = (
     "{}: of other heights than surface.path has now (content, shape or size), allowed: the same;"
-    " run anew for the new ones"
+    " run with --force for the new ones"
 )
 
 
@@ -64,12 +64,13 @@ def run_scene(
     scene: str | PathLike | Scene,
     overrides: Iterable[str] = (),
     out: str | PathLike | None = None,
-    resume: bool = False,
     force: bool = False,
     quiet: bool = False,
     comm: Any = None,
 ) -> RunResult:
     """Solve a scene and write its result file, as `hpc-gfmd run` does. Collective.
+
+    Goes on with an interrupted run of the same scene that lies at its output.
 
     Parameters
     ----------
@@ -79,10 +80,8 @@ def run_scene(
         Texts "table.key=value".
     out
         Path of the result instead of the scene's.
-    resume
-        Keep the finished steps and the checkpoint of an interrupted run.
     force
-        Overwrite the result of another scene.
+        Begin anew whatever is there: an interrupted run, or the result of another scene.
     quiet
         Print nothing.
     comm
@@ -120,7 +119,6 @@ def run_scene(
             rows,
             head,
             {},
-            resume=resume,
             force=force,
             compressed=scene.output.compression,
             dtype=scene.output.dtype,
@@ -129,9 +127,9 @@ def run_scene(
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
         try:
-            return _solve(comm, scene, n, threads, file, say, interrupt, begun, resume)
+            return _solve(comm, scene, n, threads, file, say, interrupt, begun)
         except Stopped:  # between two iterations: the last checkpoint is what a restart begins from
-            return _stopped(comm, file, say, interrupt)
+            return _stopped(file, say, interrupt)
 
 
 def _solve(
@@ -143,11 +141,9 @@ def _solve(
     say: Reporter,
     interrupt: Interrupt,
     begun: float,
-    resume: bool,
 ) -> RunResult:
-    """Surface, sweep and all steps; n: size of the surface, begun: time at which the run began,
-    resume: whether it is continued."""
-    if resume and comm.rank == 0:
+    """Surface, sweep and all steps; n: size of the surface, begun: time at which the run began."""
+    if file.resumed and comm.rank == 0:
         wisdom.take_from(file.partial)
     compile_once(
         comm,
@@ -179,15 +175,10 @@ def _solve(
     return run.all_steps(loads)
 
 
-def _stopped(comm: Comm, file: RunFile, say: Reporter, interrupt: Interrupt) -> RunResult:
+def _stopped(file: RunFile, say: Reporter, interrupt: Interrupt) -> RunResult:
     """What a run ends with that was asked to stop."""
     say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
-    return RunResult(file.path, _finished_steps(comm, file), "interrupted", interrupt.exit_code)
-
-
-def _finished_steps(comm: Comm, file: RunFile) -> list[dict]:
-    """Attributes of the steps that are in the file. Collective."""
-    return on_rank_0(comm, f"reading {file.partial}", lambda: read_partial(file.path).steps)
+    return RunResult(file.path, [*file.finished.values()], "interrupted", interrupt.exit_code)
 
 
 def restart(
@@ -219,7 +210,7 @@ def restart(
         scene = with_overrides(
             Scene.from_toml(read_partial(path).scene_toml, str(path)), overrides, "machine"
         )
-    return run_scene(scene, out=path, resume=True, quiet=quiet, comm=comm)
+    return run_scene(scene, out=path, quiet=quiet, comm=comm)
 
 
 def _read_scene(
@@ -309,23 +300,28 @@ class _Run:
             sweep,
             surface,
         )
-        self.say, self.interrupt = say, interrupt
+        self.say, self.interrupt, self.table = say, interrupt, GrowingTable(surface)
         self.checkpointable = sweep.surface.reduced_axis is None and (
             sweep.surface.g_rms > 0 or sweep.surface.grid.padded
         )
 
     def all_steps(self, loads: Sequence[float | Prescribed]) -> RunResult:
         """Solve what is not finished; returns a RunResult."""
+        if self.file.finished:
+            self.say.say(self.table.add(self.file.finished))
         unfinished = [index for index in range(len(loads)) if index not in self.file.finished]
         first, midway = self._go_back(unfinished[0], loads) if unfinished else (0, None)
+        if unfinished:
+            self.interrupt.require_time()
         for index in range(first, max(unfinished, default=-1) + 1):
             status = self._one_step(index, loads, midway if index == first else None)
             if status == "interrupted":
-                return _stopped(self.comm, self.file, self.say, self.interrupt)
-        steps = _finished_steps(self.comm, self.file)
+                return _stopped(self.file, self.say, self.interrupt)
+        steps = [*self.file.finished.values()]
         status = worst(steps)
         self.file.finish(status)
-        self.say.say(table(steps, surface=self.surface))
+        for line in self.table.end():
+            self.say.say(line)
         return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
 
     def _go_back(
@@ -419,3 +415,4 @@ class _Run:
             name: step.contact.field(name) for name in self.scene.output.fields if name in FIELDS
         }
         self.file.write_step(index, attributes, fields)
+        self.say.say(self.table.add({index: attributes}))

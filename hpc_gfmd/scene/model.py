@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+import re
 import tomllib
 from pathlib import Path
 from typing import Any, Self
@@ -20,6 +21,11 @@ LOADED_LENGTHS = ("gap_mean", "approach")
 LENGTHS = ("physical_sizes", "h_rms", "amplitude", "radius")
 RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
 TOUCHING = 100  # fewer contact points than this say little about a rough contact
+
+
+# in a line, but for texts and remarks: a key of more parts than any table has; the parser takes
+# hours with very many
+NO_KEY, TOO_DEEP = re.compile(r'"(\\.|[^"\\])*+"|\'[^\']*+\'|#.*'), re.compile(r"(\.[\s\w-]*+){9}")
 
 
 class Scene(Table):
@@ -230,6 +236,9 @@ class ArrayScene(Scene):
 def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:
     """TOML text as a dictionary. Raises SceneError with the line number where the parser knows
     it."""
+    for line in text.splitlines():
+        if TOO_DEEP.search(NO_KEY.sub("", line)):
+            raise SceneError(f"{origin}: found keys nested too deeply, allowed: a scene in TOML")
     try:
         return tomllib.loads(text)
     except RecursionError:

@@ -144,11 +144,13 @@ def test_packed_netcdf_is_unpacked_and_missing_points_are_not_numbers(tmp_path):
 
 
 @pytest.mark.parametrize("left", ["cut", "garbled", "numbers"])
-def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd):
+def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd, monkeypatch):
     """The load begins anew, and ends as if nothing had been there."""
+    from hpc_gfmd.parallel.interrupt import Interrupt
     from hpc_gfmd.runs.simulation import restart, run_scene
     from hpc_gfmd.scene import Scene
 
+    monkeypatch.setattr(Interrupt, "require_time", lambda self: None)
     surface = {
         "kind": "self-affine",
         "hurst": 0.8,

@@ -50,9 +50,10 @@ def test_attributes_of_all_kinds_survive(path):
         "words": ["a", "b"],
     }
     with begin(path) as run:
-        run.write_step(0, step)
+        run.write_step(0, step | {"escape": "a\x1b[31m\nb"})
         run.finish("x")
     (found,) = read_result(path).steps
+    assert found.pop("escape").isprintable()
     assert np.isnan(found.pop("nan"))
     assert found == {
         "p": 1,

@@ -170,6 +170,6 @@ def test_every_checkpoint_has_its_plans(memory, tmp_path, monkeypatch):
     memory.path.unlink()
     memory.replace(b"")
     pieces.chance.after = NEVER
-    run_scene(scene("bpx"), out=pieces.path, resume=True, quiet=True)
+    run_scene(scene("bpx"), out=pieces.path, quiet=True)
     assert wisdom._lines(kept) <= wisdom._lines(memory.text())
     assert not partial_folder(pieces.path).exists()

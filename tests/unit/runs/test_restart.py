@@ -88,7 +88,7 @@ def test_a_checkpoint_that_cannot_be_read(pieces, capsys):
     checkpoint = pieces.path.with_name("pieces.h5.partial") / "checkpoint.h5"
     checkpoint.write_bytes(checkpoint.read_bytes()[:3000])
     pieces.chance.after = 10**9
-    assert run_scene(asked, out=pieces.path, resume=True).status == "converged"
+    assert run_scene(asked, out=pieces.path).status == "converged"
     out = capsys.readouterr().out
     assert out.count("load 3 begins anew") == 1
     pieces.compare(rel=1e-5)

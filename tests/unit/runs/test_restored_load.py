@@ -1,5 +1,7 @@
 """What a restored load is solved for: the load that is asked for, on the heights that were read."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from contacts import random_heights, rough, sweep_of
@@ -54,6 +56,19 @@ def test_the_state_of_another_version_is_refused():
     again = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
     again.restore(lambda _: held, numbers, load)
     assert again.solve(load, midway=True).contact.outcome.status == "converged"
+
+
+@pytest.mark.parametrize("loads", [{"pressure": [0.1, 0.11]}, {"a_r": [0.1, 0.12]}], ids=str)
+def test_after_a_load_that_failed_the_next_one_starts_afresh(loads):
+    sweep, alone = (sweep_of(rough((2, 8, 2)), accuracy=1e-6) for _ in range(2))
+    failing, fine = sweep.pressures(Load(**loads))
+    sweep.target, wanted = replace(sweep.target, max_iterations=1), sweep.target
+    assert sweep.solve(failing).contact.outcome.status == "max_iterations"
+    sweep.target = wanted
+    assert not sweep.state(fine)[0]  # nothing to start from
+    found, expected = sweep.solve(fine), alone.solve(fine)
+    assert found.contact.outcome == expected.contact.outcome
+    assert (found.iterations, found.pairs) == (expected.iterations, expected.pairs)
 
 
 @pytest.mark.parametrize("boundary", ["free", ["free", "periodic"]], ids=str)
