@@ -142,7 +142,7 @@ class Contact:
                 f"only {points} point{'s' * (points != 1)} {touch}: the area is known to"
                 f" {100 / max(points, 1):.0f} % at best"
             )
-        if self.gap_mean < ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms:
+        if self.gap_is_rounding:
             precision = "single" if self.g.dtype == np.float32 else "double"
             return f"the gap is all rounding at this load in {precision} precision"
         if self.accuracy < self.certificate.unseen < np.inf:
@@ -151,6 +151,12 @@ class Contact:
                 " and of free edges"
             )
         return None
+
+    @property
+    def gap_is_rounding(self) -> bool:
+        """Whether the points that are open are so by less than rounding errors of the heights."""
+        least = ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms
+        return self.contact_points < self.N and self.gap_mean < least
 
     @cached_property
     def tangent(self) -> Tangent:
