@@ -249,6 +249,50 @@ def test_read_surface_does_what_the_scene_does(keys, tmp_path):
     assert found.note == step.get("note")
 
 
+MASKED = np.ma.masked_greater(Z, 0.9 * Z.max())
+
+
+@pytest.mark.parametrize(
+    ("heights", "keys"),
+    [
+        (topography("nm"), {}),
+        (topography("um").to_unit("nm").detrend("center"), {}),
+        (Z, {"physical_sizes": SIZES, "boundary": "periodic"}),
+        (1e9 * Z, {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm", "boundary": "periodic"}),
+    ],
+    ids=["Topography", "its pipelines", "array", "array with units"],
+)
+def test_heights_in_memory(heights, keys):
+    """The same numbers, whatever holds the heights; a Topography needs no preparation."""
+    plain, surface = hpc_gfmd.solve(Z, 1e9, 5e10, SIZES), hpc_gfmd.prepare_surface(heights, **keys)
+    units = ("1 GPa", "50 GPa") if surface.unit else (1e9, 5e10)
+    for one in [surface] if keys else [surface, heights]:
+        found = hpc_gfmd.solve(one, *units)
+        assert (found.a_r, *found.sizes) == pytest.approx((plain.a_r, *plain.sizes))
+        assert found.gap_mean == pytest.approx(plain.gap_mean, rel=1e-6)
+
+
+def test_what_heights_in_memory_lack():
+    """A Topography that is not periodic ends; masked points and nan are filled where that is
+    asked for."""
+    ends = hpc_gfmd.prepare_surface(
+        surface_topography().Topography(MASKED, SIZES, unit="m"), fill="harmonic"
+    )
+    assert ends.free == (True, True)
+    assert "filled" in ends.prepared[0]
+    for heights in (MASKED, MASKED.filled(np.nan)):
+        again = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")
+        assert np.allclose(again.heights, ends.heights)
+        with pytest.raises(
+            SceneError, match=r"(masked points|found nan at).*prepare_surface\(heights"
+        ):
+            hpc_gfmd.solve(heights, 1e-9)
+        with pytest.raises(SceneError, match=r"found nan at .* or fill = .harmonic."):
+            hpc_gfmd.prepare_surface(heights)
+    with pytest.raises(SceneError, match=r"surface.unit: found 'nm', but the array has .* in '.m'"):
+        hpc_gfmd.prepare_surface(topography("um"), unit="nm")
+
+
 def test_what_a_prepared_surface_knows(tmp_path):
     FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
     surface = hpc_gfmd.read_surface(str(tmp_path / "z.x3p"), detrend="mean")
