@@ -1,7 +1,7 @@
 """The formats of instruments and their programs, read by SurfaceTopography."""
 
 import sys
-from contextlib import redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
@@ -21,7 +21,10 @@ def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
     whatever is wrong with it."""
     io = surface_topography().IO
     try:
-        with redirect_stdout(StringIO()):  # some readers print what they miss
+        with (
+            redirect_stdout(StringIO()),
+            redirect_stderr(StringIO()),
+        ):  # some readers print what they miss
             reader = io.open_topography(str(path))
     except io.CannotDetectFileFormat:
         known = ", ".join(io.lookup_reader_by_format)
