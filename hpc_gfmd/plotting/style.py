@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
 from ..aside import aside
 
@@ -71,12 +72,35 @@ def shade(x: float) -> Any:
     return matplotlib.colormaps["viridis"](x)
 
 
-def ticks(axis: Any) -> None:
-    """Of a logarithmic axis: a label for every decade; of hardly two decades, for 1, 2 and 5."""
-    low, high = axis.get_view_interval()
-    if high < 200 * low:
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+class LogTicks(LogLocator):
+    """Decades, or 1 and 3, or 1, 2 and 5, ...: the first of them that gives three labels."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        for subs in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), tuple(map(float, range(1, 10)))):
+            self.set_params(subs=subs)
+            found = super().tick_values(vmin, vmax)
+            if np.count_nonzero((found >= vmin) & (found <= vmax)) >= 3:
+                break
+        return found
+
+
+class LogLabels(Formatter):
+    """Plain numbers where none of them is long, otherwise powers of ten."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        if 1e-3 <= np.min(self.locs) and np.max(self.locs) <= 1e4:
+            return f"{x:g}"
+        mantissa, exponent = f"{x:.0e}".split("e")
+        factor = "" if mantissa == "1" else rf"{mantissa} \cdot "
+        return f"${factor}10^{{{int(exponent)}}}$"
+
+
+def log_axis(ax: Any, which: str) -> None:
+    """Make the "x" or "y" axis logarithmic, with labels that do not overlap."""
+    ax.set(**{f"{which}scale": "log"})
+    axis = getattr(ax, f"{which}axis")
+    axis.set_major_locator(LogTicks())
+    axis.set_major_formatter(LogLabels())
     axis.set_minor_formatter(NullFormatter())
 
 
