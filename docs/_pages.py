@@ -35,6 +35,7 @@ def write(folder):
     folder.mkdir(exist_ok=True)
     for name, text in {
         "scene": scene(),
+        "observables": _printed("help", "observables", "--markdown"),
         "commands": commands(),
         "api": api(),
         "gallery": gallery(),

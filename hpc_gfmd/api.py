@@ -26,7 +26,6 @@ from .parallel.guard import guarded
 from .parallel.world import comm_of, threads_of
 from .prepared import PreparedSurface
 from .progress import Reporter
-from .registry import observables_named
 from .scene import Scene
 from .solution import Solution
 from .solutions import Interrupted, Solutions, solutions_of
@@ -269,8 +268,7 @@ def _press(
             finally:
                 say.done()
             contact = step.contact
-            cheap = {name: f(contact) for name, f in observables_named(None).items()}
-            attributes = cheap | step_attributes(scene, index, step, time.monotonic() - begun)
+            attributes = step_attributes(scene, index, step, time.monotonic() - begun)
             if index + 1 < len(loads) and scene.output.fields:  # the next load overwrites these
                 contact = replace(contact, g=contact.g.copy(), p=contact.p.copy())
             done.contacts.append(contact if scene.output.fields else None)

@@ -13,10 +13,12 @@ from .driver.sweep import Step, Sweep
 from .errors import SceneError
 from .fields import STORABLE
 from .observables.area import a_r_discretisation
+from .observables.base import Observable
 from .quantity import said
 from .registry import (
     all_distributions,
     body_of,
+    default_observables,
     distribution_names,
     distributions_named,
     observable_names,
@@ -57,7 +59,11 @@ def check(scene: Scene) -> None:
 def asked(output: Output) -> list[Callable[[Contact], Any]]:
     """The functions of a contact.Contact that `step_attributes` calls; output: scene.Output."""
     distributions = (all_distributions()[name] for name in output.distributions)
-    return [*observables_named(output.observables).values(), a_r_discretisation, *distributions]
+    return [*_observables(output).values(), a_r_discretisation, *distributions]
+
+
+def _observables(output: Output) -> dict[str, Observable]:
+    return observables_named([*default_observables(), *(output.observables or ())])
 
 
 def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
@@ -145,7 +151,7 @@ def step_attributes(scene: Scene, index: int, step: Step, seconds: float) -> dic
     """What is said of a solved load (driver.sweep.Step), the index-th of a scene.Scene, by the
     names of the result file; None for what has no value. seconds: spent on it. Collective."""
     contact, output = step.contact, scene.output
-    numbers = {name: f(contact) for name, f in observables_named(output.observables).items()}
+    numbers = {name: f(contact) for name, f in _observables(output).items()}
     for name, found in distributions_named(output.distributions, contact).items():
         numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
     area, gap, pressure = contact.outcome.errors

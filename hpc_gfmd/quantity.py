@@ -2,7 +2,7 @@
 are numbers in SI units."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from math import floor, isfinite, log10
 from typing import Any, Self
@@ -69,6 +69,17 @@ def _registry() -> Any:
     import pint
 
     return pint.UnitRegistry()
+
+
+def in_units(unit: str, surface: Mapping[str, Any]) -> str:
+    """A product of "length", "pressure" and "force" in the units that attributes of a surface name:
+    "m^2"; "1" of "", and "" where one of them has no name."""
+    length, pressure = (str(surface.get(key, "")) for key in ("unit", "pressure_unit"))
+    names = {"length": length, "pressure": pressure, "force": "N" if length and pressure else ""}
+    words = "|".join(names)
+    if not all(names[word] for word in re.findall(words, unit)):
+        return ""
+    return re.sub(words, lambda word: names[word[0]], unit) or "1"
 
 
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}

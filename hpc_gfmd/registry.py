@@ -5,18 +5,19 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from . import bodies, observables, solvers
 from .errors import SceneError
-from .quantity import said
+from .observables.base import OF_EVERY_LOAD
+from .quantity import in_units, said
 
 if TYPE_CHECKING:
     from .bodies.base import Body
     from .contact import Contact
-    from .observables import Counted, Distribution, Observable
+    from .observables.base import Arrays, Distribution, Observable
     from .scene import Material
     from .solvers.base import Solver
 
@@ -68,14 +69,13 @@ def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Bod
 
 
 def all_observables() -> dict[str, Observable]:
-    """{name: function of a Contact} of all observables, those of one file in the order they are
-    given there."""
+    """{name: Observable}, those of one file in the order they are given there."""
     return _merged("OBSERVABLES")
 
 
 def default_observables() -> list[str]:
-    """Names of the observables that cost no more than a look at each point: what a result has where
-    the scene names none."""
+    """Names of the observables that cost no more than a look at each point: every result has
+    them."""
     return [
         name
         for module in _observables()
@@ -94,22 +94,41 @@ def names_together(name: str) -> tuple[str, ...]:
     return _merged("TOGETHER").get(name, ())
 
 
-def observables_named(names: Iterable[str] | None) -> dict[str, Observable]:
-    """{name: function of a Contact} of the observables that these names stand for; None: of the
-    default ones."""
+def observables_named(names: Iterable[str]) -> dict[str, Observable]:
+    """{name: Observable} of those that these names stand for."""
     together = _merged("TOGETHER")
-    wanted = (
-        default_observables()
-        if names is None
-        else [one for name in names for one in together.get(name, (name,))]
-    )
+    wanted = {one for name in names for one in together.get(name, (name,))}
     return {name: f for name, f in all_observables().items() if name in wanted}
 
 
-def all_distributions() -> dict[str, Counted]:
-    """{name: function of a Contact} of all distributions: {what: array of numbers}, or None where
-    there is nothing to count."""
+def all_distributions() -> dict[str, Distribution]:
+    """{name: Distribution} of all of them."""
     return _merged("DISTRIBUTIONS")
+
+
+def all_numbers() -> dict[str, tuple[str, str]]:
+    """{name: (meaning, unit)} of all that a result may have of a load, distributions included; for
+    units see observables/base.py."""
+    counted = {
+        f"{name}_{what}": (f"{one.meaning}; {what}", unit)
+        for name, one in all_distributions().items()
+        for what, unit in one.units.items()
+    }
+    observed = {name: (one.meaning, one.unit) for name, one in all_observables().items()}
+    return OF_EVERY_LOAD | observed | counted
+
+
+def meaning_of(name: str) -> str:
+    """Return what the number of this name means; "" for a name that is not known."""
+    return all_numbers().get(name, ("", ""))[0]
+
+
+def unit_of(name: str, surface: Mapping[str, Any]) -> str:
+    """Return the unit of the number of this name: "Pa/m". surface: the attributes of a result's.
+
+    "1": dimensionless; "": nobody named the unit, or the number is not known.
+    """
+    return in_units(all_numbers()[name][1], surface) if name in all_numbers() else ""
 
 
 def distribution_names(free: tuple[bool, bool] = (False, False)) -> set[str]:
@@ -134,7 +153,7 @@ def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) ->
             )
 
 
-def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Distribution]:
+def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Arrays]:
     """{name: {what: array of numbers}} of the distributions of a contact by these names that have
     anything to count. Collective."""
     found = {name: f(contact) for name, f in all_distributions().items() if name in names}

@@ -91,7 +91,7 @@ class Solution:
         return self.observable("a_r")
 
     @property
-    def a_r_edge(self) -> float | None:
+    def a_r_corrected(self) -> float | None:
         """a_r less what points on the edge of the contact count too much; None for profiles and for
         points that are not square."""
         return self.observable("a_r_corrected")
@@ -207,8 +207,8 @@ class Solution:
         """A number by the name it has in the scene's output.observables, computed now if it was not
         asked for before.
 
-        "stiffness", "perimeter", ...: the number (None where it has no value); "patches",
-        "percolation": a dict of several. Collective. Raises SceneError for an unknown name, and
+        "stiffness", "patches", ...: the number (None where it has no value); "percolation" and
+        other names of several: a dict. Collective. Raises SceneError for an unknown name, and
         where what is left of the contact does not tell it.
         """
         _require_known("observable", name, observable_names())
@@ -221,7 +221,7 @@ class Solution:
                         " output.observables"
                     )
                 self._step[one] = all_observables()[one](self._whole_contact())
-        return {one: self._step[one] for one in several} if several else self._step[name]
+        return self._step[name] if name in self._step else {one: self._step[one] for one in several}
 
     def distribution(self, name: str) -> dict[str, np.ndarray] | None:
         """Arrays by the name they have in the scene's output.distributions, computed now if they

@@ -17,6 +17,7 @@ import mpi_harness
 import pytest
 from hypothesis import settings
 
+from hpc_gfmd.caches import cache_folder
 from hpc_gfmd.cli import main
 
 settings.register_profile(
@@ -97,6 +98,27 @@ def _child_id(item):
     return f"{head}[{rest}]" if rest else head
 
 
+@pytest.fixture(scope="session", autouse=True)
+def own_cache(tmp_path_factory):
+    """Plans of FFTW and speeds that no other run has measured. Compiled kernels, which take a
+    minute, are the user's."""
+    if mpi_harness.is_child():  # all ranks have that of their parent
+        yield
+        return
+    kernels = os.environ.get("NUMBA_CACHE_DIR", str(cache_folder() / "kernels"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NUMBA_CACHE_DIR", kernels)
+        patch.setenv("HPC_GFMD_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(autouse=True)
+def own_folder(request, monkeypatch):
+    """The current folder of every test is its own, that of all ranks the same."""
+    name = "shared_path" if mpi_harness.is_child() else "tmp_path"
+    monkeypatch.chdir(request.getfixturevalue(name))
+
+
 @pytest.fixture
 def path(tmp_path):
     """Of a result file."""
@@ -104,14 +126,13 @@ def path(tmp_path):
 
 
 @pytest.fixture
-def cli(tmp_path, monkeypatch, capfd):
-    """cli(*args): one command in this process (a new one takes seconds), in tmp_path: its exit code
-    `code`, `out` and `err`.
+def cli(capfd):
+    """cli(*args): one command in this process (a new one takes seconds): its exit code `code`,
+    `out` and `err`.
 
     cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with
     which one is refused; cli.script: makes the parser of a script whose command line is meant.
     """
-    monkeypatch.chdir(tmp_path)
 
     def run(*args):
         capfd.readouterr()

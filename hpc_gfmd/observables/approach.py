@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from .base import Observable
+
 if TYPE_CHECKING:
     from ..contact import Contact
 
@@ -16,4 +18,10 @@ def approach(contact: Contact) -> float | None:
     return contact.approach if isfinite(contact.approach) else None
 
 
-OBSERVABLES = {"approach": approach}
+OBSERVABLES = {
+    "approach": Observable(
+        approach,
+        "how far the bodies have come together since they touched undeformed, positive",
+        "length",
+    )
+}

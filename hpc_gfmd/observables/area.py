@@ -11,13 +11,15 @@ are None there.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .base import Observable
+
 if TYPE_CHECKING:
     from ..contact import Contact
-    from . import Observable
 
 EDGE_CORRECTION = (np.pi - 1 + np.log(2)) / 24
 EDGE_1D = 0.2  # the same in one dimension: measured, 0.198 on 320 waves of 32 to 333 points
@@ -70,7 +72,9 @@ def _one_dimensional(contact: Contact) -> bool:
     return min(contact.surface.grid.nominal) == 1
 
 
-def _over_p_star(area: Observable) -> Observable:
+def _over_p_star(
+    area: Callable[[Contact], float | None],
+) -> Callable[[Contact], float | None]:
     def kappa(contact: Contact) -> float | None:
         value = area(contact) if contact.g_rms > 0 else None
         return None if value is None else value / contact.p_star
@@ -79,8 +83,10 @@ def _over_p_star(area: Observable) -> Observable:
 
 
 OBSERVABLES = {
-    "a_r": a_r,
-    "kappa": _over_p_star(a_r),
-    "a_r_corrected": a_r_corrected,
-    "kappa_corrected": _over_p_star(a_r_corrected),
+    "a_r": Observable(a_r, "relative contact area: points in contact over all points"),
+    "kappa": Observable(_over_p_star(a_r), "a_r/p_star"),
+    "a_r_corrected": Observable(
+        a_r_corrected, "a_r less what points on the edge of the contact count too much"
+    ),
+    "kappa_corrected": Observable(_over_p_star(a_r_corrected), "a_r_corrected/p_star"),
 }

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .base import Arrays, Distribution
+
 if TYPE_CHECKING:
     from ..contact import Contact
-    from . import Distribution
 
 ROWS = 64
 FINE = 7  # at most 2^FINE bins of pressure, more than half as many
@@ -27,7 +28,7 @@ GAP_OCTAVES, GAP_BINS = (
 )  # below h_rms, all smaller gaps being in the first bin; bins in a factor of two
 
 
-def pressure(contact: Contact) -> Distribution | None:
+def pressure(contact: Contact) -> Arrays | None:
     """Of the points that touch: a_r times it is Persson's P(p) at p > 0. Linear bins, their width a
     power of two in units of E* g_rms.
 
@@ -62,7 +63,7 @@ def pressure(contact: Contact) -> Distribution | None:
     )
 
 
-def gap(contact: Contact) -> Distribution | None:
+def gap(contact: Contact) -> Arrays | None:
     """Of the points that do not touch: 1 - a_r times it is P(g) at g > 0. Four bins in a factor of
     two, from h_rms down to 1e-6 h_rms.
 
@@ -114,11 +115,22 @@ def _over_rows(
     return found
 
 
-def _density(edges: np.ndarray, counts: np.ndarray) -> Distribution:
+def _density(edges: np.ndarray, counts: np.ndarray) -> Arrays:
     filled = np.nonzero(counts)[0]
     some = slice(filled[0], filled[-1] + 1)
     edges = edges[some.start : some.stop + 1]
     return {"edges": edges, "density": counts[some] / counts.sum() / np.diff(edges)}
 
 
-DISTRIBUTIONS = {"pressure": pressure, "gap": gap}
+DISTRIBUTIONS = {
+    "pressure": Distribution(
+        pressure,
+        "distribution of the pressure at points that touch: share of them per pressure",
+        {"edges": "pressure", "density": "1/pressure"},
+    ),
+    "gap": Distribution(
+        gap,
+        "distribution of the gap at points that do not touch: share of them per gap",
+        {"edges": "length", "density": "1/length"},
+    ),
+}

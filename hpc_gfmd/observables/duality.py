@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .base import Observable
+
 if TYPE_CHECKING:
     from ..contact import Contact
 
@@ -15,4 +17,8 @@ def duality_gap(contact: Contact) -> float | None:
     return contact.certificate.duality_gap
 
 
-OBSERVABLES = {"duality_gap": duality_gap}
+OBSERVABLES = {
+    "duality_gap": Observable(
+        duality_gap, "bound of the error of the energy, over mean pressure times mean gap"
+    )
+}

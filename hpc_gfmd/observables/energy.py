@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from .base import Observable
+
 if TYPE_CHECKING:
     from ..contact import Contact
 
@@ -14,4 +16,10 @@ def energy(contact: Contact) -> float | None:
     return contact.energy if isfinite(contact.energy) else None
 
 
-OBSERVABLES = {"energy": energy}
+OBSERVABLES = {
+    "energy": Observable(
+        energy,
+        "elastic energy of the deformation over the nominal area, positive",
+        "pressure length",
+    )
+}

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .base import Observable
+
 if TYPE_CHECKING:
     from ..contact import Contact
 
@@ -28,7 +30,11 @@ def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
 
 
 OBSERVABLES = {
-    "gap_mean": gap_mean,
-    "gap_over_h_rms": gap_over_h_rms,
-    "gap_over_g_rms_lam_s": gap_over_g_rms_lam_s,
+    "gap_mean": Observable(
+        gap_mean, "mean gap over the nominal area, 0 or positive, contact included", "length"
+    ),
+    "gap_over_h_rms": Observable(gap_over_h_rms, "gap_mean over the rms height"),
+    "gap_over_g_rms_lam_s": Observable(
+        gap_over_g_rms_lam_s, "gap_mean over g_rms times the shortest wavelength"
+    ),
 }

@@ -9,13 +9,15 @@ squared.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .base import Arrays, Distribution, Observable
+
 if TYPE_CHECKING:
     from ..contact import Contact
-    from . import Counted, Distribution, Observable
 
 ON_REQUEST = True
 BINS_PER_OCTAVE = 2
@@ -27,8 +29,9 @@ def _area(contact: Contact) -> float:
     return a_x * a_y
 
 
-def _of_patches(corners: bool) -> tuple[Observable, ...]:
+def _of_patches(corners: bool) -> dict[str, Observable]:
     """Number of patches, largest and mean size; a mean needs a patch."""
+    end, how = ("_8", "a side or a corner") if corners else ("", "a side")
 
     def number(contact: Contact) -> int:
         return int(contact.surface.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
@@ -44,13 +47,19 @@ def _of_patches(corners: bool) -> tuple[Observable, ...]:
         patches = number(contact)
         return contact.contact_points * _area(contact) / patches if patches else None
 
-    return number, largest, mean
+    return {
+        f"patches{end}": Observable(
+            number, f"number of contact patches: points that touch and share {how}"
+        ),
+        f"patch_largest{end}": Observable(largest, "area of the largest patch", "length^2"),
+        f"patch_mean{end}": Observable(mean, "mean area of the patches", "length^2"),
+    }
 
 
-def _sizes(corners: bool) -> Counted:
+def _sizes(corners: bool) -> Callable[[Contact], Arrays | None]:
     """The distribution of patch sizes: see `sizes`."""
 
-    def sizes(contact: Contact) -> Distribution | None:
+    def sizes(contact: Contact) -> Arrays | None:
         """edges of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points); density: share
         of the patches per area, integrates to 1. None without a patch."""
         comm, found = contact.surface.grid.comm, contact.clusters(corners=corners).sizes
@@ -71,8 +80,14 @@ def _sizes(corners: bool) -> Counted:
     return sizes
 
 
-NAMES = ("patches", "patch_largest", "patch_mean")
-NAMES_8 = tuple(f"{name}_8" for name in NAMES)
-OBSERVABLES = dict(zip(NAMES + NAMES_8, _of_patches(False) + _of_patches(True), strict=True))
-TOGETHER = {"patches": NAMES, "patches_8": NAMES_8}
-DISTRIBUTIONS = {"patches": _sizes(False), "patches_8": _sizes(True)}
+SIDES, CORNERS = _of_patches(False), _of_patches(True)
+OBSERVABLES = SIDES | CORNERS
+TOGETHER = {"patches": tuple(SIDES), "patches_8": tuple(CORNERS)}
+DISTRIBUTIONS = {
+    f"patches{end}": Distribution(
+        _sizes(corners),
+        f"distribution of the areas of the patches{end}: share of them per area",
+        {"edges": "length^2", "density": "1/length^2"},
+    )
+    for end, corners in (("", False), ("_8", True))
+}

@@ -19,29 +19,40 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .base import Observable
+
 if TYPE_CHECKING:
-    from . import Observable
+    from ..contact import Contact
 
 ON_REQUEST = True
 
 
 def _percolates(
-    of_contact: bool, axis: int, corners: bool = False, open_axis: int | None = None
+    name: str, axis: int, corners: bool = False, open_axis: int | None = None
 ) -> Observable:
-    return lambda contact: contact.clusters(of_contact, corners, open_axis).percolates[axis]
+    def found(contact: Contact) -> bool:
+        return contact.clusters(name == "contact", corners, open_axis).percolates[axis]
+
+    along, other = "xy"[axis], "yx"[axis]
+    how = (
+        f"goes around the cell along {along}, periodic along both axes"
+        if open_axis is None
+        else f"reaches along {along} from edge to edge, periodic along {other} alone"
+    )
+    return Observable(found, f"whether the {name} {how}" + ", also by corners" * corners)
 
 
 def _all(corners: bool) -> dict[str, Observable]:
     end = "_8" if corners else ""
     return {
-        f"{name}_percolates_{'xy'[axis]}{end}": _percolates(name == "contact", axis, corners)
+        f"{name}_percolates_{'xy'[axis]}{end}": _percolates(name, axis, corners)
         for name in ("contact", "gap")
         for axis in (0, 1)
     }
 
 
 SPANNING: dict[str, Observable] = {
-    f"gap_spans_{'xy'[axis]}": _percolates(False, axis, open_axis=axis) for axis in (0, 1)
+    f"gap_spans_{'xy'[axis]}": _percolates("gap", axis, open_axis=axis) for axis in (0, 1)
 }
 OBSERVABLES = _all(False) | _all(True) | SPANNING
 TOGETHER = {

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .base import Observable
+
 if TYPE_CHECKING:
     from ..contact import Contact
 
@@ -28,4 +30,8 @@ def perimeter(contact: Contact) -> float:
     return (1.0 if 1 in grid.nominal else np.pi / 4) * (along_x * a_x + along_y * a_y)
 
 
-OBSERVABLES = {"perimeter": perimeter}
+OBSERVABLES = {
+    "perimeter": Observable(
+        perimeter, "length of the edges of all patches, average over directions", "length"
+    )
+}

@@ -3,21 +3,34 @@ operators/spectra.py."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from .base import Arrays, Distribution
+
 if TYPE_CHECKING:
-    from . import Counted
+    from ..contact import Contact
 
 PERIODIC = True
-FIELDS = ("heights", "pressure", "gap")
+FIELDS = {"heights": "length", "pressure": "pressure", "gap": "length"}
 
 
-def _of(name: str, what: str) -> Counted:
+def _of(name: str, what: str) -> Callable[[Contact], Arrays | None]:
     return lambda contact: getattr(contact.spectra, what)(name)
 
 
 DISTRIBUTIONS = {
-    f"{name}_{end}": _of(name, what)
-    for end, what in (("spectrum", "power"), ("autocorrelation", "autocorrelation"))
-    for name in FIELDS
+    f"{name}_spectrum": Distribution(
+        _of(name, "power"),
+        f"radial power spectrum of the {name}: L_x L_y <|f_q|^2>, over the wave number",
+        {"q": "1/length", "power": f"{unit}^2 length^2"},
+    )
+    for name, unit in FIELDS.items()
+} | {
+    f"{name}_autocorrelation": Distribution(
+        _of(name, "autocorrelation"),
+        f"radial autocorrelation of the {name}, without their mean, over the distance",
+        {"r": "length", "correlation": f"{unit}^2"},
+    )
+    for name, unit in FIELDS.items()
 }

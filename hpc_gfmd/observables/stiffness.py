@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import inf
 from typing import TYPE_CHECKING
 
+from .base import Observable
+
 if TYPE_CHECKING:
     from ..contact import Contact
 
@@ -26,4 +28,8 @@ def stiffness(contact: Contact) -> float | None:
     )
 
 
-OBSERVABLES = {"stiffness": stiffness}
+OBSERVABLES = {
+    "stiffness": Observable(
+        stiffness, "-dp/d(gap_mean), the tangent of the load curve, positive", "pressure/length"
+    )
+}

@@ -281,7 +281,12 @@ class Output(Table):
         said="none",
     )
     observables: Names | None = key(
-        "numbers of each load", NAMES, None, example=["a_r", "gap_mean"], said="all the cheap ones"
+        "numbers of each load, beside the cheap ones that every load has; see hpc-gfmd help"
+        " observables",
+        NAMES,
+        None,
+        example=["stiffness", "patches"],
+        said="none",
     )
     distributions: Names = key(
         "histograms and spectra of each load", NAMES, (), example=["pressure", "gap"], said="none"

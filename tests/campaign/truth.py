@@ -8,7 +8,7 @@ gradients (Polonsky and Keer) lie between, which always converge. Units: those o
 lengths in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so that K = |q|/2 and p0 is
 p*. With free edges the S between two points that makes the discrete problem is that of a periodic
 cell (q rounded near the end of an axis that ends) less its images, by sums over rows of images of
-its own (tests/analytic/test_free.py has S by quadrature), and K its inverse.
+its own (tests/physics/test_free.py has S by quadrature), and K its inverse.
 """
 
 from dataclasses import dataclass

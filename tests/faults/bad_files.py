@@ -7,7 +7,7 @@ import zipfile
 
 import h5py
 import numpy as np
-from fuzz.seeds import FIELD, seeds
+from faults.seeds import FIELD, seeds
 
 from hpc_gfmd.output.read import FORMAT_VERSION
 

@@ -25,7 +25,7 @@ MARK = "HPC_GFMD_TEST_JOB"  # in the environment of all processes of a job
 SABOTAGE = Path(__file__).with_name("sabotage.py")
 PATIENCE = 120.0  # seconds that an undisturbed job may take here, where others compute as well
 # seconds from a fault to the end of the last process; the machine of the tests may be busy
-AT_ONCE = 20.0
+AT_ONCE = 60.0
 
 needs_mpi = pytest.mark.skipif(bool(mpi_harness.missing()), reason="mpirun or mpi4py is missing")
 

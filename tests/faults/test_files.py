@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import tomli_w
 from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, cut, h5, sound
-from fuzz.seeds import FIELD
+from faults.seeds import FIELD
 
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.scene import File

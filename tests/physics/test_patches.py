@@ -7,7 +7,7 @@ from counted import contact_of
 from scipy import ndimage
 
 import hpc_gfmd
-from hpc_gfmd.registry import all_observables, observables_named
+from hpc_gfmd.registry import all_observables, default_observables, observables_named
 
 
 def observed(contact, *names):
@@ -146,7 +146,7 @@ def test_what_a_solution_says_is_what_its_field_shows():
 
 def test_only_on_request():
     found = hpc_gfmd.solve(heights_of(rough((1, 8, 2))), 0.05)
-    default = set(observables_named(None))
+    default = set(default_observables())
     assert set(found.observables) == default
     assert not found.distributions
     assert "a_r" in default

@@ -111,7 +111,7 @@ def test_the_same_numbers_in_every_unit(unit, tmp_path):
     """Path, load and modulus alone, in a notebook: every format in every unit."""
 
     def numbers(one):
-        patches = one.observable("patches").values()
+        patches = (one.observable(name) for name in ("patches", "patch_largest", "patch_mean"))
         return [
             one.a_r,
             one.gap_mean,

@@ -2,7 +2,7 @@
 the Python that has them.
 
     scripts/bench-peers-setup
-    .venv-peers/bin/python tests/free_patch.py
+    .venv-peers/bin/python tests/physics/free_patch.py
 
 The heights are a formula, so that only the answer has to be kept: where there is contact, and its
 pressure.
@@ -52,7 +52,7 @@ def pressure(kept, load):
 
 def main():
     """Solve, compare the codes, and write."""
-    sys.path.insert(0, str(HERE.parent / "hpc_gfmd" / "bench"))
+    sys.path.insert(0, str(HERE.parents[1] / "hpc_gfmd" / "bench"))
     from peer_worker import PEERS
 
     kept, z = {}, heights()

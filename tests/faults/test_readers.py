@@ -5,9 +5,9 @@ import hashlib
 from pathlib import Path
 
 import pytest
-from fuzz.readers import READERS, outcome, outcome_apart
-from fuzz.seeds import seeds
-from fuzz.structured import check_result, results
+from faults.readers import READERS, outcome, outcome_apart
+from faults.seeds import seeds
+from faults.structured import check_result, results
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 

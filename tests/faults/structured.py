@@ -2,8 +2,8 @@
 
 import h5py
 import numpy as np
-from fuzz.readers import outcome
-from fuzz.seeds import FIELD, SCENE, STEP, SURFACE
+from faults.readers import outcome
+from faults.seeds import FIELD, SCENE, STEP, SURFACE
 from hypothesis import strategies as st
 
 from hpc_gfmd.output.read import FORMAT, FORMAT_VERSION

@@ -155,6 +155,6 @@ def test_areas_and_lengths_of_the_table_have_units():
         for line in table([step], surface={"unit": "m", "pressure_unit": "Pa"}).splitlines()
     )
     found = dict(zip(heading[1:], zip(units, row[1:]), strict=False))
-    assert found["largest"] == ("[nm^2]", "4e+04")
+    assert found["patch_largest"] == ("[nm^2]", "4e+04")
     assert found["perimeter"] == ("[um]", "12")
     assert "[length^2]" in table([step])

@@ -6,11 +6,11 @@ from math import acosh, pi, sqrt
 from pathlib import Path
 
 import contacts
-import free_patch
 import numpy as np
 import oracle
 import pytest
 from contacts import EXACT, field, random_heights, relative, rough, surface_over, sweep_of
+from physics import free_patch
 from scipy.stats import norm
 
 from hpc_gfmd.bench.cells import Cells

@@ -11,7 +11,7 @@ from contacts import rough
 from hpc_gfmd.driver.memory import memory_of
 from hpc_gfmd.scene import Scene
 
-PEAK = Path(__file__).parents[1] / "peak.py"
+PEAK = Path(__file__).with_name("peak.py")
 WITHIN = 0.1  # of the estimate
 LIBRARIES_GIB = 0.1  # of files in the estimate, which peak.py leaves out
 

@@ -88,8 +88,8 @@ def test_accuracy_is_kept():
 
 @pytest.mark.parametrize("scale", [1e-6, 7.0, 1e8])
 def test_units(scale):
-    """Heights of other slopes, and lengths in other units (more units: tests/unit/test_units.py),
-    give the same contact."""
+    """Heights of other slopes, and lengths in other units, give the same contact; for more units
+    see tests/unit/scene/test_units.py."""
     z, p = heights_of(SURFACE), 0.1
     true = exact(z, p)
     flatter = exact(z * scale, p * scale)
