@@ -4,7 +4,7 @@ from typing import Any
 
 from ..output.read import Result
 from ..table import converged
-from .theories import theory_of
+from .theories import scene_of, theory_of
 from .units import Units, good
 from .window import window_of
 
@@ -27,8 +27,11 @@ class FigureContext:
     ) -> None:
         self.result, self.chosen, self.dpi, self.name = result, chosen, dpi, ""
         self.window, self.points = window_of(result.surface, window)
-        self.theory = theory_of(result)
+        scene = scene_of(result)
+        self.theory = theory_of(scene, result.surface)
         self.units = Units(result, self.theory, dimensionless)
+        # 1 where all varies along one axis alone
+        self.dimensions = 1 if 0 in getattr(scene and scene.surface, "periods", ()) else 2
         self.lengths = self.units.lengths(
             [self.window[1] - self.window[0], self.window[3] - self.window[2]]
         )

@@ -12,12 +12,11 @@ from .style import COLOURS, THEORY, log_axis
 from .survey import histogram
 from .units import good, label
 
-FEWEST = 4  # of the smallest count of a histogram, in a bin that is drawn
 DECADES = 5  # of the gap, below the largest one; smaller ones are rounding
-NAMES = {  # symbol, density, title
-    "pressure": ("p", "P(p)", "pressure in the contact"),
-    "gap": ("g", "P(g)", "gap outside"),
-    "patches": ("A", "P(A)", "contact patches"),
+NAMES = {  # symbol, density, title; how many of the smallest count a bin has at least
+    "pressure": ("p", "P(p)", "pressure in the contact", 4),
+    "gap": ("g", "P(g)", "gap outside", 4),
+    "patches": ("A", "P(A)", "contact patches", 1),
 }
 
 
@@ -37,7 +36,7 @@ def has_distribution(result: Any, k: int, name: str) -> bool:
 
 
 def _panel(ax: Any, context: FigureContext, name: str) -> None:
-    symbol, density_symbol, title = NAMES[name]
+    symbol, density_symbol, title, _ = NAMES[name]
     found = [_density(context, k, name) for k in range(len(context.chosen))]
     largest = [edges[-1] for edges, _ in found if len(edges)]
     power = 2 if name == "patches" else 1
@@ -88,12 +87,13 @@ def _theory(ax: Any, context: FigureContext, found: list[Any], unit: float) -> N
 def _density(context: FigureContext, k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
     """(edges, density), which integrates to the share of the area, that of patches to 1; empty
     where there is none."""
-    step = context.steps[k]
+    step, fewest = context.steps[k], NAMES[name][-1]
     if f"{name}_edges" in step:
         edges, density = (np.array(step[f"{name}_{x}"], float) for x in ("edges", "density"))
-        return _joined(edges, density * np.diff(edges) * _share(step, name, edges, density))
+        shares = density * np.diff(edges) * _share(step, name, edges, density)
+        return _joined(edges, shares, fewest)
     if name in context.fields(k):
-        return _joined(*histogram(context.fields(k), name))
+        return _joined(*histogram(context.fields(k), name), fewest)
     return np.zeros(0), np.zeros(0)
 
 
@@ -112,15 +112,17 @@ def _share(step: Mapping[str, Any], name: str, edges: np.ndarray, density: np.nd
     return whole / mean if good(whole) and mean > 0 else 1.0
 
 
-def _joined(edges: np.ndarray, shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(edges, density) of the same histogram in bins that are joined until each has FEWEST times
-    the smallest count of all."""
-    if not shares.any():
+def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:
+    """(edges, density) of the same histogram without empty ends, in bins that are joined until each
+    has `fewest` times the smallest count of all."""
+    filled = np.flatnonzero(shares)
+    if not len(filled):
         return np.zeros(0), np.zeros(0)
-    chosen, least = [0], FEWEST * shares[shares > 0].min() * (1 - 1e-9)
-    total = np.append(0.0, shares.cumsum())
-    for k in range(1, len(edges)):
+    first, last = filled[0], filled[-1] + 1
+    total, chosen = np.append(0.0, shares.cumsum()), [first]
+    least = fewest * shares[filled].min() * (1 - 1e-9)
+    for k in range(first + 1, last + 1):
         if total[k] - total[chosen[-1]] >= least:
             chosen.append(k)
-    chosen = [*chosen[: max(1, len(chosen) - 1)], len(edges) - 1]
+    chosen = [*chosen[: max(1, len(chosen) - 1)], last]
     return edges[chosen], np.diff(total[chosen]) / np.diff(edges[chosen])

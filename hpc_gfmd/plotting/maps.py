@@ -69,7 +69,7 @@ def _panel(ax: Any, context: FigureContext, found: Any, k: int, name: str, first
     ax.set_ylabel(context.lengths.label("y"))
     ax.label_outer()
     if name != first:
-        ax.set_title(name if k == 0 else "")
+        ax.set_title(name if k == 0 else "", loc="right")
     elif name != "heights":
         step = context.steps[k]
         area = f", $a_r = {step['a_r']:.3g}$" if good(step.get("a_r")) else ""

@@ -20,7 +20,10 @@ class Page:
     def draw(self, fig: Any) -> None:
         """Draw all panels."""
         columns = max(len(row) for row in self.rows)
-        fig.set_size_inches(self.width, self.height * len(self.rows) + 0.85)
+        below = 0.5 if self.images else 0.85
+        fig.set_size_inches(self.width, self.height * len(self.rows) + below)
+        if self.images:
+            fig.get_layout_engine().set(hspace=0.01, wspace=0.01, h_pad=0.03)
         axes = fig.subplots(
             len(self.rows), columns, squeeze=False, sharex=self.images, sharey=self.images
         )

@@ -55,15 +55,16 @@ def _lines(context: FigureContext, name: str, x: str, y: str) -> Iterator[Any]:
 def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
     length = context.units.lengths()
     lines = list(_lines(context, name, "spectrum_q", "spectrum_power"))
-    size = np.sqrt(max(power.max() for _, power, _ in lines)) / context.units.size
+    dims = context.dimensions
+    size = np.sqrt(max(power.max() for _, power, _ in lines) / context.units.size**dims)
     scale = context.units.of(name, [float(size)])
     for q, power, how in lines:
         some = power > ROUNDING * power.max()
-        y = power[some] / (scale.unit * length.unit) ** 2
+        y = power[some] / (scale.unit**2 * length.unit**dims)
         ax.loglog(q[some] * length.unit, y, "." if some.sum() == 1 else "-", **how)
     ax.set(
         xlabel=label("q", (length, -1)),
-        ylabel=label(f"C_{FIELDS[name]}(q)", (scale, 2), (length, 2)),
+        ylabel=label(f"C_{FIELDS[name]}(q)", (scale, 2), (length, dims)),
         title=name,
     )
     log_axis(ax, "x")

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
 from ..aside import aside
+from .units import tex_number
 
 # Okabe and Ito; the last one is kept for warnings
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
@@ -78,7 +79,7 @@ class LogTicks(LogLocator):
     def tick_values(self, vmin: float, vmax: float) -> Any:
         for subs in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), tuple(map(float, range(1, 10)))):
             self.set_params(subs=subs)
-            found = super().tick_values(vmin, vmax)
+            found = np.asarray(super().tick_values(vmin, vmax))
             if np.count_nonzero((found >= vmin) & (found <= vmax)) >= 3:
                 break
         return found
@@ -88,11 +89,11 @@ class LogLabels(Formatter):
     """Plain numbers where none of them is long, otherwise powers of ten."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
-        if 1e-3 <= np.min(self.locs) and np.max(self.locs) <= 1e4:
-            return f"{x:g}"
-        mantissa, exponent = f"{x:.0e}".split("e")
-        factor = "" if mantissa == "1" else rf"{mantissa} \cdot "
-        return f"${factor}10^{{{int(exponent)}}}$"
+        return self.format_ticks([x])[0]
+
+    def format_ticks(self, values: Any) -> list[str]:
+        plain = all(1e-3 <= x <= 1e4 for x in values)
+        return [f"{x:g}" if plain else f"${tex_number(x, '.0e')}$" for x in values]
 
 
 def log_axis(ax: Any, which: str) -> None:
@@ -110,9 +111,8 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
     for ax in fig.axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
-    fig.legend(
-        list(handles.values()), list(handles), loc=loc, ncols=min(columns, max(1, len(handles)))
-    )
+    if handles:
+        fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(columns, len(handles)))
 
 
 def legend_below(fig: Any) -> None:

@@ -15,6 +15,13 @@ def good(value: Any) -> bool:
     return isinstance(value, int | float) and isfinite(value) and value > 0
 
 
+def tex_number(x: float, form: str = ".3g") -> str:
+    """Write a number in TeX, with a power of ten for an exponent."""
+    mantissa, _, exponent = f"{x:{form}}".partition("e")
+    factor = "" if mantissa == "1" else rf"{mantissa} \cdot "
+    return f"{factor}10^{{{int(exponent)}}}" if exponent else mantissa
+
+
 @dataclass(frozen=True)
 class Scale:
     """Numbers over `unit`; name: of an absolute unit ("MPa"), or the formula of a relative one
@@ -30,11 +37,9 @@ class Scale:
 
     def value(self, symbol: str, number: float) -> str:
         """Write an equation: "$p = 20$ MPa"."""
-        mantissa, _, exponent = f"{number / self.unit:.3g}".partition("e")
-        ten = rf" \times 10^{{{int(exponent)}}}" if exponent else ""
         name = "" if self.relative else self.name
         left = label(symbol, (self, 1)).split("$")[1]
-        return f"${left} = {mantissa}{ten}$ {name}".rstrip()
+        return f"${left} = {tex_number(number / self.unit)}$ {name}".rstrip()
 
 
 def label(symbol: str, *scales: tuple[Scale, int]) -> str:
