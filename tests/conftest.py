@@ -6,6 +6,7 @@ and stderr.
 """
 
 import os
+import shlex
 import shutil
 import signal
 import tempfile
@@ -17,8 +18,8 @@ import mpi_harness
 import pytest
 from hypothesis import settings
 
-from hpc_gfmd.caches import cache_folder
-from hpc_gfmd.cli import main
+from hpc_gfmd.commands.cli import main
+from hpc_gfmd.util.caches import cache_folder
 
 settings.register_profile(
     "repeatable", derandomize=True
@@ -127,16 +128,16 @@ def path(tmp_path):
 
 @pytest.fixture
 def cli(capfd):
-    """cli(*args): one command in this process (a new one takes seconds): its exit code `code`,
-    `out` and `err`.
+    """cli("a command as in a shell", *args): it in this process (a new one takes seconds): its exit
+    code `code`, `out` and `err`.
 
     cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with
     which one is refused; cli.script: makes the parser of a script whose command line is meant.
     """
 
-    def run(*args):
+    def run(words="", *others):
         capfd.readouterr()
-        code = main(list(map(str, args)), run.script)
+        code = main([*shlex.split(words), *map(str, others)], run.script)
         return SimpleNamespace(code=code, **capfd.readouterr()._asdict())
 
     def prints(*args):
@@ -178,9 +179,9 @@ def comm():
     the kernels."""
     if not mpi_harness.is_child():
         return None
+    from hpc_gfmd.contact import all_observables
     from hpc_gfmd.driver.warmup import compile_once
     from hpc_gfmd.parallel.world import world
-    from hpc_gfmd.registry import all_observables
     from hpc_gfmd.scene import Solver
 
     for precision in ("single", "double"):

@@ -3,7 +3,7 @@
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
@@ -36,8 +36,9 @@ def main(args: Namespace) -> int:
         return 0
     if args.topic != "scene":
         return _of_command(args.topic)
-    from ..registry import distribution_names, observable_names, solver_names
+    from ..contact import distribution_names, observable_names
     from ..scene.reference import markdown, text
+    from ..solvers import solver_names
 
     names = {
         "solver.name": solver_names(),
@@ -50,7 +51,7 @@ def main(args: Namespace) -> int:
 
 def _numbers(row: str) -> str:
     """All numbers of a load, each by `row`: name, unit, by what name it is asked for, meaning."""
-    from ..registry import all_numbers, default_observables, observable_names, observables_named
+    from ..contact import all_numbers, default_observables, observable_names, observables_named
 
     groups = {name: observables_named([name]) for name in observable_names()}
     asked = {
@@ -79,7 +80,7 @@ def _numbers(row: str) -> str:
 
 
 def _of_command(name: str | None) -> int:
-    from ..cli import COMMANDS, build_parser
+    from .cli import COMMANDS, build_parser
 
     known = (*COMMANDS, "restart")  # which lives with run
     if name not in (None, *known):

@@ -21,11 +21,11 @@ def facts() -> dict[str, str]:
     import h5py
     import numba
 
-    from ..caches import cache_folder
-    from ..driver.memory import available_gib
     from ..parallel.fftw import fft_library
-    from ..registry import solver_names
-    from ..versions import versions
+    from ..runs.memory import available_gib
+    from ..solvers import solver_names
+    from ..util.caches import cache_folder
+    from ..util.versions import versions
 
     found = {name: version for name, version in versions().items() if version}
     found["FFT"] = fft_library()

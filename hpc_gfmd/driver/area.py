@@ -19,9 +19,9 @@ from .search import SETTLED, SHARE, STEP, Search
 from .staircase import Jump, Staircase
 
 if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
     from ..solvers.base import Outlook, Progress, Solver
     from ..surface import Surface
-    from .certificate import Certificate
     from .prescribed import Prescribed
 
 STEEP, STEEPER, NARROW = (

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..certificate.certificate import certify
 from ..parallel import interrupt
-from .certificate import certify
 
 if TYPE_CHECKING:
-    from ..problem import Problem
+    from ..certificate.certificate import Certificate
+    from ..operators.problem import Problem
     from ..solvers.base import Progress, Solver
     from ..surface import Surface
-    from .certificate import Certificate
     from .sweep import Sweep
 
 ROWS = 64  # looked at at a time

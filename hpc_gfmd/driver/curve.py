@@ -14,7 +14,7 @@ from .search import Search
 from .searches import SEARCHES
 
 if TYPE_CHECKING:
-    from ..contact import Contact
+    from ..contact.contact import Contact
     from ..surface import Surface
     from .closing import Closing
     from .prescribed import Prescribed

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from .search import Search
 
 if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
     from ..solvers.base import Outlook, Progress, Solver
     from ..surface import Surface
-    from .certificate import Certificate
     from .prescribed import Prescribed
 
 # of the error of the pressure field, beside that of the mean gap: the error of the approach

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 from .drive import certificate_of
 from .nested import Nested
 from .precision import NOISE_IN_TURN, counting
@@ -28,7 +28,7 @@ from .search import Search
 from .sweep import Sweep
 
 if TYPE_CHECKING:
-    from ..problem import Problem
+    from ..operators.problem import Problem
     from .sweep import Slabs
 
 

@@ -16,7 +16,7 @@ from .offsets import Offsets
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
-    from ..contact import Contact
+    from ..contact.contact import Contact
     from ..surface import Surface
     from .prescribed import Prescribed
     from .wall import Wall

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..errors import SceneError
-from ..quantity import like, said
+from ..util.errors import SceneError
+from ..util.quantities import like, said
 
 if TYPE_CHECKING:
     from ..surface import Surface

@@ -22,10 +22,10 @@ from .offsets import Offsets
 from .wall import Wall
 
 if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
     from ..parallel.comm import Comm
     from ..solvers.base import Outlook, Progress, Solver
     from ..surface import Surface
-    from .certificate import Certificate
     from .prescribed import Prescribed
 
 PRESENT = 3.0  # times as much noise: of what is there already

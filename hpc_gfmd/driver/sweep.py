@@ -11,17 +11,18 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..bodies.halfspace import HALF_SPACE
-from ..contact import Contact
-from ..errors import SceneError
+from ..certificate.certificate import Certificate, certify, unseen_error
+from ..certificate.criterion import Outcome, Target
+from ..contact.contact import Contact
+from ..operators.problem import Problem
 from ..parallel import interrupt
-from ..problem import Problem
-from ..registry import solver_class
-from ..units import require_range, single_solves
+from ..solvers import solver_class
+from ..surface.units import require_range, single_solves
+from ..util.errors import SceneError
 from .area import AreaSearch
-from .certificate import Certificate, certify, unseen_error
 from .closing import Closing, closing_pressure, flat_solution
 from .curve import Curve
-from .drive import LoopState, Outcome, Target, drive
+from .drive import LoopState, drive
 from .nested import Nested, cold_gap
 from .opening import Opening, nearly_closes
 from .precision import NOISE, counting, few_points, first_precision
@@ -32,7 +33,7 @@ from .wall import Wall
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
-    from ..grid import Grid
+    from ..parallel.grid import Grid
     from ..scene import Load
     from ..scene import Solver as Settings
     from ..surface import Surface
@@ -52,6 +53,11 @@ SAME_LOAD = (
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
+
+
+def _needs_double(contact: Contact) -> bool:
+    """Whether single precision turned out to be too little for a load."""
+    return contact.outcome.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
 
 
 @dataclass(frozen=True)
@@ -98,7 +104,7 @@ class Sweep:
         )
         self._search: Search | Closing | None = None
         self._punch: np.ndarray | None = None  # see _flat_solution
-        self._curve = Curve()
+        self._curve, self._failed = Curve(), False
         self._set_precision(first_precision(settings))
 
     def pressures(self, load: Load) -> Sequence[float | Prescribed]:
@@ -145,6 +151,7 @@ class Sweep:
         if midway and isinstance(load, Prescribed) and self._search is None:
             load = self.solver.p0 * self.E_star * self.surface.slope
         if not midway:
+            self._forget_failure()
             self._spent, self._search = 0.0, None
             if (
                 isinstance(load, Prescribed)
@@ -172,14 +179,18 @@ class Sweep:
             self._set_precision(np.float64)
             promote = False
         step = self._solve(load, watch, midway, promote)
-        if promote and (step is None or step.contact.outcome.status in ("stagnated", "nonfinite")):
+        if promote and (step is None or _needs_double(step.contact)):
             self._set_precision(np.float64)
             self._spent = self._spent if step is None else step.fft_pairs
             step = self._solve(load, watch, False)
         assert step is not None  # without `promote` there is one
-        if step.contact.outcome.status == "nonfinite":
-            self.solver = None  # nothing starts from that
+        self._failed = step.contact.outcome.status not in ("converged", "interrupted")
         return step
+
+    def _forget_failure(self) -> None:
+        """After a load that failed the next one starts afresh."""
+        if self._failed:
+            self.solver, self._curve, self._failed = None, Curve(), False
 
     def _too_little(self, p_star: float) -> bool:
         """Whether single precision is too little for a load."""
@@ -192,6 +203,8 @@ class Sweep:
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """What `restore` needs to go on in the present load or, given the load that is upcoming, at
         its beginning: local slabs by name, and numbers."""
+        if upcoming is not None:
+            self._forget_failure()
         arrays: dict[str, Any] = {}
         numbers: dict[str, Any] = {
             "dtype": self.dtype.name,

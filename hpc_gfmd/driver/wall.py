@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..grid import Grid
+    from ..parallel.grid import Grid
 
 
 TIE = 64.0  # times the rounding error of heights: as high

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from ..bodies import body_of
 from ..bodies.halfspace import HALF_SPACE
-from ..contact import Contact
+from ..contact import default_observables, observables_named
+from ..contact.contact import Contact
 from ..kernels.cache import announced, sound
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import Comm, SerialComm
 from ..parallel.guard import guarded
-from ..registry import body_of, default_observables, observables_named
 from ..scene import Material, Scene, Solver
 from ..surface import build_surface
 from .precision import first_precision

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..table import converged
+from ..output.table import converged
 from .context import FigureContext
 from .page import Page
 from .style import COLOURS, THEORY, WARNING, log_axis

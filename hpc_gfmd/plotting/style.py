@@ -13,7 +13,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
-from ..aside import aside
+from ..util.atomic import aside
 from .units import tex_number
 
 # Okabe and Ito; the last one is kept for warnings

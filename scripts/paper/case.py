@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-from hpc_gfmd.registry import observables_named
+from hpc_gfmd.contact import observables_named
 from hpc_gfmd.scene import Scene, SelfAffine
 
 SURFACE = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "seed")

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.scene.explain import nearest
+from hpc_gfmd.util.errors import SceneError
 
 from . import items
 from .case import Case

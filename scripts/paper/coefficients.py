@@ -5,8 +5,8 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.theory.tfc_fit import TfcFit
+from hpc_gfmd.util.errors import SceneError
 
 from . import fits, paper
 from .levels import PRESSURES, REFERENCE, at_level

@@ -4,8 +4,8 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import Any
 
-from hpc_gfmd.cli import Parser
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.commands.cli import Parser
+from hpc_gfmd.util.errors import SceneError
 
 
 def make_parser() -> ArgumentParser:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.util.errors import SceneError
 
 from .rows import Rows
 from .scatter import SOLVER_SHARE, Scatter, error_of

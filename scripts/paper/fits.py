@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.theory.tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc
+from hpc_gfmd.util.errors import SceneError
 
 from .levels import REFERENCE, at_level
 from .rows import Rows, groups, near

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from math import sqrt
 from typing import Any
 
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.util.errors import SceneError
 
 from .case import Case
 

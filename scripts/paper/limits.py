@@ -16,9 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.theory.least_squares import least_squares
 from hpc_gfmd.theory.tfc_fit import PAPER_ALPHA
+from hpc_gfmd.util.errors import SceneError
 
 from .rows import Rows
 from .scatter import Scatter

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from hpc_gfmd import __version__
-from hpc_gfmd.aside import aside
+from hpc_gfmd.util.atomic import aside
 
 from .catalogue import Study
 from .rows import Rows

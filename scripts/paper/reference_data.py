@@ -5,8 +5,8 @@ import time
 from pathlib import Path
 from typing import Any
 
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.reference.data import FORMAT
+from hpc_gfmd.theory.reference.data import FORMAT
+from hpc_gfmd.util.errors import SceneError
 
 from . import catalogue
 from .publish import write_whole

@@ -8,18 +8,17 @@ from math import isfinite
 from typing import Any
 
 from hpc_gfmd import __version__
-from hpc_gfmd.composition import sweep_of
-from hpc_gfmd.driver.memory import require_memory
-from hpc_gfmd.driver.timing import expected_seconds
+from hpc_gfmd.contact import area, distributions_named, gap, observables_named
 from hpc_gfmd.driver.warmup import compile_once
-from hpc_gfmd.errors import GfmdError, SceneError
-from hpc_gfmd.observables import area, gap
 from hpc_gfmd.parallel.guard import on_rank_0
 from hpc_gfmd.parallel.interrupt import Interrupt, Stopped
 from hpc_gfmd.parallel.world import threads_of
-from hpc_gfmd.registry import distributions_named, observables_named
+from hpc_gfmd.runs.composition import sweep_of
+from hpc_gfmd.runs.memory import require_memory
+from hpc_gfmd.runs.timing import expected_seconds
 from hpc_gfmd.scene import Solver
 from hpc_gfmd.surface import build_surface
+from hpc_gfmd.util.errors import GfmdError, SceneError
 
 from .case import DISTRIBUTION, Case
 from .store import Store, key_of, missing

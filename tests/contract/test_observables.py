@@ -6,17 +6,17 @@ import pytest
 from contacts import rough, sweep_of
 
 from hpc_gfmd.commands.show import as_dict, as_text
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.output.read import read_result
-from hpc_gfmd.registry import (
+from hpc_gfmd.contact import (
     all_observables,
     default_observables,
     meaning_of,
     observables_named,
     unit_of,
 )
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.simulation import run_scene
+from hpc_gfmd.util.errors import SceneError
 
 every_observable = pytest.mark.parametrize("name", all_observables())
 FREE = rough((1, 8, 4), boundary="free")  # where all of them exist
@@ -71,7 +71,7 @@ def test_alone(name, tmp_path):
 
 def test_each_number_of_a_result_is_defined(result, cli):
     """Its meaning and its unit, in the program and on one page."""
-    page = cli.prints("help", "observables", "--markdown")
+    page = cli.prints("help observables --markdown")
     surface = {"unit": "m", "pressure_unit": "Pa"}
     for name in {*result.steps[1], *all_observables()}:
         assert meaning_of(name)

@@ -9,11 +9,11 @@ import signal
 from pathlib import Path
 
 from hpc_gfmd.commands.show import as_dict, as_text
-from hpc_gfmd.errors import GfmdError
 from hpc_gfmd.output.read import read_checkpoint, read_result
 from hpc_gfmd.scene import File, Scene, load_scene
 from hpc_gfmd.surface.files import HeightMap
 from hpc_gfmd.theory import tfc
+from hpc_gfmd.util.errors import GfmdError
 
 MOST_POINTS = 2**20  # of a field that is read; larger ones are left to the check of the memory
 SECONDS, BYTES, LONGEST = (

@@ -14,15 +14,16 @@ from contacts import (
     sweep_over,
 )
 
-from hpc_gfmd.bounds import Pattern, misclassified_points
+from hpc_gfmd.certificate.error_estimates import Pattern, misclassified_points
+from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver.prescribed import Prescribed
-from hpc_gfmd.grid import Grid
+from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.problem import Problem
-from hpc_gfmd.registry import all_observables, solver_names
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.simulation import run_scene
+from hpc_gfmd.solvers import solver_names
 from hpc_gfmd.surface.files import HeightMap
 
 pytestmark = pytest.mark.mpi

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from contacts import EXACT, field, rough, sweep_of
 
+from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver import nested
 from hpc_gfmd.operators import multilevel
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.registry import all_observables
 
 pytestmark = pytest.mark.mpi
 LARGE = rough((2, 300, 2), seed=5)  # 1200 x 1200

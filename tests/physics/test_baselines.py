@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 from contacts import random_heights, rough, surface_over, sweep_of
 
-from hpc_gfmd.driver.certificate import certify
+from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.driver.nested import cold_gap
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.kernels import ccg
 from hpc_gfmd.kernels.dynamics import update_pressure, verlet_step
-from hpc_gfmd.problem import Problem
-from hpc_gfmd.registry import solver_class
+from hpc_gfmd.operators.problem import Problem
+from hpc_gfmd.solvers import solver_class
+from hpc_gfmd.util.errors import SceneError
 
 KINDS = {
     "gfmd": ("gfmd", {}),

@@ -6,7 +6,7 @@ from contacts import heights_of, rough, solve_scene
 from counted import contact_of, random_fields
 
 import hpc_gfmd
-from hpc_gfmd.registry import all_distributions
+from hpc_gfmd.contact import all_distributions
 
 N, SIZES, UNITS = (48, 40), (1.2, 1.5), (3.0, 0.2)
 every_field = pytest.mark.parametrize("name", ["heights", "pressure", "gap"])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.theory.elastic import KAPPA_BGT, Hertz, Westergaard
+from hpc_gfmd.util.errors import SceneError
 
 
 def test_constant():

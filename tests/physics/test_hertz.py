@@ -7,7 +7,7 @@ import pytest
 from contacts import EXACT, field, sweep_of
 
 import hpc_gfmd
-from hpc_gfmd.registry import all_observables
+from hpc_gfmd.contact import all_observables
 from hpc_gfmd.theory.elastic import Hertz
 
 

@@ -5,8 +5,8 @@ import pytest
 from applied import stiffness_times
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
-from hpc_gfmd.grid import Grid
 from hpc_gfmd.operators.elastic import Elastic
+from hpc_gfmd.parallel.grid import Grid
 
 GRIDS = [
     ((16, 16), (1.0, 1.0)),

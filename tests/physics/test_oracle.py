@@ -6,7 +6,7 @@ import pytest
 from contacts import EXACT, random_heights, relative
 
 import hpc_gfmd
-from hpc_gfmd.registry import solver_names
+from hpc_gfmd.solvers import solver_names
 
 GRIDS = [
     ((8, 8), (1.0, 1.0)),

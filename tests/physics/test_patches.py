@@ -7,7 +7,7 @@ from counted import contact_of
 from scipy import ndimage
 
 import hpc_gfmd
-from hpc_gfmd.registry import all_observables, default_observables, observables_named
+from hpc_gfmd.contact import all_observables, default_observables, observables_named
 
 
 def observed(contact, *names):

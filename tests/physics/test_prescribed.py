@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from contacts import EXACT, field, random_heights, relative, rough, sweep_of, sweep_over
 
+from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.curve import Curve
 from hpc_gfmd.driver.prescribed import Prescribed
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.registry import body_of, solver_names
 from hpc_gfmd.scene import Load, Material
+from hpc_gfmd.solvers import solver_names
+from hpc_gfmd.util.errors import SceneError
 
 LAYER = {"thickness": 0.05, "nu1": 0.3, "E_star": 1.0}
 WALLS = {

@@ -6,8 +6,8 @@ import pytest
 from contacts import rough, solve_scene, sweep_of
 
 from hpc_gfmd import reference
+from hpc_gfmd.contact import all_observables
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.registry import all_observables
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import build_surface
 

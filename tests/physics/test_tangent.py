@@ -8,12 +8,13 @@ from contacts import EXACT, random_heights, rough, solve_scene, sweep_of
 
 import hpc_gfmd
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
-from hpc_gfmd.grid import Grid
+from hpc_gfmd.contact import all_observables
 from hpc_gfmd.operators import tangent as tangent_module
 from hpc_gfmd.operators.tangent import tangent
-from hpc_gfmd.registry import all_observables, solver_names
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.simulation import run_scene
+from hpc_gfmd.solvers import solver_names
 
 SURFACE = rough((2, 16, 2), seed=7)
 stiffness = all_observables()["stiffness"]
@@ -138,6 +139,6 @@ def test_from_python():
     assert asked.fft_pairs > plain.fft_pairs
     for wrong in ("stiffness", ["stifness"]):
         with pytest.raises(
-            hpc_gfmd.errors.SceneError, match=r"output\.observables: found .*allowed: "
+            hpc_gfmd.util.errors.SceneError, match=r"output\.observables: found .*allowed: "
         ):
             hpc_gfmd.solve(z, 0.1, observables=wrong)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from contacts import EXACT, field, order, sweep_of
 
-from hpc_gfmd.registry import all_observables
+from hpc_gfmd.contact import all_observables
 from hpc_gfmd.theory.elastic import Westergaard
 
 A = 0.05

@@ -12,8 +12,8 @@ import pytest
 from contacts import EXACT, field, rough, sweep_of
 from nodes import on_pretended_nodes
 
-from hpc_gfmd.driver.decomposition import share_of
 from hpc_gfmd.parallel.world import world
+from hpc_gfmd.runs.decomposition import share_of
 
 P_STAR = 0.05
 

@@ -9,7 +9,7 @@ import pytest
 from slow.cases import odd_problems
 
 import hpc_gfmd
-from hpc_gfmd.registry import solver_names
+from hpc_gfmd.solvers import solver_names
 
 PROBLEMS = float(os.environ.get("HPC_GFMD_PROBLEMS", 1))
 SEED = int(os.environ.get("HPC_GFMD_SEED", 7))
@@ -20,7 +20,7 @@ def run(problem, **settings):
     """(status, what is wrong or None) of one problem."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        warnings.simplefilter("ignore", hpc_gfmd.errors.NotConverged)  # the status tells
+        warnings.simplefilter("ignore", hpc_gfmd.util.errors.NotConverged)  # the status tells
         try:
             solution = hpc_gfmd.solve(
                 problem.heights,

@@ -13,7 +13,7 @@ from paper.publish import publish
 from paper.store import Store
 from study_runs import runs_of
 
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.util.errors import SceneError
 
 BEYOND = ("curves", "distributions", "limit", "percolation", "stiffness")
 GRIDS = (

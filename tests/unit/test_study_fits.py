@@ -13,8 +13,8 @@ from paper.levels import P_HIGH, P_LOW, tfc_series
 from paper.scatter import Scatter
 from study_runs import EDGE, GAP, LAW, runs_of
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.theory import tfc
+from hpc_gfmd.util.errors import SceneError
 
 SURFACE = Case(0.8, 2, 64, 2, 1, (P_LOW,))
 

@@ -14,7 +14,7 @@ from paper.publish import as_csv
 from paper.store import Store
 from study_runs import runs_of
 
-from hpc_gfmd.cli import main
+from hpc_gfmd.commands.cli import main
 from hpc_gfmd.plotting import style
 from hpc_gfmd.theory import persson, tfc
 

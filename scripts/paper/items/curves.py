@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.plotting.style import THEORY, figure, shade
 from hpc_gfmd.theory import persson
+from hpc_gfmd.util.errors import SceneError
 
 from ..catalogue import Study
 from ..continuum import POWERS, continuum

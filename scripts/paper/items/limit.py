@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.plotting.style import COLOURS, figure
+from hpc_gfmd.util.errors import SceneError
 
 from ..case import Case
 from ..catalogue import Study

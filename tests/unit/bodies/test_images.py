@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from hpc_gfmd.bodies import images as module
 from hpc_gfmd.bodies.free import Free
-from hpc_gfmd.operators import images as module
-from hpc_gfmd.operators.images import Images, images, kernel, kernel_of_wave
+from hpc_gfmd.bodies.images import Images, images, kernel, kernel_of_wave
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.surface.build import cell_of, grid_of
 

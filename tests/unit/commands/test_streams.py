@@ -12,10 +12,10 @@ from contacts import scene_text
 from mpi_harness import call, environment, missing
 
 import hpc_gfmd
-from hpc_gfmd.cli import main
+from hpc_gfmd.commands.cli import main
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.world import _abort_on_error
-from hpc_gfmd.streams import Stream
+from hpc_gfmd.util.streams import Stream
 
 SCENE = scene_text(title="Fl\u00e4che \u0394")
 ASCII = {"PYTHONIOENCODING": "ascii", "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}

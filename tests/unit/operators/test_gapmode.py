@@ -7,10 +7,10 @@ import pytest
 from hpc_gfmd.bodies.free import Free
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.bodies.layer import Layer
-from hpc_gfmd.grid import Grid
 from hpc_gfmd.kernels.multilevel import restrict_level, smooth_level
 from hpc_gfmd.operators.elastic import Elastic, reader
 from hpc_gfmd.operators.multilevel import Multilevel
+from hpc_gfmd.parallel.grid import Grid
 
 N = (144, 160)
 GRIDS = {

@@ -8,12 +8,15 @@ import h5py
 import numpy as np
 import pytest
 
+from hpc_gfmd.commands import export
+from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 
 N, SIZES, LOADS = (6, 4), (3.0, 1.0), (0.1, 0.25)
 HEAD = {"scene": "title = 'x'", "identity": "abc", "versions": {"numpy": "2"}}
 SURFACE = {"n": list(N), "physical_sizes": list(SIZES), "h_rms": 0.5}
+UNITS = {"unit": "m", "pressure_unit": "Pa"}
 HEIGHTS = -np.arange(24.0).reshape(N)
 
 
@@ -23,8 +26,8 @@ def field(step, name):
     return (1000.0 * (name == "gap") + 100 * step + 10 * i + j).astype("f4" if step else "f8")
 
 
-def write(path, loads=LOADS, **how):
-    with RunFile(SerialComm(), path, N, (0, N[0]), HEAD, SURFACE, **how) as run:
+def write(path, loads=LOADS, units=UNITS, **how):
+    with RunFile(SerialComm(), path, N, (0, N[0]), HEAD, SURFACE | units, **how) as run:
         run.update(height_field=HEIGHTS)
         for step, p in enumerate(loads):
             attributes = {
@@ -33,6 +36,9 @@ def write(path, loads=LOADS, **how):
                 "status": "converged",
                 "note": "few points" if step else None,
                 "patches": [1, 2],
+                "gap_mean": 0.5,
+                "wall_seconds": 2.0,
+                "../evil": 1.0,
             }
             run.write_step(
                 step, attributes, {name: field(step, name) for name in ("pressure", "gap")}
@@ -50,7 +56,9 @@ def path(tmp_path):
 def test_one_step_in_xarray(tmp_path, compressed):
     xarray = pytest.importorskip("xarray")
     with xarray.open_dataset(
-        write(tmp_path / "out.h5", compressed=compressed), group="steps/0001", engine="h5netcdf"
+        write(tmp_path / "out.h5", units={} if compressed else UNITS, compressed=compressed),
+        group="steps/0001",
+        engine="h5netcdf",
     ) as step:
         pressure = step.pressure
         assert pressure.dims == ("x", "y")
@@ -60,7 +68,7 @@ def test_one_step_in_xarray(tmp_path, compressed):
         assert float(pressure.coords["p"]) == 0.25
         assert np.array_equal(step.heights, HEIGHTS)
         assert step.attrs["a_r"] == 0.5
-        assert pressure.attrs["units"] == "unit of E_star"
+        assert pressure.attrs["units"] == ("unit of E_star" if compressed else "Pa")
         assert "initial gap" in step.gap.attrs["long_name"]
         for name in (*step.data_vars, *step.coords):
             assert step[name].attrs["units"]
@@ -141,13 +149,18 @@ def test_netcdf(path, cli):
         for name in ("pressure", "gap"):
             assert np.array_equal(found[name], [field(0, name), field(1, name)])
             assert found[name].dims == ("loads", "x", "y")
+        assert np.array_equal(found.heights, HEIGHTS)
+        about = {name: found[name].attrs for name in ("gap_mean", "wall_seconds", "a_r", "p")}
+        assert [about[name]["units"] for name in about] == ["m", "s", "1", "Pa"]
+        assert "mean gap" in about["gap_mean"]["long_name"]
 
 
 def test_npz_and_csv(path, cli):
     assert cli.prints("export", path, "--to", "npz", "-o", "a.npz") == "a.npz\n"
     with np.load("a.npz") as found:
         assert np.array_equal(found["gap"], [field(0, "gap"), field(1, "gap")])
-        assert np.array_equal(found["heights"], [HEIGHTS, HEIGHTS])
+        assert np.array_equal(found["heights"], HEIGHTS)
+        assert not [name for name in found.files if "evil" in name]
         assert np.array_equal(found["y"], np.arange(4) * 0.25)
         assert np.array_equal(found["p"], LOADS)
         assert list(found["status"]) == ["converged", "converged"]
@@ -157,6 +170,19 @@ def test_npz_and_csv(path, cli):
         ("0", 0.2, ""),
         ("1", 0.5, "few points"),
     ]
+    assert {"p [Pa]", "gap_mean [m]", "wall_seconds [s]"} < set(lines[0])
+
+
+def test_an_export_that_is_killed_leaves_nothing(path, monkeypatch):
+    """Until it is complete it has no name."""
+    try:
+        os.close(os.open(path.parent, os.O_TMPFILE | os.O_RDWR))
+    except OSError:
+        pytest.skip("the file system has no files without a name")
+    seen = []
+    monkeypatch.setattr(export, "_fill", lambda *_: seen.append(os.listdir(path.parent)))
+    export.export(read_result(path), "netcdf")
+    assert set(map(tuple, seen)) == {("out.h5",)}
 
 
 def test_exports_that_are_refused(path, tmp_path, cli):

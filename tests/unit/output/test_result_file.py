@@ -6,10 +6,10 @@ import pytest
 from result_files import FIELD, STEP, SURFACE, N, begin, complete, names
 
 from hpc_gfmd import load
-from hpc_gfmd.errors import GfmdError
 from hpc_gfmd.output.read import FORMAT_VERSION, read_result
 from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.util.errors import GfmdError
 
 
 def test_a_finished_file_holds_everything(path):
@@ -50,9 +50,10 @@ def test_attributes_of_all_kinds_survive(path):
         "words": ["a", "b"],
     }
     with begin(path) as run:
-        run.write_step(0, step)
+        run.write_step(0, step | {"escape": "a\x1b[31m\nb"})
         run.finish("x")
     (found,) = read_result(path).steps
+    assert found.pop("escape").isprintable()
     assert np.isnan(found.pop("nan"))
     assert found == {
         "p": 1,

@@ -6,12 +6,12 @@ import os
 
 import numpy as np
 import pytest
-from result_files import FIELD, STEP, begin, complete, names
+from result_files import FIELD, STEP, begin, complete, interrupted, names
 
-from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_partial, read_result
-from hpc_gfmd.simulation import restart
+from hpc_gfmd.runs.simulation import restart
+from hpc_gfmd.util.errors import GfmdError, SceneError
 
 
 def test_an_interrupted_run_can_be_read_and_resumed(path):
@@ -20,9 +20,9 @@ def test_an_interrupted_run_can_be_read_and_resumed(path):
         assert read_result(path).status == "running"
     result = read_result(path)
     assert (result.status, result.steps, result.indices) == ("interrupted", [STEP], [0])
-    with begin(path, resume=True) as run:
-        assert run.finished == [0]
-        assert "1 finished" in run.notes[0]
+    with begin(path) as run:
+        assert list(run.finished) == [0]
+        assert run.notes == ["going on with an interrupted run: 1 finished loads are there"]
         run.write_step(1, STEP | {"p": 0.2}, {"gap": FIELD + 1})
         run.finish("converged")
     result = read_result(path)
@@ -30,26 +30,35 @@ def test_an_interrupted_run_can_be_read_and_resumed(path):
     assert np.array_equal(result.fields[1]["gap"].read(0, 6), FIELD + 1)
 
 
-def test_a_fresh_run_removes_what_was_left_and_says_so(path):
-    with begin(path) as run:
-        run.write_step(0, STEP)
-    with begin(path) as run:
-        assert run.finished == []
-        assert "removed an interrupted run of the same scene (1 files of load steps" in run.notes[0]
+@pytest.mark.parametrize(
+    ("whose", "how"),
+    [
+        ("of another scene", {"identity": "other"}),
+        ("of this scene", {"resume": False}),
+        ("that cannot be read", {}),
+    ],
+)
+def test_finished_loads_are_not_removed_unasked(path, whose, how):
+    """Those of another scene, by a whole result in memory, damaged ones."""
+    folder = interrupted(path, 1)
+    if not how:
+        for file in folder.glob("*.h5"):
+            file.write_bytes(b"lost")
+    before = {file: file.read_bytes() for file in folder.glob("*.h5")}
+    with pytest.raises(SceneError, match=f"holds 1 finished loads {whose}, allowed: .* --force"):
+        begin(path, **how)
+    assert before == {file: file.read_bytes() for file in folder.glob("*.h5")}
+    with begin(path, force=True, **how) as run:
+        assert run.notes == [f"removed an interrupted run {whose} (1 finished loads)"]
+        assert list(run.finished) == []
 
 
-def test_finished_steps_of_another_scene_are_not_removed_unasked(path):
-    with begin(path) as run:
-        run.write_step(0, STEP)
-    with pytest.raises(
-        SceneError, match=r"holds 1 finished load steps of another scene, allowed: .* --force"
-    ):
-        begin(path, identity="other")
-    assert read_result(path).steps == [STEP]
-    with begin(path, identity="other", force=True) as run:
-        assert "removed an interrupted run of another scene (1 files" in run.notes[0]
-    with begin(path) as run:
-        assert "of another scene (0 files" in run.notes[0]
+def test_force_begins_anew(path):
+    interrupted(path, 1)
+    with begin(path, force=True) as run:
+        assert run.notes == ["removed an interrupted run of this scene (1 finished loads)"]
+    with begin(path, identity="other") as run:  # nothing is lost
+        assert run.notes == ["removed an interrupted run of another scene (0 finished loads)"]
 
 
 @pytest.mark.parametrize("left", ["step-0001.h5.tmp", "head.h5.tmp", "checkpoint.h5.tmp"])
@@ -59,8 +68,8 @@ def test_dying_while_writing_leaves_nothing_readable(path, left):
     (run.partial / left).write_bytes(b"half")
     path.with_name("out.h5.tmp").write_bytes(b"half")
     assert read_result(path).steps == [STEP]
-    with begin(path, resume=True) as run:
-        assert run.finished == [0]
+    with begin(path) as run:
+        assert list(run.finished) == [0]
         run.finish("converged")
     assert names(path.parent) == ["out.h5"]
 
@@ -70,8 +79,8 @@ def test_dying_before_the_head_was_written(path):
     (partial_folder(path) / "head.h5.tmp").write_bytes(b"")
     with pytest.raises(SceneError, match="no such file, and no interrupted run"):
         read_result(path)
-    with begin(path, resume=True) as run:
-        assert run.finished == []
+    with begin(path) as run:
+        assert list(run.finished) == []
 
 
 def test_dying_between_the_rename_and_the_clean_up(path):
@@ -81,7 +90,7 @@ def test_dying_between_the_rename_and_the_clean_up(path):
         run.write_step(0, STEP | {"p": 9.0})
     assert path.read_bytes() == whole
     assert read_result(path).steps == [STEP]
-    with begin(path, resume=True) as run:
+    with begin(path) as run:
         run.finish("converged")
     assert read_result(path).steps[0]["p"] == 9.0
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from pieces import NEVER, Pieces, scene
 
-from hpc_gfmd import caches
-from hpc_gfmd.grid import Grid
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.parallel import wisdom
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.fftw import load_fftw
-from hpc_gfmd.simulation import run_scene
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.util import caches
 
 pytestmark = pytest.mark.skipif(load_fftw() is None, reason="FFTW is missing")
 N = (120, 84)
@@ -170,6 +170,6 @@ def test_every_checkpoint_has_its_plans(memory, tmp_path, monkeypatch):
     memory.path.unlink()
     memory.replace(b"")
     pieces.chance.after = NEVER
-    run_scene(scene("bpx"), out=pieces.path, resume=True, quiet=True)
+    run_scene(scene("bpx"), out=pieces.path, quiet=True)
     assert wisdom._lines(kept) <= wisdom._lines(memory.text())
     assert not partial_folder(pieces.path).exists()

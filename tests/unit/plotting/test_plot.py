@@ -10,13 +10,13 @@ from contacts import scene_text
 
 import hpc_gfmd
 from hpc_gfmd import make_surface
-from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.plotting import figures, height_map, plot, plot_result, style, survey
 from hpc_gfmd.theory import persson
 from hpc_gfmd.theory.elastic import Westergaard
+from hpc_gfmd.util.errors import GfmdError, SceneError
 
 
 @pytest.fixture(autouse=True)

@@ -7,8 +7,9 @@ import pytest
 import tomli_w
 from scene_tables import FILE, refusal, tables
 
-from hpc_gfmd.errors import SceneError
+import hpc_gfmd
 from hpc_gfmd.scene import Scene, check_names, load_scene
+from hpc_gfmd.util.errors import SceneError
 
 
 def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
@@ -27,7 +28,11 @@ def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
         (b"[surface]\nkind = \n", "line 2"),
         (b"a = 1\na = 2\n", "line 2"),
         (b"\0", "not valid TOML"),
+        (b"[surface]\nhurst = 0,8\n", "(decimals have a point, not a comma: 0,8)"),
         (b"a = " + b"[" * 5000, "nested too deeply"),
+        (b".".join([b"a"] * 20_000) + b" = 1", "nested too deeply"),
+        (b"[" + b".".join([b"a"] * 20_000) + b"]", "nested too deeply"),
+        (b"x = {" + b"'a' . " * 20_000 + b"a = 1}", "nested too deeply"),
         (b"a = " + b"9" * 5000, "not valid TOML"),
         (b"x" * (1 << 20) + b"x", "more than"),
         (b"title = 'only'", "surface: found nothing"),
@@ -50,6 +55,8 @@ def test_what_cannot_be_read_is_refused_and_never_waits(tmp_path):
         with pytest.raises(SceneError) as caught:
             load_scene(path)
         assert str(caught.value).isprintable()
+    with pytest.raises(SceneError, match=r"^hpc_gfmd.run: found a dict, allowed: the path of a sc"):
+        hpc_gfmd.run(tables())
 
 
 def test_a_byte_order_mark_and_windows_line_ends_are_text(tmp_path):
@@ -66,6 +73,14 @@ def test_the_surface_file_counts_from_the_folder_of_the_scene(tmp_path, monkeypa
     assert load_scene(path, ["surface.path=/data/z.npy"]).surface.path == "/data/z.npy"
     assert Scene.from_toml(scene.to_toml(), folder="/elsewhere") == scene
     assert refusal(tables({"kind": "file", "path": ""})).startswith("surface.path: found ''")
+
+
+def test_a_load_takes_the_place_of_another(tmp_path):
+    path = write(tmp_path, tomli_w.dumps(tables()))
+    assert load_scene(path).load.given[0] == "p_star"
+    assert load_scene(path, ["load.a_r=0.1"]).load.given == ("a_r", (0.1,))
+    with pytest.raises(SceneError, match=r"load\.a_rr"):
+        load_scene(path, ["load.a_rr=0.1"])
 
 
 def test_overrides(tmp_path):

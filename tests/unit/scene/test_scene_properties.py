@@ -5,9 +5,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scene_tables import FILE, SHIPPED, SPHERE, SURFACE, TABLES, WAVE, refusal, tables
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.scene import Scene, load_scene
 from hpc_gfmd.scene.surface import KINDS
+from hpc_gfmd.util.errors import SceneError
 
 MODELS = [Scene, *KINDS.values(), *(Scene.model_fields[table].annotation for table in TABLES[1:])]
 KEYS = sorted({key for model in MODELS for key in model.model_fields})

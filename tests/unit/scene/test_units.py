@@ -7,9 +7,9 @@ import pytest
 from contacts import heights_of, rough
 
 import hpc_gfmd
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.simulation import run_scene
+from hpc_gfmd.util.errors import SceneError
 
 FIELDS = ("pressure", "gap", "displacement")
 UNITS = [1e-90, 1e-45, 1e-38, 1e-31, 1e31, 1e38, 1e45, 1e90]
@@ -142,7 +142,7 @@ def test_heights_that_instruments_write_for_missing_points(z, value, tmp_path, c
     (tmp_path / "s.toml").write_text(
         '[surface]\nkind = "file"\nphysical_sizes = [1, 1]\npath = "z.npy"\n[load]\np_star = 0.1\n'
     )
-    err = cli.refused("run", "s.toml")
+    err = cli.refused("run s.toml")
     assert "surface.path" in err
     assert "(3, 4)" in err
 

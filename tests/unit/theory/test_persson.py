@@ -9,10 +9,10 @@ import pytest
 from scipy.integrate import quad, trapezoid
 from scipy.special import erf
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.theory import persson
 from hpc_gfmd.theory.kernels import erf2_integral
 from hpc_gfmd.theory.slope_profile import SlopeProfile
+from hpc_gfmd.util.errors import SceneError
 
 # H, p_star, 1/eps_f: gap/h_rms as printed (gamma = 0.42), corrected (0.42), original theory (gamma
 # = 1)

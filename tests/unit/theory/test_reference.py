@@ -10,8 +10,8 @@ from paper.store import Store
 from study_runs import runs_of
 
 from hpc_gfmd import reference
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.theory import persson
+from hpc_gfmd.util.errors import SceneError
 
 AREA, GAP = 1.3, 0.8  # made-up runs over theory, at H = 0
 

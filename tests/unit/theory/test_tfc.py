@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.theory import tfc
+from hpc_gfmd.util.errors import SceneError
 
 REFERENCE = {"eps_t": 1 / 2, "eps_f": 1 / 1024, "eps_c": 1 / 2}
 
