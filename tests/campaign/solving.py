@@ -105,8 +105,7 @@ def _solutions(wall, contact, way):
         return
     sweep = _sweep(wall, settings, way["low_memory"])
     for p in pressures:
-        step = sweep.solve(p)
-        c = step.contact
+        c = sweep.solve(p)
         points = round(
             c.contact_points / c.N * contact.N
         )  # of the whole wall, where an axis was left out
@@ -114,10 +113,10 @@ def _solutions(wall, contact, way):
             points,
             c.gap_mean,
             np.asarray(c.field("pressure")),
-            c.outcome.status,
-            c.outcome.errors,
-            step.iterations,
-            step.fft_pairs,
+            c.status,
+            c.certificate.errors,
+            c.iterations,
+            c.fft_pairs,
         )
 
 

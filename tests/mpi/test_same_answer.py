@@ -32,14 +32,14 @@ TOLERANCE = 1e-10
 
 def assert_same(comm, step, serial, tolerance=TOLERANCE):
     """Numbers on all ranks and this rank's rows of all fields equal those of one process."""
-    observables = {k: (f(step.contact), f(serial.contact)) for k, f in all_observables().items()}
+    observables = {k: (f(step), f(serial)) for k, f in all_observables().items()}
     for name, (found, wanted) in observables.items():
         assert (found is None) == (wanted is None), name
         assert found is None or found == pytest.approx(wanted, rel=tolerance), name
-    assert step.contact.outcome.status == serial.contact.outcome.status
-    mine = slice(*step.contact.surface.rows)
+    assert step.status == serial.status
+    mine = slice(*step.surface.rows)
     for name in ("pressure", "gap", "displacement")[
-        : 2 if serial.contact.surface.h is None else 3
+        : 2 if serial.surface.h is None else 3
     ]:  # in low memory there is none
         found, wanted = field(step, name), field(serial, name)
         assert found.shape == wanted[mine].shape
@@ -92,7 +92,7 @@ def test_prescribed(comm, quantity, value, low_memory):
     found, wanted = (sweep_of(surface, comm=world, **solver) for world in (comm, SerialComm()))
     for factor in (1.0, 0.8):
         steps = [sweep.solve(Prescribed(quantity, factor * value)) for sweep in (found, wanted)]
-        assert steps[0].contact.p_mean == pytest.approx(steps[1].contact.p_mean, rel=1e-6)
+        assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
         assert_same(comm, *steps, tolerance=1e-5)
 
 
@@ -103,8 +103,8 @@ def test_a_gap_that_closes(comm, boundary):
         for world in (comm, SerialComm())
     )
     steps = [sweep.solve(Prescribed("a_r", 1.0)) for sweep in (found, wanted)]
-    assert steps[0].contact.contact_points == steps[0].contact.N
-    assert steps[0].contact.p_mean == pytest.approx(steps[1].contact.p_mean, rel=1e-6)
+    assert steps[0].contact_points == steps[0].N
+    assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
     assert_same(comm, *steps, tolerance=1e-5)
 
 
@@ -142,10 +142,10 @@ def test_ways_to_solve_a_surface_that_ends(comm, solver):
         solve_scene(surface, 0.1, comm=world, accuracy=1e-3, **solver)
         for world in (comm, SerialComm())
     )
-    assert found.contact.outcome.status == "converged"
-    assert found.contact.contact_points == pytest.approx(wanted.contact.contact_points, rel=1e-3)
-    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-3)
-    assert found.contact.approach == pytest.approx(wanted.contact.approach, rel=1e-4)
+    assert found.status == "converged"
+    assert found.contact_points == pytest.approx(wanted.contact_points, rel=1e-3)
+    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-3)
+    assert found.approach == pytest.approx(wanted.approach, rel=1e-4)
 
 
 @pytest.mark.parametrize("name", solver_names())
@@ -174,8 +174,8 @@ def test_every_solver(comm, name):
 def test_analytic_surfaces(comm, surface):
     steps = [sweep_of(surface, comm=world, **EXACT).solve(0.01) for world in (comm, SerialComm())]
     found, wanted = steps
-    mine = slice(*found.contact.surface.rows)
-    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=TOLERANCE)
+    mine = slice(*found.surface.rows)
+    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=TOLERANCE)
     for name in ("pressure", "gap"):
         whole = field(wanted, name)
         assert (
@@ -190,9 +190,9 @@ def test_single_precision(comm):
         solve_scene(surface, 0.1, comm=world, accuracy=1e-3, precision="single")
         for world in (comm, SerialComm())
     )
-    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-3)
-    assert all_observables()["a_r"](found.contact) == pytest.approx(
-        all_observables()["a_r"](wanted.contact), rel=2e-3
+    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-3)
+    assert all_observables()["a_r"](found) == pytest.approx(
+        all_observables()["a_r"](wanted), rel=2e-3
     )
 
 
