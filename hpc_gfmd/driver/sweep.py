@@ -55,6 +55,11 @@ LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approa
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
 
 
+def _needs_double(contact: Contact) -> bool:
+    """Whether single precision turned out to be too little for a load."""
+    return contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
+
+
 class Sweep:
     """Solves loads on one surface in the order given.
 
@@ -158,7 +163,7 @@ class Sweep:
             self._set_precision(np.float64)
             promote = False
         contact = self._solve(load, watch, midway, promote)
-        if promote and (contact is None or contact.status in ("stagnated", "nonfinite")):
+        if promote and (contact is None or _needs_double(contact)):
             self._set_precision(np.float64)
             self._spent = self._spent if contact is None else contact.fft_pairs
             contact = self._solve(load, watch, False)

@@ -9,11 +9,11 @@ import contacts
 import numpy as np
 import oracle
 import pytest
+from bench.cells import Cells
 from contacts import EXACT, field, random_heights, relative, rough, surface_over, sweep_of
 from physics import free_patch
 from scipy.stats import norm
 
-from hpc_gfmd.bench.cells import Cells
 from hpc_gfmd.bodies.free import ROUNDED, Free
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.contact import all_observables

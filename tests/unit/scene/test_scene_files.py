@@ -27,6 +27,7 @@ def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
         (b"[surface]\nkind = \n", "line 2"),
         (b"a = 1\na = 2\n", "line 2"),
         (b"\0", "not valid TOML"),
+        (b"[surface]\nhurst = 0,8\n", "(decimals have a point, not a comma: 0,8)"),
         (b"a = " + b"[" * 5000, "nested too deeply"),
         (b".".join([b"a"] * 20_000) + b" = 1", "nested too deeply"),
         (b"[" + b".".join([b"a"] * 20_000) + b"]", "nested too deeply"),

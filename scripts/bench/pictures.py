@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from ..plotting.style import COLOURS, figure, ticks
+from hpc_gfmd.plotting.style import COLOURS, figure, ticks
 
 Rows = Sequence[Mapping[str, Any]]
 NAMES = {

@@ -5,10 +5,11 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from ..driver.sweep import Sweep
-from ..driver.warmup import compile_once
-from ..parallel.world import world
-from ..scene import Solver
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.driver.warmup import compile_once
+from hpc_gfmd.parallel.world import world
+from hpc_gfmd.scene import Solver
+
 from .cases import Case
 from .timing import Stopwatch
 from .workers import serve

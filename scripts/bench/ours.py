@@ -7,10 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from ..certificate.criterion import Target
-from ..driver.sweep import Sweep
-from ..scene import Solver
-from ..solvers import solver_class
+from hpc_gfmd.certificate.criterion import Target
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.scene import Solver
+from hpc_gfmd.solvers import solver_class
+
 from .cases import Case
 
 
