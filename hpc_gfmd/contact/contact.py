@@ -12,6 +12,7 @@ import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
 from ..output.fields import FIELDS, LazyField
+from ..surface.quality import load_notes
 from ..surface.units import field_dtype
 from ..util.errors import SceneError
 
@@ -121,7 +122,11 @@ class Contact:
     @property
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
-        return "; ".join(filter(None, [self._doubt, self.remark, *self.surface.notes])) or None
+        of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
+        return (
+            "; ".join(filter(None, [self._doubt, self.remark, *of_load, *self.surface.notes]))
+            or None
+        )
 
     @property
     def _doubt(self) -> str | None:
@@ -137,7 +142,7 @@ class Contact:
                 f"only {points} point{'s' * (points != 1)} {touch}: the area is known to"
                 f" {100 / max(points, 1):.0f} % at best"
             )
-        if self.gap_mean < ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms:
+        if self.gap_is_rounding:
             precision = "single" if self.g.dtype == np.float32 else "double"
             return f"the gap is all rounding at this load in {precision} precision"
         if self.accuracy < self.certificate.unseen < np.inf:
@@ -146,6 +151,12 @@ class Contact:
                 " and of free edges"
             )
         return None
+
+    @property
+    def gap_is_rounding(self) -> bool:
+        """Whether the points that are open are so by less than rounding errors of the heights."""
+        least = ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms
+        return self.contact_points < self.N and self.gap_mean < least
 
     @cached_property
     def tangent(self) -> Tangent:

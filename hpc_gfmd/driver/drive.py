@@ -180,6 +180,7 @@ def _measure(progress: Progress, target: Target) -> float:
         return UNKNOWN
     gap, pressure = progress.estimates
     unseen = progress.unseen
+    gap = min(gap, 1.0)
     return max((gap - unseen) / (_attainable(target, unseen) - unseen), pressure / target.tolerance)
 
 

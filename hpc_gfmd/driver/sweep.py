@@ -55,6 +55,11 @@ LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approa
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
 
 
+def _needs_double(contact: Contact) -> bool:
+    """Whether single precision turned out to be too little for a load."""
+    return contact.outcome.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
+
+
 @dataclass(frozen=True)
 class Step:
     """A solved load. contact: its fields; iterations on the fine grid; pairs: FFT pairs of the
@@ -174,7 +179,7 @@ class Sweep:
             self._set_precision(np.float64)
             promote = False
         step = self._solve(load, watch, midway, promote)
-        if promote and (step is None or step.contact.outcome.status in ("stagnated", "nonfinite")):
+        if promote and (step is None or _needs_double(step.contact)):
             self._set_precision(np.float64)
             self._spent = self._spent if step is None else step.fft_pairs
             step = self._solve(load, watch, False)

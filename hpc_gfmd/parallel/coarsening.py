@@ -39,17 +39,22 @@ def levels(grid: Grid) -> list[Level]:
     step (semi-coarsening), so stretched cells and grids with very different n_x and n_y approach
     square spacing.
     """
-    n, spacing = list(grid.n), [s / grid.a for s in grid.spacings]
-    out = [Level((n[0], n[1]), _nyquist(n, spacing))]
+    n, spacing = grid.n, tuple(s / grid.a for s in grid.spacings)
+    out = [Level(n, _nyquist(n, spacing))]
     while max(n) > 1:
-        finest = min(s for s, k in zip(spacing, n) if k > 1)
-        for axis in (0, 1):
-            if n[axis] > 1 and spacing[axis] < SQRT2 * finest:
-                length = spacing[axis] * n[axis]
-                n[axis] = (n[axis] + 1) // 2
-                spacing[axis] = length / n[axis]
-        out.append(Level((n[0], n[1]), _nyquist(n, spacing) if max(n) > 1 else out[-1].q / 2))
+        n, spacing = halved(n, spacing)
+        out.append(Level(n, _nyquist(n, spacing) if max(n) > 1 else out[-1].q / 2))
     return out
+
+
+def halved(
+    n: tuple[int, int], spacing: tuple[float, ...], fewest: int = 2
+) -> tuple[tuple[int, int], tuple[float, ...]]:
+    """The points of the next coarser level, and their spacing; axes of fewer than `fewest` points
+    stay as they are."""
+    finest = min((s for s, k in zip(spacing, n) if k >= fewest), default=0.0)
+    coarse = [(k + 1) // 2 if k >= fewest and s < SQRT2 * finest else k for k, s in zip(n, spacing)]
+    return (coarse[0], coarse[1]), tuple(s * k / c for s, k, c in zip(spacing, n, coarse))
 
 
 def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:

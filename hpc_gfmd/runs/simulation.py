@@ -216,6 +216,11 @@ def restart(
 def _read_scene(
     scene: str | PathLike | Scene, overrides: Iterable[str], out: str | PathLike | None
 ) -> Scene:
+    if not isinstance(scene, str | PathLike | Scene):
+        raise SceneError(
+            f"hpc_gfmd.run: found a {type(scene).__name__}, allowed: the path of a scene file, or a"
+            " Scene: hpc_gfmd.scene.Scene.from_dict({...})"
+        )
     if not isinstance(scene, Scene):
         scene = load_scene(scene, overrides)
     if out is not None:

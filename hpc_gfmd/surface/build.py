@@ -150,11 +150,12 @@ def _nominal(grid: Grid) -> Grid:
 def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
     """(n_x, n_y) and (L_x, L_y) of a surface; opens the file where only that knows. Raises
     SceneError."""
-    return (
-        (tuple(spec.n), spec.physical_sizes)
-        if spec.n is not None
-        else prepared_size(open_topography(spec), spec)
-    )
+    if spec.n is not None:
+        return tuple(spec.n), spec.physical_sizes
+    found = open_topography(spec)
+    if found.lacks:
+        prepare(found, spec, SerialComm())
+    return prepared_size(found, spec)
 
 
 def build_surface(

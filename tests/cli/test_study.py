@@ -42,7 +42,7 @@ def test_list(cli):
 
 
 def test_plan_solves_nothing(cli, tmp_path):
-    assert "to solve" in cli.prints("all", "--level", "desk", "--plan")
+    assert "to solve" in cli.prints("all --level desk --plan")
     assert not list(tmp_path.iterdir())
 
 
@@ -56,23 +56,23 @@ def test_figure_from_nothing_and_again(cli, tmp_path):
     with open(folder / "fig13.csv") as file:
         assert len(list(csv.DictReader(file))) == len(rows) > 10
     before = (folder / "runs.jsonl").read_bytes()
-    cli.prints("fig13", "--no-run")
+    cli.prints("fig13 --no-run")
     assert (folder / "runs.jsonl").read_bytes() == before
     assert json.loads((folder / "fig13.json").read_text())["rows"] == rows
 
 
 def test_nothing_stored(cli):
-    assert "nothing stored yet" in cli.prints("fig13", "--no-run", "-o", "empty")
+    assert "nothing stored yet" in cli.prints("fig13 --no-run -o empty")
 
 
 def test_parts_make_the_whole(cli, tmp_path):
     for part in ("1/2", "2/2"):
-        cli.prints("fig13", "--only-run", "--part", part, "-o", "parts")
+        cli.prints("fig13 --only-run --part", part, "-o", "parts")
     assert {path.name for path in (tmp_path / "parts").iterdir()} == {
         "runs-1.jsonl",
         "runs-2.jsonl",
     }
-    assert "to solve" not in cli.prints("fig13", "--only-run", "-o", "parts")  # nothing is left
+    assert "to solve" not in cli.prints("fig13 --only-run -o parts")  # nothing is left
     assert len(Store(tmp_path / "parts").load()) == sum(
         len((tmp_path / "parts" / name).read_text().splitlines())
         for name in ("runs-1.jsonl", "runs-2.jsonl")

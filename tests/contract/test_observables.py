@@ -71,7 +71,7 @@ def test_alone(name, tmp_path):
 
 def test_each_number_of_a_result_is_defined(result, cli):
     """Its meaning and its unit, in the program and on one page."""
-    page = cli.prints("help", "observables", "--markdown")
+    page = cli.prints("help observables --markdown")
     surface = {"unit": "m", "pressure_unit": "Pa"}
     for name in {*result.steps[1], *all_observables()}:
         assert meaning_of(name)

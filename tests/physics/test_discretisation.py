@@ -120,12 +120,12 @@ SCENE = scene_text((2, 16, 4), [0.35, 1e-4])
 def test_told_wherever_the_area_is(tmp_path, cli):
     """With the precision that each load was solved in, which under "auto" is not one for all."""
     (tmp_path / "s.toml").write_text(SCENE)
-    table = cli.prints("run", "s.toml")
+    table = cli.prints("run s.toml")
     headline = next(line for line in table.splitlines() if "points," in line)
     assert "float32 until a load needs float64" in headline
     shown, steps = (
-        cli.prints("show", "contact.h5"),
-        json.loads(cli.prints("show", "--json", "contact.h5"))["steps"],
+        cli.prints("show contact.h5"),
+        json.loads(cli.prints("show --json contact.h5"))["steps"],
     )
     assert [step["precision"] for step in steps] == ["float32", "float64"]
     for text in (table, shown):
@@ -150,5 +150,5 @@ def test_a_precision_that_was_asked_for_stands_in_the_headline(tmp_path, cli, pr
     (tmp_path / "s.toml").write_text(
         f'{SCENE}[solver]\nprecision = "{precision}"\naccuracy = 1e-2\n'
     )
-    headline = next(line for line in cli("run", "s.toml").out.splitlines() if "points," in line)
+    headline = next(line for line in cli("run s.toml").out.splitlines() if "points," in line)
     assert {"single": ", float32,", "double": ", float64,"}[precision] in headline
