@@ -18,6 +18,7 @@ __version__ = "1.0.0"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from .plotting import plot
     from .runs.prepared import PreparedSurface, make_surface, read_surface
     from .runs.simulation import RunResult
     from .runs.simulation import run_scene as run
@@ -38,6 +39,7 @@ __all__ = [
     "Solutions",
     "load",
     "make_surface",
+    "plot",
     "read_surface",
     "reference",
     "run",
@@ -54,6 +56,7 @@ _PLACES = {
     "Solutions": "runs.solutions",
     "load": "runs.solutions",
     "make_surface": "runs.prepared",
+    "plot": "plotting",
     "read_surface": "runs.prepared",
     "run": "runs.simulation:run_scene",
     "solve": "runs.solve",
