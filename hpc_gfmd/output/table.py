@@ -148,7 +148,11 @@ def summary(step: dict, surface: dict) -> str:
     """What matters most of a step, in one line with units."""
     parts = []
     if step.get("a_r") is not None:
-        parts.append(f"a_r = {with_error(100 * step['a_r'], step.get('a_r_error'))} %")
+        grid = step.get("a_r_discretisation")
+        parts.append(
+            f"a_r = {with_error(100 * step['a_r'], step.get('a_r_error'))} %"
+            + (f" (solver), +- {100 * grid:.2g} % of it (grid)" if _is_number(grid) else "")
+        )
     for name, key, unit, error in (
         ("p", "p", "pressure_unit", None),
         ("mean gap", "gap_mean", "unit", "gap_error"),

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import partial
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
 from ..surface.build import Surface, surface_from_rows
 from ..surface.heights import Checksum, checked
-from ..surface.quality import MapQuality
+from ..surface.quality import DIFFERENT_UNITS, MapQuality
 from ..surface.topography import Rows, Topography
 from ..util.errors import NotConverged, SceneError, one_line
 from ..util.versions import versions
@@ -264,11 +265,10 @@ def _press(
             begun = time.monotonic()
             say.step(index, len(loads), *load_shown(scene.load, index, sweep, load))
             try:
-                step = sweep.solve(load, say.watch)
+                contact = sweep.solve(load, say.watch)
             finally:
                 say.done()
-            contact = step.contact
-            attributes = step_attributes(scene, index, step, time.monotonic() - begun)
+            attributes = step_attributes(scene, index, contact, time.monotonic() - begun)
             if index + 1 < len(loads) and scene.output.fields:  # the next load overwrites these
                 contact = replace(contact, g=contact.g.copy(), p=contact.p.copy())
             done.contacts.append(contact if scene.output.fields else None)
@@ -305,6 +305,10 @@ def _quality_notes(
 
 
 def _warn(comm: Comm, steps: Sequence[dict]) -> None:
+    notes = [note for step in steps for note in (step["note"] or "").split("; ")]
+    for note in dict.fromkeys(notes) if comm.rank == 0 else ():
+        if note.endswith(DIFFERENT_UNITS):
+            warnings.warn(note, stacklevel=3)
     for index, step in enumerate(steps):
         if step["status"] != "converged" and comm.rank == 0:
             which = f"load {index + 1}: " if len(steps) > 1 else ""
@@ -333,6 +337,11 @@ def _require_the_same(comm: Comm, scene: Scene, shape: Sequence[int]) -> None:
 
 def _checked(heights: Any) -> np.ndarray:
     """The array as it is. Raises SceneError for what is no complete height map."""
+    if isinstance(heights, str | PathLike):
+        raise SceneError(
+            f"heights: found {str(heights)!r}, allowed: an array, or"
+            f" hpc_gfmd.read_surface({str(heights)!r})"
+        )
     if np.ma.is_masked(heights):
         raise SceneError("heights: found masked points, allowed: a complete height map")
     try:

@@ -117,12 +117,6 @@ def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
 
 SPHERE = {"kind": "sphere", "radius": 2.0, "n": [4096, 4096], "boundary": "free"}
 ROUGH = rough((2, 256, 2))
-    "kind": "self-affine",
-    "hurst": 0.8,
-    "L_over_lam_l": 2,
-    "lam_l_over_lam_s": 256,
-    "lam_s_over_a": 2,
-}
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 little."""
 
 import json
+import re
 import warnings
 
 import numpy as np
@@ -118,6 +119,18 @@ def test_waves_of_a_few_points_are_warned_of(periods, warned):
 def test_plan_tells_before_the_run(tmp_path, cli):
     (tmp_path / "scene.toml").write_text(scene([1e-5], 1e-3, "auto"))
     assert "fewer than 100 of the 64 x 64 points touch" in cli.prints("plan scene.toml")
+
+
+@pytest.mark.parametrize(
+    ("scale", "load", "words"),
+    [
+        (1e9, {"p_star": 0.1}, "g_rms = 1e+09: heights and sizes are probably in different units"),
+        (1e-2, {"pressure": 30, "E_star": 2}, "p = 15 E*: loads and moduli are probably in diff"),
+    ],
+)
+def test_numbers_in_wrong_units_are_warned_of(z, scale, load, words):
+    with pytest.warns(UserWarning, match=re.escape(words)):
+        assert words in hpc_gfmd.solve(scale * z, **load).note
 
 
 def test_steep_heights_are_told(z):

@@ -79,6 +79,8 @@ def test_a_bad_value_is_named_with_its_key_and_what_is_allowed(table, key, value
     ("change", "words"),
     rows(r"""
 surface.hurst = "0.8" | found '0.8', allowed: a number from 0 to 1
+surface.hurst = "0,8" | found '0,8', decimals have a point, not a comma, allowed: a number from 0
+material.E_star = "50 um" | material.E_star: found '50 um', 'um' is a unit of length, not of pressure, allowed
 surface.seed = true | found true
 load.pressure = -3 | load.pressure: found -3, allowed: a number greater than 0, plain or as "20 MPa", or a list
 surface.g_rms = -1 | surface.g_rms: found -1, allowed: a number greater than 0
@@ -97,7 +99,7 @@ load.approach = 1 ; surface.boundary = ["free", "periodic"] | load.approach: fou
 solver = {accuracy = 0.1, residual = 0.1} | solver: found accuracy and residual
 material = {E_star = 1, E1 = 1, nu1 = 0, E2 = 1, nu2 = 0} | material: found E_star, E1
 material = {E1 = 1, E2 = 1} | material: found E1, E2, allowed: E1, nu1 (a rigid counterface); E_star; E1, nu1, E2, nu2
-material.nu1 = 0.3 | material: found nu1, allowed
+material.nu1 = 0.3 | material: found nu1 (nu) alone, allowed: with E1, or
 material.thickness = 1 | material: found thickness with nothing else, allowed: thickness with E1, nu1
 material = {thickness = 1, E1 = 1, nu1 = 0, E2 = 1, nu2 = 0} | material: found thickness with E1, nu1, E2, nu2, all
 material = {thickness = 1, nu1 = 0.5} | material: found nu1 = 0.5 with thickness and base = "bonded", allowed
@@ -131,7 +133,6 @@ surface.radius = 1 | nearest: surface.
 surface.kind = "sefl-affine" | nearest: "self-affine",
 machine.thread = 2 | nearest: machine.threads,
 xyzzy = 1 | nearest: title,
-material.E_star = "50 um" | material.E_star: found '50 um', allowed: a number greater than 0
 material.E_star = "50 GPa" ; load.pressure = 0.1 | load.pressure: found 0.1 beside material.E_star = '50 GPa'
 load.pressure = "2 MPa" | material.E_star: found 1 beside load.pressure = '2 MPa', allowed: all pressures with units
 surface.h_rms = "20 nm" | surface.physical_sizes: found 1 beside surface.h_rms = '20 nm'

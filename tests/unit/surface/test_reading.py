@@ -144,11 +144,12 @@ def test_every_format_that_surface_topography_writes_is_here():
 def test_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
     BARE[name](tmp_path / name, 1e9 * Z)
     with pytest.raises(
-        SceneError, match=r"^surface.physical_sizes: found nothing, neither in the scene nor in"
+        SceneError,
+        match=r"^surface.physical_sizes: found nothing, .*; surface.unit: found nothing",
     ):
-        open_topography(spec(tmp_path / name))
+        hpc_gfmd.read_surface(tmp_path / name)
     with pytest.raises(SceneError, match=r"^surface.unit: found nothing for the heights"):
-        open_topography(spec(tmp_path / name, physical_sizes=("1.2 um", "400 nm")))
+        hpc_gfmd.read_surface(tmp_path / name, physical_sizes=("1.2 um", "400 nm"))
     found = open_topography(spec(tmp_path / name, physical_sizes=("1.2 um", "400 nm"), unit="nm"))
     assert np.allclose(found.rows(0, 12), Z, rtol=1e-12)
     assert found.sizes == pytest.approx(SIZES, rel=1e-12)
@@ -165,9 +166,9 @@ def test_the_scene_may_say_otherwise(tmp_path):
     found = open_topography(spec(tmp_path / "z.nc", physical_sizes=(10, 20)))
     assert found.sizes == pytest.approx((1e-8, 2e-8))
     assert np.allclose(found.rows(0, 12), Z)
-    found = open_topography(spec(tmp_path / "z.nc", unit="um"))
-    assert np.allclose(found.rows(0, 12), 1e3 * Z)
-    assert found.sizes == pytest.approx(SIZES)
+    assert open_topography(spec(tmp_path / "z.nc", unit="nm")).sizes == pytest.approx(SIZES)
+    with pytest.raises(SceneError, match=r"^surface.unit: found 'um', but .* heights in 'nm', all"):
+        open_topography(spec(tmp_path / "z.nc", unit="um"))
 
 
 @pytest.mark.parametrize(
@@ -191,7 +192,15 @@ def test_the_scene_may_say_otherwise(tmp_path):
 def test_what_a_file_may_not_say(make, words, tmp_path):
     make(tmp_path / "z.npz")
     with pytest.raises(SceneError, match=words):
-        open_topography(spec(tmp_path / "z.npz"))
+        hpc_gfmd.read_surface(tmp_path / "z.npz")
+
+
+def test_a_format_that_is_not_known(tmp_path, capfd):
+    """Known ones are named; what other readers thought of it is not printed."""
+    (tmp_path / "z.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8)
+    with pytest.raises(SceneError, match=r"is not known, or .* known are npy, .*, x3p, .*gwy"):
+        open_topography(spec(tmp_path / "z.png"))
+    assert not capfd.readouterr().out
 
 
 def test_uneven_points_are_no_grid(tmp_path):
