@@ -18,6 +18,7 @@ __version__ = "1.0.0"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from .plotting import plot
     from .runs.prepared import PreparedSurface, make_surface, prepare_surface, read_surface
     from .runs.simulation import RunResult
     from .runs.simulation import run_scene as run
@@ -38,6 +39,7 @@ __all__ = [
     "Solutions",
     "load",
     "make_surface",
+    "plot",
     "prepare_surface",
     "read_surface",
     "reference",
@@ -55,6 +57,7 @@ _PLACES = {
     "Solutions": "runs.solutions",
     "load": "runs.solutions",
     "make_surface": "runs.prepared",
+    "plot": "plotting",
     "prepare_surface": "runs.prepared",
     "read_surface": "runs.prepared",
     "run": "runs.simulation:run_scene",
