@@ -1,30 +1,16 @@
 """What a scene has to say of a height map beside its path, found by reading it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 from ..parallel.comm import SerialComm
 from ..scene import File
+from ..scene.template import Suggestion
 from ..util.quantities import factor, prefixed
 from .prepare import prepare
 from .quality import JUMP, OUTLYING, TILT, MapQuality, outliers
 from .topography import Topography, open_topography
 
 NEEDED = "TO BE GIVEN, the file does not say it"
-
-
-@dataclass
-class Suggestion:
-    """Of keys of [surface]. values: those to be set; said: what the file itself says; why: reasons
-    for both; missing: what only a person knows; about: the map, a line each; unit: "m" where
-    lengths have units, else ""."""
-
-    values: dict
-    said: dict = field(default_factory=dict)
-    why: dict = field(default_factory=dict)
-    missing: list = field(default_factory=list)
-    about: list = field(default_factory=list)
-    unit: str = ""
 
 
 def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
