@@ -6,7 +6,7 @@ takes longer than the budget, or that does not converge, no tighter ones are tri
 """
 
 from argparse import Namespace
-from itertools import product
+from itertools import product, starmap
 
 from hpc_gfmd import GfmdError
 
@@ -18,11 +18,8 @@ from .timing import Row, in_turn, summary
 def run(args: Namespace) -> None:
     """Measure all cases; args: of command.py."""
     report = Report("accuracy", args.out)
-    for case in product(args.n, args.p_star, args.hurst):
-        try:
-            _one_case(Case(*case), args, report)
-        except GfmdError as error:
-            report.note(str(error))
+    for case in starmap(Case, product(args.n, args.p_star, args.hurst)):
+        _one_case(case, args, report)
     report.finish()
     if report.path:
         from .pictures import accuracy_picture
@@ -32,6 +29,11 @@ def run(args: Namespace) -> None:
 
 
 def _one_case(case: Case, args: Namespace, report: Report) -> None:
+    try:
+        case.reference  # noqa: B018
+    except GfmdError as error:
+        report.note(str(error))
+        return
     settings: dict[tuple, Row] = {}
     errors: dict[tuple, Row] = {}
     taken: dict[tuple, list[Row]] = {}

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -75,7 +76,7 @@ def _table(grid: Grid, fft: SlabFFT) -> np.ndarray:
     return out
 
 
-def love(x: np.ndarray, y: np.ndarray, a: float, b: float) -> np.ndarray:
+def love(x: np.ndarray, y: np.ndarray, a: float, b: float) -> Any:
     """S at distances x, y from the middle of a cell of 2a x 2b under pressure 1, all over the root
     of its area."""
     signs = product((1, -1), repeat=2)

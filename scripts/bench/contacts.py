@@ -18,7 +18,8 @@ WORST = 1e-6  # estimated error of the pressure that a reference may have
 
 @dataclass(frozen=True)
 class Case:
-    """n x n points, p* = p/(E* g_rms); E* = 1, g_rms = 1, a cell of size 1 x 1."""
+    """n x n points, p* = p/(E* g_rms); E* = 1, g_rms = 1 (where the surface ends,
+    of what it is cut out of), a cell of size 1 x 1."""
 
     n: int
     p_star: float
@@ -47,7 +48,7 @@ class Case:
     def press(self, **settings: Any) -> tuple[Row, np.ndarray]:
         """Return numbers of hpc_gfmd.solve, all of the call timed, and the pressure; settings: of
         solve."""
-        loads: Row = {"p_star": self.p_star, "fields": ["pressure"]} | settings
+        loads: Row = {"pressure": self.p_star, "fields": ["pressure"]} | settings
         begun, cpu = time.perf_counter(), time.process_time()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", hpc_gfmd.NotConverged)
@@ -59,7 +60,7 @@ class Case:
             "status": solution.status,
             "iterations": solution.iterations,
             "fft_pairs": solution.fft_pairs,
-            "p_star": solution.p_star,
+            "p_star": solution.p,
             "a_r": solution.a_r,
             "gap_mean": solution.gap_mean,
             "estimates": list(solution.errors),
@@ -68,7 +69,7 @@ class Case:
 
     def at_area(self, a_r: float) -> "Case":
         """Return the same surface at the load at which about a share a_r of it touches."""
-        row, _ = self.press(p_star=None, a_r=a_r)
+        row, _ = self.press(pressure=None, a_r=a_r)
         return replace(self, p_star=float(f"{row['p_star']:.3g}"))
 
     @cached_property
