@@ -18,6 +18,8 @@ __version__ = "1.0.0"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from .parallel.guard import on_rank_0
+    from .parallel.world import world
     from .runs.prepared import PreparedSurface, make_surface, read_surface
     from .runs.simulation import RunResult
     from .runs.simulation import run_scene as run
@@ -38,10 +40,12 @@ __all__ = [
     "Solutions",
     "load",
     "make_surface",
+    "on_rank_0",
     "read_surface",
     "reference",
     "run",
     "solve",
+    "world",
 ]
 _PLACES = {
     "GfmdError": "util.errors",
@@ -54,9 +58,11 @@ _PLACES = {
     "Solutions": "runs.solutions",
     "load": "runs.solutions",
     "make_surface": "runs.prepared",
+    "on_rank_0": "parallel.guard",
     "read_surface": "runs.prepared",
     "run": "runs.simulation:run_scene",
     "solve": "runs.solve",
+    "world": "parallel.world",
 }
 
 
