@@ -20,7 +20,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .parallel.guard import on_rank_0
     from .parallel.world import world
-    from .runs.prepared import PreparedSurface, make_surface, read_surface
+    from .plotting import plot
+    from .runs.prepared import PreparedSurface, make_surface, prepare_surface, read_surface
     from .runs.simulation import RunResult
     from .runs.simulation import run_scene as run
     from .runs.solution import Solution
@@ -41,6 +42,8 @@ __all__ = [
     "load",
     "make_surface",
     "on_rank_0",
+    "plot",
+    "prepare_surface",
     "read_surface",
     "reference",
     "run",
@@ -59,6 +62,8 @@ _PLACES = {
     "load": "runs.solutions",
     "make_surface": "runs.prepared",
     "on_rank_0": "parallel.guard",
+    "plot": "plotting",
+    "prepare_surface": "runs.prepared",
     "read_surface": "runs.prepared",
     "run": "runs.simulation:run_scene",
     "solve": "runs.solve",

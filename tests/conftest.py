@@ -6,6 +6,7 @@ and stderr.
 """
 
 import os
+import shlex
 import shutil
 import signal
 import tempfile
@@ -127,16 +128,16 @@ def path(tmp_path):
 
 @pytest.fixture
 def cli(capfd):
-    """cli(*args): one command in this process (a new one takes seconds): its exit code `code`,
-    `out` and `err`.
+    """cli("a command as in a shell", *args): it in this process (a new one takes seconds): its exit
+    code `code`, `out` and `err`.
 
     cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with
     which one is refused; cli.script: makes the parser of a script whose command line is meant.
     """
 
-    def run(*args):
+    def run(words="", *others):
         capfd.readouterr()
-        code = main(list(map(str, args)), run.script)
+        code = main([*shlex.split(words), *map(str, others)], run.script)
         return SimpleNamespace(code=code, **capfd.readouterr()._asdict())
 
     def prints(*args):

@@ -1,5 +1,6 @@
 """Reference scenes as plain tables, for the tests of the scene parser."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,16 @@ def tables(surface=(), **others) -> dict:
     surface = dict(surface)
     surface = surface if "kind" in surface else SURFACE | surface
     return {"surface": surface, "load": {"p_star": [0.1]}} | others
+
+
+def changed(text: str) -> dict:
+    """`tables` with what TOML says, in lines or between " ; "."""
+    return tables(**tomllib.loads(text.replace(" ; ", "\n")))
+
+
+def rows(text: str) -> list[tuple[str, ...]]:
+    """The rows of a table whose columns stand between " | "."""
+    return [tuple(map(str.strip, line.split(" | "))) for line in text.strip().splitlines()]
 
 
 def refusal(data: dict) -> str:

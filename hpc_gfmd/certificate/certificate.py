@@ -42,10 +42,6 @@ from .error_estimates import (
 if TYPE_CHECKING:
     from ..operators.problem import Problem
 
-# rounding errors of a number that is stored, and of the uniform part added to it before, in units
-# of the precision
-STORED = 1.0
-
 
 @dataclass(frozen=True, kw_only=True)
 class Certificate:
@@ -118,7 +114,7 @@ def certify(
     found, largest = zip(*parts) if parts else ([KktSums(*[0.0] * 7)], [KktExtremes(0.0, 0.0)])
     *totals, uKu, mean = grid.comm.sum([*np.sum(found, axis=0), uKu, elastic.mean])
     sums, extremes = KktSums(*totals), KktExtremes(*grid.comm.max(np.max(largest, axis=0)))
-    closed_p, contact, gap = sums.closed_p, sums.contact, sums.gap
+    closed_p, contact, gap = N * p0 - sums.open_p, sums.contact, sums.gap
     work = p0 * gap
 
     duality_gap = None
@@ -144,7 +140,7 @@ def certify(
             penetration=float(extremes.penetration),
             tension=float(extremes.tension / p0),
             complementarity=float(sums.pg / work) if gap > 0 else 0.0,
-            load_balance=float(abs(closed_p / N - p0) / p0),
+            load_balance=float(abs(sums.open_p) / (N * p0)),
             duality_gap=duality_gap,
             residual=float(np.sqrt(sums.open_pp / N) / p0),
             errors=errors,
@@ -169,29 +165,23 @@ def _errors(
     if not (contact > 0 and np.isfinite([sums.open_pp, closed_pp, gap, uKu]).all()):
         return (np.inf, np.inf, np.inf), 0.0
     compliance = 1.0 / problem.body.scale(grid)
-    excess = 1 - N * p0 / sums.closed_p  # p - p^ is p out of contact, and so much of it in contact
+    closed_p = N * p0 - sums.open_p  # K u has no mean: a sum over the open points has no rounding
+    excess = -sums.open_p / closed_p  # p - p^ is p out of contact, and so much of it in contact
     levels.restrict(g, p, excess)
     rr, tt, rt, _, ts, rs = grid.comm.sum(levels.sweep()[2:])
     share = contact / N
     energy = EQUIVALENCE * compliance * (sums.open_pp + excess**2 * closed_pp + rr)
-    norm, product = levels.response(contact, tt, ts, excess * sums.closed_p + rt, rs, 0.0)
+    norm, product = levels.response(contact, tt, ts, excess * closed_p + rt, rs, 0.0)
     response, aligned = np.sqrt(compliance * norm) / share, compliance * product / share
-    inner = off_edges(grid, g, response, compliance, contact)
-    state = State(
-        np.sqrt(energy), np.sqrt(max(uKu, 0.0)), p0, contact, N, problem.body.error, inner
-    )
-    mean_gap, unseen = gap_error(state, gap, response, aligned, problem.self_energy)
+    inner = off_edges(grid, g, response, contact)
+    state = State(np.sqrt(energy), np.sqrt(max(uKu, 0.0)), p0, contact, N, problem, inner)
+    mean_gap, unseen = gap_error(state, gap, response, aligned)
     pressure = pressure_error(state, 1.0 / problem.body.typical(grid), closed_pp)
 
-    pattern = error_pattern(N * p0 - sums.closed_p, sums.open_pp, sums.open_p4, contact, N)
+    pattern = error_pattern(sums.open_p, sums.open_pp, sums.open_p4, contact, N)
     wrong = misclassified_points(problem, g, p, compliance, pressure**2 * closed_pp, pattern)
     if contact == N and wrong == 0:
         mean_gap = unseen = 0.0  # nothing is open, nor could be
-    elif gap > 0:
-        stored = problem.rounding * (N - contact) / gap + STORED * float(
-            np.finfo(problem.dtype).eps
-        )
-        mean_gap, unseen = mean_gap + stored, unseen + stored
     pressure = np.hypot(pressure, unseen_error(problem, contact, np.sqrt(closed_pp / contact)))
     return (relative_area(wrong, contact), float(mean_gap), float(pressure)), float(unseen)
 
@@ -199,5 +189,5 @@ def _errors(
 def unseen_error(problem: Problem, contact: float, p_rms: float) -> float:
     """Relative error of the pressure field from S and from storing heights and pressures in the
     working precision; p_rms: of those in contact."""
-    stored = 0.0 if problem.dtype == np.float64 else STORED * float(np.finfo(problem.dtype).eps)
+    stored = float(np.finfo(problem.dtype).eps)
     return float(np.linalg.norm([problem.rounding / p_rms, stored, problem.body.error]))

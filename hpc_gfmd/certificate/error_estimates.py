@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain
+from ..operators.problem import ROUNDING
 from ..parallel.halo import next_row
 
 if TYPE_CHECKING:
@@ -51,12 +52,9 @@ MOST = 0.5  # share of the surface in contact from which on it counts whether al
 # times the root of m: the compliance of m points with contact all around them, 8/(3 pi^1.5) for a
 # disc; of one it is 1
 POCKET = 0.5
-UNKNOWN, ALIGNED = (
-    0.3,
-    1.2,
-    # in the second expression for the mean gap: share of the bound; S over the sum over levels for
-    # long waves
-)
+# in the second expression for the mean gap: share of the bound, at most; S over the sum over levels
+# for long waves
+UNKNOWN, ALIGNED = 0.5, 1.2
 
 # times the rms of rounding errors in double precision: a difference of pressures that means nothing
 TIE = 4.0
@@ -80,40 +78,42 @@ SURE = (
 
 class State(NamedTuple):
     """What is known of a state. e: |e|_K = sqrt(2 G), how far the solution is; norm: |u|_K; p0:
-    mean pressure; contact: points in contact; N: all points; error: Body.error; inner: |v|_S^2 of
-    the open points alone, where none of them is at an edge, else inf."""
+    mean pressure; contact: points in contact; N: all points; inner: |v|_S^2 of the open points
+    alone, where none of them is at an edge, else inf."""
 
     e: float
     norm: float
     p0: float
     contact: float
     N: int
-    error: float
+    problem: Problem
     inner: float
 
 
-def gap_error(
-    state: State, gap: float, response: float, aligned: float, surface: float
-) -> tuple[float, float]:
-    """Relative error of the mean gap, and of it what no iteration makes smaller, from S.
+def gap_error(state: State, gap: float, response: float, aligned: float) -> tuple[float, float]:
+    """Relative error of the mean gap, and of it what no iteration makes smaller, from S and from
+    rounding.
 
-    gap: sum over all points; response: |v|_S, aligned: <v, S (p - p^)>, both by sums over levels;
-    surface: Problem.self_energy.
+    gap: sum over all points; response: |v|_S, aligned: <v, S (p - p^)>, both by sums over levels.
+    Rounding errors of the working precision are those of the heights, which are independent from
+    point to point, and of the pressure, as a load that is wrong by as much.
     """
-    e = state.e
+    e, p0, problem = state.e, state.p0, state.problem
+    eps, points_open = ROUNDING * float(np.finfo(problem.dtype).eps), state.N - state.contact
     shift = min(
-        e * ((state.norm + e) / state.p0 + surface), UNKNOWN * response * e + ALIGNED * abs(aligned)
+        e * ((state.norm + e) / p0 + problem.self_energy),
+        UNKNOWN * response * e + ALIGNED * abs(aligned),
     )
-    wide = np.sqrt(state.N - state.contact)
+    wide = np.sqrt(points_open)
     last = CORNER * np.sqrt(state.N) * wide * max(1, POCKET * wide)
-    unseen = state.error * state.p0 * min(LOADED * response**2, state.inner, last)
+    many = state.N / problem.body.scale(problem.grid)
+    unseen = problem.body.error * p0 * min(LOADED * (response**2 + many), state.inner, last)
+    unseen += eps * (p0 * response**2 + gap) + problem.rounding * points_open
     return _relative(shift + unseen, gap), _relative(unseen, gap)
 
 
-def off_edges(
-    grid: Grid, g: np.ndarray, response: float, compliance: float, contact: float
-) -> float:
-    """State.inner: `response` is |v|_S with no s on the finest level. Collective."""
+def off_edges(grid: Grid, g: np.ndarray, response: float, contact: float) -> float:
+    """State.inner. Collective."""
     if not grid.padded or contact < MOST * grid.N:
         return np.inf
     (rows, points), start = grid.inside, grid.nominal_rows[0]
@@ -126,7 +126,7 @@ def off_edges(
     ends += [g[:rows, 0], g[:rows, points - 1]] if along_x else []
     if grid.comm.max([any((x > 0).any() for x in ends)])[0]:
         return np.inf
-    return float(max(response**2 - compliance * grid.N, compliance * (grid.N - contact)))
+    return response**2
 
 
 def _relative(shift: float, gap: float) -> float:

@@ -25,10 +25,10 @@ COMMANDS = (
     "export",
     "persson",
     "tfc",
-    "bench",
     "info",
 )
-MOVED = {"study": "python scripts/paper"}  # commands that are scripts of the repository
+# commands that are scripts of the repository
+MOVED = {"study": "python scripts/paper", "bench": "python scripts/bench"}
 DESCRIPTION = (
     "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml;"
     " hpc-gfmd plot contact.h5. With a measured map: hpc-gfmd init scan.x3p. Every key of a scene:"

@@ -12,13 +12,13 @@ import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
 from ..output.fields import FIELDS, LazyField
+from ..surface.quality import load_notes
 from ..surface.units import field_dtype
 from ..util.errors import SceneError
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
     from ..certificate.certificate import Certificate
-    from ..certificate.criterion import Outcome
     from ..operators.spectra import Spectra
     from ..operators.tangent import Tangent
     from ..parallel.clusters import Clusters
@@ -44,8 +44,10 @@ class Contact:
     g, p : array, local slabs of the grid
         Gap and pressure of the solution, in the program's units (operators/problem.py); the next
         load of a sweep overwrites them.
-    outcome : Outcome
-        Status, certificate and errors.
+    status : str
+        "converged", "stagnated", "max_iterations", "nonfinite" or "interrupted".
+    certificate : Certificate
+        The independent check of this solution, with its errors.
     accuracy : float
         Relative, of what observables still have to solve for.
     lam_s : float or None
@@ -54,6 +56,10 @@ class Contact:
         What is pressed.
     remark : str or None
         On how the load was found, where it was not given.
+    iterations : int
+        On the fine grid.
+    pairs : float
+        FFT pairs of the solve, as many of the fine grid.
     """
 
     surface: Surface
@@ -61,16 +67,14 @@ class Contact:
     p_mean: float
     g: np.ndarray
     p: np.ndarray
-    outcome: Outcome
+    status: str
+    certificate: Certificate
     accuracy: float
     lam_s: float | None = None
     body: Body = HALF_SPACE
     remark: str | None = None
-
-    @property
-    def certificate(self) -> Certificate:
-        """The independent check of this solution."""
-        return self.outcome.certificate
+    iterations: int = 0
+    pairs: float = 0.0
 
     @property
     def N(self) -> int:
@@ -121,7 +125,11 @@ class Contact:
     @property
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
-        return "; ".join(filter(None, [self._doubt, self.remark, *self.surface.notes])) or None
+        of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
+        return (
+            "; ".join(filter(None, [self._doubt, self.remark, *of_load, *self.surface.notes]))
+            or None
+        )
 
     @property
     def _doubt(self) -> str | None:
@@ -137,7 +145,7 @@ class Contact:
                 f"only {points} point{'s' * (points != 1)} {touch}: the area is known to"
                 f" {100 / max(points, 1):.0f} % at best"
             )
-        if self.gap_mean < ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms:
+        if self.gap_is_rounding:
             precision = "single" if self.g.dtype == np.float32 else "double"
             return f"the gap is all rounding at this load in {precision} precision"
         if self.accuracy < self.certificate.unseen < np.inf:
@@ -146,6 +154,12 @@ class Contact:
                 " and of free edges"
             )
         return None
+
+    @property
+    def gap_is_rounding(self) -> bool:
+        """Whether the points that are open are so by less than rounding errors of the heights."""
+        least = ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms
+        return self.contact_points < self.N and self.gap_mean < least
 
     @cached_property
     def tangent(self) -> Tangent:
@@ -174,9 +188,10 @@ class Contact:
         return Spectra(surface.grid, self.g.dtype, fields, units, surface.add_spectrum)
 
     @property
-    def pairs(self) -> float:
-        """FFT pairs that observables of this contact took so far."""
-        return sum(vars(self)[name].pairs for name in ("tangent", "spectra") if name in vars(self))
+    def fft_pairs(self) -> float:
+        """Everything counted: `pairs`, and those of the observables that were asked for so far."""
+        asked = [vars(self)[name].pairs for name in ("tangent", "spectra") if name in vars(self)]
+        return self.pairs + sum(asked)
 
     @property
     def periodic(self) -> tuple[bool, bool]:

@@ -327,12 +327,13 @@ class Multilevel:
     ) -> tuple[float, float]:
         """share^2 |v|_S^2 and share <v, S r> over the compliance of the shortest wave, by sums over
         levels: v = t/share - s is the test pressure of certificate/error_estimates.py, share that
-        of the surface in contact; on the finest level s is left out. contact: points; the others:
-        sums over all ranks of what `sweep` returned."""
+        of the surface in contact. contact: points; the others: sums over all ranks of what `sweep`
+        returned."""
         share, norm = contact / self.grid.N, self.surface.norm
+        finest = contact * (1 - share)  # by itself: what is added may be rounding errors
         if not self.grid.padded:
-            return max(contact + tt - share**2 * norm, 0.0), self.without_mean(rt, mean * share)
-        return max(contact + tt - 2 * share * ts + share**2 * norm, 0.0), rt - share * rs
+            return finest + max(tt - share**2 * norm, 0.0), self.without_mean(rt, mean * share)
+        return finest + max(tt - 2 * share * ts + share**2 * norm, 0.0), rt - share * rs
 
     def restrict(
         self, g: np.ndarray, p: np.ndarray, excess: float, d: np.ndarray | None = None

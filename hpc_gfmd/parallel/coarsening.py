@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,17 +39,22 @@ def levels(grid: Grid) -> list[Level]:
     step (semi-coarsening), so stretched cells and grids with very different n_x and n_y approach
     square spacing.
     """
-    n, spacing = list(grid.n), [s / grid.a for s in grid.spacings]
-    out = [Level((n[0], n[1]), _nyquist(n, spacing))]
+    n, spacing = grid.n, tuple(s / grid.a for s in grid.spacings)
+    out = [Level(n, _nyquist(n, spacing))]
     while max(n) > 1:
-        finest = min(s for s, k in zip(spacing, n) if k > 1)
-        for axis in (0, 1):
-            if n[axis] > 1 and spacing[axis] < SQRT2 * finest:
-                length = spacing[axis] * n[axis]
-                n[axis] = (n[axis] + 1) // 2
-                spacing[axis] = length / n[axis]
-        out.append(Level((n[0], n[1]), _nyquist(n, spacing) if max(n) > 1 else out[-1].q / 2))
+        n, spacing = halved(n, spacing)
+        out.append(Level(n, _nyquist(n, spacing) if max(n) > 1 else out[-1].q / 2))
     return out
+
+
+def halved(
+    n: tuple[int, int], spacing: tuple[float, ...], fewest: int = 2
+) -> tuple[tuple[int, int], tuple[float, ...]]:
+    """The points of the next coarser level, and their spacing; axes of fewer than `fewest` points
+    stay as they are."""
+    finest = min((s for s, k in zip(spacing, n) if k >= fewest), default=0.0)
+    coarse = [(k + 1) // 2 if k >= fewest and s < SQRT2 * finest else k for k, s in zip(n, spacing)]
+    return (coarse[0], coarse[1]), tuple(s * k / c for s, k, c in zip(spacing, n, coarse))
 
 
 def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
@@ -58,11 +63,12 @@ def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
     return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
 
+@lru_cache(maxsize=256)
 def axis_tables(
-    n: int, m: int, dtype: DTypeLike, start: int = 0, stop: int | None = None
+    n: int, m: int, dtype: np.dtype, start: int = 0, stop: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """J0 and f of the fine points start <= i < stop (default: all) of one axis (see
-    kernels/multilevel.py)."""
+    kernels/multilevel.py), not to be written to."""
     i = np.arange(start, n if stop is None else stop, dtype=np.int64)
     return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
 

@@ -12,6 +12,7 @@ import tomli_w
 from pydantic import ValidationError, model_validator
 
 from ..util.errors import SceneError, one_line
+from ..util.quantities import NO_COMMA
 from .explain import explain
 from .settings import Load, Machine, Material, Output, Solver
 from .surface import KINDS, AnySurface, File, SelfAffine, Surface, Wave
@@ -246,4 +247,6 @@ def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:
             f"{origin}: found values nested too deeply, allowed: a scene in TOML"
         ) from None
     except ValueError as error:
-        raise SceneError(f"{origin}: not valid TOML: {one_line(str(error))}") from None
+        comma = re.search(r"=\s*[-+]?\d+,\d", text)
+        why = f" ({NO_COMMA}: {one_line(comma[0][1:].strip())})" if comma else ""
+        raise SceneError(f"{origin}: not valid TOML: {one_line(str(error))}{why}") from None

@@ -106,6 +106,8 @@ class Material(Table):
             ways |= {"": "", "E_star": "", ", ".join(SOLIDS): ""}
         else:
             ways |= {"nu1": "E_star = 1", "E_star, nu1": ""}
+        if found == ["nu1"] and self.thickness is None:
+            raise ValueError("found nu1 (nu) alone, allowed: with E1, or with thickness (a layer)")
         if ", ".join(found) not in ways:
             allowed = "; ".join(
                 f"{way} ({why})" if why else way for way, why in ways.items() if way

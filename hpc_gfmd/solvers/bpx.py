@@ -316,14 +316,12 @@ class Bpx(Solver):
             np.sqrt(EQUIVALENCE * self.compliance * self.r_norm) * (1 + abs(off)) + abs(off) * norm
         )
         response, aligned = self._shift(off)
-        inner = off_edges(self.grid, self.g, response, self.compliance, self.contact)
-        state = State(e, norm, self.p0, self.contact, self.N, self.problem.body.error, inner)
+        inner = off_edges(self.grid, self.g, response, self.contact)
+        state = State(e, norm, self.p0, self.contact, self.N, self.problem, inner)
         pressure = pressure_error(state, self.typical_compliance, closed)
         if self.contact == self.N:  # the certificate says whether a point could open
             return (0.0, pressure), 0.0
-        gap, unseen = gap_error(
-            state, self.gap_mean * self.N, response, aligned, self.problem.self_energy
-        )
+        gap, unseen = gap_error(state, self.gap_mean * self.N, response, aligned)
         return (gap, pressure), unseen
 
     def _shift(self, off: float) -> tuple[float, float]:

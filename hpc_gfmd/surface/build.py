@@ -132,7 +132,7 @@ def grid_of(
 ) -> Grid:
     """The grid on which a surface of n points is solved."""
     cell = cell_of(n, free, sizes)
-    return Grid(
+    return Grid.kept(
         cell, tuple(size * m / k for size, m, k in zip(sizes, cell, n)), comm, threads, nominal=n
     )
 
@@ -142,7 +142,7 @@ def _nominal(grid: Grid) -> Grid:
     if not grid.padded:
         return grid
     sizes = [size * m / k for size, m, k in zip(grid.sizes, grid.nominal, grid.n)]
-    return Grid(
+    return Grid.kept(
         grid.nominal, sizes, grid.comm, grid.threads, np.minimum(grid.starts, grid.nominal[0])
     )
 
@@ -150,11 +150,12 @@ def _nominal(grid: Grid) -> Grid:
 def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
     """(n_x, n_y) and (L_x, L_y) of a surface; opens the file where only that knows. Raises
     SceneError."""
-    return (
-        (tuple(spec.n), spec.physical_sizes)
-        if spec.n is not None
-        else prepared_size(open_topography(spec), spec)
-    )
+    if spec.n is not None:
+        return tuple(spec.n), spec.physical_sizes
+    found = open_topography(spec)
+    if found.lacks:
+        prepare(found, spec, SerialComm())
+    return prepared_size(found, spec)
 
 
 def build_surface(
@@ -281,6 +282,6 @@ def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarra
     if axis is None:
         return grid, z
     if axis == 0:
-        return Grid((1, n[1]), grid.sizes, SerialComm()), first[None].copy()
+        return Grid.kept((1, n[1]), grid.sizes, SerialComm()), first[None].copy()
     column = np.concatenate(comm.allgather(z[:, 0].copy()))
-    return Grid((n[0], 1), grid.sizes, SerialComm()), column[:, None].copy()
+    return Grid.kept((n[0], 1), grid.sizes, SerialComm()), column[:, None].copy()

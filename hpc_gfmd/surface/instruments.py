@@ -1,11 +1,16 @@
 """The formats of instruments and their programs, read by SurfaceTopography."""
 
 import sys
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..util.errors import SceneError
+from .arrays import of_topography
 from .metadata import Metadata
 
 ANY_CHANNEL = "surface"  # the name that nobody gave
@@ -14,8 +19,19 @@ ANY_CHANNEL = "surface"  # the name that nobody gave
 def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
     """(heights (n_x, n_y), nan where they are missing; Metadata) of one channel of a file. Raises
     whatever is wrong with it."""
-    reader_of = surface_topography().open_topography
-    reader = reader_of(str(path))
+    io = surface_topography().IO
+    try:
+        with (
+            redirect_stdout(StringIO()),
+            redirect_stderr(StringIO()),
+        ):  # some readers print what they miss
+            reader = io.open_topography(str(path))
+    except io.CannotDetectFileFormat:
+        known = ", ".join(io.lookup_reader_by_format)
+        raise SceneError(
+            f"surface.path: the format of {path} is not known, or it is damaged; known are npy,"
+            f" npz, text, hdf5, netcdf and, of instruments, {known}"
+        ) from None
     maps = [found for found in reader.channels if found.dim == 2]
     wanted = [found for found in maps if found.name == channel]
     if not maps or (not wanted and channel != ANY_CHANNEL):
@@ -29,13 +45,9 @@ def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
     topography = info.topography(
         **({} if info.physical_sizes is not None else {"physical_sizes": (1.0, 1.0)})
     )
-    heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
-    unit, sizes_unit = topography.unit, topography.unit
-    if isinstance(unit, tuple | list):
-        sizes_unit, unit = unit
-    sizes = None if info.physical_sizes is None else tuple(map(float, topography.physical_sizes))
-    # Most formats know nothing of periodicity, and are said to be not periodic.
-    return heights, Metadata(sizes, sizes_unit, unit, bool(topography.is_periodic) or None)
+    heights, said = of_topography(topography)
+    sizes = None if info.physical_sizes is None else said.sizes
+    return np.ma.filled(heights, np.nan), replace(said, sizes=sizes)
 
 
 def surface_topography() -> Any:

@@ -1,6 +1,7 @@
 """Numbers with units, by pint: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they
 are numbers in SI units."""
 
+import difflib
 import re
 from collections.abc import Iterable, Mapping
 from functools import cache
@@ -10,6 +11,13 @@ from typing import Any, Self
 from .errors import one_line
 
 SI = {"length": "m", "pressure": "Pa", "force": "N"}
+USUAL = {  # to guess from what was meant
+    "length": ("m", "mm", "um", "nm", "pm"),
+    "pressure": ("Pa", "kPa", "MPa", "GPa", "bar", "N/mm^2"),
+    "force": ("N", "uN", "nN", "mN", "kN"),
+}
+DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?!.*,).*")
+NO_COMMA = "decimals have a point, not a comma"
 # No more than this goes to pint, which would also evaluate formulas.
 _FACTOR = r"[A-Za-zµμÅ]+(?:(?:\^|\*\*)?-?[1-9])?"
 _UNIT = re.compile(rf"{_FACTOR}(?: ?[/*] ?{_FACTOR}){{0,3}}")
@@ -35,33 +43,45 @@ def parse(text: str, dimension: str) -> Quantity:
     ValueError."""
     found = _QUANTITY.fullmatch(text[:100])
     if not found:
-        raise ValueError("it is no number with a unit")
+        raise ValueError(
+            NO_COMMA if DECIMAL_COMMA.fullmatch(text) else "it is no number with a unit"
+        )
     return Quantity(float(found[1]) * factor(found[2], dimension), text)
 
 
-def said(given: float | None) -> str:
-    """What was given, as messages say it."""
-    return given.text if isinstance(given, Quantity) else f"{given:g}"
-
-
-def like(given: float, length: float) -> str:
-    """Another length, in the unit of the one that was given."""
-    found = _QUANTITY.fullmatch(given.text) if isinstance(given, Quantity) else None
-    return f"{length / factor(found[2]):.6g} {found[2]}" if found else f"{length:.6g}"
+def format_quantity(value: float, like: float | None = None) -> str:
+    """A number as messages say it: as it was given, or in the unit of `like`, which was given."""
+    if like is None:
+        return value.text if isinstance(value, Quantity) else f"{value:g}"
+    unit = _QUANTITY.fullmatch(like.text) if isinstance(like, Quantity) else None
+    return f"{value / factor(unit[2]):.6g} {unit[2]}" if unit else f"{value:.6g}"
 
 
 @cache
 def factor(unit: str, dimension: str = "length") -> float:
     """One `unit` in the SI unit of a dimension. Raises ValueError for what is no unit of it."""
+    unit = str(unit).strip()
+    if found := _in_si(unit, dimension):
+        return found
+    others = [other for other in SI if _in_si(unit, other)]
+    usual = {name.lower(): name for name in USUAL[dimension]}
+    like = [] if others else difflib.get_close_matches(unit.lower(), usual, n=1)
+    raise ValueError(
+        f"{one_line(unit, 80)!r} is "
+        + (f"a unit of {others[0]}, not of {dimension}" if others else f"no unit of {dimension}")
+        + (f' (did you mean "{usual[like[0]]}"?)' if like else "")
+    )
+
+
+def _in_si(unit: str, dimension: str) -> float | None:
     import pint
 
-    unit = str(unit).strip()
     try:
-        if not _UNIT.fullmatch(unit):
-            raise ValueError
-        return float(_registry()(unit).to(SI[dimension]).magnitude)
+        if _UNIT.fullmatch(unit):
+            return float(_registry()(unit).to(SI[dimension]).magnitude)
     except (ValueError, AttributeError, pint.PintError):
-        raise ValueError(f"{one_line(unit, 80)!r} is no unit of {dimension}") from None
+        pass
+    return None
 
 
 @cache
@@ -74,7 +94,8 @@ def _registry() -> Any:
 def in_units(unit: str, surface: Mapping[str, Any]) -> str:
     """A product of "length", "pressure" and "force" in the units that attributes of a surface name:
     "m^2"; "1" of "", and "" where one of them has no name."""
-    length, pressure = (str(surface.get(key, "")) for key in ("unit", "pressure_unit"))
+    said = [surface.get(key) for key in ("unit", "pressure_unit")]
+    length, pressure = (name if isinstance(name, str) else "" for name in said)
     names = {"length": length, "pressure": pressure, "force": "N" if length and pressure else ""}
     words = "|".join(names)
     if not all(names[word] for word in re.findall(words, unit)):

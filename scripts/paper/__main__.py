@@ -1,4 +1,4 @@
-"""`python scripts/paper ITEM`: the paper's figures and tables, from any folder, also under mpirun."""
+"""`python scripts/paper ITEM`: figures and tables of the paper, alone and under mpirun."""
 
 import sys
 from argparse import ArgumentParser, Namespace

@@ -44,7 +44,7 @@ def jackknife(of: Callable[[np.ndarray], ArrayLike], count: int) -> tuple[np.nda
 
 
 def weighted(values: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
-    """Compute (mean, standard error), enlarged where the values differ by more than their errors."""
+    """Compute (mean, standard error), enlarged where values differ by more than their errors."""
     value, weight = np.asarray(values), np.asarray(errors) ** -2.0
     mean = float(np.average(value, weights=weight))
     chi2 = float(np.sum(weight * (value - mean) ** 2)) / max(value.size - 1, 1)
@@ -316,7 +316,7 @@ def local_exponents(runs: Rows, observable: str, level: str) -> Rows:
 
 
 def _log_ratio(steps: np.ndarray, solver: np.ndarray) -> tuple[float | None, float | None]:
-    """Compute log2 of the ratio of the mean steps, (seeds, 2); solver: errors of the three means."""
+    """Compute log2 of the ratio of mean steps, (seeds, 2); solver: errors of the three means."""
     first, second = steps.mean(axis=0)
     if not first * second > 0:
         return None, None
@@ -345,7 +345,8 @@ def fit_limit(runs: Rows, observable: str, scatter: Scatter, alpha_f: float | No
     The corrections of eq. tfc do not simply add up: a coarse grid enlarges the fractal correction.
     The model is therefore
 
-        kappa_TFC + C_t eps_t + (C_f + D eps_c) eps_f^alpha_f + C_1 eps_c + C_2 eps_c^2 + C_3 eps_c^3,
+        kappa_TFC + C_t eps_t + (C_f + D eps_c) eps_f^alpha_f
+            + C_1 eps_c + C_2 eps_c^2 + C_3 eps_c^3,
 
     eq. tfc with the product that the data demand, and with a Taylor series in eps_c: the contact of
     a surface that is smooth below lam_s has a boundary of finite length, so the excess of counted

@@ -32,5 +32,5 @@ class Study(NamedTuple):
 
     @property
     def question(self) -> str:
-        """Say what is asked by an item beyond the paper, which has a page of its own; "" of others."""
+        """Say what an item beyond the paper asks, which has a page of its own; "" of others."""
         return CATALOGUE["items"][self.name].get("question", "")

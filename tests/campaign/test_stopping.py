@@ -6,10 +6,10 @@ import warnings
 
 import numpy as np
 import pytest
-
-import hpc_gfmd
 from campaign import families
 from campaign.kept import truths
+
+import hpc_gfmd
 from hpc_gfmd.util.errors import NotConverged
 
 PROBLEMS = float(os.environ.get("HPC_GFMD_PROBLEMS", 1))

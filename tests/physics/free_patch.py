@@ -52,7 +52,7 @@ def pressure(kept, load):
 
 def main():
     """Solve, compare the codes, and write."""
-    sys.path.insert(0, str(HERE.parents[1] / "hpc_gfmd" / "bench"))
+    sys.path.insert(0, str(HERE.parents[1] / "scripts" / "bench"))
     from peer_worker import PEERS
 
     kept, z = {}, heights()

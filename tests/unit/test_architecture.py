@@ -14,7 +14,6 @@ FILES = sorted(ROOT.rglob("*.py"))
 LONGEST = 560  # lines
 FLOORS = (  # from the top down: a folder imports from those below its own floor, and from itself
     ("commands",),
-    ("bench",),
     ("runs",),
     ("driver",),
     ("solvers", "contact"),
@@ -26,10 +25,9 @@ FLOORS = (  # from the top down: a folder imports from those below its own floor
     ("util",),
 )
 ALLOWED_IN = {  # module: folders or files that may import it
-    "numba": ("kernels/", "commands/info.py", "bench/"),
-    "mpi4py": ("parallel/", "commands/info.py", "bench/"),
-    "mpi4py_fft": ("parallel/", "bench/"),
-    "matplotlib": ("plotting/", "bench/"),
+    "numba": ("kernels/", "commands/info.py"),
+    "mpi4py": ("parallel/", "commands/info.py"),
+    "matplotlib": ("plotting/",),
 }
 HEAVY = ("numpy", "scipy", "h5py", "numba", "matplotlib")  # not for the scene
 LEVEL = {folder: -k for k, floor in enumerate(FLOORS) for folder in floor}
@@ -110,7 +108,6 @@ def test_only_bodies_know_a_stiffness():
         "kernels/spectral.py",
         "parallel/coarsening.py",
         "parallel/grid.py",
-        "bench/",
     )
     knowing = {name(path) for path in FILES if any(word in path.read_text() for word in words)}
     assert not {f for f in knowing if not f.startswith(places)}

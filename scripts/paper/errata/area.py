@@ -36,8 +36,9 @@ def area_is_half_kappa(tables: dict[str, Rows]) -> Any:
         for row in best
     ]
     order = "rises" if best[0]["kappa_edge"] > best[-1]["kappa_edge"] else "falls"
+    ours = each("a_r = {a_r:.3f}, kappa/2 = {half:.3f} at H = {hurst:g}", found)
     return (
-        f"edge-corrected on the finest grid: {each('a_r = {a_r:.3f}, kappa/2 = {half:.3f} at H = {hurst:g}', found)};"
+        f"edge-corrected on the finest grid: {ours};"
         f" kappa {order} as H decreases, as the text itself says of low loads"
     )
 

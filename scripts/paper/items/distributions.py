@@ -17,7 +17,7 @@ from ..rows import Rows, at_load, by_hurst, groups, quoted, saying, where
 from ..study import Study
 
 LOADS = CATALOGUE["series"]["distributions"]["loads"]["all"]
-# of what: (its unit in terms of a run, edges of bins in that unit, its label, range of the densities)
+# of what: (its unit and the power of it, edges of bins in it, its label, range of the densities)
 KINDS = {
     "pressure": ("g_rms", 1, np.arange(0, 4.0001, 0.05), r"$p/(E^* g_\mathrm{rms})$", (1e-4, 5)),
     "gap": ("h_rms", 1, np.geomspace(1e-3, 8, 40), r"$g/h_\mathrm{rms}$", (1e-5, 20)),

@@ -41,7 +41,7 @@ def means(runs: Rows, level: str) -> Rows:
 
 
 def with_theory(runs: Rows, level: str = "", unit: str = "h_rms") -> Rows:
-    """Average the gap in a unit; add Persson's, corrected and as printed, and simulation over it."""
+    """Average the gap in a unit; add Persson's, corrected and printed, and simulation over it."""
     rows = average(runs, f"gap_over_{unit}")
     for row in rows:
         at = (row["p_star"], row["hurst"], row["eps_f"])

@@ -75,10 +75,10 @@ def fractal_claim() -> tuple[str, str]:
     by_table = row["C_f"] * claim["eps_f"] ** row["alpha_f"] / of_hurst("kappa_tfc", claim["hurst"])
     by_text = claim["coefficient"] * claim["eps_f"] ** NUMBERS["alpha_f"]
     return (
-        f"H = 0.8, lam_l/lam_s = {1 / claim['eps_f']:g}: kappa {claim['error']:.0%} too large, from"
-        f" {claim['coefficient']:g} eps_f^0.67",
-        f"{claim['coefficient']:g} eps_f^0.67 is {by_text:.2f} in kappa, not {claim['error']:.0%} of"
-        f" it; the table's C_f = {row['C_f']:g} makes it {by_table:.0%}; counting grid points at"
+        f"H = 0.8, lam_l/lam_s = {1 / claim['eps_f']:g}: kappa {claim['error']:.0%} too large,"
+        f" from {claim['coefficient']:g} eps_f^0.67",
+        f"{claim['coefficient']:g} eps_f^0.67 is {by_text:.2f} in kappa, not {claim['error']:.0%}"
+        f" of it; the table's C_f = {row['C_f']:g} makes it {by_table:.0%}; counting grid points at"
         " eps_c = 1/2 enlarges the fractal correction",
     )
 

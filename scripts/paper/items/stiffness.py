@@ -86,7 +86,7 @@ def _rises_to(exponent: float, rows: Rows) -> dict[str, float | None]:
 
 
 def findings(rows: Rows) -> Iterator[dict]:
-    """Compare the exponents with 1/(1 + H), say where they end, compare the stiffness with theory."""
+    """Compare the exponents with 1/(1 + H), say where they end; compare K with theory."""
     laws = [law for law in power_laws(rows) if law["exponent"] is not None]
     for law in laws:
         yield saying(

@@ -66,7 +66,7 @@ def _fits(runs: Rows, level: str, observable: str) -> Iterator[tuple[str, str, T
 
 
 def compare(rows: Rows, observable: str, pressure: str) -> Iterator[dict]:
-    """Compare our coefficients, with the paper's exponents where we have such a fit, and with ours."""
+    """Compare our coefficients, with the paper's exponents where we have those, and with ours."""
     theirs, mine = (
         ", ".join(f"C_{i} = {{C_{i}:{how}}} (alpha {{alpha_{i}:{how}}})" for i in "cft")
         for how in "g±"

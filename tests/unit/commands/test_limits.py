@@ -91,14 +91,14 @@ def test_other_surfaces_have_no_limits():
 
 def test_command(monkeypatch, cli):
     monkeypatch.setattr(show, "read_result", lambda path: result_of())
-    tables = json.loads(cli.prints("show", "x.h5", "--json", "--tfc", "paper"))
+    tables = json.loads(cli.prints("show x.h5 --json --tfc paper"))
     assert tables["tfc"]["table"] == "paper"
     assert set(tables) == {"surface", "steps", "status", "tfc"}
-    assert "tfc" not in json.loads(cli.prints("show", "x.h5", "--json"))
+    assert "tfc" not in json.loads(cli.prints("show x.h5 --json"))
     assert f"coefficients of: {'ours' if tfc.our_table() else 'paper'}" in cli.prints(
-        "show", "x.h5", "--tfc"
+        "show x.h5 --tfc"
     )
-    assert "table: found 'nowhere.json'" in cli.refused("show", "x.h5", "--tfc", "nowhere.json")
+    assert "table: found 'nowhere.json'" in cli.refused("show x.h5 --tfc nowhere.json")
 
 
 def test_tables_by_name(monkeypatch, tmp_path):

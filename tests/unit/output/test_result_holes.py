@@ -177,19 +177,17 @@ def test_the_command_line(cli):
         '[surface]\nkind = "wave"\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n'
         '[output]\npath = "out.h5"\nfields = ["gap", "displacement", "heights"]\n'
     )
-    assert cli("run", "scene.toml", "-q").code in (0, 3)
+    assert cli("run scene.toml -q").code in (0, 3)
     with h5py.File("out.h5") as file:
         assert file.attrs["io"] == "serial"
         step = file["steps/0000"]
         assert np.allclose(step["gap"], step["displacement"][:] - step["heights"][:])
         assert np.max(step["heights"]) == 0
         assert step["heights"] == file["surface/heights"]
-    assert "--force" in cli.refused("run", "scene.toml", "-q", "--set", "load.pressure=0.2")
-    assert cli("run", "scene.toml", "-q", "--set", "load.pressure=0.2", "--force").code in (0, 3)
+    assert "--force" in cli.refused("run scene.toml -q --set load.pressure=0.2")
+    assert cli("run scene.toml -q --set load.pressure=0.2 --force").code in (0, 3)
     assert read_result("out.h5").steps[0]["p"] == 0.2
-    assert "the folder missing does not exist" in cli.refused(
-        "run", "scene.toml", "-q", "-o", "missing/out.h5"
-    )
+    assert "the folder missing does not exist" in cli.refused("run scene.toml -q -o missing/out.h5")
     interrupted(Path("x.h5"))
     for command in ("restart", "show"):
         err = cli.refused(command, "x.h5.partial")

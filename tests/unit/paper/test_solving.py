@@ -153,36 +153,36 @@ def paper(cli):
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (["fig14"], "ITEM: found 'fig14'"),
-        ([], "ITEM: found nothing"),
-        (["fig1", "--level", "big"], "desk"),
-        (["fig1", "--part", "3/2", "--only-run"], "--part: found '3/2'"),
-        (["fig1", "--part", "1/2"], "--only-run"),
-        (["fig1", "--threads", "0"], "--threads: found '0'"),
-        (["fig1", "--only-run", "--no-run"], "not allowed"),
-        (["fig1", "--only-run", "--report"], "--only-run: found with"),
+        ("fig14", "ITEM: found 'fig14'"),
+        ("", "ITEM: found nothing"),
+        ("fig1 --level big", "desk"),
+        ("fig1 --part 3/2 --only-run", "--part: found '3/2'"),
+        ("fig1 --part 1/2", "--only-run"),
+        ("fig1 --threads 0", "--threads: found '0'"),
+        ("fig1 --only-run --no-run", "not allowed"),
+        ("fig1 --only-run --report", "--only-run: found with"),
     ],
 )
 def test_wrong_arguments(paper, args, said):
-    assert said in paper.refused(*args)
+    assert said in paper.refused(args)
 
 
 def test_command(paper, tmp_path):
     lines = paper.prints("--list").splitlines()
     assert [line.split()[0] for line in lines] == list(STUDIES)
-    assert "to solve" in paper.prints("all", "--level", "desk", "--plan")
-    assert "nothing stored yet" in paper.prints("fig13", "--no-run", "-o", "empty")
+    assert "to solve" in paper.prints("all --level desk --plan")
+    assert "nothing stored yet" in paper.prints("fig13 --no-run -o empty")
     assert not list(tmp_path.iterdir())
     for part in ("1/2", "2/2"):
-        paper.prints("fig13", "--only-run", "--part", part, "-o", "parts")
+        paper.prints("fig13 --only-run -o parts --part", part)
     folder = tmp_path / "parts"
     assert {path.name for path in folder.iterdir()} == {"runs-1.jsonl", "runs-2.jsonl"}
-    assert "to solve" not in paper.prints("fig13", "-o", "parts")
+    assert "to solve" not in paper.prints("fig13 -o parts")
     table, picture = folder / "fig13.csv", folder / "fig13.png"
     before = table.read_text()
     assert before.count("\n") > 10
     picture.unlink()
-    paper.prints("fig13", "--redraw", "-o", "parts")
+    paper.prints("fig13 --redraw -o parts")
     assert (table.read_text(), picture.stat().st_size > 10_000) == (before, True)
     paper.script = None
-    assert "python scripts/paper" in paper.refused("study", "fig13")
+    assert "python scripts/paper" in paper.refused("study fig13")

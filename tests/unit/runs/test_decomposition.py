@@ -109,7 +109,7 @@ def test_nobody_sends_more_than_the_busiest(n, ranks, per_node):
 
 def test_plan_says_it(tmp_path, cli, monkeypatch):
     def planned(*args):
-        return json.loads(cli.prints("plan", "scene.toml", *args, "--json"))
+        return json.loads(cli.prints("plan scene.toml", *args, "--json"))
 
     scene = {
         "surface": rough((2, 4096, 8)),

@@ -2,6 +2,7 @@
 little."""
 
 import json
+import re
 import warnings
 
 import numpy as np
@@ -30,9 +31,9 @@ def run(tmp_path, cli):
 
     def solve(p_star, accuracy=1e-3, precision="auto"):
         (tmp_path / "scene.toml").write_text(scene(p_star, accuracy, precision))
-        done = cli("run", "scene.toml")
+        done = cli("run scene.toml")
         shown, data, plotted = (
-            cli.prints(*args, "contact.h5") for args in (("show",), ("show", "--json"), ("plot",))
+            cli.prints(f"{command} contact.h5") for command in ("show", "show --json", "plot")
         )
         return done.code, done.out, shown, json.loads(data), plotted
 
@@ -117,7 +118,19 @@ def test_waves_of_a_few_points_are_warned_of(periods, warned):
 
 def test_plan_tells_before_the_run(tmp_path, cli):
     (tmp_path / "scene.toml").write_text(scene([1e-5], 1e-3, "auto"))
-    assert "fewer than 100 of the 64 x 64 points touch" in cli.prints("plan", "scene.toml")
+    assert "fewer than 100 of the 64 x 64 points touch" in cli.prints("plan scene.toml")
+
+
+@pytest.mark.parametrize(
+    ("scale", "load", "words"),
+    [
+        (1e9, {"p_star": 0.1}, "g_rms = 1e+09: heights and sizes are probably in different units"),
+        (1e-2, {"pressure": 30, "E_star": 2}, "p = 15 E*: loads and moduli are probably in diff"),
+    ],
+)
+def test_numbers_in_wrong_units_are_warned_of(z, scale, load, words):
+    with pytest.warns(UserWarning, match=re.escape(words)):
+        assert words in hpc_gfmd.solve(scale * z, **load).note
 
 
 def test_steep_heights_are_told(z):
@@ -134,8 +147,8 @@ def test_notes_on_a_height_map_are_told_everywhere(z, tmp_path, cli):
         'surface = {kind = "file", path = "z.npy", physical_sizes = [1, 1]}\nload.p_star = [0.1,'
         " 0.2]"
     )
-    log = cli.prints("run", "s.toml")
-    for text in (log, cli.prints("show", "contact.h5")):
+    log = cli.prints("run s.toml")
+    for text in (log, cli.prints("show contact.h5")):
         assert (
             text.count(
                 "steps 0, 1: g_rms = 1e+09: heights and sizes are probably in different units"

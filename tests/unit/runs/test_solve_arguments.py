@@ -1,6 +1,7 @@
 """Whatever hpc_gfmd.solve is given, it gives a solution or a SceneError of one line."""
 
 import os
+import tomllib
 import warnings
 from decimal import Decimal
 
@@ -9,6 +10,7 @@ import pytest
 from contacts import random_heights
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scene_tables import rows
 
 import hpc_gfmd
 from hpc_gfmd.util.errors import SceneError
@@ -16,64 +18,63 @@ from hpc_gfmd.util.errors import SceneError
 Z = random_heights((8, 8))
 HUGE = 10**400
 REFUSED = [
-    ({"E_star": 1e308}, "material.E_star: found 1e"),
     ({"E_star": HUGE}, "material.E_star: found 1000"),
-    ({"E_star": 1e-320}, "material.E_star: found 1e-320"),
-    ({"E_star": True}, "material.E_star: found true"),
-    ({"E_star": "1"}, "material.E_star: found '1'"),
-    ({"E1": 2.0}, "material: found E1, allowed"),
     ({"E_star": 1j}, "material.E_star: found 1j"),
     ({"E_star": np.array([1.0, 2.0])}, "material.E_star: found [1.0, 2.0]"),
-    ({"physical_sizes": (1e-200, 1e-200)}, "surface.physical_sizes"),
     ({"physical_sizes": (HUGE, 1)}, "surface.physical_sizes"),
-    ({"physical_sizes": "12"}, "surface.physical_sizes: found '12'"),
-    ({"physical_sizes": {1: 2, 3: 4}}, "surface.physical_sizes"),
-    ({"physical_sizes": (1, 2, 3)}, "surface.physical_sizes"),
-    ({"physical_sizes": 1.0}, "surface.physical_sizes"),
     ({"accuracy": HUGE}, "solver.accuracy"),
-    ({"accuracy": 1e-3, "residual": 1e-6}, "solver: found accuracy and residual"),
-    ({"threads": 65536}, "machine.threads: found 65536, allowed on this machine"),
-    ({"threads": 100_000}, "machine.threads"),
-    ({"low_memory": True}, "solver.low_memory"),
-    ({"precison": "single"}, "nearest: solver.precision"),
-    ({"thicknes": 1.0}, "material.thicknes: unknown key, nearest: material.thickness"),
-    ({"fields": ["presure"]}, "output.fields"),
-    ({"path": "x.h5"}, "found path, allowed: in a scene"),
-    ({"wall_seconds": 3}, "found wall_seconds, allowed: in a scene"),
-    ({"comm": 3}, "comm: found int, allowed: a communicator"),
-    ({"boundary": "open"}, "surface.boundary: found 'open'"),
-    ({"base": "glued", "thickness": 1, "nu": 0.3}, "material.base: found 'glued'"),
-    ({"name": "gfdm"}, 'nearest: "gfmd"'),
-    (
-        {"adhesion": 0.1},
-        "hpc_gfmd.solve: adhesion: not modelled (elastic, frictionless, non-adhesive contact only)",
-    ),
-    ({"thickness": 1, "nu": 0.3, "nu1": 0.4}, "found nu and nu1"),
-    (
-        {"boundary": ["free", "periodic"], "accuracy": 1e-7},
-        "solver.accuracy: found 1e-07, allowed with a free boundary: above",
-    ),
-    (
-        {"boundary": "free", "distributions": ["gap_spectrum"]},
-        "'gap_spectrum', which needs periodic boundaries, allowed",
-    ),
-    ({"observables": ["wear"]}, "found 'wear', not modelled"),
-    ({"observables": "a_r"}, "output.observables"),
-    ({"observables": ["a_rr"]}, 'nearest: "a_r"'),
-    ({"pressure": []}, "load.pressure"),
-    ({"pressure": [0.1, -1]}, "load.pressure"),
     ({"pressure": None}, "load: found nothing"),
-    ({"pressure": "0.1"}, "load.pressure"),
-    ({"p_star": 0.1}, "load: found p_star and pressure"),
-    ({"heights": [[1, 2], [3]]}, "heights: found"),
-    ({"heights": [[HUGE, 1]]}, "heights: found"),
-    ({"heights": "z.npy"}, "heights: found"),
-    *[
-        ({"heights": wrong}, "heights: found")
-        for wrong in (None, Z + 1j, Z[0], Z[:0], Z[None], Z > 0, Z.astype(object))
-    ],
     ({"heights": np.where(Z == Z.max(), np.inf, Z)}, "surface: found inf"),
     ({"heights": np.ma.masked_less(Z, 0)}, "found"),
+    *[
+        ({"heights": wrong}, "heights: found")
+        for wrong in (
+            *([[1, 2], [3]], [[HUGE, 1]], None, "z.npy"),
+            *(Z + 1j, Z[0], Z[:0], Z[None], Z > 0, Z.astype(object)),
+        )
+    ],
+    *[
+        (tomllib.loads(arguments.replace(" ; ", "\n")), words)
+        for arguments, words in rows("""
+E_star = 1e308 | material.E_star: found 1e
+E_star = 1e-320 | material.E_star: found 1e-320
+E_star = true | material.E_star: found true
+E_star = "1" | material.E_star: found '1', it is no number with a unit, allowed
+pressure = "20 Mpa" | 'Mpa' is no unit of pressure (did you mean "MPa"?), allowed
+pressure = "20 um" | found '20 um', 'um' is a unit of length, not of pressure, allowed
+pressure = "0,8 MPa" | found '0,8 MPa', decimals have a point, not a comma, allowed
+tol = 1e-3 | solver.tol: unknown key, nearest: solver.accuracy
+nu = 0.3 | found nu1 (nu) alone, allowed: with E1, or with thickness
+heights = "z.npy" | allowed: an array, or hpc_gfmd.read_surface('z.npy')
+E1 = 2.0 | material: found E1, allowed
+physical_sizes = [1e-200, 1e-200] | surface.physical_sizes
+physical_sizes = "12" | surface.physical_sizes: found '12'
+physical_sizes = {a = 2, b = 4} | surface.physical_sizes
+accuracy = 1e-3 ; residual = 1e-6 | solver: found accuracy and residual
+threads = 65536 | machine.threads: found 65536, allowed on this machine
+threads = 100_000 | machine.threads
+low_memory = true | solver.low_memory
+precison = "single" | nearest: solver.precision
+thicknes = 1.0 | material.thicknes: unknown key, nearest: material.thickness
+fields = ["presure"] | output.fields
+path = "x.h5" | found path, allowed: in a scene
+wall_seconds = 3 | found wall_seconds, allowed: in a scene
+comm = 3 | comm: found int, allowed: a communicator
+boundary = "open" | surface.boundary: found 'open'
+name = "gfdm" | nearest: "gfmd"
+adhesion = 0.1 | hpc_gfmd.solve: adhesion: not modelled (elastic, frictionless, non-adhesive contact only)
+thickness = 1 ; nu = 0.3 ; nu1 = 0.4 | found nu and nu1
+boundary = ["free", "periodic"] ; accuracy = 1e-7 | solver.accuracy: found 1e-07, allowed with a free boundary: above
+boundary = "free" ; distributions = ["gap_spectrum"] | 'gap_spectrum', which needs periodic boundaries, allowed
+observables = ["wear"] | found 'wear', not modelled
+observables = "a_r" | output.observables
+observables = ["a_rr"] | nearest: "a_r"
+pressure = [0.1, -1] | load.pressure
+pressure = "0.1" | load.pressure
+p_star = 0.1 | load: found p_star and pressure
+a_r = 0.1 | load: found pressure and a_r
+""")  # noqa: E501
+    ],
 ]
 
 
@@ -87,38 +88,29 @@ def test_refused_in_one_line(arguments, words):
     assert message.isprintable()
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        {"E_star": np.float32(2)},
-        {"E_star": 2},
-        {"E_star": np.array(2)},
-        {"pressure": np.float32(0.1)},
-        {"pressure": np.float64(0.1)},
-        {"physical_sizes": np.array([1, 2])},
-        {"physical_sizes": [np.int64(1), 2.0]},
-        {"E_star": Decimal(2)},
-        {"accuracy": None},
-        {"accuracy": None, "residual": 1e-6},
-        {"residual": np.float64(1e-6)},
-        {"residual": None},
-        {"threads": "auto"},
-        {"threads": np.int64(2)},
-        {"heights": Z.tolist()},
-        {"E_star": None},
-        {"E1": 2, "nu1": 0.3},
-        {"thickness": 1, "nu": 0.3},
-        {"boundary": ("free", "periodic")},
-        {"observables": None},
-        {"observables": ["stiffness"]},
-        {"heights": (100 * Z).astype(np.int8)},
-        {"heights": np.ma.array(Z, mask=False)},
-        {"heights": Z.astype(np.longdouble)},
-        {"low_memory": False},
-        {"max_iterations": 10**18},
-    ],
-    ids=lambda x: str(x)[:40],
-)
+ACCEPTED = [
+    {"E_star": np.float32(2)},
+    {"E_star": np.array(2)},
+    {"E_star": Decimal(2)},
+    {"E_star": None},
+    {"pressure": np.float32(0.1)},
+    {"physical_sizes": np.array([1, 2])},
+    {"physical_sizes": [np.int64(1), 2.0]},
+    {"accuracy": None, "residual": 1e-6},
+    {"residual": None},
+    {"threads": np.int64(2)},
+    {"heights": Z.tolist()},
+    {"observables": None},
+    {"heights": (100 * Z).astype(np.int8)},
+    {"heights": np.ma.array(Z, mask=False)},
+    {"heights": Z.astype(np.longdouble)},
+    {"boundary": ("free", "periodic")},
+    *map(tomllib.loads, ("threads = 'auto'", "E1 = 2\nnu1 = 0.3", "thickness = 1\nnu = 0.3")),
+    *map(tomllib.loads, ("low_memory = false", "max_iterations = 1_000_000_000_000")),
+]
+
+
+@pytest.mark.parametrize("arguments", ACCEPTED, ids=lambda x: str(x)[:40])
 def test_accepted(arguments):
     assert hpc_gfmd.solve(**{"heights": Z, "pressure": 0.1} | arguments).status == "converged"
 
@@ -136,29 +128,9 @@ def test_as_many_threads_as_the_machine_can_bear():
         hpc_gfmd.solve(Z, 0.1, threads=allowed + 1)
 
 
-special = st.sampled_from(
-    [
-        HUGE,
-        -HUGE,
-        1e308,
-        5e-324,
-        np.float32(0.5),
-        np.int8(3),
-        0.5j,
-        Decimal(1),
-        np.array(2.0),
-        object(),
-    ]
-)
-number = st.one_of(
-    st.floats(),
-    st.integers(),
-    st.floats(1e-3, 1e3),
-    st.booleans(),
-    st.none(),
-    st.text(max_size=3),
-    special,
-)
+SPECIAL = [HUGE, 1e308, 5e-324, np.float32(0.5), np.int8(3), 0.5j, np.array(2.0), object()]
+number = st.floats() | st.integers() | st.floats(1e-3, 1e3) | st.booleans() | st.none()
+number |= st.text(max_size=3) | st.sampled_from(SPECIAL)
 anything = (
     number
     | st.lists(number, max_size=3)

@@ -7,6 +7,7 @@ import pytest
 import tomli_w
 from scene_tables import FILE, refusal, tables
 
+import hpc_gfmd
 from hpc_gfmd.scene import Scene, check_names, load_scene
 from hpc_gfmd.util.errors import SceneError
 
@@ -27,6 +28,7 @@ def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
         (b"[surface]\nkind = \n", "line 2"),
         (b"a = 1\na = 2\n", "line 2"),
         (b"\0", "not valid TOML"),
+        (b"[surface]\nhurst = 0,8\n", "(decimals have a point, not a comma: 0,8)"),
         (b"a = " + b"[" * 5000, "nested too deeply"),
         (b".".join([b"a"] * 20_000) + b" = 1", "nested too deeply"),
         (b"[" + b".".join([b"a"] * 20_000) + b"]", "nested too deeply"),
@@ -53,6 +55,8 @@ def test_what_cannot_be_read_is_refused_and_never_waits(tmp_path):
         with pytest.raises(SceneError) as caught:
             load_scene(path)
         assert str(caught.value).isprintable()
+    with pytest.raises(SceneError, match=r"^hpc_gfmd.run: found a dict, allowed: the path of a sc"):
+        hpc_gfmd.run(tables())
 
 
 def test_a_byte_order_mark_and_windows_line_ends_are_text(tmp_path):

@@ -142,7 +142,7 @@ def test_heights_that_instruments_write_for_missing_points(z, value, tmp_path, c
     (tmp_path / "s.toml").write_text(
         '[surface]\nkind = "file"\nphysical_sizes = [1, 1]\npath = "z.npy"\n[load]\np_star = 0.1\n'
     )
-    err = cli.refused("run", "s.toml")
+    err = cli.refused("run s.toml")
     assert "surface.path" in err
     assert "(3, 4)" in err
 

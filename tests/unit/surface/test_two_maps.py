@@ -8,10 +8,7 @@ from contacts import random_heights
 
 import hpc_gfmd
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.scene import Scene
 from hpc_gfmd.util.errors import SceneError
-
-LOAD = {"load": {"pressure": 0.1}}
 
 
 @pytest.fixture
@@ -33,17 +30,17 @@ def test_the_sum_is_pressed(maps, cli):
         ' detrend = "tilt", flip = true}\nload.pressure = 0.1\noutput.fields = ["heights",'
         ' "pressure"]\n'
     )
-    cli.prints("run", "s.toml", "-q")
+    cli.prints("run s.toml -q")
     found = read_result("contact.h5")
     np.save("sum.npy", first + second)
-    cli.prints("run", "s.toml", "-q", "-o", "sum.h5", "--set", "surface.path=sum.npy")
+    cli.prints("run s.toml -q -o sum.h5 --set surface.path=sum.npy")
     wanted = read_result("sum.h5")
     assert found.steps[0]["a_r"] == wanted.steps[0]["a_r"]
     fields = [result.fields[0]["pressure"].read(0, 24) for result in (found, wanted)]
     assert np.array_equal(*fields)
     assert found.head["heights"] == wanted.head["heights"]
     np.save("second.npy", 2 * second)
-    cli.prints("run", "s.toml", "-q")
+    cli.prints("run s.toml -q")
     assert read_result("contact.h5").head["heights"] != found.head["heights"]
 
 
@@ -78,14 +75,3 @@ def test_refused(maps, second, keys, words):
     np.savez("long.npz", surface=maps[1], unit="m", physical_sizes=[1.0, 3.0])
     with pytest.raises(SceneError, match=words):
         hpc_gfmd.read_surface(["first.npy" if keys else "m.npz", second], **keys)
-
-
-@pytest.mark.parametrize(
-    "path", [[], ["first.npy"], ["first.npy"] * 3, ["first.npy", 1], [""] * 2], ids=str
-)
-def test_not_two(maps, path):
-    with pytest.raises(
-        SceneError,
-        match=r"surface.path: found .*, allowed: the path of a height map .* or a list of two",
-    ):
-        Scene.from_dict({"surface": {"kind": "file", "path": path}} | LOAD)

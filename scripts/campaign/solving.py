@@ -2,10 +2,15 @@
 says it is."""
 
 import signal
+import tempfile
 import time
 import warnings
+from pathlib import Path
 
 import numpy as np
+import tomli_w
+
+import hpc_gfmd
 
 from .families import make
 from .kept import truths
@@ -78,78 +83,49 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
 
 
 def _judged(found, truth, contact, wall):
-    """True and claimed errors of (area, mean gap, pressure)."""
-    points, gap_mean, pressure, status, claimed, iterations, pairs = found
+    """True and claimed errors of (area, mean gap, pressure) of a hpc_gfmd.Solution."""
+    points = round(found.a_r * wall.heights.size)
     with np.errstate(all="ignore"):
-        p = np.asarray(pressure, np.float64) / wall.E_star / contact.g_rms
-        true = truth.errors(points, float(gap_mean) / contact.height_unit, p)
+        p = np.asarray(found.pressure, np.float64) / wall.E_star / contact.g_rms
+        true = truth.errors(points, found.gap_mean / contact.height_unit, p)
     return {
-        "status": status,
+        "status": found.status,
         "true": [float(x) for x in true],
-        "claimed": [float(x) for x in claimed],
-        "points": int(points),
-        "iterations": int(iterations),
-        "fft_pairs": round(float(pairs), 2),
+        "claimed": [float(x) for x in found.errors],
+        "points": points,
+        "iterations": found.iterations,
+        "fft_pairs": round(found.fft_pairs, 2),
     }
 
 
 def _solutions(wall, contact, way):
-    """(points, gap_mean, pressure, status, claimed errors, iterations, pairs) of one load after the
-    other."""
+    """The hpc_gfmd.Solution of one load after the other; low memory works from a scene alone."""
     settings = {"name": way["solver"], "precision": way["precision"], "accuracy": way["accuracy"]}
     if way["solver"] != "bpx":
         settings["max_iterations"] = 3000
-    pressures = [p_star * wall.E_star * contact.g_rms for p_star in wall.loads]
-    if len(pressures) == 1 and not way["low_memory"]:
-        yield _by_solve(wall, pressures[0], settings)
-        return
-    sweep = _sweep(wall, settings, way["low_memory"])
-    for p in pressures:
-        step = sweep.solve(p)
-        c = step.contact
-        points = round(
-            c.contact_points / c.N * contact.N
-        )  # of the whole wall, where an axis was left out
-        yield (
-            points,
-            c.gap_mean,
-            np.asarray(c.field("pressure")),
-            c.outcome.status,
-            c.outcome.errors,
-            step.iterations,
-            step.fft_pairs,
+    loads = [p_star * wall.E_star * contact.g_rms for p_star in wall.loads]
+    if not way["low_memory"]:
+        yield from hpc_gfmd.solve(
+            wall.heights,
+            loads,
+            E_star=wall.E_star,
+            physical_sizes=wall.physical_sizes,
+            boundary=["free" if ends else "periodic" for ends in wall.free],
+            fields=["pressure"],
+            **settings,
         )
-
-
-def _by_solve(wall, pressure, settings):
-    import hpc_gfmd
-
-    boundary = ["free" if ends else "periodic" for ends in wall.free]
-    s = hpc_gfmd.solve(
-        wall.heights,
-        pressure,
-        E_star=wall.E_star,
-        physical_sizes=wall.physical_sizes,
-        boundary=boundary,
-        **settings,
-    )
-    return (
-        round(s.a_r * wall.heights.size),
-        s.gap_mean,
-        s.pressure,
-        s.status,
-        s.errors,
-        s.iterations,
-        s.fft_pairs,
-    )
-
-
-def _sweep(wall, settings, low_memory):
-    from contacts import sweep_of, sweep_over
-
-    if low_memory:
-        return sweep_of(wall.surface, wall.E_star, low_memory=True, **settings)
-    return sweep_over(wall.heights, wall.physical_sizes, wall.free, E_star=wall.E_star, **settings)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "contact.h5"
+        scene = {
+            "surface": wall.surface,
+            "load": {"pressure": loads},
+            "solver": settings | {"low_memory": True},
+            "output": {"path": str(path), "fields": ["pressure"]},
+        }
+        path.with_suffix(".toml").write_text(tomli_w.dumps(scene))
+        hpc_gfmd.run(path.with_suffix(".toml"), quiet=True)
+        yield from hpc_gfmd.load(path)
 
 
 class _time_limit:

@@ -12,9 +12,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from ..parallel.comm import Comm
-from ..util.errors import SceneError
-from ..util.versions import processor, versions
+from hpc_gfmd.parallel.comm import Comm
+from hpc_gfmd.util.errors import SceneError
+from hpc_gfmd.util.versions import processor, versions
 
 Columns = dict[str, tuple[str, str]]
 

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..parallel.comm import Comm
-from ..parallel.h5 import Stored, io_way, write_file
-from ..parallel.layout import row_starts
-from ..parallel.world import world
+from hpc_gfmd.parallel.comm import Comm
+from hpc_gfmd.parallel.h5 import Stored, io_way, write_file
+from hpc_gfmd.parallel.layout import row_starts
+from hpc_gfmd.parallel.world import world
+
 from .report import Report
 from .timing import Clock, Sample, ratio
 

@@ -6,9 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..parallel.comm import Comm
-from ..parallel.halo import Windows
-from ..parallel.world import world
+from hpc_gfmd.parallel.comm import Comm
+from hpc_gfmd.parallel.halo import Windows
+from hpc_gfmd.parallel.world import world
+
 from .workers import serve
 
 SMALL, LARGE = 8, 4 * 2**20  # bytes

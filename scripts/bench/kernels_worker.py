@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..operators.problem import Problem
-from ..parallel.comm import Comm
-from ..parallel.world import world
-from ..solvers import solver_class
+from hpc_gfmd.operators.problem import Problem
+from hpc_gfmd.parallel.comm import Comm
+from hpc_gfmd.parallel.world import world
+from hpc_gfmd.solvers import solver_class
+
 from .cases import DTYPES, Case
 from .fft import bare_pairs
 from .timing import Clock, Stopwatch

@@ -28,8 +28,9 @@ from typing import Any
 
 import numpy as np
 
-from ..parallel.comm import stages
-from ..runs.decomposition import Share, share_of
+from hpc_gfmd.parallel.comm import stages
+from hpc_gfmd.runs.decomposition import Share, share_of
+
 from .passes import field_passes
 
 MOST_THREADS = 8  # of a rank: more were never measured

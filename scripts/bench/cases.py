@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..bodies import body_of
-from ..bodies.base import Body
-from ..driver.sweep import Sweep
-from ..parallel.comm import Comm, SerialComm
-from ..scene import Material, Scene, Solver
-from ..surface import Surface, build_surface
+from hpc_gfmd.bodies import body_of
+from hpc_gfmd.bodies.base import Body
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.parallel.comm import Comm, SerialComm
+from hpc_gfmd.scene import Material, Scene, Solver
+from hpc_gfmd.surface import Surface, build_surface
+
 from .cells import Cells
 
 L_OVER_LAM_L, LAM_S_OVER_A = 2, 2
@@ -69,7 +70,7 @@ class Case:
     def at_area(self, a_r: float) -> Case:
         """The same surface at the load at which about a share a_r of it touches."""
         sweep = Sweep(self.surface, Solver(accuracy=1e-3), body=self.body)
-        found = sweep.solve(sweep.pressures(self._scene(a_r=a_r).load)[0]).contact.p_mean
+        found = sweep.solve(sweep.pressures(self._scene(a_r=a_r).load)[0]).p_mean
         return replace(self, p_star=float(f"{found:.3g}"))
 
     def surface(self, dtype: DTypeLike, comm: Comm | None = None, threads: int = 1) -> Surface:

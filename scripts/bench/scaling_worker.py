@@ -5,10 +5,11 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from ..driver.sweep import Sweep
-from ..driver.warmup import compile_once
-from ..parallel.world import world
-from ..scene import Solver
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.driver.warmup import compile_once
+from hpc_gfmd.parallel.world import world
+from hpc_gfmd.scene import Solver
+
 from .cases import Case
 from .timing import Stopwatch
 from .workers import serve
@@ -54,7 +55,7 @@ def main(argv: Sequence[str]) -> int:
         comm.barrier()
         watch.reset()
         begun = time.perf_counter()
-        step = sweep.solve(p_star * sweep.surface.g_rms)
+        contact = sweep.solve(p_star * sweep.surface.g_rms)
         comm.barrier()
         seconds = time.perf_counter() - begun
         parts = dict(zip(PARTS, comm.sum(list(watch.seconds.values())) / comm.size, strict=True))
@@ -68,9 +69,9 @@ def main(argv: Sequence[str]) -> int:
             "accuracy": accuracy,
             "seconds": seconds,
             "parts": parts,
-            "iterations": step.iterations,
-            "fft_pairs": step.fft_pairs,
-            "status": step.contact.outcome.status,
+            "iterations": contact.iterations,
+            "fft_pairs": contact.fft_pairs,
+            "status": contact.status,
         }
 
     for _ in range(WARM_UP):

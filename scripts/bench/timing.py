@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..parallel.comm import Comm
+from hpc_gfmd.parallel.comm import Comm
 
 K = TypeVar("K")
 

@@ -7,10 +7,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..parallel.comm import Comm
-from ..parallel.grid import Grid
-from ..parallel.world import world
-from ..util.errors import GfmdError
+from hpc_gfmd.parallel.comm import Comm
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.parallel.world import world
+from hpc_gfmd.util.errors import GfmdError
+
 from .cases import DTYPES
 from .report import Report
 from .timing import Clock, ratio

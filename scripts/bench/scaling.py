@@ -8,7 +8,8 @@ from os import PathLike
 
 import numpy as np
 
-from ..parallel.comm import stages
+from hpc_gfmd.parallel.comm import stages
+
 from .model import Machine, Network, predict
 from .report import Report
 from .scaling_worker import PARTS

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bodies.base import Multipliers, Tabled
-from ..bodies.free import Coupled, Free, added
-from ..bodies.images import images, kernel
-from ..parallel.fft import SlabFFT
-from ..parallel.grid import Grid
+from hpc_gfmd.bodies.base import Multipliers, Tabled
+from hpc_gfmd.bodies.free import Coupled, Free, added
+from hpc_gfmd.bodies.images import images, kernel
+from hpc_gfmd.parallel.fft import SlabFFT
+from hpc_gfmd.parallel.grid import Grid
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..solvers import solver_names
-from ..util.errors import GfmdError
+from hpc_gfmd.solvers import solver_names
+from hpc_gfmd.util.errors import GfmdError
+
 from .cases import Case
 from .ours import Ours, Solved
 from .reference import Reference, reference

@@ -1,9 +1,8 @@
-"""python -m campaign.run: solve, write rows of JSON, print the table. PYTHONPATH tells whose
-hpc_gfmd (and which tests/).
+"""Solve, write rows of JSON, print the table.
 
-PYTHONPATH=.:tests python -m campaign.run --count 5 --jobs 2 --out rows.jsonl
-PYTHONPATH=.:tests python -m campaign.run --family wave --seed 1 --index 3 --precision single
---accuracy 1e-2 PYTHONPATH=.:tests python -m campaign.run --report rows.jsonl
+python scripts/campaign --count 5 --jobs 2 --out rows.jsonl
+python scripts/campaign --family wave --seed 1 --index 3 --precision single --accuracy 1e-2
+python scripts/campaign --report rows.jsonl
 """
 
 import argparse
@@ -34,7 +33,7 @@ def ways(solvers, precisions, accuracies, low_memory):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(prog="campaign", description=__doc__.splitlines()[0])
     parser.add_argument(
         "--families",
         "--family",
@@ -132,7 +131,3 @@ def _task(task, end):
     from .solving import rows_of
 
     return rows_of(*task) if time.monotonic() < end else []
-
-
-if __name__ == "__main__":
-    main()

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from ..parallel.coarsening import levels
-from ..parallel.grid import Grid
+from hpc_gfmd.parallel.coarsening import levels
+from hpc_gfmd.parallel.grid import Grid
+
 from .cases import DTYPES
 from .model import Machine
 from .passes import COPY, field_passes

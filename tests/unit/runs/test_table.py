@@ -5,20 +5,26 @@ import json
 import pytest
 from result_files import STEP, SURFACE, begin
 
-from hpc_gfmd.output.table import table, with_error
+from hpc_gfmd.output.summary import summary, with_error
+from hpc_gfmd.runs.table import table
 
 
 def test_table_marks_what_did_not_converge():
     text = table([STEP, STEP | {"status": "stagnated", "note": "fewer than 100 points touch"}])
     header, units, first, second, *remarks = text.splitlines()
     assert header.split() == ["step", "p*", "p", "a_r", "iter.", "status"]
-    assert "[unit of E*]" in units
+    assert "[E*]" in units
     assert first.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "7", "converged"]
     assert second.split()[:2] == ["!", "1"]
     assert remarks == [
         "! step 1: NOT CONVERGED (stagnated), less accurate than asked",
         "  step 1: fewer than 100 points touch",
     ]
+
+
+def test_one_line_has_both_errors_as_the_table_has():
+    said = summary(STEP | {"a_r": 0.01184, "a_r_error": 0.0, "a_r_discretisation": 0.11}, SURFACE)
+    assert said.startswith("a_r = 1.184 +- 0 % (solver), +- 11 % of it (grid), p = 0.1")
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..util.errors import GfmdError, SceneError
+from hpc_gfmd.util.errors import GfmdError, SceneError
+
 from .cases import Case
 from .loosest import PATIENCE, loosest
 from .ours import Ours

@@ -9,15 +9,18 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
+from pathlib import Path
 from typing import Any
 
-from ..parallel.comm import Comm
-from ..util.errors import GfmdError
+from hpc_gfmd.parallel.comm import Comm
+from hpc_gfmd.util.errors import GfmdError
+
 from .timing import K, in_turn
 
 # seconds between two looks of a rank that waits: those that measure wait for the one whose core it
 # takes
 PAUSE = 2e-2
+SCRIPTS = str(Path(__file__).parents[1])
 
 
 class Worker:
@@ -25,7 +28,7 @@ class Worker:
     fails."""
 
     def __init__(self, module: str, ranks: int, *args: object):
-        command = [sys.executable, "-m", f"hpc_gfmd.bench.{module}", *map(str, args)]
+        command = [sys.executable, "-m", f"bench.{module}", *map(str, args)]
         if ranks > 1:
             command = ["mpirun", "-n", str(ranks), *command]
         self.what = f"{module} on {ranks} rank{'s' * (ranks > 1)}"
@@ -37,7 +40,7 @@ class Worker:
                 stdout=subprocess.PIPE,
                 stderr=self._errors,
                 text=True,
-                env=os.environ | {"OMP_NUM_THREADS": "1"},
+                env=os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": SCRIPTS},
             )
         except OSError as error:
             raise GfmdError(f"{self.what}: {error}") from None

@@ -1,25 +1,27 @@
-"""`hpc-gfmd bench`: speed of kernels and transforms, time against true error, and other codes on
-the same surfaces."""
+"""Speed of kernels and transforms, time against true error, and other codes on the same
+surfaces."""
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-from ..util.errors import SceneError
-from .number import number
+from hpc_gfmd.commands.cli import Parser
+from hpc_gfmd.commands.number import number
+from hpc_gfmd.util.errors import SceneError
 
 PRECISIONS = ("single", "double")
 ALONE = ("accuracy", "kernels", "peers")  # these run on one rank
 
 
-def add_parser(subparsers: Any) -> ArgumentParser:
-    parser = subparsers.add_parser(
-        "bench",
-        help="kernels, FFT, time against error, other codes",
+def make_parser() -> ArgumentParser:
+    """The parser of all measurements."""
+    parser = Parser(
+        prog="bench",
         description="Measure speed. Alternating runs, warmed up; compare numbers of one call only.",
     )
-    parts = parser.add_subparsers(metavar="WHAT", required=True)
+    parser.set_defaults(main=run)
+    parts = parser.add_subparsers(metavar="WHAT", required=True, parser_class=Parser)
 
     kernels = _part(
         parts,
@@ -188,10 +190,10 @@ def _part(parts: Any, what: str, text: str, sizes: Iterable[int], repeats: int) 
     return parser
 
 
-def main(args: Namespace) -> int:
+def run(args: Namespace) -> int:
     """Run one benchmark, bench_WHAT(args) of bench/WHAT.py. Raises SceneError for arguments that
     make no sense."""
-    from ..parallel.world import world
+    from hpc_gfmd.parallel.world import world
 
     if min(args.n) < 8 or any(n % 4 for n in args.n):
         raise SceneError(f"--n: found {args.n}, allowed: multiples of 4 from 8")
@@ -201,5 +203,5 @@ def main(args: Namespace) -> int:
         raise SceneError(f"bench {args.what}: found {world().size} ranks, allowed: one")
     if args.quick:
         args.n, args.repeats = [min(args.n)], min(args.repeats, 3)
-    getattr(import_module(f"..bench.{args.what}", __package__), f"bench_{args.what}")(args)
+    getattr(import_module(f".{args.what}", __package__), f"bench_{args.what}")(args)
     return 0

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..certificate.certificate import certify
-from ..operators.problem import Problem
-from ..util.caches import cache_folder, keep
-from ..util.errors import GfmdError
+from hpc_gfmd.certificate.certificate import certify
+from hpc_gfmd.operators.problem import Problem
+from hpc_gfmd.util.caches import cache_folder, keep
+from hpc_gfmd.util.errors import GfmdError
+
 from .cases import Case
 from .ours import Ours
 
