@@ -18,10 +18,11 @@ from ..contact import (
 from ..output.fields import FIELDS
 from ..output.read import Result
 from ..output.save import in_memory, save
-from ..output.table import html_table, summary
+from ..output.summary import summary
 from ..parallel.comm import SerialComm
 from ..scene.explain import nearest
 from ..util.errors import SceneError
+from .table import html_table
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
@@ -267,8 +268,8 @@ class Solution:
         """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept),
         "distributions", "spectra", "curves" or one field.
 
-        how: window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such
-        picture, or fields are spread over ranks.
+        how: window, dpi, dimensionless, ax (where to draw one field); see hpc_gfmd.plot.
+        Raises SceneError where there is no such picture, or fields are spread over ranks.
         """
         return draw(self.result, self.comm, what, how)
 

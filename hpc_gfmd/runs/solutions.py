@@ -11,8 +11,9 @@ import numpy as np
 
 from ..output.read import Result, read_result
 from ..output.save import in_memory, save
-from ..output.table import html_table, summary, surface_line
+from ..output.summary import summary, surface_line
 from .solution import Solution, draw
+from .table import html_table
 
 if TYPE_CHECKING:
     from ..plotting.style import Figure
@@ -71,9 +72,10 @@ class Solutions(Sequence):
 
     def plot(self, what: str = "curves", **how: Any) -> "Figure":
         """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads), "maps",
-        "distributions", "spectra" or one field.
+        "distributions", "spectra", one field or one curve, such as "a_r".
 
-        how: step (which loads), window, dpi, dimensionless; see plotting.plot. Raises SceneError
+        how: step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
+        hpc_gfmd.plot, which also draws several results together. Raises SceneError
         where there is no such picture, or fields are spread over ranks.
         """
         return draw(self.result, self[0].comm, what, how)
