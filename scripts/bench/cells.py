@@ -38,7 +38,7 @@ def by_cells(case: Case) -> np.ndarray:
         Solver(precision="double", residual=1e-9),
         body=Cells((True, True)),
     )
-    return np.array(sweep.solve(case.p_star).contact.field("pressure"))
+    return np.array(sweep.solve(case.p_star).field("pressure"))
 
 
 @dataclass(frozen=True)
