@@ -130,14 +130,6 @@ def test_one_dimensional(n):
     assert relative(twice.pressure[:m], one.pressure) < 1e-9
 
 
-def test_periods():
-    """A cell of 2 x 3 periods has the contact of one."""
-    z = random_heights((12, 9), seed=10)
-    one, many = exact(z, 1.0), exact(np.tile(z, (2, 3)), 1.0, sizes=(2.0, 3.0))
-    assert many.a_r == one.a_r
-    assert relative(many.gap, np.tile(one.gap, (2, 3))) < 1e-9
-
-
 def test_finer_grids_have_the_same_surface():
     """The same seed with smaller a: the same heights where grids share points, h_rms, g_rms; and
     the area converges from above."""

@@ -9,7 +9,6 @@ from hpc_gfmd.driver import sweep
 from hpc_gfmd.operators import deflation as gapmode
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.solvers import solver_names
 
 
@@ -77,18 +76,3 @@ def stop_everywhere(pieces, asked):
     for point in range(1, count, max(1, count // 5)):
         pieces.run(asked, (point, False, ()))
         pieces.compare()
-
-
-def test_a_checkpoint_that_cannot_be_read(pieces, capsys):
-    """The finished loads count, the next one begins anew, and the run says so."""
-    asked = scene("bpx", [0.05, 0.06, 0.065], accuracy=1e-6)
-    count = pieces.undisturbed(asked)
-    pieces.chance.polled, pieces.chance.after = 0, count - 2
-    assert run_scene(asked, out=pieces.path, quiet=True).status == "interrupted"
-    checkpoint = pieces.path.with_name("pieces.h5.partial") / "checkpoint.h5"
-    checkpoint.write_bytes(checkpoint.read_bytes()[:3000])
-    pieces.chance.after = 10**9
-    assert run_scene(asked, out=pieces.path).status == "converged"
-    out = capsys.readouterr().out
-    assert out.count("load 3 begins anew") == 1
-    pieces.compare(rel=1e-5)
