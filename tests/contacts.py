@@ -73,7 +73,7 @@ def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):
 
 def field(step, name):
     """A field of a solved load as an array that the next load does not overwrite."""
-    return np.array(step.contact.field(name))
+    return np.array(step.field(name))
 
 
 def heights_of(surface):

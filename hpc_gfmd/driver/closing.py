@@ -48,12 +48,12 @@ def flat_solution(sweep: Sweep) -> tuple[np.ndarray, float]:
             surface, h=np.zeros((rows, points), dtype), h_rms=0.0, g_rms=0.0, checksum=None
         )
 
-    step = type(sweep)(flat, sweep.settings, body=sweep.body).solve(
+    contact = type(sweep)(flat, sweep.settings, body=sweep.body).solve(
         1.0, lambda *_: interrupt.check(surface.grid.comm)
     )
-    unit = step.contact.g
-    unit[:rows, :points] = step.contact.p[:rows, :points]
-    return unit, step.pairs
+    unit = contact.g
+    unit[:rows, :points] = contact.p[:rows, :points]
+    return unit, contact.pairs
 
 
 class Closing:

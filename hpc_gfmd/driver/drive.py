@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..certificate.certificate import Certificate, certify
-from ..certificate.criterion import Outcome, Target
+from ..certificate.criterion import Target
 
 if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
@@ -71,9 +71,10 @@ def drive(
     watch: Watch | None = None,
     loop: LoopState | None = None,
     search: Search | Closing | None = None,
-) -> Outcome:
-    """Iterate. watch(iterations, progress), if given, is called after every step and returns a true
-    value to stop.
+) -> tuple[str, Certificate, float]:
+    """Iterate; returns the status of the load, see contact.Contact, its certificate, and the FFT
+    pairs that certificates took. watch(iterations, progress), if given, is called after every step
+    and returns a true value to stop.
 
     search: for the load, where that is not given.
 
@@ -107,12 +108,12 @@ def drive(
             left = _left(target, certificate)
             met = search is None or search.met(solver, certificate)
             if left < 1 and met:
-                return Outcome(_status(target, certificate), certificate, loop.checks)
+                return _status(target, certificate), certificate, loop.checks
             if not left < 1 and measure < loop.threshold:
                 error = certificate.errors[2] if target.residual is None else certificate.residual
                 loop.refusals = loop.refusals + 1 if not error < IMPROVEMENT * loop.refused else 0
                 if loop.refusals > REFUSALS:
-                    return Outcome("stagnated", certificate, loop.checks)
+                    return "stagnated", certificate, loop.checks
                 loop.threshold = AGAIN * measure / left if np.isfinite(left) else AGAIN * measure
                 loop.refused = min(error, loop.refused)
             if (
@@ -129,7 +130,7 @@ def drive(
             ):
                 loop.begin_again(done)
             elif left < 1:
-                return Outcome("stagnated", certificate, loop.checks)
+                return "stagnated", certificate, loop.checks
             loop.next_check = CHECK_GROWTH * done + 1
         elif done >= target.max_iterations:
             status = "max_iterations"
@@ -146,7 +147,7 @@ def drive(
                 and _left(target, certificate) < 1
             ):
                 status = _status(target, certificate)
-            return Outcome(status, certificate, loop.checks + certificate.pairs)
+            return status, certificate, loop.checks + certificate.pairs
         solver.step()
         progress = solver.progress()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ from numpy.typing import DTypeLike
 
 from ..bodies.halfspace import HALF_SPACE
 from ..certificate.certificate import Certificate, certify, unseen_error
-from ..certificate.criterion import Outcome, Target
+from ..certificate.criterion import Target
 from ..contact.contact import Contact
 from ..operators.problem import Problem
 from ..parallel import interrupt
@@ -57,23 +57,7 @@ OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
 
 def _needs_double(contact: Contact) -> bool:
     """Whether single precision turned out to be too little for a load."""
-    return contact.outcome.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
-
-
-@dataclass(frozen=True)
-class Step:
-    """A solved load. contact: its fields; iterations on the fine grid; pairs: FFT pairs of the
-    solve, in fine-grid pairs."""
-
-    contact: Contact
-    iterations: int
-    pairs: float
-
-    @property
-    def fft_pairs(self) -> float:
-        """Everything counted, in fine-grid pairs: the solve, and the observables that were asked
-        for so far."""
-        return self.pairs + self.contact.pairs
+    return contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
 
 
 class Sweep:
@@ -139,7 +123,7 @@ class Sweep:
 
     def solve(
         self, load: float | Prescribed, watch: Watch | None = None, midway: bool = False
-    ) -> Step:
+    ) -> Contact:
         """The contact at a load: a mean pressure (unit of E_star), or Prescribed.
 
         watch(iterations, progress) is called after every iteration, a true value stops. midway: go
@@ -169,7 +153,7 @@ class Sweep:
                     Prescribed("a_r", 1.0), lambda *_: interrupt.check(self.surface.grid.comm)
                 )
                 self._spent = closed.pairs
-                self._search = Opening.of(load, closed.contact, self._wall)
+                self._search = Opening.of(load, closed, self._wall)
             elif isinstance(load, Prescribed):
                 self._search = self._curve.search(
                     load, self.surface, self._wall, self.settings.tolerance
@@ -178,14 +162,14 @@ class Sweep:
         if promote and not midway and self._too_little(self._p_star(load)):
             self._set_precision(np.float64)
             promote = False
-        step = self._solve(load, watch, midway, promote)
-        if promote and (step is None or _needs_double(step.contact)):
+        contact = self._solve(load, watch, midway, promote)
+        if promote and (contact is None or _needs_double(contact)):
             self._set_precision(np.float64)
-            self._spent = self._spent if step is None else step.fft_pairs
-            step = self._solve(load, watch, False)
-        assert step is not None  # without `promote` there is one
-        self._failed = step.contact.outcome.status not in ("converged", "interrupted")
-        return step
+            self._spent = self._spent if contact is None else contact.fft_pairs
+            contact = self._solve(load, watch, False)
+        assert contact is not None  # without `promote` there is one
+        self._failed = contact.status not in ("converged", "interrupted")
+        return contact
 
     def _forget_failure(self) -> None:
         """After a load that failed the next one starts afresh."""
@@ -277,7 +261,7 @@ class Sweep:
 
     def _solve(
         self, load: float | Prescribed, watch: Watch | None, midway: bool, promote: bool = False
-    ) -> Step | None:
+    ) -> Contact | None:
         """promote: give None back where the search on coarser grids finds that single precision is
         too little."""
         if not midway:
@@ -286,27 +270,30 @@ class Sweep:
                 full, pairs = self._full_contact(problem)
                 self._spent += pairs
                 if full is not None:
-                    return self._step(load, *full, iterations=0, pairs=self._spent)
+                    return self._contact(load, *full, pairs=self._spent)
             self._begin(problem)
             if promote and isinstance(self._search, Search) and self._too_little(self._search.p0):
                 return None
         solver = self.solver
-        outcome = drive(solver, self.target, watch, self.loop, self._search)
-        pairs = self._spent + (solver.pairs - self._first_pairs) + outcome.check_pairs
+        status, certificate, pairs = drive(solver, self.target, watch, self.loop, self._search)
+        pairs = self._spent + (solver.pairs - self._first_pairs) + pairs
         p_mean = (
             solver.p0 * self.E_star * self.surface.slope if isinstance(load, Prescribed) else load
         )
-        return self._step(p_mean, solver.g, solver.p, outcome, solver.iterations, pairs)
+        return self._contact(
+            p_mean, solver.g, solver.p, status, certificate, solver.iterations, pairs
+        )
 
-    def _step(
+    def _contact(
         self,
         p_mean: float,
         g: np.ndarray,
         p: np.ndarray,
-        outcome: Outcome,
-        iterations: int,
-        pairs: float,
-    ) -> Step:
+        status: str,
+        certificate: Certificate,
+        iterations: int = 0,
+        pairs: float = 0.0,
+    ) -> Contact:
         remark = self._search.note if self._search is not None else None
         contact = Contact(
             self.surface,
@@ -314,14 +301,17 @@ class Sweep:
             p_mean,
             g,
             p,
-            outcome,
+            status,
+            certificate,
             self.settings.tolerance,
             self.lam_s,
             self.body,
             remark,
+            iterations,
+            float(pairs),
         )
         self._curve.add(np.log(p_mean / (self.E_star * self.surface.slope)), contact, self._search)
-        return Step(contact, iterations, float(pairs))
+        return contact
 
     def _begin(
         self, problem: Problem, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None
@@ -439,9 +429,9 @@ class Sweep:
 
     def _full_contact(
         self, problem: Problem
-    ) -> tuple[tuple[np.ndarray, np.ndarray, Outcome] | None, float]:
-        """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and
-        the pairs spent on finding out."""
+    ) -> tuple[tuple[np.ndarray, np.ndarray, str, Certificate] | None, float]:
+        """Whether u = -h is the solution, which needs no iteration; (g, p, status, certificate) or
+        None, and the pairs spent on finding out."""
         pairs = 0.0
         if not isinstance(self._search, Closing):
             if problem.p0 < self.body.full_p_star:
@@ -457,7 +447,7 @@ class Sweep:
         exact = replace(
             certificate, errors=(0.0, 0.0, unseen_error(problem, certificate.contact, problem.p0))
         )
-        return (g, p, Outcome("converged", exact, 0.0)), pairs
+        return (g, p, "converged", exact), pairs
 
     def _set_precision(self, dtype: DTypeLike) -> None:
         """Make the surface in this precision and plan all transforms that its contacts need."""
@@ -487,17 +477,12 @@ class Sweep:
         """Whether all points touch at any load: at its end a flat surface is a punch."""
         return self.surface.g_rms == 0 and not self.surface.grid.padded
 
-    def _flat(self, p_mean: float) -> Step:
+    def _flat(self, p_mean: float) -> Contact:
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
         certificate = Certificate(
             contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0
         )
-        return self._step(
-            p_mean,
-            g,
-            np.full_like(g, p_mean / self.E_star),
-            Outcome("converged", certificate, 0.0),
-            0,
-            0.0,
+        return self._contact(
+            p_mean, g, np.full_like(g, p_mean / self.E_star), "converged", certificate
         )

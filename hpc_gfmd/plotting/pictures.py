@@ -12,23 +12,24 @@ from ..output.read import Result, read_result
 from ..output.table import surface_line
 from ..parallel.guard import one_line
 from ..util.errors import GfmdError, SceneError
+from .context import FigureContext
 from .curves import curves
-from .distributions import distributions, stored
-from .drawn import Drawn
+from .distributions import NAMES, distributions, has_distribution
 from .maps import SYMBOLS, maps
+from .page import Page
 from .spectra import has_spectra, spectra
-from .style import Picture, save, styled
+from .style import Picture, legend_below, save, styled
 
 MAX_STEPS = 4  # in maps, distributions and spectra where nobody says which
 PANELS = ("contact", "pressure", "gap")
 WHAT = ("maps", "distributions", "spectra", "curves", "contact", *SYMBOLS)
 CHARACTERS = 19  # of a title, per inch
 SUFFIXES = (".png", ".pdf", ".svg")
-DRAWN = {
+DRAWN = {  # all others are maps
     "distributions": distributions,
     "spectra": spectra,
-    "curves": curves,
-}  # all others are maps
+    "curves": lambda context: curves([context]),
+}
 
 
 def plot(
@@ -78,21 +79,17 @@ def plot(
             )
         )
     with styled():
-        fig = Picture(layout="constrained" if what in DRAWN else "compressed")
+        fig = Picture(layout="compressed" if what not in DRAWN else "constrained")
         try:
-            drawn = Drawn(result, chosen_steps(result, what, step), window, dpi, dimensionless)
-            if what in DRAWN:
-                DRAWN[what](fig, drawn)
-            else:
-                maps(
-                    fig,
-                    drawn,
-                    [name for name in PANELS if name in there] if what == "maps" else [what],
-                )
+            context = FigureContext(
+                result, chosen_steps(result, what, step), window, dpi, dimensionless
+            )
+            _page(context, what, there).draw(fig)
         except (OSError, ValueError, TypeError, KeyError) as error:
             raise GfmdError(f"drawing {result.path}: {one_line(error)}") from error
+        legend_below(fig)
         fig.suptitle(
-            textwrap.fill(_title(result, drawn, what), int(CHARACTERS * fig.get_figwidth())),
+            textwrap.fill(_title(context, what), int(CHARACTERS * fig.get_figwidth())),
             x=0.01,
             ha="left",
         )
@@ -176,7 +173,7 @@ def _shows(result: Result, k: int, what: Any) -> bool:
     if what == "spectra":
         return has_spectra(step)
     if what == "distributions":
-        return bool(contact) or any(stored(step, name) for name in ("pressure", "gap", "patches"))
+        return any(has_distribution(result, k, name) for name in NAMES)
     return (
         what == "curves" or bool(contact)
         if what in ("maps", "contact", "curves")
@@ -189,11 +186,18 @@ def _there(result: Result) -> list[str]:
     return [what for what in WHAT if any(_shows(result, k, what) for k in range(len(result.steps)))]
 
 
-def _title(result: Result, drawn: Drawn, what: Any) -> str:
+def _page(context: FigureContext, what: str, there: list[str]) -> Page:
+    if what in DRAWN:
+        return DRAWN[what](context)
+    return maps(context, [name for name in PANELS if name in there] if what == "maps" else [what])
+
+
+def _title(context: FigureContext, what: str) -> str:
+    result = context.result
     title = result.path.stem if result.path else "contact"
     with suppress(tomllib.TOMLDecodeError):
         title = tomllib.loads(result.scene_toml).get("title") or title
-    left = len(result.steps) - len(drawn.chosen) if what != "heights" else 0
+    left = len(result.steps) - len(context.chosen) if what != "heights" else 0
     out = f"; {left} of {len(result.steps)} loads not shown" if left else ""
     surface = surface_line(
         {
@@ -202,6 +206,6 @@ def _title(result: Result, drawn: Drawn, what: Any) -> str:
             if key in ("n", "physical_sizes", "h_rms", "unit")
         }
     )
-    for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$\bar{h}$")):
+    for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
         surface = surface.replace(plain, printed)
     return f"{title}: {surface}{out}"

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
 from ..util.atomic import aside
+from .units import tex_number
 
 # Okabe and Ito; the last one is kept for warnings
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
@@ -71,12 +73,35 @@ def shade(x: float) -> Any:
     return matplotlib.colormaps["viridis"](x)
 
 
-def ticks(axis: Any) -> None:
-    """Of a logarithmic axis: a label for every decade; of hardly two decades, for 1, 2 and 5."""
-    low, high = axis.get_view_interval()
-    if high < 200 * low:
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+class LogTicks(LogLocator):
+    """Decades, or 1 and 3, or 1, 2 and 5, ...: the first of them that gives three labels."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        for subs in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), tuple(map(float, range(1, 10)))):
+            self.set_params(subs=subs)
+            found = np.asarray(super().tick_values(vmin, vmax))
+            if np.count_nonzero((found >= vmin) & (found <= vmax)) >= 3:
+                break
+        return found
+
+
+class LogLabels(Formatter):
+    """Plain numbers where none of them is long, otherwise powers of ten."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return self.format_ticks([x])[0]
+
+    def format_ticks(self, values: Any) -> list[str]:
+        plain = all(1e-3 <= x <= 1e4 for x in values)
+        return [f"{x:g}" if plain else f"${tex_number(x, '.0e')}$" for x in values]
+
+
+def log_axis(ax: Any, which: str) -> None:
+    """Make the "x" or "y" axis logarithmic, with labels that do not overlap."""
+    ax.set(**{f"{which}scale": "log"})
+    axis = getattr(ax, f"{which}axis")
+    axis.set_major_locator(LogTicks())
+    axis.set_major_formatter(LogLabels())
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -86,9 +111,8 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
     for ax in fig.axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
-    fig.legend(
-        list(handles.values()), list(handles), loc=loc, ncols=min(columns, max(1, len(handles)))
-    )
+    if handles:
+        fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(columns, len(handles)))
 
 
 def legend_below(fig: Any) -> None:

@@ -21,7 +21,7 @@ from ..contact.base import Observable
 from ..contact.contact import Contact
 from ..driver.lowmemory import LowMemorySweep
 from ..driver.prescribed import Prescribed
-from ..driver.sweep import Step, Sweep
+from ..driver.sweep import Sweep
 from ..output.fields import STORABLE
 from ..scene import File, Load, Output, Scene, check_names, has_unit
 from ..solvers import solver_names
@@ -147,21 +147,20 @@ def _target(load: Load, index: int) -> dict[str, float]:
     return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}
 
 
-def step_attributes(scene: Scene, index: int, step: Step, seconds: float) -> dict[str, Any]:
-    """What is said of a solved load (driver.sweep.Step), the index-th of a scene.Scene, by the
+def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:
+    """What is said of a solved load, the index-th of a scene.Scene, by the
     names of the result file; None for what has no value. seconds: spent on it. Collective."""
-    contact, output = step.contact, scene.output
-    numbers = {name: f(contact) for name, f in _observables(output).items()}
-    for name, found in distributions_named(output.distributions, contact).items():
+    numbers = {name: f(contact) for name, f in _observables(scene.output).items()}
+    for name, found in distributions_named(scene.output.distributions, contact).items():
         numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
-    area, gap, pressure = contact.outcome.errors
+    area, gap, pressure = contact.certificate.errors
     attributes = {
         "p": contact.p_mean,
         "p_star": contact.p_star,
-        "iterations": step.iterations,
-        "fft_pairs": step.fft_pairs,
+        "iterations": contact.iterations,
+        "fft_pairs": contact.fft_pairs,
         "wall_seconds": seconds,
-        "status": contact.outcome.status,
+        "status": contact.status,
         "a_r_error": area,
         "a_r_discretisation": float(a_r_discretisation(contact)),
         "gap_error": gap,

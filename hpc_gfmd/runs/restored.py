@@ -5,7 +5,6 @@ import numpy as np
 
 from ..bodies import body_of
 from ..certificate.certificate import Certificate
-from ..certificate.criterion import Outcome
 from ..contact.contact import Contact
 from ..output.read import Result
 from ..parallel.comm import SerialComm
@@ -64,7 +63,8 @@ def restored_contact(result: Result) -> Contact:
         step["p"],
         g,
         p,
-        Outcome(step["status"], certificate, 0.0),
+        step["status"],
+        certificate,
         scene.solver.tolerance,
         getattr(scene.surface, "lam_s", None),
         body_of(scene.material, free),

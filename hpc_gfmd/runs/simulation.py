@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.contact import heights_of
+from ..contact.contact import Contact, heights_of
 from ..driver.precision import first_precision
 from ..driver.prescribed import Prescribed
-from ..driver.sweep import Step, Sweep
+from ..driver.sweep import Sweep
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import HEAD, clear, is_held, partial_folder
@@ -384,16 +384,16 @@ class _Run:
             return stop
 
         try:
-            step = self.sweep.solve(load, watch, midway is not None)
+            contact = self.sweep.solve(load, watch, midway is not None)
         finally:
             self.say.done()
-        status = step.contact.outcome.status
+        status = contact.status
         if status == "interrupted":
             return status
         if index not in self.file.finished:
             if isinstance(load, Prescribed):
-                _require_storable(self.scene.output, self.sweep.surface, [step.contact.p_mean])
-            self._write(index, step, time.monotonic() - begun)
+                _require_storable(self.scene.output, self.sweep.surface, [contact.p_mean])
+            self._write(index, contact, time.monotonic() - begun)
         stop, _ = self.interrupt.poll()
         if index + 1 < len(loads) and (stop or self.interrupt.cheap()):
             self._save(index + 1, lambda: self.sweep.state(loads[index + 1]))
@@ -413,11 +413,11 @@ class _Run:
             )
             self.interrupt.saved(begun)
 
-    def _write(self, index: int, step: Step, seconds: float) -> None:
+    def _write(self, index: int, contact: Contact, seconds: float) -> None:
         """A finished load into the file."""
-        attributes = step_attributes(self.scene, index, step, seconds)
+        attributes = step_attributes(self.scene, index, contact, seconds)
         fields: dict[str, Any] = {
-            name: step.contact.field(name) for name in self.scene.output.fields if name in FIELDS
+            name: contact.field(name) for name in self.scene.output.fields if name in FIELDS
         }
         self.file.write_step(index, attributes, fields)
         self.say.say(self.table.add({index: attributes}))

@@ -265,11 +265,10 @@ def _press(
             begun = time.monotonic()
             say.step(index, len(loads), *load_shown(scene.load, index, sweep, load))
             try:
-                step = sweep.solve(load, say.watch)
+                contact = sweep.solve(load, say.watch)
             finally:
                 say.done()
-            contact = step.contact
-            attributes = step_attributes(scene, index, step, time.monotonic() - begun)
+            attributes = step_attributes(scene, index, contact, time.monotonic() - begun)
             if index + 1 < len(loads) and scene.output.fields:  # the next load overwrites these
                 contact = replace(contact, g=contact.g.copy(), p=contact.p.copy())
             done.contacts.append(contact if scene.output.fields else None)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from hpc_gfmd.plotting.style import COLOURS, figure, ticks
+from hpc_gfmd.plotting.style import COLOURS, figure, log_axis
 
 Rows = Sequence[Mapping[str, Any]]
 NAMES = {
@@ -46,7 +46,7 @@ def accuracy_picture(rows: Rows, path: Path, cost: str) -> None:
                 ax.set_title(f"$H$ = {hurst:g}, $p^*$ = {p_star:g}")
         for ax in panels[-1]:
             ax.set_xlabel(LABELS[cost])
-        ticks(panels[0, 0].xaxis)
+        log_axis(panels[0, 0], "x")
         for line in panels:
             line[0].set_ylabel("true relative error")
         _legend(fig, rows, solvers, n)

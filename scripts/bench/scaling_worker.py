@@ -55,7 +55,7 @@ def main(argv: Sequence[str]) -> int:
         comm.barrier()
         watch.reset()
         begun = time.perf_counter()
-        step = sweep.solve(p_star * sweep.surface.g_rms)
+        contact = sweep.solve(p_star * sweep.surface.g_rms)
         comm.barrier()
         seconds = time.perf_counter() - begun
         parts = dict(zip(PARTS, comm.sum(list(watch.seconds.values())) / comm.size, strict=True))
@@ -69,9 +69,9 @@ def main(argv: Sequence[str]) -> int:
             "accuracy": accuracy,
             "seconds": seconds,
             "parts": parts,
-            "iterations": step.iterations,
-            "fft_pairs": step.fft_pairs,
-            "status": step.contact.outcome.status,
+            "iterations": contact.iterations,
+            "fft_pairs": contact.fft_pairs,
+            "status": contact.status,
         }
 
     for _ in range(WARM_UP):

@@ -176,10 +176,10 @@ def _attempt(
         )
         for p_star, p in zip(case.p_star, sweep.pressures(scene.load), strict=True):
             begun = time.monotonic()
-            step = sweep.solve(p, lambda *_: interrupt.poll()[0])
-            if step.contact.outcome.status == "interrupted":
+            contact = sweep.solve(p, lambda *_: interrupt.poll()[0])
+            if contact.status == "interrupted":
                 break
-            run = _run(case, p_star, step, time.monotonic() - begun, comm.size)
+            run = _run(case, p_star, contact, time.monotonic() - begun, comm.size)
             _keep(run, store, comm)
             statuses.append(run["status"])
             if interrupt.poll()[0]:
@@ -204,11 +204,11 @@ def _keep(run: dict, store: Store, comm: Any) -> None:
         raise NotStored(str(error)) from None
 
 
-def _run(case: Case, p_star: float, step: Any, seconds: float, ranks: int) -> dict:
+def _run(case: Case, p_star: float, contact: Any, seconds: float, ranks: int) -> dict:
     """What is kept of a load: dimensionless numbers, lengths in units of the cell."""
-    contact, a_r = step.contact, area.a_r(step.contact)
+    a_r = area.a_r(contact)
     a_r_edge: Any = area.a_r_corrected(contact)  # known of a self-affine surface
-    a_r_error, gap_error, pressure_error = contact.outcome.errors
+    a_r_error, gap_error, pressure_error = contact.certificate.errors
     more: dict[str, Any] = {
         name: of_contact(contact)
         for name, of_contact in observables_named(case.observables).items()
@@ -236,9 +236,9 @@ def _run(case: Case, p_star: float, step: Any, seconds: float, ranks: int) -> di
         "a_r_error": float(a_r_error),
         "gap_error": float(gap_error),
         "pressure_error": float(pressure_error),
-        "status": contact.outcome.status,
-        "iterations": int(step.iterations),
-        "fft_pairs": float(step.fft_pairs),
+        "status": contact.status,
+        "iterations": int(contact.iterations),
+        "fft_pairs": float(contact.fft_pairs),
         "wall_seconds": seconds,
         "precision": contact.g.dtype.name,
         "ranks": ranks,

@@ -10,21 +10,13 @@ from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.certificate.criterion import Target
 from hpc_gfmd.driver.drive import drive
-from hpc_gfmd.operators.elastic import Elastic, reader
-from hpc_gfmd.operators.multilevel import EQUIVALENCE, Multilevel
+from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.solvers import solver_class, solver_names
 from hpc_gfmd.solvers.bpx import Bpx
 
 ROUNDING = 1e-12  # of references in double precision
-GRIDS = [
-    ((16, 16), (1.0, 1.0)),
-    ((24, 20), (1.0, 1.0)),
-    ((17, 13), (1.0, 1.0)),
-    ((12, 30), (1.0, 1.0)),
-    ((1, 40), (1.0, 1.0)),
-]
 
 
 @pytest.fixture
@@ -48,18 +40,18 @@ def test_a_wrong_estimate_is_vetoed(surface, monkeypatch, wrong):
     """A solver that believes from the first iteration on that it is there goes on until it is."""
     monkeypatch.setattr(Bpx, "_estimates", lambda self: ((wrong, wrong), 0.0))
     monkeypatch.setattr(Bpx, "expected_area", lambda self, pressure: wrong)
-    outcome = drive(started(surface, 0.05), Target(accuracy=1e-4))
-    exact = drive(started(surface, 0.05), Target(residual=1e-12)).certificate
-    assert outcome.status == "converged"
-    assert max(outcome.errors) < 1e-4
-    assert abs(outcome.certificate.gap_mean / exact.gap_mean - 1) <= outcome.errors[1] + ROUNDING
-    assert abs(outcome.certificate.contact / exact.contact - 1) <= outcome.errors[0] + ROUNDING
+    status, found, _ = drive(started(surface, 0.05), Target(accuracy=1e-4))
+    _, exact, _ = drive(started(surface, 0.05), Target(residual=1e-12))
+    assert status == "converged"
+    assert max(found.errors) < 1e-4
+    assert abs(found.gap_mean / exact.gap_mean - 1) <= found.errors[1] + ROUNDING
+    assert abs(found.contact / exact.contact - 1) <= found.errors[0] + ROUNDING
 
 
 @pytest.mark.parametrize("name", solver_names())
 def test_the_errors_hold_on_the_way(surface, name):
     """The errors of the certificate of any state that is not far off, for every solver."""
-    exact = drive(started(surface, 0.05), Target(residual=1e-12))
+    _, exact, _ = drive(started(surface, 0.05), Target(residual=1e-12))
     truth = started(surface, 0.05)
     drive(truth, Target(residual=1e-12))
     wanted, norm = in_contact(truth.g, truth.p), np.linalg.norm(truth.p)
@@ -71,39 +63,11 @@ def test_the_errors_hold_on_the_way(surface, name):
         area, gap, pressure = certificate.errors
         if max(certificate.errors) < 0.1:
             seen += 1
-            assert abs(certificate.contact / exact.certificate.contact - 1) <= area + ROUNDING
-            assert abs(certificate.gap_mean / exact.certificate.gap_mean - 1) <= gap + ROUNDING
+            assert abs(certificate.contact / exact.contact - 1) <= area + ROUNDING
+            assert abs(certificate.gap_mean / exact.gap_mean - 1) <= gap + ROUNDING
             assert np.linalg.norm(in_contact(solver.g, p) - wanted) <= (pressure + ROUNDING) * norm
         solver.step()
     assert seen > 3
-
-
-@pytest.mark.parametrize(("n", "sizes"), GRIDS, ids=str)
-def test_sums_over_levels_bound_the_norm(n, sizes):
-    """<r, S r> against the compliance of the shortest wave times the sums over levels: below the
-    constant for fields of all colours."""
-    grid, random = Grid(n, sizes), np.random.default_rng(3)
-    elastic, compliance = Elastic(grid, HALF_SPACE, np.float64), 1 / HALF_SPACE.scale(grid)
-    levels = Multilevel(grid, HALF_SPACE, np.float64, 8)
-    q = np.hypot(np.fft.fftfreq(n[0])[:, None], np.fft.fftfreq(n[1]))
-    q[0, 0] = 1.0
-    ratios = []
-    for colour in (-1.5, -1, -0.5, 0, 0.5, 1):
-        for _ in range(5):
-            r = (
-                np.fft.ifft2(np.fft.fft2(random.standard_normal(n)) * q**colour).real
-                if colour
-                else random.standard_normal(n)
-            )
-            r -= r.mean()
-            r /= np.linalg.norm(r)
-            sums = levels.restrict(np.ones(n), r, 0.0)
-            _, _, rr, _, _, mean, *_ = levels.sweep()
-            squares = levels.without_mean(sums[0] + rr, mean**2)
-            elastic.pressure_rows(reader(r))
-            ratios.append(elastic.compliance_columns() / (compliance * squares))
-    assert max(ratios) < EQUIVALENCE
-    assert min(ratios) > 0.4
 
 
 @pytest.mark.parametrize("p_star", [1e-3, 0.02, 0.2, 0.5])
@@ -165,15 +129,15 @@ def test_errors_do_not_add_up_along_a_fine_sweep():
     for k in range(12):
         p = 0.5 * 1.001**k
         step, wanted = sweep.solve(p), exact.solve(p)
-        assert step.contact.outcome.status == "converged"
-        error = abs(step.contact.gap_mean / wanted.contact.gap_mean - 1)
-        assert error <= step.contact.outcome.errors[1] < 1e-2
+        assert step.status == "converged"
+        error = abs(step.gap_mean / wanted.gap_mean - 1)
+        assert error <= step.certificate.errors[1] < 1e-2
 
 
 def test_low_memory_says_what_is_so():
     plain = solve_scene(rough((2, 32, 2)), 0.02, residual=1e-10, precision="double")
     step = solve_scene(rough((2, 32, 2)), 0.02, accuracy=1e-3, precision="single", low_memory=True)
-    area, gap, _ = step.contact.outcome.errors
-    assert step.contact.outcome.status == "converged"
-    assert abs(step.contact.contact_points / plain.contact.contact_points - 1) <= area
-    assert abs(step.contact.gap_mean / plain.contact.gap_mean - 1) <= gap
+    area, gap, _ = step.certificate.errors
+    assert step.status == "converged"
+    assert abs(step.contact_points / plain.contact_points - 1) <= area
+    assert abs(step.gap_mean / plain.gap_mean - 1) <= gap

@@ -17,11 +17,8 @@ from hpc_gfmd.certificate.error_estimates import Pattern, misclassified_points
 from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver.prescribed import Prescribed
 from hpc_gfmd.operators.problem import Problem
-from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.grid import Grid
-from hpc_gfmd.runs.simulation import run_scene
-from hpc_gfmd.scene import Scene
 from hpc_gfmd.solvers import solver_names
 from hpc_gfmd.surface.files import HeightMap
 
@@ -31,14 +28,14 @@ TOLERANCE = 1e-10
 
 def assert_same(comm, step, serial, tolerance=TOLERANCE):
     """Numbers on all ranks and this rank's rows of all fields equal those of one process."""
-    observables = {k: (f(step.contact), f(serial.contact)) for k, f in all_observables().items()}
+    observables = {k: (f(step), f(serial)) for k, f in all_observables().items()}
     for name, (found, wanted) in observables.items():
         assert (found is None) == (wanted is None), name
         assert found is None or found == pytest.approx(wanted, rel=tolerance), name
-    assert step.contact.outcome.status == serial.contact.outcome.status
-    mine = slice(*step.contact.surface.rows)
+    assert step.status == serial.status
+    mine = slice(*step.surface.rows)
     for name in ("pressure", "gap", "displacement")[
-        : 2 if serial.contact.surface.h is None else 3
+        : 2 if serial.surface.h is None else 3
     ]:  # in low memory there is none
         found, wanted = field(step, name), field(serial, name)
         assert found.shape == wanted[mine].shape
@@ -91,7 +88,7 @@ def test_prescribed(comm, quantity, value, low_memory):
     found, wanted = (sweep_of(surface, comm=world, **solver) for world in (comm, SerialComm()))
     for factor in (1.0, 0.8):
         steps = [sweep.solve(Prescribed(quantity, factor * value)) for sweep in (found, wanted)]
-        assert steps[0].contact.p_mean == pytest.approx(steps[1].contact.p_mean, rel=1e-6)
+        assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
         assert_same(comm, *steps, tolerance=1e-5)
 
 
@@ -102,8 +99,8 @@ def test_a_gap_that_closes(comm, boundary):
         for world in (comm, SerialComm())
     )
     steps = [sweep.solve(Prescribed("a_r", 1.0)) for sweep in (found, wanted)]
-    assert steps[0].contact.contact_points == steps[0].contact.N
-    assert steps[0].contact.p_mean == pytest.approx(steps[1].contact.p_mean, rel=1e-6)
+    assert steps[0].contact_points == steps[0].N
+    assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
     assert_same(comm, *steps, tolerance=1e-5)
 
 
@@ -141,10 +138,10 @@ def test_ways_to_solve_a_surface_that_ends(comm, solver):
         solve_scene(surface, 0.1, comm=world, accuracy=1e-3, **solver)
         for world in (comm, SerialComm())
     )
-    assert found.contact.outcome.status == "converged"
-    assert found.contact.contact_points == pytest.approx(wanted.contact.contact_points, rel=1e-3)
-    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-3)
-    assert found.contact.approach == pytest.approx(wanted.contact.approach, rel=1e-4)
+    assert found.status == "converged"
+    assert found.contact_points == pytest.approx(wanted.contact_points, rel=1e-3)
+    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-3)
+    assert found.approach == pytest.approx(wanted.approach, rel=1e-4)
 
 
 @pytest.mark.parametrize("name", solver_names())
@@ -172,8 +169,8 @@ def test_every_solver(comm, name):
 def test_analytic_surfaces(comm, surface):
     steps = [sweep_of(surface, comm=world, **EXACT).solve(0.01) for world in (comm, SerialComm())]
     found, wanted = steps
-    mine = slice(*found.contact.surface.rows)
-    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=TOLERANCE)
+    mine = slice(*found.surface.rows)
+    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=TOLERANCE)
     for name in ("pressure", "gap"):
         whole = field(wanted, name)
         assert (
@@ -223,48 +220,6 @@ def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):
     assert asked[0][0] == made.rows[0]
     assert asked[-1][1] == made.rows[1]
     assert max(stop - start for start, stop in asked) < n[0]
-
-
-@pytest.mark.parametrize(
-    "surface",
-    [
-        rough((2, 8, 3), seed=6),
-        {
-            "kind": "sphere",
-            "radius": 9.0,
-            "n": [48, 60],
-            "boundary": "free",
-            "physical_sizes": [1.0, 7.0],
-        },
-    ],
-    ids=["rough", "free, long across"],
-)
-def test_result_file(comm, shared_path, surface):
-    """The file of the whole run: numbers and fields of several loads, as from one process."""
-    scene = Scene.from_dict(
-        {
-            "surface": surface,
-            "load": {"p_star": [0.05, 0.06, 0.3]},
-            "solver": EXACT,
-            "output": {"fields": ["pressure", "gap", "displacement"]},
-        }
-    )
-    paths = [shared_path / "all.h5", shared_path / f"one{comm.rank}.h5"]
-    for path, world in zip(paths, (comm, SerialComm()), strict=True):
-        run = run_scene(scene, out=path, quiet=True, comm=world)
-        assert (run.status, run.exit_code) == ("converged", 0)
-    comm.barrier()
-    together, alone = (read_result(path) for path in paths)
-    assert together.head["ranks"] == comm.size
-    for found, wanted in zip(together.steps, alone.steps, strict=True):
-        assert set(found) == set(wanted)
-        for name in ("a_r", "gap_mean", "energy", "kappa", "stiffness"):
-            if name in wanted:
-                assert found[name] == pytest.approx(wanted[name], rel=TOLERANCE), name
-    for found, wanted in zip(together.fields, alone.fields, strict=True):
-        for name in ("pressure", "gap", "displacement"):
-            whole = wanted[name].read(0, 48)
-            assert np.abs(found[name].read(0, 48) - whole).max() <= TOLERANCE * np.abs(whole).max()
 
 
 @pytest.mark.parametrize("side", [7, 17])

@@ -7,7 +7,7 @@ from hpc_gfmd.bodies import images as module
 from hpc_gfmd.bodies.free import Free
 from hpc_gfmd.bodies.images import Images, images, kernel, kernel_of_wave
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.surface.build import cell_of, grid_of
+from hpc_gfmd.surface.build import grid_of
 
 SURFACES = [
     ((128, 128), (1.0, 1.0), (True, True)),
@@ -165,20 +165,3 @@ def test_positive_and_nearly_that_of_the_cell(n, sizes, free):
                 np.eye(len(s)),
                 atol=1e-9,
             )
-
-
-def test_cells():
-    """Half as long again, more beside a longer axis and around few points, in numbers that
-    transforms and levels like."""
-    assert cell_of((512, 512), (True, True), (1.0, 1.0)) == (768, 768)
-    assert cell_of((512, 256), (True, False), (1.0, 1.0)) == (768, 256)
-    assert cell_of((512, 128), (True, True), (4.0, 1.0))[1] >= 128 + 128
-    assert cell_of((3, 20), (True, True), (1.0, 1.0))[0] >= 3 + 64
-    assert cell_of((1000, 1000), (True, True), (1.0, 1.0))[0] % 16 == 0
-    assert (
-        cell_of((32, 20), (True, True), (1.0, 10.0))[0] >= 32 + 13 * 16
-    )  # spacings of 1/32 and 1/2
-    assert cell_of((32, 20), (True, False), (1.0, 40.0))[0] >= 32 + 4 * 64
-    assert cell_of((512, 8), (True, True), (64.0, 1.0))[1] >= 8 + 512**2 / 8 / 256
-    assert cell_of((1, 1), (True, True), (1.0, 1.0)) == cell_of((1, 1), (True, True), (3.0, 3.0))
-    assert cell_of((64, 1), (True, False), (1.0, 1.0)) == (128, 1)

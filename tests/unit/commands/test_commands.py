@@ -113,20 +113,6 @@ def test_imports_are_light(statement, absent):
     assert run.stdout.strip() == "[]"
 
 
-def test_set_changes_the_scene(cli, folder):
-    cli.prints(
-        "run scene.toml --set load.p_star=[0.2] --set output.path=other.h5 --set surface.seed=3",
-    )
-    shown = json.loads(cli.prints("show --json other.h5"))
-    assert (len(shown["steps"]), shown["surface"]["seed"]) == (1, 3)
-
-
-def test_residual_mode(cli, folder):
-    cli.prints("run scene.toml --set solver.residual=1e-9 --set load.p_star=[0.1]")
-    with h5py.File(folder / "contact.h5") as file:
-        assert file["steps/0000"].attrs["residual"] < 1e-9
-
-
 def test_not_converged(cli, folder):
     """Exit code 3, results are there and marked."""
     run = cli("run scene.toml --set solver.max_iterations=2 --set solver.nested=false")

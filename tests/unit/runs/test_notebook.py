@@ -346,13 +346,6 @@ def test_a_surface_that_was_made_knows_what_it_is():
         hpc_gfmd.make_surface("sphere", radios=1.0)
 
 
-def test_all_names_are_there():
-    assert set(hpc_gfmd.__all__) <= set(dir(hpc_gfmd))
-    assert all(getattr(hpc_gfmd, name) is not None for name in hpc_gfmd.__all__)
-    with pytest.raises(AttributeError):
-        _ = hpc_gfmd.nothing
-
-
 def test_mpi_is_left_to_others():
     """FFTW comes with mpi4py-fft; MPI is not started for it, nor kept from who starts it
     afterwards."""
@@ -365,20 +358,6 @@ def test_mpi_is_left_to_others():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split("\n")[:3] == ["False", "1", "(8, 5) FFT"]
-
-
-def test_reading_a_file_compiles_nothing(saved):
-    code = (
-        "import sys, hpc_gfmd; one = hpc_gfmd.load(sys.argv[1])[0]; print(one.a_r,"
-        " one.pressure.max(), 'numba' in sys.modules)"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code, str(saved.result.path)],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.split() == [str(saved[0].a_r), str(saved[0].pressure.max()), "False"]
 
 
 def test_plot(sweep, saved, tmp_path):

@@ -41,6 +41,9 @@ def test_bit_identical(pieces, solver):
 
 SWEEPS = {
     "each load": scene("auto"),
+    "full contact that ends": scene(
+        "auto", {"gap_over_h_rms": [1e-5, 0, 0.1]}, boundary=["free", "periodic"]
+    ),
     "low memory": scene("bpx", [0.05, 0.06, 0.3], ["gap"], low_memory=True),
     "prescribed": scene("auto", {"gap_over_h_rms": [0.3, 0.32, 1.2, 0.0, 0.4]}),
     "prescribed areas": scene("bpx", {"a_r": [0.1, 0.5]}, ["gap"], low_memory=True),
