@@ -111,19 +111,3 @@ def test_of_surfaces_that_end(tmp_path, boundary):
             out=tmp_path / "y.h5",
             quiet=True,
         )
-
-
-def test_unknown_name(tmp_path):
-    with pytest.raises(
-        SceneError, match=r"output\.distributions: found 'presure', nearest: .pressure."
-    ):
-        hpc_gfmd.solve(np.eye(4), 0.1, distributions=["presure"])
-    scene = Scene.from_dict(
-        {
-            "surface": rough((1, 8, 2)),
-            "load": {"p_star": 0.1},
-            "output": {"distributions": ["presure"]},
-        }
-    )
-    with pytest.raises(SceneError, match='nearest: "pressure"'):
-        run_scene(scene, out=tmp_path / "x.h5", quiet=True)

@@ -68,7 +68,6 @@ def test_the_example(comm, shared_path, monkeypatch):
     if comm.size == 1:
         pytest.skip("needs several ranks")
     example = Path(__file__).parents[2] / "examples" / "mpi_script.py"
-    monkeypatch.chdir(shared_path)
     monkeypatch.setattr(sys, "argv", [str(example), "96"])
     runpy.run_path(str(example), run_name="__main__")
     comm.barrier()

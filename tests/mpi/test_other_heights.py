@@ -54,7 +54,6 @@ def begun(comm, shared_path, monkeypatch, capfd):
     command with z as the heights."""
     if comm is None:
         return None
-    monkeypatch.chdir(shared_path)
     monkeypatch.setattr(Interrupt, "require_time", lambda self: None)
 
     def call(z, *args):

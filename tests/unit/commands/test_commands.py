@@ -205,10 +205,9 @@ def test_info(cli):
     assert all(word in told for word in ("numpy", "FFT", "MPI", "HDF5", "cores"))
 
 
-def test_python_interface(folder, monkeypatch):
+def test_python_interface(folder):
     import hpc_gfmd
 
-    monkeypatch.chdir(folder)
     for _ in range(2):  # the second time the module of this name has been imported
         run = hpc_gfmd.run("scene.toml", quiet=True)
     assert (run.status, run.exit_code, len(run.steps)) == ("converged", 0, 2)

@@ -117,22 +117,6 @@ def test_what_the_heights_show(tmp_path, z, chosen, words):
     assert bool(words) == any("stand out" in line or "a step?" in line for line in about)
 
 
-def test_a_map_with_an_edge_is_taken_to_end_there(tmp_path):
-    np.savez(
-        tmp_path / "map.npz",
-        z=np.linspace(-1, 1, 20)[:, None] ** 3 + np.zeros(20),
-        physical_sizes=[1.0, 1.0],
-        unit="um",
-    )
-    assert re.search(
-        '\nboundary = "free"  .*# opposite edges',
-        compose(str(tmp_path / "map.npz"), tmp_path / "a.toml")[0],
-    )
-    mirrored = compose(str(tmp_path / "map.npz"), tmp_path / "a.toml", ["surface.mirror=true"])[0]
-    assert "\nmirror = true" in mirrored
-    assert '\nboundary = "free"' not in mirrored
-
-
 @pytest.mark.parametrize("key", ["refine", "downsample"])
 def test_what_a_free_boundary_does_not_have_is_not_made_free(tmp_path, key):
     np.savez(
@@ -191,14 +175,6 @@ def test_help_has_every_key_with_what_it_is():
                 if key != "kind":
                     assert f"| `{key}` | {item.description} | " in page
                     assert item.json_schema_extra["allowed"] in page
-
-
-@pytest.mark.parametrize(
-    ("key", "lines"), [("solver.accuracy", 3), ("accuracy", 3), ("physical_sizes", 8)]
-)
-def test_help_on_one_key(key, lines):
-    assert len(text(key).splitlines()) >= lines
-    assert key.rpartition(".")[2] in text(key)
 
 
 def test_help_on_what_there_is_not(cli):
