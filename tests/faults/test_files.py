@@ -5,10 +5,8 @@ import h5py
 import numpy as np
 import pytest
 import tomli_w
-from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, cut, h5, sound
-from faults.seeds import FIELD
+from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, cut, h5
 
-from hpc_gfmd.output.read import read_result
 from hpc_gfmd.scene import File
 from hpc_gfmd.surface.files import HeightMap
 
@@ -52,18 +50,6 @@ def test_result_file(fault, tmp_path, refused):
     assert words in refused("show", "out.h5")
     for command in (["plot", "out.h5"], ["restart", "out.h5"], ["export", "out.h5", "--to", "npz"]):
         refused(*command)
-
-
-def test_one_bit_of_a_field(tmp_path, refused):
-    """The numbers still say what they did; drawing the field, or continuing with it, is refused."""
-    path = tmp_path / "out.h5"
-    data = sound(path)
-    place = data.index(FIELD.tobytes()) + 100
-    path.write_bytes(data[:place] + bytes([data[place] ^ 16]) + data[place + 1 :])
-    assert len(read_result(path).steps) == 2
-    assert "the numbers of steps/0000/gap are damaged" in refused(
-        "plot", "out.h5", "-o", ".", code=1
-    )
 
 
 def test_a_large_map_in_one_chunk_is_unpacked_once(tmp_path):

@@ -138,30 +138,3 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
     assert np.ptp(difference) < 5e-7
     if all(free):
         assert difference.mean() == pytest.approx(-found.constant, abs=1e-6)
-
-
-@pytest.mark.parametrize(("n", "sizes", "free"), SURFACES, ids=str)
-def test_positive_and_nearly_that_of_the_cell(n, sizes, free):
-    """(S + T)/S of all modes but the mean, which is left alone, and that its inverse is one."""
-    found, cell, _ = made(n, sizes, free)
-    q = (
-        2
-        * np.pi
-        * np.hypot(*np.ix_(*(np.arange(k + 1) / size for k, size in zip(found.modes, cell))))
-    )
-    half_space = np.divide(2, q, out=np.zeros_like(q), where=q > 0)
-    inverse = found.inverse(half_space)
-    for (a, b), T in found.T.items():
-        S = found.stacked(half_space[int(a < 0) :, int(b < 0) :])
-        for block, K, s in zip(T, inverse[a, b], S):
-            use = s > 0
-            assert np.all(block[~use] == 0)
-            assert np.abs(K[~use]).max(initial=0) < 1e-12
-            block, s = block[np.ix_(use, use)], s[use]
-            values = np.linalg.eigvalsh(np.eye(len(s)) + block / np.sqrt(np.outer(s, s)))
-            assert 0.3 < values[0] <= values[-1] < 3
-            assert np.allclose(
-                (np.diag(s) + block) @ (K[np.ix_(use, use)] + np.diag(1 / s)),
-                np.eye(len(s)),
-                atol=1e-9,
-            )

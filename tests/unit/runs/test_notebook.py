@@ -64,7 +64,7 @@ def same(one, other):
 
 def test_a_list_is_a_sweep_and_nothing_is_left_out(sweep):
     assert [one.p for one in sweep] == [1e7, 3e7, 2e8]
-    assert [one.a_r for one in sweep] == sorted({one.a_r for one in sweep})
+    assert sweep.values("a_r").tolist() == sorted({one.a_r for one in sweep})
     for one in sweep:
         assert one.pressure.mean() == pytest.approx(one.p, rel=1e-3)
         assert np.count_nonzero(one.contact) == one.a_r * Z.size
@@ -186,33 +186,6 @@ def test_more_is_asked_later(sweep, saved, of_file):
     assert set(asked[0].distributions) == set(all_distributions())
 
 
-def test_a_profile_is_one_from_its_file_too(tmp_path):
-    """Solved along one axis alone: edges and perimeter are those of a profile."""
-    wave = np.cos(2 * np.pi * np.arange(32) / 32)[:, None] * np.ones((1, 8)) * 0.01
-    found = hpc_gfmd.solve(wave, 0.002)
-    found.save(tmp_path / "wave.h5")
-    (again,) = hpc_gfmd.load(tmp_path / "wave.h5")
-    assert found.a_r_corrected is again.a_r_corrected is None
-    assert again.observable("perimeter") == found.observable("perimeter") == pytest.approx(2.0)
-
-
-def test_a_surface_that_ends(tmp_path):
-    found = hpc_gfmd.solve(Z, "30 MPa", "5 GPa", SIZES, boundary="free")
-    assert found.pressure.shape == found.gap.shape == N
-    assert not found.note or "edges" not in found.note
-    found.save(tmp_path / "free.h5")
-    (again,) = hpc_gfmd.load(tmp_path / "free.h5")
-    for name in ("patches", "stiffness", "percolation"):
-        assert again.observable(name) == pytest.approx(found.observable(name), rel=1e-6)
-    with pytest.raises(
-        SceneError,
-        match=(
-            r"^distribution: found 'gap_spectrum', which needs periodic .*, allowed: gap, patches"
-        ),
-    ):
-        again.distribution("gap_spectrum")
-
-
 def test_what_is_not_there_is_said(tmp_path):
     bare = hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, fields=())
     assert all(one.a_r > 0 and one.a_r_corrected > 0 for one in bare)
@@ -304,11 +277,6 @@ def test_pickled(sweep):
     )
 
 
-def test_values_over_the_loads(sweep):
-    assert sweep.values("a_r").tolist() == [one.a_r for one in sweep]
-    assert sweep[:2].values("perimeter").shape == (2,)
-
-
 def test_who_did_not_converge_is_named():
     with pytest.warns(hpc_gfmd.NotConverged) as caught:
         found = hpc_gfmd.solve(
@@ -320,14 +288,6 @@ def test_who_did_not_converge_is_named():
     ]
     assert {one.filename for one in caught} == {__file__}
     assert found.status == "max_iterations"
-
-
-def test_edges_that_do_not_meet_are_noted_unless_somebody_said_so():
-    tilted = Z + 1e-7 * np.arange(24)[:, None]
-    assert "opposite edges along x differ" in hpc_gfmd.solve(tilted, "30 MPa", "5 GPa", SIZES).note
-    assert "opposite edges" not in (
-        hpc_gfmd.solve(tilted, "30 MPa", "5 GPa", SIZES, boundary="periodic").note or ""
-    )
 
 
 def test_a_surface_that_was_made_knows_what_it_is():

@@ -1,7 +1,6 @@
 """Numbers of any size: they survive in the fields that come back and are stored, or the scene is
 refused."""
 
-import h5py
 import numpy as np
 import pytest
 from contacts import heights_of, rough
@@ -59,20 +58,6 @@ def scene(unit, length=1.0, **output):
             "output": {"fields": list(FIELDS)} | output,
         }
     )
-
-
-def test_any_unit_in_the_file(tmp_path):
-    fields = []
-    for unit, length in ((1.0, 1.0), (1e-45, 1e-45), (1e45, 1e45)):
-        assert (
-            run_scene(scene(unit, length), out=tmp_path / "a.h5", quiet=True, force=True).exit_code
-            == 0
-        )
-        with h5py.File(tmp_path / "a.h5") as file:
-            fields.append([file["steps/0000"][name][:] for name in FIELDS])
-    for found, unit in ((fields[1], 1e-45), (fields[2], 1e45)):
-        for one, wanted in zip(found, fields[0], strict=True):
-            close(one, wanted, unit)
 
 
 @pytest.mark.parametrize(
