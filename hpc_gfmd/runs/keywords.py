@@ -68,8 +68,8 @@ def scene_of_keywords(
         key = next(iter(said))
         raise SceneError(
             f"{key}: found {said[key]} beside a surface that knows its"
-            f" {'sizes' if key == 'physical_sizes' else key}, allowed: read_surface or"
-            f" make_surface(..., {key}=...)"
+            f" {'sizes' if key == 'physical_sizes' else key}, allowed: read_surface,"
+            f" prepare_surface or make_surface(..., {key}=...)"
         )
     if surface.table is not None:
         return Scene.from_dict(tables | {"surface": surface.table}, CALLER)

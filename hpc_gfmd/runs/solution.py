@@ -267,8 +267,8 @@ class Solution:
         """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept),
         "distributions", "spectra", "curves" or one field.
 
-        how: window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such
-        picture, or fields are spread over ranks.
+        how: window, dpi, dimensionless, ax (where to draw one field); see hpc_gfmd.plot.
+        Raises SceneError where there is no such picture, or fields are spread over ranks.
         """
         return draw(self.result, self.comm, what, how)
 

@@ -71,9 +71,10 @@ class Solutions(Sequence):
 
     def plot(self, what: str = "curves", **how: Any) -> "Figure":
         """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads), "maps",
-        "distributions", "spectra" or one field.
+        "distributions", "spectra", one field or one curve, such as "a_r".
 
-        how: step (which loads), window, dpi, dimensionless; see plotting.plot. Raises SceneError
+        how: step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
+        hpc_gfmd.plot, which also draws several results together. Raises SceneError
         where there is no such picture, or fields are spread over ranks.
         """
         return draw(self.result, self[0].comm, what, how)
