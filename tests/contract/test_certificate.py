@@ -21,7 +21,7 @@ ROUNDING = 1e-12  # of references in double precision
 
 @pytest.fixture
 def surface():
-    return sweep_of(rough((2, 16, 2)), precision="double").surface
+    return sweep_of(rough(), precision="double").surface
 
 
 def started(surface, p_star, name="bpx"):

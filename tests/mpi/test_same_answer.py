@@ -47,7 +47,7 @@ def assert_same(comm, step, serial, tolerance=TOLERANCE):
 @pytest.mark.parametrize(
     "surface",
     [
-        rough((2, 16, 2)),
+        rough(),
         rough((1, 31, 2.0), seed=3),
         rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
         rough((1, 97, 2), hurst=1.0),
@@ -95,7 +95,7 @@ def test_prescribed(comm, quantity, value, low_memory):
 @pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
 def test_a_gap_that_closes(comm, boundary):
     found, wanted = (
-        sweep_of(rough((2, 16, 2), boundary=boundary), comm=world, accuracy=1e-6)
+        sweep_of(rough(boundary=boundary), comm=world, accuracy=1e-6)
         for world in (comm, SerialComm())
     )
     steps = [sweep.solve(Prescribed("a_r", 1.0)) for sweep in (found, wanted)]
@@ -108,7 +108,7 @@ def test_a_gap_that_closes(comm, boundary):
 @pytest.mark.parametrize(
     "surface",
     [
-        rough((2, 16, 2)),
+        rough(),
         rough((1, 31, 2.0), seed=3),
         {"kind": "sphere", "radius": 3.0, "n": [5, 33]},
     ],

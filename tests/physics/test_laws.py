@@ -16,7 +16,7 @@ from contacts import (
 import hpc_gfmd
 from hpc_gfmd.contact import all_observables
 
-SURFACE = rough((2, 16, 2), seed=7)
+SURFACE = rough(seed=7)
 LOADS = np.array([0.02, 0.024, 0.03, 0.1, 0.11, 0.4])
 
 

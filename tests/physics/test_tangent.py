@@ -15,7 +15,7 @@ from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.solvers import solver_names
 
-SURFACE = rough((2, 16, 2), seed=7)
+SURFACE = rough(seed=7)
 stiffness = all_observables()["stiffness"]
 
 

@@ -21,7 +21,7 @@ from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import selfaffine
 from hpc_gfmd.util.errors import SceneError
 
-SCENE = {"surface": rough((2, 16, 2)), "load": {"p_star": [0.1, 0.3]}, "output": {"path": "out.h5"}}
+SCENE = {"surface": rough(), "load": {"p_star": [0.1, 0.3]}, "output": {"path": "out.h5"}}
 
 
 def killing(function, n):

@@ -12,7 +12,7 @@ from hpc_gfmd.util.errors import SceneError
 
 FIELDS = ("pressure", "gap", "displacement")
 UNITS = [1e-90, 1e-45, 1e-38, 1e-31, 1e31, 1e38, 1e45, 1e90]
-ROUGH = rough((2, 16, 2))
+ROUGH = rough()
 
 
 @pytest.fixture(scope="module")
