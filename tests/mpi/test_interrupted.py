@@ -46,6 +46,6 @@ def test_another_number_of_ranks(comm, shared_path, monkeypatch, boundary):
         pieces.compare(rel=1e-10)
 
 
-def test_restart_of_what_is_not_there(comm, shared_path):
+def test_restart_of_what_is_not_there(comm):
     with pytest.raises(SceneError, match="no interrupted run"):
-        restart(shared_path / "nothing.h5", comm=comm)
+        restart("nothing.h5", comm=comm)

@@ -47,9 +47,9 @@ def sweep():
 
 
 @pytest.fixture
-def saved(sweep, tmp_path):
-    sweep.save(tmp_path / "saved.h5")
-    return hpc_gfmd.load(tmp_path / "saved.h5")
+def saved(sweep):
+    sweep.save("saved.h5")
+    return hpc_gfmd.load("saved.h5")
 
 
 def same(one, other):
@@ -91,7 +91,7 @@ def stop_at(monkeypatch, number):
 
 
 @pytest.mark.parametrize("fields", [("pressure", "gap", "heights"), ()], ids=str)
-def test_what_was_finished_before_ctrl_c_is_kept(monkeypatch, tmp_path, sweep, fields):
+def test_what_was_finished_before_ctrl_c_is_kept(monkeypatch, sweep, fields):
     stop_at(monkeypatch, 3)
     with pytest.raises(KeyboardInterrupt) as caught:
         hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, fields=fields)
@@ -102,7 +102,7 @@ def test_what_was_finished_before_ctrl_c_is_kept(monkeypatch, tmp_path, sweep, f
     assert kept.notes == ("interrupted: loads 3 (pressure = 200 MPa) of 3 are not there",)
     if fields:
         assert all(np.array_equal(one.gap, whole.gap) for one, whole in zip(kept, sweep))
-        again = hpc_gfmd.load(kept.save(tmp_path / "some.h5"))
+        again = hpc_gfmd.load(kept.save("some.h5"))
         assert (len(again), again.status) == (2, "interrupted")
 
 
@@ -115,7 +115,7 @@ def test_ctrl_c_before_anything_is_finished(monkeypatch):
         monkeypatch.undo()
 
 
-def test_it_is_what_a_run_writes(tmp_path):
+def test_it_is_what_a_run_writes():
     """The same scene by its file and in memory: one result."""
     wall = hpc_gfmd.make_surface("self-affine", **ROUGH)
     fields = ["pressure", "gap", "heights"]
@@ -125,11 +125,11 @@ def test_it_is_what_a_run_writes(tmp_path):
         "material": {"E_star": "5 GPa"},
         "output": {"fields": fields, "observables": ["perimeter"]},
     }
-    run_scene(Scene.from_dict(scene), out=tmp_path / "run.h5", quiet=True)
+    run_scene(Scene.from_dict(scene), out="run.h5", quiet=True)
     hpc_gfmd.solve(
         wall, p_star=[0.02, 0.3], E_star="5 GPa", fields=fields, observables=["perimeter"]
-    ).save(tmp_path / "memory.h5")
-    run, memory = (hpc_gfmd.load(tmp_path / f"{name}.h5") for name in ("run", "memory"))
+    ).save("memory.h5")
+    run, memory = (hpc_gfmd.load(f"{name}.h5") for name in ("run", "memory"))
     assert run.result.head["identity"] == memory.result.head["identity"]
     assert set(run.result.head) == set(memory.result.head)
     assert set(run.result.surface) == set(memory.result.surface)
@@ -150,13 +150,13 @@ def test_saved_and_loaded(sweep, saved):
         assert other.displacement == pytest.approx(one.displacement, abs=1e-15)
 
 
-def test_a_file_is_saved_again(sweep, saved, tmp_path):
-    saved[1:].save(tmp_path / "some.h5")
-    again = hpc_gfmd.load(tmp_path / "some.h5")
+def test_a_file_is_saved_again(sweep, saved):
+    saved[1:].save("some.h5")
+    again = hpc_gfmd.load("some.h5")
     assert len(again) == 2
     same(again[1], sweep[2])
-    sweep[0].save(tmp_path / "one.h5")
-    same(hpc_gfmd.load(tmp_path / "one.h5")[0], sweep[0])
+    sweep[0].save("one.h5")
+    same(hpc_gfmd.load("one.h5")[0], sweep[0])
 
 
 @pytest.mark.parametrize("of_file", [False, True], ids=["in memory", "from a file"])
@@ -186,15 +186,15 @@ def test_more_is_asked_later(sweep, saved, of_file):
     assert set(asked[0].distributions) == set(all_distributions())
 
 
-def test_what_is_not_there_is_said(tmp_path):
+def test_what_is_not_there_is_said():
     bare = hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, fields=())
     assert all(one.a_r > 0 and one.a_r_corrected > 0 for one in bare)
     with pytest.raises(
         SceneError, match=r'^pressure: not kept, allowed: fields = \["pressure", ...\]'
     ):
         _ = bare[0].pressure
-    bare.save(tmp_path / "bare.h5")
-    one, *_ = hpc_gfmd.load(tmp_path / "bare.h5")
+    bare.save("bare.h5")
+    one, *_ = hpc_gfmd.load("bare.h5")
     for ask, words in [
         (lambda: one.gap, r"^gap: not in .*bare.h5, allowed"),
         (lambda: one.observable("patches"), "has no pressure and no gap"),
@@ -211,8 +211,8 @@ def test_what_is_not_there_is_said(tmp_path):
 
 def test_an_interrupted_run(sweep, saved, tmp_path):
     folder = partial_folder(tmp_path / "stopped.h5")
-    saved.save(tmp_path / "stopped.h5")
-    result = read_result(tmp_path / "stopped.h5")
+    saved.save("stopped.h5")
+    result = read_result("stopped.h5")
     (tmp_path / "stopped.h5").unlink()
     from hpc_gfmd.output.record import RunFile
     from hpc_gfmd.parallel.comm import SerialComm
@@ -226,7 +226,7 @@ def test_an_interrupted_run(sweep, saved, tmp_path):
         UserWarning,
         match=r"loads 1 \(pressure = 10 MPa\), 3 \(pressure = 200 MPa\) of 3 are not there",
     ):
-        left = hpc_gfmd.load(tmp_path / "stopped.h5")
+        left = hpc_gfmd.load("stopped.h5")
     assert (left.status, left[0].p, left.result.indices) == ("interrupted", 3e7, [1])
     assert "200 MPa" in repr(left)
     assert "200 MPa" in left._repr_html_()
@@ -251,7 +251,7 @@ def test_another_file_is_not_overwritten(sweep, tmp_path):
         other.save(path, force=True)
     same(hpc_gfmd.load(path)[0], other[0])
     with pytest.raises(SceneError, match=r"ends in .h5"):
-        sweep.save(tmp_path / "out.npz")
+        sweep.save("out.npz")
 
 
 def test_it_says_what_it_is(sweep):

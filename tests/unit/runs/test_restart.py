@@ -55,7 +55,7 @@ SWEEPS = {
 
 @pytest.mark.parametrize("name", SWEEPS)
 def test_wherever_it_is_stopped(pieces, name):
-    stop_everywhere(pieces, SWEEPS[name])
+    stop_everywhere(pieces, SWEEPS[name], rel=1e-12 if name == "full contact that ends" else 0)
 
 
 def test_with_a_gap_mode(pieces, monkeypatch):
@@ -73,9 +73,9 @@ def test_precision_given_up_in_the_middle(pieces, monkeypatch):
     assert read_result(pieces.whole).steps[0]["fft_pairs"] > 40  # of both attempts
 
 
-def stop_everywhere(pieces, asked):
+def stop_everywhere(pieces, asked, rel=0):
     """Or at least in five places."""
     count = pieces.undisturbed(asked)
     for point in range(1, count, max(1, count // 5)):
         pieces.run(asked, (point, False, ()))
-        pieces.compare()
+        pieces.compare(rel)
