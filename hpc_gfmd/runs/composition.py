@@ -27,7 +27,7 @@ from ..scene import File, Load, Output, Scene, check_names, has_unit
 from ..solvers import solver_names
 from ..surface import Surface
 from ..util.errors import SceneError
-from ..util.quantities import said
+from ..util.quantities import format_quantity
 
 STATUS_ORDER = (
     "converged",
@@ -100,7 +100,8 @@ def _require_like_units(scene: Scene, surface: Surface) -> None:
                     else ("with a unit", "a plain number, as in the height map")
                 )
                 raise SceneError(
-                    f"{key}: found {said(number)}, {found}, allowed with this height map: {allowed}"
+                    f"{key}: found {format_quantity(number)}, {found}, allowed with this height"
+                    f" map: {allowed}"
                 )
 
 

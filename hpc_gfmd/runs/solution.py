@@ -18,10 +18,11 @@ from ..contact import (
 from ..output.fields import FIELDS
 from ..output.read import Result
 from ..output.save import in_memory, save
-from ..output.table import html_table, summary
+from ..output.summary import summary
 from ..parallel.comm import SerialComm
 from ..scene.explain import nearest
 from ..util.errors import SceneError
+from .table import html_table
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
@@ -182,18 +183,18 @@ class Solution:
 
     @property
     def gap(self) -> np.ndarray:
-        """Gap between the deformed surface and the wall (n_x, n_y), >= 0: displacement -
+        """Gap between the deformed surface and the rigid one (n_x, n_y), >= 0: displacement -
         heights."""
         return self._field("gap")
 
     @property
     def displacement(self) -> np.ndarray:
-        """Displacement of the elastic surface away from the wall (n_x, n_y): gap + heights."""
+        """Displacement of the elastic surface away from the rigid one (n_x, n_y): gap + heights."""
         return self._field("displacement")
 
     @property
     def heights(self) -> np.ndarray:
-        """Heights of the wall (n_x, n_y), peaks up, measured from the highest: <= 0."""
+        """Heights of the rigid surface (n_x, n_y), peaks up, measured from the highest: <= 0."""
         return self._field("heights")
 
     @property

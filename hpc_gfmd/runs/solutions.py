@@ -11,8 +11,9 @@ import numpy as np
 
 from ..output.read import Result, read_result
 from ..output.save import in_memory, save
-from ..output.table import html_table, summary, surface_line
+from ..output.summary import summary, surface_line
 from .solution import Solution, draw
+from .table import html_table
 
 if TYPE_CHECKING:
     from ..plotting.style import Figure
