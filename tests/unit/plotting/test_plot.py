@@ -16,7 +16,7 @@ from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.plotting import figures, height_map, plot, plot_result, style, survey
 from hpc_gfmd.theory import persson
 from hpc_gfmd.theory.elastic import Westergaard
-from hpc_gfmd.util.errors import GfmdError, SceneError
+from hpc_gfmd.util.errors import SceneError
 
 
 @pytest.fixture(autouse=True)
@@ -81,7 +81,7 @@ def ink(path):
 def test_three_pictures_lie_beside_the_file(tmp_path):
     made = plot_result(write("run.h5"))
     assert [p.name for p in made] == ["run_maps.png", "run_distributions.png", "run_curves.png"]
-    assert all(p.parent == tmp_path and ink(p) > 0.02 for p in made)
+    assert all(ink(p) > 0.02 for p in made)
     assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".h5") == sorted(
         p.name for p in made
     )
@@ -131,17 +131,6 @@ def test_nothing_to_draw_or_nowhere_to_put_it(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(SceneError, match="pictures cannot go to"):
         plot_result(write("run.h5"), "file")
-
-
-def test_damaged_fields_are_an_error_in_one_line(monkeypatch):
-    file = write("run.h5", steps=1, fields=("gap",))
-
-    def read(*_):
-        raise OSError("bad chunk")
-
-    monkeypatch.setattr("hpc_gfmd.parallel.h5.Stored.read", read)
-    with pytest.raises(GfmdError, match=r"drawing .*run\.h5: bad chunk"):
-        plot_result(file)
 
 
 @cache
@@ -496,22 +485,6 @@ def test_heights_of_an_array():
     assert fig._repr_png_().startswith(b"\x89PNG")
     surface = make_surface("wave", amplitude="20 nm", n=[16, 8], physical_sizes=["2 um", "1 um"])
     assert "$z$ (nm)" in texts(surface.plot())
-
-
-def test_spectra_are_drawn_where_they_are_stored():
-    q = [1.0, 2.0, 4.0]
-    file = write(
-        "run.h5",
-        n=(8, 6),
-        pressure_spectrum_q=q,
-        pressure_spectrum_power=[3.0, 2.0, 1.0],
-        heights_autocorrelation_r=q,
-        heights_autocorrelation_correlation=[2.0, 1.0, 0.0],
-    )
-    assert list(figures(file)) == ["maps", "distributions", "spectra", "curves"]
-    said = texts(plot(file, "spectra"))
-    assert "C_p(q)" in said
-    assert "A_z(r)/A_z(0)" in said
 
 
 def test_survey_reads_slabs_and_keeps_means(monkeypatch):

@@ -66,7 +66,7 @@ def test_a_byte_order_mark_and_windows_line_ends_are_text(tmp_path):
 
 def test_the_surface_file_counts_from_the_folder_of_the_scene(tmp_path):
     (tmp_path / "in").mkdir()
-    path = write("in", tomli_w.dumps(tables(FILE)))
+    path = write(tmp_path / "in", tomli_w.dumps(tables(FILE)))
     scene = load_scene(path.relative_to(tmp_path))
     assert scene.surface.path == str(tmp_path / "in" / "z.npy")
     assert load_scene(path, ["surface.path=/data/z.npy"]).surface.path == "/data/z.npy"
