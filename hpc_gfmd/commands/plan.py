@@ -51,8 +51,8 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 def main(args: Namespace) -> int:
     """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
     from ..parallel.world import ranks_per_node
-    from ..runs.composition import check
     from ..runs.decomposition import busiest
+    from ..runs.loads import check
     from ..runs.memory import GIB, available_gib, largest_precision, memory_of
     from ..runs.timing import expected_seconds
     from ..scene import load_scene

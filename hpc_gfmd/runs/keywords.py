@@ -80,10 +80,7 @@ def scene_of_keywords(
     )
 
 
-def loads_of(given: dict[str, Any]) -> bool:
+def several_loads(given: dict[str, Any]) -> bool:
     """Whether the load that was given is a list of loads."""
-    return any(
-        isinstance(value, list | tuple) or np.ndim(value) > 0
-        for value in given.values()
-        if not isinstance(value, str | None)
-    )
+    values = (given.get(key) for key in Load.model_fields)
+    return any(np.ndim(value) > 0 for value in values if value is not None)

@@ -13,7 +13,7 @@ from hpc_gfmd.driver.warmup import compile_once
 from hpc_gfmd.parallel.guard import on_rank_0
 from hpc_gfmd.parallel.interrupt import Interrupt, Stopped
 from hpc_gfmd.parallel.world import threads_of
-from hpc_gfmd.runs.composition import sweep_of
+from hpc_gfmd.runs.loads import sweep_of
 from hpc_gfmd.runs.memory import require_memory
 from hpc_gfmd.runs.timing import expected_seconds
 from hpc_gfmd.scene import Solver
