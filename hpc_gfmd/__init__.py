@@ -18,7 +18,8 @@ __version__ = "1.0.0"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .runs.prepared import PreparedSurface, make_surface, read_surface
+    from .plotting import plot
+    from .runs.prepared import PreparedSurface, make_surface, prepare_surface, read_surface
     from .runs.simulation import RunResult
     from .runs.simulation import run_scene as run
     from .runs.solution import Interrupted, Solution, Solutions, load
@@ -37,6 +38,8 @@ __all__ = [
     "Solutions",
     "load",
     "make_surface",
+    "plot",
+    "prepare_surface",
     "read_surface",
     "reference",
     "run",
@@ -53,6 +56,8 @@ _PLACES = {
     "Solutions": "runs.solution",
     "load": "runs.solution",
     "make_surface": "runs.prepared",
+    "plot": "plotting",
+    "prepare_surface": "runs.prepared",
     "read_surface": "runs.prepared",
     "run": "runs.simulation:run_scene",
     "solve": "runs.solve",

@@ -25,7 +25,7 @@ from .curve import Curve
 from .drive import LoopState, drive
 from .nested import Nested, cold_gap
 from .opening import Opening, nearly_closes
-from .precision import NOISE, counting, few_points, first_precision
+from .precision import NOISE, counting, few_points, first_precision, too_little
 from .prescribed import Prescribed, prescribed
 from .search import Search
 from .searches import numbers_of, restored
@@ -164,8 +164,9 @@ class Sweep:
             promote = False
         contact = self._solve(load, watch, midway, promote)
         if promote and (contact is None or _needs_double(contact)):
-            self._set_precision(np.float64)
             self._spent = self._spent if contact is None else contact.fft_pairs
+            contact = None  # its fields make room
+            self._set_precision(np.float64)
             contact = self._solve(load, watch, False)
         assert contact is not None  # without `promote` there is one
         self._failed = contact.status not in ("converged", "interrupted")
@@ -180,7 +181,7 @@ class Sweep:
         """Whether single precision is too little for a load."""
         N = self.surface.grid.N
         for_area = self._search.target / 2 if isinstance(self._search, AreaSearch) else p_star
-        return few_points(N, for_area, self.settings.accuracy) or not single_solves(p_star, N)
+        return too_little(self.settings, N, for_area)
 
     def state(
         self, upcoming: float | Prescribed | None = None
@@ -452,10 +453,12 @@ class Sweep:
     def _set_precision(self, dtype: DTypeLike) -> None:
         """Make the surface in this precision and plan all transforms that its contacts need."""
         self.dtype = dtype = np.dtype(dtype)
-        self.solver = None
-        known = getattr(self, "surface", None)
+        self.solver = self.nested = None
+        before = self.__dict__.pop("surface", None)
+        known = before and before.checksum
+        del before  # with its transforms
         self.surface = self.make_surface(dtype)
-        if known is not None and known.checksum not in (None, self.surface.checksum):
+        if known not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
         self.__dict__.pop("_wall", None)
         if not self._is_flat:

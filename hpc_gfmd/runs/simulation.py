@@ -111,7 +111,9 @@ def run_scene(
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
         try:
-            _Run(comm, scene, file, say, interrupt, threads, begun).all_loads()
+            run = _Run(comm, scene, file, say, interrupt)
+            run.start(threads, begun)
+            run.all_loads()
         except Stopped:  # between two iterations: a restart begins from the last checkpoint
             say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
             steps = [*file.finished.values()]
@@ -121,27 +123,19 @@ def run_scene(
         return RunResult(file.path, steps, status, 0 if status == "converged" else 3)
 
 
+@dataclass(eq=False)
 class _Run:
-    """The loads of one run; what is missing is solved, and written at once."""
+    """The loads of one run: what is missing is solved, and written at once."""
 
-    def __init__(
-        self,
-        comm: Comm,
-        scene: Scene,
-        file: RunFile,
-        say: Reporter,
-        interrupt: Interrupt,
-        threads: int,
-        begun: float,
-    ):
-        """Surface and sweep; begun: time at which the run began."""
-        self.comm, self.scene, self.file, self.say, self.interrupt = (
-            comm,
-            scene,
-            file,
-            say,
-            interrupt,
-        )
+    comm: Comm
+    scene: Scene
+    file: RunFile
+    say: Reporter
+    interrupt: Interrupt
+
+    def start(self, threads: int, begun: float) -> None:
+        """Make the surface and the sweep; begun: time at which the run began."""
+        comm, scene, file, say = self.comm, self.scene, self.file, self.say
         if file.resumed and comm.rank == 0:
             wisdom.take_from(file.partial)
         spec, low = scene.surface, scene.solver.low_memory
@@ -344,10 +338,5 @@ def _read_scene(
     if not isinstance(scene, Scene):
         scene = load_scene(scene, overrides)
     if out is not None:
-        output = scene.output.model_dump() | {"path": str(out)}
-        scene = Scene.from_dict(
-            scene.model_dump(exclude_none=True)
-            | {"output": {k: v for k, v in output.items() if v is not None}},
-            "-o",
-        )
+        scene = with_overrides(scene, [f"output.path={json.dumps(str(out))}"], "output")
     return scene

@@ -71,11 +71,12 @@ class _Solved:
 
     def plot(self, what: str | None = None, **how: Any) -> "Figure":
         """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads; default of
-        several), "maps" (default of one whose fields are kept), "distributions", "spectra" or one
-        field.
+        several), "maps" (default of one whose fields are kept), "distributions", "spectra", one
+        field or one curve, such as "a_r".
 
-        how: step (which loads), window, dpi, dimensionless; see plotting.plot. Raises SceneError
-        where there is no such picture, or fields are spread over ranks.
+        how: step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
+        hpc_gfmd.plot, which also draws several results together. Raises SceneError where there is
+        no such picture, or fields are spread over ranks.
         """
         from ..plotting import plot
 
@@ -294,16 +295,8 @@ class Solution(_Solved):
         return self._contact
 
     def _stored_distribution(self, name: str) -> dict[str, np.ndarray]:
-        named = {
-            key.removeprefix(f"{name}_"): value
-            for key, value in self._step.items()
-            if key.startswith(f"{name}_")
-        }
-        return {
-            what: np.array(value)
-            for what, value in named.items()
-            if isinstance(value, list) and "_" not in what
-        }
+        keys = {what: f"{name}_{what}" for what in all_distributions()[name].units}
+        return {what: np.array(self._step[key]) for what, key in keys.items() if key in self._step}
 
 
 class Solutions(_Solved, Sequence):

@@ -1,4 +1,4 @@
-"""Contacts in memory, for notebooks and scripts: the same composition as a run, without files."""
+"""Contacts in memory, for notebooks and scripts: as a run, without files."""
 
 import hashlib
 import json
@@ -9,7 +9,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
-from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -23,15 +22,16 @@ from ..parallel.comm import Comm
 from ..parallel.guard import guarded
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
+from ..surface.arrays import checked_array, is_topography
 from ..surface.build import Surface, surface_from_rows
 from ..surface.heights import Checksum, checked
 from ..surface.quality import DIFFERENT_UNITS, MapQuality
 from ..surface.topography import Rows, Topography
-from ..util.errors import NotConverged, SceneError, one_line
+from ..util.errors import NotConverged, SceneError
 from ..util.versions import versions
 from .keywords import HOMES, scene_of_keywords, several_loads
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
-from .prepared import PreparedSurface
+from .prepared import PreparedSurface, prepare_surface
 from .progress import Reporter
 from .solution import Interrupted, Solution, Solutions
 
@@ -69,9 +69,10 @@ def solve(
 
     Parameters
     ----------
-    heights : array (n_x, n_y) or PreparedSurface
+    heights : array (n_x, n_y), PreparedSurface or Topography
         Heights of the wall, peaks up, in the unit of `physical_sizes` (m where these have units);
-        or what `read_surface` and `make_surface` give, which know their sizes, units and boundary.
+        or what `read_surface`, `prepare_surface` and `make_surface` give, or a Topography of
+        SurfaceTopography, which know their sizes, units and boundary.
     pressure, p_star, gap_mean, gap_over_h_rms, a_r, force, approach : number, text with a unit, or
     a list of them
         The load, one of them: the mean pressure in the unit of `E_star`, p_star = p/(E* g_rms), and
@@ -138,10 +139,12 @@ def solve(
     started, begun = datetime.now(UTC).isoformat(timespec="seconds"), time.monotonic()
     comm = comm_of(comm)
     with guarded(comm, "reading the arguments"):
+        if is_topography(heights):
+            heights = prepare_surface(heights)
         known = heights if isinstance(heights, PreparedSurface) else None
         scene = scene_of_keywords(given, more, known)
         check(scene)
-        z = _checked(heights if known is None else known.heights)
+        z = _complete(heights if known is None else known.heights)
     _require_the_same(comm, scene, z.shape)
     of_each_rank = threads_of(comm, scene.machine.threads)
     head: dict[str, Any] = {}
@@ -279,22 +282,12 @@ def _require_the_same(comm: Comm, scene: Scene, shape: Sequence[int]) -> None:
         )
 
 
-def _checked(heights: Any) -> np.ndarray:
+def _complete(heights: Any) -> np.ndarray:
     """The array as it is. Raises SceneError for what is no complete height map."""
-    if isinstance(heights, str | PathLike):
-        raise SceneError(
-            f"heights: found {str(heights)!r}, allowed: an array, or"
-            f" hpc_gfmd.read_surface({str(heights)!r})"
-        )
+    heights = checked_array(heights)
     if np.ma.is_masked(heights):
-        raise SceneError("heights: found masked points, allowed: a complete height map")
-    try:
-        heights = np.asanyarray(heights)
-    except (TypeError, ValueError) as error:
         raise SceneError(
-            f"heights: found {one_line(str(error))}, allowed: a real array with two axes, not empty"
-        ) from None
-    if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
-        found = f"shape {heights.shape} of {one_line(str(heights.dtype), 80)}"
-        raise SceneError(f"heights: found {found}, allowed: a real array with two axes, not empty")
+            f"heights: found {np.ma.count_masked(heights)} masked points, allowed: a complete map,"
+            ' as of hpc_gfmd.prepare_surface(heights, fill="harmonic")'
+        )
     return heights

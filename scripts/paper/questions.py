@@ -29,7 +29,7 @@ seem to have.
 2 - 2H is the exponent of the share that waves longer than lam_l, which are missing at finite eps_f, have in the mean \
 square slope of a surface with more decades: the approach to the fractal limit is the slower the larger H. Where alpha_f is small, the \
 limit is an extrapolation over many decades. These are the runs of the paper's series alone; the limits to use are \
-those of [all runs](limit.md), which go on to finer grids and more decades."""
+those of all runs (study limit), which go on to finer grids and more decades."""
 
 ALPHA_C = """### The exponent alpha_c
 

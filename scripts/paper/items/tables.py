@@ -73,7 +73,7 @@ STUDIES = (
         "table5",
         "kappa of different authors, and ours in the TFC limit",
         "kappa at p/E* of about 0.01, 1976 to 2013; the paper's own 2.16 (H = 0) to 1.93 (H = 0.8)."
-        " Ours by the runs of the paper's series alone; the limits to use: [all runs](limit.md)",
+        " Ours by the runs of the paper's series alone; the limits to use: all runs (study limit)",
         tfc_series,
         limits,
         draw.limits,
