@@ -160,7 +160,7 @@ def solved(
             asked = [("p*", load / (sweep.E_star * sweep.surface.slope))]
         say.step(index, len(loads), *asked[0])
         try:
-            contact = sweep.solve(load, watched, midway=spent is not None)
+            contact = sweep.solve(load, watched, spent is not None)
         finally:
             say.done()
         return index, contact, time.monotonic() - begun
