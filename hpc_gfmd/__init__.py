@@ -18,6 +18,8 @@ __version__ = "1.0.0"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from .parallel.guard import on_rank_0
+    from .parallel.world import world
     from .plotting import plot
     from .runs.prepared import PreparedSurface, make_surface, prepare_surface, read_surface
     from .runs.simulation import RunResult
@@ -38,12 +40,14 @@ __all__ = [
     "Solutions",
     "load",
     "make_surface",
+    "on_rank_0",
     "plot",
     "prepare_surface",
     "read_surface",
     "reference",
     "run",
     "solve",
+    "world",
 ]
 _PLACES = {
     "GfmdError": "util.errors",
@@ -56,11 +60,13 @@ _PLACES = {
     "Solutions": "runs.solution",
     "load": "runs.solution",
     "make_surface": "runs.prepared",
+    "on_rank_0": "parallel.guard",
     "plot": "plotting",
     "prepare_surface": "runs.prepared",
     "read_surface": "runs.prepared",
     "run": "runs.simulation:run_scene",
     "solve": "runs.solve",
+    "world": "parallel.world",
 }
 
 

@@ -29,7 +29,7 @@ from ..solvers import solver_names
 from ..solvers.base import Progress
 from ..surface import Surface
 from ..util.errors import SceneError
-from ..util.quantities import said
+from ..util.quantities import format_quantity
 from .progress import Reporter
 
 Loads = Sequence[float | Prescribed]  # mean pressures, or what they have to give
@@ -100,7 +100,8 @@ def _require_like_units(scene: Scene, surface: Surface) -> None:
                     else ("with a unit", "a plain number, as in the height map")
                 )
                 raise SceneError(
-                    f"{key}: found {said(number)}, {found}, allowed with this height map: {allowed}"
+                    f"{key}: found {format_quantity(number)}, {found}, allowed with this height"
+                    f" map: {allowed}"
                 )
 
 

@@ -19,7 +19,7 @@ from ..output.fields import FIELDS
 from ..output.folder import HEAD, clear, is_held, partial_folder
 from ..output.read import read_partial
 from ..output.record import RunFile
-from ..output.table import GrowingTable, surface_line
+from ..output.summary import surface_line
 from ..parallel import wisdom
 from ..parallel.comm import Comm
 from ..parallel.guard import guarded, on_rank_0
@@ -33,6 +33,7 @@ from ..util.versions import versions
 from .loads import asked, check, solved, step_attributes, surface_attributes, sweep_of, worst
 from .memory import require_memory
 from .progress import Reporter
+from .table import GrowingTable
 
 OTHER_HEIGHTS = (
     "{}: of other heights than surface.path has now (content, shape or size), allowed: the same;"

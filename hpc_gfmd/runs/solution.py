@@ -21,10 +21,11 @@ from ..contact import (
 from ..output.fields import FIELDS
 from ..output.read import Result, read_result
 from ..output.save import in_memory, save
-from ..output.table import html_table, summary, surface_line
+from ..output.summary import summary, surface_line
 from ..parallel.comm import SerialComm
 from ..scene.explain import nearest
 from ..util.errors import SceneError
+from .table import html_table
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
