@@ -186,14 +186,15 @@ class Solution(_Solved):
     )
     gap: np.ndarray = _field(
         "gap",
-        "Gap between the deformed surface and the wall (n_x, n_y), >= 0: displacement - heights.",
+        "Gap between the deformed and the rigid surface (n_x, n_y), >= 0: displacement - heights.",
     )
     displacement: np.ndarray = _field(
         "displacement",
-        "Displacement of the elastic surface away from the wall (n_x, n_y): gap + heights.",
+        "Displacement of the elastic surface away from the rigid one (n_x, n_y): gap + heights.",
     )
     heights: np.ndarray = _field(
-        "heights", "Heights of the wall (n_x, n_y), peaks up, measured from the highest: <= 0."
+        "heights",
+        "Heights of the rigid surface (n_x, n_y), peaks up, measured from the highest: <= 0.",
     )
 
     @property

@@ -64,15 +64,15 @@ def solve(
     comm: Any = None,
     **more: Any,
 ) -> Solution | Solutions:
-    """Press an elastic body against a rigid rough wall: linear elastic, small slopes, frictionless,
-    no adhesion.
+    """Press an elastic body against a rigid rough surface: linear elastic, small slopes,
+    frictionless, no adhesion.
 
     Parameters
     ----------
     heights : array (n_x, n_y), PreparedSurface or Topography
-        Heights of the wall, peaks up, in the unit of `physical_sizes` (m where these have units);
-        or what `read_surface`, `prepare_surface` and `make_surface` give, or a Topography of
-        SurfaceTopography, which know their sizes, units and boundary.
+        Heights of the rigid surface, peaks up, in the unit of `physical_sizes` (m where these have
+        units); or what `read_surface`, `prepare_surface` and `make_surface` give, or a Topography
+        of SurfaceTopography, which know their sizes, units and boundary.
     pressure, p_star, gap_mean, gap_over_h_rms, a_r, force, approach : number, text with a unit, or
     a list of them
         The load, one of them: the mean pressure in the unit of `E_star`, p_star = p/(E* g_rms), and
