@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..output.read import Result
-from ..output.table import converged
+from ..output.summary import converged
 from .theories import scene_of, theory_of
 from .units import Units, good
 from .window import window_of
@@ -24,8 +24,9 @@ class FigureContext:
         window: Any = None,
         dpi: float | None = None,
         dimensionless: bool = False,
+        name: str = "",
     ) -> None:
-        self.result, self.chosen, self.dpi, self.name = result, chosen, dpi, ""
+        self.result, self.chosen, self.dpi, self.name = result, chosen, dpi, name
         self.window, self.points = window_of(result.surface, window)
         scene = scene_of(result)
         self.theory = theory_of(scene, result.surface)

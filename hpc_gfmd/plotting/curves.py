@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..output.table import converged
+from ..output.summary import converged
+from ..util.errors import SceneError
 from .context import FigureContext
 from .page import Page
 from .style import COLOURS, THEORY, WARNING, log_axis
@@ -20,37 +21,37 @@ BEYOND = 2  # of the loads: how far the axis goes on
 
 
 class Quantity(NamedTuple):
-    """What a panel shows: the key in a load step and those of its relative errors, its symbol,
-    which edge-corrected key stands beside it, and the name in theories.Theory."""
+    """What a panel shows: a symbol, the keys of its relative errors in a load step, the name in
+    theories.Theory, whether it is measured in the unit of heights."""
 
-    key: str
-    errors: tuple[str, ...]
     symbol: str
-    corrected: str = ""
+    errors: tuple[str, ...] = ()
     theory: str = ""
-
-    @property
-    def length(self) -> bool:
-        """Whether it is measured in the unit of heights."""
-        return self.key in ("gap_mean", "approach")
+    length: bool = False
 
 
 AREA = ("a_r_error", "a_r_discretisation")
-QUANTITIES = (
-    Quantity("a_r", AREA, "a_r", theory="area"),
-    Quantity("kappa", AREA, r"\kappa = a_r/p^*", "kappa_corrected", "kappa"),
-    Quantity("gap_mean", ("gap_error",), r"\langle g \rangle", theory="gap"),
-    Quantity("approach", (), r"\delta", theory="approach"),
-)
+QUANTITIES = {
+    "a_r": Quantity("a_r", AREA, "area"),
+    "kappa": Quantity(r"\kappa = a_r/p^*", AREA),
+    "gap_mean": Quantity(r"\langle g \rangle", ("gap_error",), "gap", True),
+    "approach": Quantity(r"\delta", (), "approach", True),
+}
 
 
-def curves(contexts: Sequence[FigureContext]) -> Page:
-    """A panel for every quantity that the loads have, of one result or of several together."""
+def curves(contexts: Sequence[FigureContext], names: Sequence[str]) -> Page:
+    """A panel for each quantity that the loads have, of one result or of several together. Raises
+    SceneError where they are not measured in the same units."""
+    units = {(one.units.pressures([1.0]).name, one.units.heights([1.0]).name) for one in contexts}
+    if len(units) > 1:
+        raise SceneError(
+            "results: found different units, allowed: the same for all, or dimensionless = True"
+        )
     panels = [
-        partial(_panel, contexts=contexts, quantity=quantity)
-        for quantity in QUANTITIES
-        if any(good(step.get(quantity.key)) for one in contexts for step in _steps(one))
-        and (quantity.key != "kappa" or all(one.units.rough for one in contexts))
+        partial(_panel, contexts=contexts, key=key)
+        for key in names
+        if any(good(step.get(key)) for one in contexts for step in _steps(one))
+        and (key != "kappa" or all(one.units.rough for one in contexts))
     ]
     columns = 2 if len(panels) == 4 else COLUMNS
     return Page([panels[i : i + columns] for i in range(0, len(panels), columns)], height=2.2)
@@ -60,15 +61,15 @@ def _steps(context: FigureContext) -> list[dict]:
     return [step for step in context.steps if good(step.get("p"))]
 
 
-def _panel(ax: Any, contexts: Sequence[FigureContext], quantity: Quantity) -> None:
-    units = contexts[0].units
+def _panel(ax: Any, contexts: Sequence[FigureContext], key: str) -> None:
+    quantity, units = QUANTITIES[key], contexts[0].units
     every = [step for one in contexts for step in _steps(one)]
     x = units.pressures([step["p"] for step in every])
-    y = units.heights([step.get(quantity.key) for step in every]) if quantity.length else Scale(1.0)
+    y = units.heights([step.get(key) for step in every]) if quantity.length else Scale(1.0)
     for k, context in enumerate(contexts):
         x_k = context.units.pressures([]) if x.relative else x
         y_k = context.units.heights([]) if y.relative else y
-        _result(ax, context, quantity, (x_k, y_k), k, alone=len(contexts) == 1)
+        _result(ax, context, key, (x_k, y_k), COLOURS[k % len(COLOURS)], len(contexts) == 1)
     p_star = x.relative and units.rough
     ax.set_xlabel(r"$p^* = p_0/(E^* g_\mathrm{rms})$" if p_star else x.label("p_0"))
     ax.set_ylabel(y.label(quantity.symbol))
@@ -79,25 +80,24 @@ def _panel(ax: Any, contexts: Sequence[FigureContext], quantity: Quantity) -> No
 def _result(
     ax: Any,
     context: FigureContext,
-    quantity: Quantity,
+    key: str,
     scales: tuple[Scale, Scale],
-    k: int,
+    colour: str,
     alone: bool,
 ) -> None:
-    colour, name = COLOURS[k % len(COLOURS)], context.name
-    good_ones = [step for step in _steps(context) if converged(step)]
-    others = [step for step in _steps(context) if not converged(step)]
+    quantity, steps = QUANTITIES[key], _steps(context)
+    good_ones = [step for step in steps if converged(step)]
+    others = [step for step in steps if not converged(step)]
+    name = "simulation (bars: solver and grid)" if alone else context.name
     how = {"color": colour, "marker": "o", "label": name}
-    if alone:
-        how["label"] = "simulation (bars: solver and grid)"
-    _points(ax, good_ones, quantity.key, quantity.errors, scales, how)
-    if quantity.corrected and alone:
+    _points(ax, good_ones, key, quantity.errors, scales, how)
+    if key == "kappa" and alone:
         how = {"color": COLOURS[1], "marker": "s", "label": "edge-corrected"}
-        _points(ax, good_ones, quantity.corrected, (), scales, how)
+        _points(ax, good_ones, "kappa_corrected", (), scales, how)
     how = {"color": WARNING, "marker": "x", "label": "not converged"}
-    _points(ax, others, quantity.key, quantity.errors, scales, how)
-    loads, theory = [step["p"] for step in _steps(context)], context.theory
-    function = theory and _theory(theory, context.units.p_star, quantity)
+    _points(ax, others, key, quantity.errors, scales, how)
+    loads, theory = [step["p"] for step in steps], context.theory
+    function = theory and _theory(theory, context.units.p_star, key)
     if theory and function and loads:
         p = np.geomspace(min(loads) / BEYOND, max(loads) * BEYOND, 80)
         line = THEORY | ({} if alone else {"color": colour})
@@ -105,12 +105,12 @@ def _result(
         ax.plot(p / x.unit, function(p) / y.unit, label=theory.name, zorder=1, **line)
 
 
-def _theory(theory: Theory, p_star: float | None, quantity: Quantity) -> Callable | None:
+def _theory(theory: Theory, p_star: float | None, key: str) -> Callable | None:
     """What theory says of a quantity, as a function of the pressure; p_star: the unit of p*."""
     area = theory.area
-    if quantity.key == "kappa":
+    if key == "kappa":
         return (lambda p: p_star * area(p) / p) if area and p_star else None
-    return getattr(theory, quantity.theory)
+    return getattr(theory, QUANTITIES[key].theory)
 
 
 def _points(

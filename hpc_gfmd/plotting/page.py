@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 Panel = Callable[[Any], None]  # draws on the axes
 
@@ -16,6 +16,16 @@ class Page:
     height: float
     width: float = 7.2
     images: bool = False
+
+    @property
+    def panels(self) -> list[Panel]:
+        """All of them."""
+        return [panel for row in self.rows for panel in row]
+
+    @property
+    def layout(self) -> Literal["compressed", "constrained"]:
+        """The layout engine that a figure of it needs."""
+        return "compressed" if self.images else "constrained"
 
     def draw(self, fig: Any) -> None:
         """Draw all panels."""

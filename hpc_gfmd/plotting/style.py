@@ -21,7 +21,7 @@ COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 WARNING = "#D55E00"
 THEORY: dict[str, Any] = {"color": "0.35", "linewidth": 1.2}
 WIDTH = 7.2  # inches across two columns
-DPI = 200
+DPI, SCREEN_DPI = 300, 150
 
 
 def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
@@ -60,11 +60,16 @@ RC: Any = {
 
 
 class Picture(Figure):
-    """A figure that a notebook shows, without pyplot."""
+    """A figure that a notebook shows, without pyplot, and that is saved at print resolution."""
+
+    def savefig(self, *args: Any, **how: Any) -> None:
+        """Save it in the style of all pictures, at print resolution unless `dpi` is given."""
+        with styled():
+            super().savefig(*args, **how)
 
     def _repr_png_(self) -> bytes:
-        with io.BytesIO() as png, styled():
-            self.savefig(png, format="png")
+        with io.BytesIO() as png:
+            self.savefig(png, format="png", dpi=SCREEN_DPI)
             return png.getvalue()
 
 
@@ -138,5 +143,5 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
 
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:
     """Under path in one move, in the format that its suffix names; dpi: default that of RC."""
-    with styled(), aside(path) as tmp:
+    with aside(path) as tmp:
         fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi or RC["savefig.dpi"])

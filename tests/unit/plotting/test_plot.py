@@ -298,6 +298,42 @@ def test_a_spectrum_is_drawn_whole(kind):
         assert line.get_marker() == "."
 
 
+def test_one_panel_on_axes_of_ones_own():
+    solutions = solved("rough", units=True)
+    left, right = matplotlib.figure.Figure().subplots(1, 2)
+    assert solutions[1].plot("pressure", ax=left) is left.figure
+    assert left.get_images()[0].get_array().count() == solutions[1].contact.sum()
+    hpc_gfmd.plot(solutions, "a_r", ax=right)
+    assert right.containers[0].lines[0].get_ydata() == pytest.approx(solutions.values("a_r"))
+    with pytest.raises(SceneError, match="ax: found 'maps' of 6 panels, allowed: one panel"):
+        solutions.plot("maps", ax=left)
+
+
+def test_results_are_drawn_together():
+    soft, hard = solved("rough", units=True), solved("layer", units=True)
+    for given, names in (({"soft": soft, "hard": hard}, "soft hard"), ([soft, hard], "1: 2:")):
+        fig = hpc_gfmd.plot(given, "curves")
+        assert_readable(fig)
+        legend = [text.get_text() for text in fig.legends[0].get_texts()]
+        assert all(any(one.startswith(name) for one in legend) for name in names.split())
+        ax = next(ax for ax in fig.axes if "langle" in ax.get_ylabel())
+        for bars, one in zip(ax.containers, (soft, hard), strict=True):
+            y = bars.lines[0].get_ydata() * unit_of(ax.get_ylabel(), one[0])
+            assert y == pytest.approx(one.values("gap_mean"))
+    with pytest.raises(SceneError, match="what: found 'maps', allowed: curves"):
+        hpc_gfmd.plot([soft, hard], "maps")
+    with pytest.raises(SceneError, match="results: found different units, allowed: the same"):
+        hpc_gfmd.plot([soft, solved("rough", units=False)], "a_r")
+
+
+def test_figures_are_saved_at_print_resolution(tmp_path, monkeypatch):
+    monkeypatch.setitem(style.RC, "savefig.dpi", style.DPI)
+    fig = solved("rough", units=False).plot("a_r")
+    fig.savefig(tmp_path / "a.png")
+    width = matplotlib.image.imread(tmp_path / "a.png").shape[1]
+    assert width == pytest.approx(300 * fig.get_figwidth(), rel=0.05)
+
+
 class Whole:
     """A field in memory that looks like a stored one and remembers how much was read at once."""
 
