@@ -4,7 +4,7 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from ..output.read import read_result
-from ..output.table import converged
+from ..output.summary import converged
 from ..util.errors import GfmdError, SceneError
 
 WHAT = (

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..util.errors import SceneError
-from ..util.quantities import like, said
+from ..util.quantities import format_quantity
 
 if TYPE_CHECKING:
     from ..surface import Surface
@@ -47,13 +47,13 @@ def prescribed(
     for value in values:
         if gap and not value < largest:
             raise SceneError(
-                f"load.{name}: found {said(value)}, allowed: below {like(value, largest)}, where"
-                " the highest peak touches"
+                f"load.{name}: found {format_quantity(value)}, allowed: below"
+                f" {format_quantity(largest, value)}, where the highest peak touches"
             )
         if 0 < value < resolution * largest:
             raise SceneError(
-                f"load.{name}: found {said(value)}, allowed: above"
-                f" {like(value, resolution * largest)}, what rounding errors leave"
+                f"load.{name}: found {format_quantity(value)}, allowed: above"
+                f" {format_quantity(resolution * largest, value)}, what rounding errors leave"
             )
     return tuple(
         (

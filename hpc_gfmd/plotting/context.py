@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..output.read import Result
-from ..output.table import converged
+from ..output.summary import converged
 from .theories import scene_of, theory_of
 from .units import Units, good
 from .window import window_of

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..output.table import converged
+from ..output.summary import converged
 from ..util.errors import SceneError
 from .context import FigureContext
 from .page import Page

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import Normalize, PowerNorm
 
-from ..output.table import converged
+from ..output.summary import converged
 from .context import FigureContext
 from .page import Page
 from .style import (

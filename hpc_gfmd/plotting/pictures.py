@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..output.read import Result, read_result
-from ..output.table import surface_line
+from ..output.summary import surface_line
 from ..parallel.guard import one_line
 from ..util.errors import GfmdError, SceneError
 from .context import FigureContext

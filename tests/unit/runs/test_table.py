@@ -5,14 +5,15 @@ import json
 import pytest
 from result_files import STEP, SURFACE, begin
 
-from hpc_gfmd.output.table import summary, table, with_error
+from hpc_gfmd.output.summary import summary, with_error
+from hpc_gfmd.runs.table import table
 
 
 def test_table_marks_what_did_not_converge():
     text = table([STEP, STEP | {"status": "stagnated", "note": "fewer than 100 points touch"}])
     header, units, first, second, *remarks = text.splitlines()
     assert header.split() == ["step", "p*", "p", "a_r", "iter.", "status"]
-    assert "[unit of E*]" in units
+    assert "[E*]" in units
     assert first.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "7", "converged"]
     assert second.split()[:2] == ["!", "1"]
     assert remarks == [
