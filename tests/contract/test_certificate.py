@@ -9,6 +9,7 @@ import hpc_gfmd
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.certificate.criterion import Target
+from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.driver.drive import drive
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
@@ -38,8 +39,8 @@ def in_contact(g, p):
 @pytest.mark.parametrize("wrong", [1e-9, 0.0])
 def test_a_wrong_estimate_is_vetoed(surface, monkeypatch, wrong):
     """A solver that believes from the first iteration on that it is there goes on until it is."""
-    monkeypatch.setattr(Bpx, "_estimates", lambda self: ((wrong, wrong), 0.0))
-    monkeypatch.setattr(Bpx, "expected_area", lambda self, pressure: wrong)
+    monkeypatch.setattr(Bpx, "_estimate", lambda self: Estimate(wrong, wrong, squares=wrong))
+    monkeypatch.setattr(Bpx, "expected_area", lambda self, squares: wrong)
     status, found, _ = drive(started(surface, 0.05), Target(accuracy=1e-4))
     _, exact, _ = drive(started(surface, 0.05), Target(residual=1e-12))
     assert status == "converged"

@@ -239,7 +239,6 @@ def test_edges_between_slabs(comm, side):
                 Problem(grid, g[mine], 0.1),
                 g[mine],
                 p[mine],
-                1.0,
                 float(side**2),
                 Pattern(side**2, 0.0),
             )

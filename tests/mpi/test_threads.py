@@ -9,7 +9,7 @@ from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver import nested
 from hpc_gfmd.operators import multilevel
 from hpc_gfmd.parallel import layout
-from hpc_gfmd.runs.composition import sweep_of
+from hpc_gfmd.runs.loads import sweep_of
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.solvers import solver_names
 from hpc_gfmd.surface import build_surface
