@@ -108,18 +108,6 @@ def test_compliance_is_the_inverse(body, n, sizes, dtype):
 
 
 @every_body
-@every_grid
-def test_weights(body, n, sizes):
-    """One for each level, the finest one 1, all positive; infinite where a level has nothing to
-    add."""
-    grid = Grid(n, sizes)
-    weights = body.weights(grid)
-    assert len(weights) == len(levels(grid))
-    assert weights[0] == 1
-    assert (weights > 0).all()
-
-
-@every_body
 def test_near_stiffness(body):
     """K between neighbours, as the operator has it."""
     grid = Grid((48, 40))

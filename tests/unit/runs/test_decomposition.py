@@ -87,18 +87,6 @@ def test_bytes_are_those_that_are_held(ranks):
     assert share.layout.bytes + 2 * share.layout.scratch_bytes == fft.nbytes
 
 
-@pytest.mark.parametrize(
-    ("n", "ranks"), [((96, 80), 6), ((201, 301), 12), ((512, 512), 60), ((1000, 1000), 96)], ids=str
-)
-@pytest.mark.parametrize("per_node", [1, 4, 16, 96])
-def test_nobody_sends_more_than_the_busiest(n, ranks, per_node):
-    everybody = [
-        share_of(n, np.float32, ranks, rank, per_node=per_node).traffic for rank in range(ranks)
-    ]
-    chosen = [share.traffic for share in busiest(n, np.float32, ranks, per_node)]
-    assert list(map(max, zip(*chosen, strict=True))) == list(map(max, zip(*everybody, strict=True)))
-
-
 def test_plan_says_it(tmp_path, cli, monkeypatch):
     def planned(*args):
         return json.loads(cli.prints("plan scene.toml", *args, "--json"))
