@@ -148,10 +148,10 @@ class Contact:
         if self.gap_is_rounding:
             precision = "single" if self.g.dtype == np.float32 else "double"
             return f"the gap is all rounding at this load in {precision} precision"
-        if self.accuracy < self.certificate.unseen < np.inf:
+        best = self.certificate.attainable[0]
+        if self.accuracy < best < np.inf:
             return (
-                f"the mean gap is known to {self.certificate.unseen:.1g} at best: rounding errors,"
-                " and of free edges"
+                f"the mean gap is known to {best:.1g} at best: rounding errors, and of free edges"
             )
         return None
 

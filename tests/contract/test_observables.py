@@ -58,13 +58,13 @@ def test_written_and_shown(name, result):
 
 
 @every_observable
-def test_alone(name, tmp_path):
+def test_alone(name):
     """It stands beside the cheap ones, and no other."""
     surface = rough((1, 8, 2), boundary="free")
     scene = Scene.from_dict(
         {"surface": surface, "load": {"p_star": [0.05, 0.1]}, "output": {"observables": [name]}}
     )
-    steps = run_scene(scene, out=tmp_path / "one.h5", quiet=True).steps
+    steps = run_scene(scene, out="one.h5", quiet=True).steps
     kept = {*default_observables(), *observables_named([name])}
     assert set(steps[1]) & set(all_observables()) == kept - {"duality_gap"} | {name}
 
