@@ -55,6 +55,7 @@ def parser():
     add("--out", help="the rows of all solves are added to this file")
     add("--record", help="the counts, as one line of JSON, are added to this file")
     add("--report", nargs="+", help="print the table of these files of rows instead")
+    add("--records", nargs="+", help="print a table of these files of counts instead")
     add("--numbers", nargs="+", help="calibrate: these alone")
     add("--worst", type=int, default=40)
     return found
@@ -69,8 +70,12 @@ def main(arguments=None):
 
         calibrate(given)
         return
-    from .table import count, grouped, read, report
+    from .table import count, grouped, markdown, read, report
 
+    if given.records:
+        records = [row for path in given.records for row in read(path)]
+        print(markdown({row["command"]: row for row in records}, "command"))
+        return
     rows = [row for path in given.report or () for row in read(path)]
     for new in [] if given.report else campaign(given):
         rows += new

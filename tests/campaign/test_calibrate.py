@@ -16,7 +16,7 @@ class SomeCalibration:
 
 
 def test_numbers_are_found_and_put_back(monkeypatch):
-    """Wherever a module of the package has the instance; those measured otherwise are left alone."""
+    """Wherever a module of the package has the instance; those measured otherwise are not."""
     some = SomeCalibration()
     for module in (certificate, error_estimates):
         monkeypatch.setattr(module, "SOME", some, raising=False)
@@ -51,5 +51,5 @@ def test_a_number_is_moved_until_loads_fail(monkeypatch):
 
 
 def test_every_family_belongs_to_one_group():
-    groups = [run.names([name]) for name in ("single", "free", "sweeps")]
-    assert sorted(sum(groups, [])) == sorted(run.names(["all"]))
+    grouped = run.names(["single", "free", "sweeps"])
+    assert sorted(grouped) == sorted(run.names(["all"]))
