@@ -41,12 +41,6 @@ def matrix(body, grid):
     return out
 
 
-@pytest.mark.parametrize("name", body_classes())
-def test_by_name(name):
-    assert body_classes()[name].name == name
-    assert body_classes()[name].examples()
-
-
 @every_body
 def test_is_a_value(body):
     """Equal bodies are one key; so are their tables."""

@@ -9,11 +9,7 @@ import numpy as np
 import pytest
 from contacts import rough
 
-from hpc_gfmd.bodies.halfspace import HALF_SPACE
-from hpc_gfmd.operators.multilevel import Multilevel
-from hpc_gfmd.parallel.fft import SlabFFT
-from hpc_gfmd.parallel.grid import Grid
-from hpc_gfmd.runs.decomposition import Share, busiest, share_of
+from hpc_gfmd.runs.decomposition import busiest, share_of
 from hpc_gfmd.scene import Scene
 
 MIB = 2**20
@@ -74,17 +70,6 @@ def test_everything_has_one_owner(n, ranks):
                     assert step.windows.sent_rows(adding).get(b, 0) == of_other.windows.sent_rows(
                         not adding
                     ).get(a, 0)
-
-
-@pytest.mark.parametrize("ranks", [1, 3])
-def test_bytes_are_those_that_are_held(ranks):
-    n = (96, 80)
-    grid = Grid(n)
-    share = Share(grid, np.dtype(np.float32))
-    levels = Multilevel(grid, HALF_SPACE, np.float32, 32)
-    assert share.level_bytes == levels.nbytes - levels.edges.nbytes
-    fft = SlabFFT(grid.comm, n, grid.starts, np.float32, 2)
-    assert share.layout.bytes + 2 * share.layout.scratch_bytes == fft.nbytes
 
 
 def test_plan_says_it(tmp_path, cli, monkeypatch):
