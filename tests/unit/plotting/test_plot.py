@@ -350,15 +350,6 @@ def test_the_suffix_says_the_format(suffix, begins):
     assert [p.name for p in several] == [f"all_gap.{suffix}", f"all_contact.{suffix}"]
 
 
-def test_dpi():
-    file = write("run.h5", n=(8, 6))
-    wide = [
-        matplotlib.image.imread(plot_result(file, "a.png", "curves", dpi=dpi)[0]).shape[1]
-        for dpi in (50, 150)
-    ]
-    assert wide[1] == pytest.approx(3 * wide[0], rel=0.02)
-
-
 @pytest.mark.parametrize(
     ("scene", "kind", "name"),
     [
