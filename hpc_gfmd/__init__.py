@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from .runs.prepared import PreparedSurface, make_surface, prepare_surface, read_surface
     from .runs.simulation import RunResult
     from .runs.simulation import run_scene as run
-    from .runs.solution import Solution
-    from .runs.solutions import Interrupted, Solutions, load
+    from .runs.solution import Interrupted, Solution, Solutions, load
     from .runs.solve import solve
     from .theory import reference
     from .util.errors import GfmdError, NotConverged, SceneError
@@ -52,14 +51,14 @@ __all__ = [
 ]
 _PLACES = {
     "GfmdError": "util.errors",
-    "Interrupted": "runs.solutions",
+    "Interrupted": "runs.solution",
     "NotConverged": "util.errors",
     "PreparedSurface": "runs.prepared",
     "RunResult": "runs.simulation",
     "SceneError": "util.errors",
     "Solution": "runs.solution",
-    "Solutions": "runs.solutions",
-    "load": "runs.solutions",
+    "Solutions": "runs.solution",
+    "load": "runs.solution",
     "make_surface": "runs.prepared",
     "on_rank_0": "parallel.guard",
     "plot": "plotting",

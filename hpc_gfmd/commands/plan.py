@@ -51,7 +51,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 def main(args: Namespace) -> int:
     """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
     from ..parallel.world import ranks_per_node
-    from ..runs.composition import check
+    from ..runs.loads import check
     from ..runs.memory import available_gib
     from ..runs.plan import plan_of, text_of
     from ..scene import load_scene

@@ -36,7 +36,7 @@ class Contact:
     Attributes
     ----------
     surface : Surface
-        The wall, and the grid it was solved on.
+        The rigid surface, and the grid it was solved on.
     E_star : float
         Effective modulus; pressures are in its unit.
     p_mean : float
@@ -51,7 +51,7 @@ class Contact:
     accuracy : float
         Relative, of what observables still have to solve for.
     lam_s : float or None
-        Shortest wavelength of the wall, where that is known.
+        Shortest wavelength of the surface, where that is known.
     body : Body
         What is pressed.
     remark : str or None
@@ -148,10 +148,10 @@ class Contact:
         if self.gap_is_rounding:
             precision = "single" if self.g.dtype == np.float32 else "double"
             return f"the gap is all rounding at this load in {precision} precision"
-        if self.accuracy < self.certificate.unseen < np.inf:
+        best = self.certificate.attainable[0]
+        if self.accuracy < best < np.inf:
             return (
-                f"the mean gap is known to {self.certificate.unseen:.1g} at best: rounding errors,"
-                " and of free edges"
+                f"the mean gap is known to {best:.1g} at best: rounding errors, and of free edges"
             )
         return None
 
@@ -275,7 +275,7 @@ class Contact:
         It refers to the solver's own arrays: the next load of a sweep overwrites them.
 
         pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: u >= -h, positive away from
-        the wall. Raises SceneError for an unknown name.
+        the rigid surface. Raises SceneError for an unknown name.
         """
         if name not in FIELDS:
             raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")

@@ -36,9 +36,6 @@ FLOOR = (
 )
 DRIFT = 0.01  # of the residual, relative: above, the solver goes on from the fresh pressure
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
-ATTAINED = (
-    1.5  # of the mean gap's error that no iteration makes smaller: there it is no use to go on
-)
 UNKNOWN = 1.0
 
 
@@ -92,7 +89,7 @@ def drive(
             loop.begin_again(done)
             progress = solver.progress()
         measure = _measure(progress, target)
-        unknown = progress.estimates is None and target.residual is None
+        unknown = progress.estimate is None and target.residual is None
         falling = progress.residual if measure == UNKNOWN else measure
         if falling < IMPROVEMENT * loop.best:
             loop.best, loop.best_at = falling, done
@@ -118,7 +115,7 @@ def drive(
                 loop.refused = min(error, loop.refused)
             if (
                 abs(progress.residual - certificate.residual) > DRIFT * certificate.residual
-                and progress.estimates is not None
+                and progress.estimate is not None
             ):
                 solver.refresh(certificate.uKu)
             else:
@@ -177,20 +174,18 @@ def _measure(progress: Progress, target: Target) -> float:
     UNKNOWN without estimates."""
     if target.residual is not None:
         return progress.residual / target.residual
-    if progress.estimates is None:
+    if progress.estimate is None:
         return UNKNOWN
-    gap, pressure = progress.estimates
-    unseen = progress.unseen
-    gap = min(gap, 1.0)
-    return max((gap - unseen) / (_attainable(target, unseen) - unseen), pressure / target.tolerance)
+    gap, pressure, attainable, *_ = progress.estimate
+    return _beyond(target, (0.0, min(gap, 1.0), pressure), attainable)
 
 
 def _area_may_be_known(solver: Solver, progress: Progress, target: Target) -> bool:
     """Whether the certificate may find the area as accurate as asked: a look at all points, but no
     transform."""
-    if target.accuracy is None or target.closes or progress.estimates is None:
+    if target.accuracy is None or target.closes or progress.estimate is None:
         return True
-    return solver.expected_area(progress.estimates[1]) < target.accuracy
+    return solver.expected_area(progress.estimate.squares) < target.accuracy
 
 
 def _left(target: Target, certificate: Certificate) -> float:
@@ -199,17 +194,16 @@ def _left(target: Target, certificate: Certificate) -> float:
         return np.inf
     if target.residual is not None:
         return certificate.residual / target.residual
-    area, gap, pressure = certificate.errors
-    return max(
-        area / target.tolerance,
-        gap / _attainable(target, certificate.unseen),
-        pressure / target.tolerance,
-    )
+    return _beyond(target, certificate.errors, certificate.attainable)
 
 
-def _attainable(target: Target, unseen: float) -> float:
-    """The error of the mean gap that is asked for, or that can be had."""
-    return target.tolerance if unseen < target.tolerance else ATTAINED * unseen
+def _beyond(
+    target: Target, errors: tuple[float, float, float], attainable: tuple[float, float]
+) -> float:
+    """The largest over what is asked for of the errors that iterations make smaller."""
+    best = (0.0, *attainable)
+    left = [e for e, least in zip(errors, best, strict=True) if least < target.tolerance]
+    return max(left, default=0.0) / target.tolerance
 
 
 def _status(target: Target, certificate: Certificate) -> str:

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..bodies.halfspace import HALF_SPACE
-from ..certificate.certificate import Certificate, certify, unseen_error
+from ..certificate.certificate import Certificate, certify
 from ..certificate.criterion import Target
+from ..certificate.error_estimates import full_contact_error
 from ..contact.contact import Contact
 from ..operators.problem import Problem
 from ..parallel import interrupt
@@ -445,9 +446,7 @@ class Sweep:
         pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
             return None, pairs
-        exact = replace(
-            certificate, errors=(0.0, 0.0, unseen_error(problem, certificate.contact, problem.p0))
-        )
+        exact = replace(certificate, errors=(0.0, 0.0, full_contact_error(problem)))
         return (g, p, "converged", exact), pairs
 
     def _set_precision(self, dtype: DTypeLike) -> None:

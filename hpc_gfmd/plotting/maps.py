@@ -67,7 +67,6 @@ def _panel(ax: Any, context: FigureContext, found: Any, k: int, name: str, first
         _field(ax, context, found(k), name)
     ax.set_xlabel(context.lengths.label("x"))
     ax.set_ylabel(context.lengths.label("y"))
-    ax.label_outer()
     if name != first:
         ax.set_title(name if k == 0 else "", loc="right")
     elif name != "heights":

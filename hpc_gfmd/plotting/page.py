@@ -41,5 +41,7 @@ class Page:
             for k, ax in enumerate(line):
                 if k < len(row):
                     row[k](ax)
+                    if self.images:
+                        ax.label_outer()
                 else:
                     ax.set_axis_off()

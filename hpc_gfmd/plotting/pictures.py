@@ -60,7 +60,7 @@ def plot(
     dimensionless : bool
         Pressures over E* g_rms and lengths over h_rms though the result has units.
     ax : matplotlib.axes.Axes, optional
-        Where to draw what is one panel; its legend and title are left to you.
+        Where to draw what is one panel; a legend is left to you.
 
     Returns
     -------

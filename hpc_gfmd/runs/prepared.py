@@ -27,7 +27,7 @@ PERIODIC = {"boundary", "mirror", "window", "refine", "downsample"}  # keys that
 
 @dataclass(frozen=True, eq=False)
 class PreparedSurface:
-    """A rough wall with its sizes and units, which `hpc_gfmd.solve` takes.
+    """A rough surface with its sizes and units, which `hpc_gfmd.solve` takes.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ def _prepared(found: Topography, spec: Any) -> PreparedSurface:
 
 
 def make_surface(kind: str, **keys: Any) -> PreparedSurface:
-    """Make a rough wall as a scene would, on one process.
+    """Make a rough surface as a scene would, on one process.
 
     Parameters
     ----------

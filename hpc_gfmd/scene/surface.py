@@ -1,4 +1,4 @@
-"""[surface]: the kinds of rough walls, heights z(r) with peaks up on the periodic cell L_x x
+"""[surface]: the kinds of rough surfaces, heights z(r) with peaks up on the periodic cell L_x x
 L_y."""
 
 from pathlib import PurePath
@@ -41,7 +41,7 @@ ANY = "surface"  # the data set where the scene names none
 
 
 class Surface(Table):
-    """The rigid rough wall. What every kind has: the cell, in the unit of the heights."""
+    """The rigid rough surface. What every kind has: the cell, in the unit of the heights."""
 
     physical_sizes: Sizes = key("lengths of the cell", SIZES, (1.0, 1.0), unit="length")
     boundary: Boundary = key(

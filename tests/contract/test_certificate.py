@@ -3,33 +3,26 @@
 import numpy as np
 import oracle
 import pytest
-from contacts import EXACT, random_heights, rough, solve_scene, sweep_of
+from contacts import random_heights, rough, solve_scene, sweep_of
 
 import hpc_gfmd
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.certificate.criterion import Target
+from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.driver.drive import drive
-from hpc_gfmd.operators.elastic import Elastic, reader
-from hpc_gfmd.operators.multilevel import EQUIVALENCE, Multilevel
+from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.solvers import solver_class, solver_names
 from hpc_gfmd.solvers.bpx import Bpx
 
 ROUNDING = 1e-12  # of references in double precision
-GRIDS = [
-    ((16, 16), (1.0, 1.0)),
-    ((24, 20), (1.0, 1.0)),
-    ((17, 13), (1.0, 1.0)),
-    ((12, 30), (1.0, 1.0)),
-    ((1, 40), (1.0, 1.0)),
-]
 
 
 @pytest.fixture
 def surface():
-    return sweep_of(rough((2, 16, 2)), precision="double").surface
+    return sweep_of(rough(), precision="double").surface
 
 
 def started(surface, p_star, name="bpx"):
@@ -46,8 +39,8 @@ def in_contact(g, p):
 @pytest.mark.parametrize("wrong", [1e-9, 0.0])
 def test_a_wrong_estimate_is_vetoed(surface, monkeypatch, wrong):
     """A solver that believes from the first iteration on that it is there goes on until it is."""
-    monkeypatch.setattr(Bpx, "_estimates", lambda self: ((wrong, wrong), 0.0))
-    monkeypatch.setattr(Bpx, "expected_area", lambda self, pressure: wrong)
+    monkeypatch.setattr(Bpx, "_estimate", lambda self: Estimate(wrong, wrong, squares=wrong))
+    monkeypatch.setattr(Bpx, "expected_area", lambda self, squares: wrong)
     status, found, _ = drive(started(surface, 0.05), Target(accuracy=1e-4))
     _, exact, _ = drive(started(surface, 0.05), Target(residual=1e-12))
     assert status == "converged"
@@ -76,34 +69,6 @@ def test_the_errors_hold_on_the_way(surface, name):
             assert np.linalg.norm(in_contact(solver.g, p) - wanted) <= (pressure + ROUNDING) * norm
         solver.step()
     assert seen > 3
-
-
-@pytest.mark.parametrize(("n", "sizes"), GRIDS, ids=str)
-def test_sums_over_levels_bound_the_norm(n, sizes):
-    """<r, S r> against the compliance of the shortest wave times the sums over levels: below the
-    constant for fields of all colours."""
-    grid, random = Grid(n, sizes), np.random.default_rng(3)
-    elastic, compliance = Elastic(grid, HALF_SPACE, np.float64), 1 / HALF_SPACE.scale(grid)
-    levels = Multilevel(grid, HALF_SPACE, np.float64, 8)
-    q = np.hypot(np.fft.fftfreq(n[0])[:, None], np.fft.fftfreq(n[1]))
-    q[0, 0] = 1.0
-    ratios = []
-    for colour in (-1.5, -1, -0.5, 0, 0.5, 1):
-        for _ in range(5):
-            r = (
-                np.fft.ifft2(np.fft.fft2(random.standard_normal(n)) * q**colour).real
-                if colour
-                else random.standard_normal(n)
-            )
-            r -= r.mean()
-            r /= np.linalg.norm(r)
-            sums = levels.restrict(np.ones(n), r, 0.0)
-            _, _, rr, _, _, mean, *_ = levels.sweep()
-            squares = levels.without_mean(sums[0] + rr, mean**2)
-            elastic.pressure_rows(reader(r))
-            ratios.append(elastic.compliance_columns() / (compliance * squares))
-    assert max(ratios) < EQUIVALENCE
-    assert min(ratios) > 0.4
 
 
 @pytest.mark.parametrize("p_star", [1e-3, 0.02, 0.2, 0.5])
@@ -156,18 +121,6 @@ def test_points_that_change_sides_together():
     found = hpc_gfmd.solve(np.outer(cos, cos), p_star=0.24489848, accuracy=1e-2)
     assert found.status == "converged"
     assert round(found.a_r * cos.size**2) == 4248
-
-
-def test_errors_do_not_add_up_along_a_fine_sweep():
-    """Steps of 0.1 %, each begun where the one before ended: every load is as accurate as asked."""
-    sweep = sweep_of(rough((2, 24, 2)), accuracy=1e-2)
-    exact = sweep_of(rough((2, 24, 2)), **EXACT)
-    for k in range(12):
-        p = 0.5 * 1.001**k
-        step, wanted = sweep.solve(p), exact.solve(p)
-        assert step.status == "converged"
-        error = abs(step.gap_mean / wanted.gap_mean - 1)
-        assert error <= step.certificate.errors[1] < 1e-2
 
 
 def test_low_memory_says_what_is_so():

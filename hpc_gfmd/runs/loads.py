@@ -1,7 +1,8 @@
-"""From a scene to its sweep, and from a solved load to what is said of it: shared by runs that
-write a file and solutions in memory."""
+"""From a scene to its solved loads, and what is said of them: the same for runs that write a file
+and for solutions in memory."""
 
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,17 +26,16 @@ from ..driver.sweep import Sweep
 from ..output.fields import STORABLE
 from ..scene import File, Load, Output, Scene, check_names, has_unit
 from ..solvers import solver_names
+from ..solvers.base import Progress
 from ..surface import Surface
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
+from .progress import Reporter
 
-STATUS_ORDER = (
-    "converged",
-    "max_iterations",
-    "stagnated",
-    "nonfinite",
-    "interrupted",
-)  # the last one is the worst
+Loads = Sequence[float | Prescribed]  # mean pressures, or what they have to give
+
+# the last one is the worst
+STATUS_ORDER = "converged", "max_iterations", "stagnated", "nonfinite", "interrupted"
 
 
 def check(scene: Scene) -> None:
@@ -131,15 +131,43 @@ def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
     }
 
 
-def load_shown(
-    load: Load, index: int, sweep: Sweep, pressed: float | Prescribed
-) -> tuple[str, float]:
-    """What to call a load of scene.Load, and its number: what was asked for, or p*. pressed: what
-    sweep.pressures made of it."""
-    if target := _target(load, index):
-        return next((name.removeprefix("target_"), value) for name, value in target.items())
-    assert not isinstance(pressed, Prescribed)
-    return "p*", pressed / (sweep.E_star * sweep.surface.slope)
+def solved(
+    scene: Scene,
+    sweep: Sweep,
+    loads: Loads,
+    say: Reporter,
+    watch: Callable[[int, float], bool] = lambda index, seconds: False,
+    first: int = 0,
+    spent: float | None = None,
+) -> Iterator[tuple[int, Contact, float]]:
+    """The only loop over loads: solve them from the first on, each when it is asked for; (index,
+    contact, seconds spent). The next load overwrites the fields of a contact. Collective.
+
+    loads: those of the scene as sweep.pressures has them; watch(index, seconds) is called after
+    every iteration, a true value stops it; spent: seconds, where the first load goes on in its
+    middle.
+    """
+
+    def solve(index: int, spent: float | None) -> tuple[int, Contact, float]:
+        begun = time.monotonic() - (spent or 0.0)
+
+        def watched(iterations: int, progress: Progress) -> bool:
+            say.watch(iterations, progress)
+            return watch(index, time.monotonic() - begun)
+
+        load = loads[index]
+        asked = [(key.removeprefix("target_"), x) for key, x in _target(scene.load, index).items()]
+        if not asked and not isinstance(load, Prescribed):
+            asked = [("p*", load / (sweep.E_star * sweep.surface.slope))]
+        say.step(index, len(loads), *asked[0])
+        try:
+            contact = sweep.solve(load, watched, spent is not None)
+        finally:
+            say.done()
+        return index, contact, time.monotonic() - begun
+
+    for index in range(first, len(loads)):
+        yield solve(index, spent if index == first else None)
 
 
 def _target(load: Load, index: int) -> dict[str, float]:
