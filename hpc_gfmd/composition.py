@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from .contact import Contact
+from .driver.load_search import LoadTarget
 from .driver.lowmemory import LowMemorySweep
-from .driver.prescribed import Prescribed
 from .driver.sweep import Step, Sweep
 from .errors import SceneError
 from .fields import STORABLE
@@ -125,13 +125,13 @@ def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
 
 
 def load_shown(
-    load: Load, index: int, sweep: Sweep, pressed: float | Prescribed
+    load: Load, index: int, sweep: Sweep, pressed: float | LoadTarget
 ) -> tuple[str, float]:
     """What to call a load of scene.Load, and its number: what was asked for, or p*. pressed: what
     sweep.pressures made of it."""
     if target := _target(load, index):
         return next((name.removeprefix("target_"), value) for name, value in target.items())
-    assert not isinstance(pressed, Prescribed)
+    assert not isinstance(pressed, LoadTarget)
     return "p*", pressed / (sweep.E_star * sweep.surface.slope)
 
 

@@ -20,9 +20,9 @@ from .composition import (
     worst,
 )
 from .contact import heights_of
+from .driver.load_search import LoadTarget
 from .driver.memory import require_memory
 from .driver.precision import first_precision
-from .driver.prescribed import Prescribed
 from .driver.sweep import Step, Sweep
 from .driver.warmup import compile_once
 from .errors import GfmdError, SceneError
@@ -162,7 +162,7 @@ def _solve(
     loads = sweep.pressures(scene.load)
     _require_same_heights(file, sweep.surface)
     _require_storable(
-        scene.output, sweep.surface, [p for p in loads if not isinstance(p, Prescribed)]
+        scene.output, sweep.surface, [p for p in loads if not isinstance(p, LoadTarget)]
     )
     attributes = surface_attributes(scene, sweep.surface)
     stored = heights_of(sweep.surface) if "heights" in scene.output.fields else None
@@ -314,7 +314,7 @@ class _Run:
             sweep.surface.g_rms > 0 or sweep.surface.grid.padded
         )
 
-    def all_steps(self, loads: Sequence[float | Prescribed]) -> RunResult:
+    def all_steps(self, loads: Sequence[float | LoadTarget]) -> RunResult:
         """Solve what is not finished; returns a RunResult."""
         unfinished = [index for index in range(len(loads)) if index not in self.file.finished]
         first, midway = self._go_back(unfinished[0], loads) if unfinished else (0, None)
@@ -329,7 +329,7 @@ class _Run:
         return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
 
     def _go_back(
-        self, unfinished: int, loads: Sequence[float | Prescribed]
+        self, unfinished: int, loads: Sequence[float | LoadTarget]
     ) -> tuple[int, float | None]:
         """To the last checkpoint, so that all goes on as if nothing had happened: loads finished
         since then are repeated, not written again. unfinished: the first load to be solved. Returns
@@ -369,7 +369,7 @@ class _Run:
         return first, seconds
 
     def _one_step(
-        self, index: int, loads: Sequence[float | Prescribed], midway: float | None
+        self, index: int, loads: Sequence[float | LoadTarget], midway: float | None
     ) -> str:
         begun = time.monotonic() - (midway or 0.0)
         load = loads[index]
@@ -390,7 +390,7 @@ class _Run:
         if status == "interrupted":
             return status
         if index not in self.file.finished:
-            if isinstance(load, Prescribed):
+            if isinstance(load, LoadTarget):
                 _require_storable(self.scene.output, self.sweep.surface, [step.contact.p_mean])
             self._write(index, step, time.monotonic() - begun)
         stop, _ = self.interrupt.poll()

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,17 +18,6 @@ if TYPE_CHECKING:
     from ..operators.elastic import Elastic
     from ..operators.multilevel import Multilevel
     from ..problem import Problem
-
-
-class Outlook(NamedTuple):
-    """What a solution that goes on at its load is expected to come to. contact: points; doubt:
-    their standard deviation; gap_mean: in the problem's units; rise: by how much the mean of the
-    displacement over the whole grid will change, in these units."""
-
-    contact: float
-    gap_mean: float
-    rise: float
-    doubt: float
 
 
 @dataclass(frozen=True)
@@ -48,7 +37,8 @@ class Progress:
         where the solver does not know and it has to be asked now and then.
     finite : bool
         Whether all numbers are.
-    outlook : Outlook, or None
+    predicted : pair of float, or None
+        The points in contact and the mean gap that the solution at this load is expected to have;
         None where the solver does not know.
     unseen : float
         As the certificate has it.
@@ -59,7 +49,7 @@ class Progress:
     gap_mean: float
     estimates: tuple[float, float] | None
     finite: bool = True
-    outlook: Outlook | None = None
+    predicted: tuple[float, float] | None = None
     unseen: float = 0.0
 
 
@@ -76,13 +66,10 @@ class Solver:
         The present mean pressure.
     iterations : int
         Steps since the load began.
-    closing : float
-        Points that are still open but would not be if the last step were made again.
     state_names, scalar_names : tuple of str
         The attributes that a bit-identical continuation needs: local slabs, and numbers.
     """
 
-    closing: float = 0.0
     elastic: Elastic
     g: np.ndarray
     p: np.ndarray
@@ -90,8 +77,6 @@ class Solver:
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
     nests = True  # whether a nested start pays
-    # whether its pressure may be < 0 where the gap is closed, as it is at a load that is too small
-    holds_tension = True
     takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
 

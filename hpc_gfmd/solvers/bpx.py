@@ -35,7 +35,7 @@ from ..operators.elastic import Elastic
 from ..operators.multilevel import EQUIVALENCE, Multilevel
 from ..options import read_options
 from ..problem import Problem
-from .base import Outlook, Progress, Solver
+from .base import Progress, Solver
 
 RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
 GRADIENT = 1.0041  # a projected gradient step is so much shorter than what the largest K allows
@@ -51,15 +51,8 @@ EXPECTED = 0.92
 # <v, S p> of the pressure in contact over p0 <v, S v>, v as in bounds.py: 1.1 at light, 1.33 at
 # high loads
 ALIKE = 1.35
-# The outlook, fitted: the share of the points that the last step, made again, would close, which do
-# so, and where it was shortened, which leaves clipped points a little open, both at errors of the
-# pressure below EARLY; of what bounds.py's second expression says that the mean gap is wrong by,
-# and, where the surface ends, of the first for the mean of the displacement
-CLOSING, SHORTENED, EARLY, SHIFT, LIFT = 0.23, 0.66, 0.05, 0.62, 0.9
-# Its doubt, fitted: of the points that the estimated error of the pressure stands for, of their
-# root, of those that the last step, made again, would change, and of those that missing load stands
-# for
-WRONG, SCATTERED, CHANGING, MISSING = 0.07, 0.42, 0.14, 0.28
+# of what bounds.py's second expression says that the mean gap is wrong by: what it is
+SHIFT = 0.62
 
 NOTHING_KNOWN = (np.inf, np.inf), 0.0
 
@@ -87,7 +80,6 @@ class Bpx(Solver):
         "mean",
         "aligned",
         "changing",
-        "closing",
         "iterations",
     )
 
@@ -103,7 +95,6 @@ class Bpx(Solver):
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(half(dtype))
         self._make_scratch()
-        self.closing = 0.0
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
         self.typical_compliance = 1.0 / body.typical(grid)
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
@@ -285,7 +276,7 @@ class Bpx(Solver):
         self.r_norm = max(self.levels.without_mean(sums.rr + r1, self.mean**2), 0.0)
         self.t_norm, self.aligned = self.levels.response(sums.contact, t1, ts1, rt1, rs1, self.mean)
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
-        self.changing, self.closing = max(sums.opening, sums.closing), sums.closing
+        self.changing = max(sums.opening, sums.closing)
 
     # -- how far
     # -------------------------------------------------------------------------
@@ -294,9 +285,9 @@ class Bpx(Solver):
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         residual = np.sqrt(self.rr / self.N) / self.p0
         estimates, unseen = self._estimates() if finite else NOTHING_KNOWN
-        outlook = self._outlook(estimates[1]) if finite else None
+        predicted = self._predicted() if finite else None
         return Progress(
-            float(residual), self.contact, self.gap_mean, estimates, finite, outlook, unseen
+            float(residual), self.contact, self.gap_mean, estimates, finite, predicted, unseen
         )
 
     def _estimates(self) -> tuple[tuple[float, float], float]:
@@ -336,35 +327,16 @@ class Bpx(Solver):
             - off * ALIKE * self.p0 * response**2,
         )
 
-    def _outlook(self, error: float) -> Outlook | None:
-        """The area goes with the load that the contact carries. error: estimated, of the
-        pressure."""
+    def _predicted(self) -> tuple[float, float] | None:
+        """The area goes with the load that the contact carries."""
         load, n = self.p_cell - self.mean, self.contact
         if n == 0 or load <= 0:
             return None
         if n == self.N:
-            return Outlook(n, self.gap_mean, 0.0, 0.5)
+            return n, self.gap_mean
         off = self.p_cell / load - 1
         rise = SHIFT * self._shift(off)[1] / self.N
-        closing = (CLOSING if self.s == 1 else SHORTENED) * self.closing / (1 + error / EARLY)
-        contact, wrong = min((n + closing) * (1 + off), self.N), min(error, 1.0) * n
-        doubt = float(
-            np.linalg.norm(
-                (
-                    WRONG * wrong,
-                    SCATTERED * np.sqrt(wrong),
-                    CHANGING * self.changing,
-                    MISSING * off * n,
-                    0.4,
-                )
-            )
-        )
-        return Outlook(
-            contact,
-            self.gap_mean + rise,
-            -LIFT * off * self.uKu / (self.N * self.p0) if self.grid.padded else rise,
-            doubt,
-        )
+        return min(n * (1 + off), self.N), self.gap_mean + rise
 
     def expected_area(self, pressure: float) -> float:
         squares, fourth = self.grid.comm.sum(open_moments(self.g, self.p, self.grid.inside))
