@@ -8,7 +8,7 @@ import io
 from pathlib import Path
 
 import hpc_gfmd
-from hpc_gfmd.cli import COMMANDS, main
+from hpc_gfmd.commands.cli import COMMANDS, main
 
 HERE = Path(__file__).parent
 EXAMPLES, PICTURES = HERE.parent / "examples", HERE / "gallery"
@@ -35,6 +35,7 @@ def write(folder):
     folder.mkdir(exist_ok=True)
     for name, text in {
         "scene": scene(),
+        "observables": _printed("help", "observables", "--markdown"),
         "commands": commands(),
         "api": api(),
         "gallery": gallery(),

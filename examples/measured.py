@@ -31,7 +31,7 @@ scan = hpc_gfmd.read_surface("scan.x3p", detrend="tilt", boundary="free")
 print(scan)
 solution = hpc_gfmd.solve(scan, "0.2 MPa", "20 MPa")
 print(
-    f"a_r = {100 * solution.a_r:.2f} % (edge-corrected {100 * solution.a_r_edge:.2f} %),"
+    f"a_r = {100 * solution.a_r:.2f} % (edge-corrected {100 * solution.a_r_corrected:.2f} %),"
     f" {solution.observable('patches')}"
 )
 solution.plot("pressure").savefig("measured.png", dpi=200)

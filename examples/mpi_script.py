@@ -30,7 +30,7 @@ for solution in solutions:
     mine = solution.pressure  # rows start <= i < stop
     start, stop = solution.rows
     largest = comm.allreduce(mine.max(initial=0), MPI.MAX)
-    patches = solution.observable("patches")["patches"]  # collective: all ranks ask
+    patches = solution.observable("patches")  # collective: all ranks ask
     print(
         f"rank {comm.rank} has rows {start} to {stop}, {np.count_nonzero(mine)} points of them"
         " touch",

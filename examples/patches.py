@@ -17,15 +17,16 @@ solutions = hpc_gfmd.solve(wall, p_star=[0.02, 0.1, 0.3])
 fig, axes = plt.subplots(2, 2, figsize=(7.2, 6.4), layout="constrained")
 *maps, sizes = axes.flat
 for k, (ax, solution) in enumerate(zip(maps, solutions)):
-    found, percolates = solution.observable("patches"), solution.observable("percolation")
+    patches, largest = solution.observable("patches"), solution.observable("patch_largest")
+    percolates = solution.observable("percolation")
     ax.imshow(solution.contact.T, origin="lower", extent=(0, 1, 0, 1), cmap="Greys")
-    ax.set(title=f"a_r = {100 * solution.a_r:.1f} %\n{found['patches']} patches", xlabel="x / L")
+    ax.set(title=f"a_r = {100 * solution.a_r:.1f} %\n{patches} patches", xlabel="x / L")
     spread = solution.distribution("patches")
     sizes.stairs(
         spread["density"], spread["edges"], color=f"C{k}", label=f"p* = {solution.p_star:.2g}"
     )
     print(
-        f"p* = {solution.p_star:.3g}: largest {found['patch_largest']:.3g} L^2, perimeter"
+        f"p* = {solution.p_star:.3g}: largest {largest:.3g} L^2, perimeter"
         f" {solution.observable('perimeter'):.3g} L, contact percolates along x:"
         f" {percolates['contact_percolates_x']}, gap: {percolates['gap_percolates_x']}"
     )

@@ -2,12 +2,12 @@
 a cluster.
 
     import hpc_gfmd
-    surface = hpc_gfmd.read_surface("scan.x3p")                   # or make_surface("self-affine",
-    ...), or a NumPy array solution = hpc_gfmd.solve(surface, "20 MPa", "50 GPa")        # a list of
-    loads gives a sequence of solutions solution.plot(); solution.save("contact.h5")
-    solutions = hpc_gfmd.load("contact.h5")                       # the same from a result file
-    hpc_gfmd.run("scene.toml")                                    # solves a scene and writes its
-    file, as the command line does
+    surface = hpc_gfmd.read_surface("scan.x3p")             # or make_surface(...), or a NumPy array
+    solution = hpc_gfmd.solve(surface, "20 MPa", "50 GPa")  # a list of loads gives Solutions
+    solution.plot()
+    solution.save("contact.h5")
+    solutions = hpc_gfmd.load("contact.h5")                 # the same from a result file
+    hpc_gfmd.run("scene.toml")                              # as the command line does
 
 `reference` has contact areas and mean gaps of self-affine surfaces with their uncertainties.
 Importing this package neither starts MPI nor compiles anything; its parts are imported when they
@@ -18,14 +18,14 @@ __version__ = "1.0.0"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from . import reference
-    from .api import solve
-    from .errors import GfmdError, NotConverged, SceneError
-    from .prepared import PreparedSurface, make_surface, read_surface
-    from .simulation import RunResult
-    from .simulation import run_scene as run
-    from .solution import Solution
-    from .solutions import Interrupted, Solutions, load
+    from .runs.prepared import PreparedSurface, make_surface, read_surface
+    from .runs.simulation import RunResult
+    from .runs.simulation import run_scene as run
+    from .runs.solution import Solution
+    from .runs.solutions import Interrupted, Solutions, load
+    from .runs.solve import solve
+    from .theory import reference
+    from .util.errors import GfmdError, NotConverged, SceneError
 
 __all__ = [
     "GfmdError",
@@ -44,19 +44,19 @@ __all__ = [
     "solve",
 ]
 _PLACES = {
-    "load": "solutions",
-    "solve": "api",
-    "run": "simulation.run_scene",
-    "RunResult": "simulation",
-    "Solution": "solution",
-    "Solutions": "solutions",
-    "PreparedSurface": "prepared",
-    "make_surface": "prepared",
-    "read_surface": "prepared",
-    "GfmdError": "errors",
-    "Interrupted": "solutions",
-    "NotConverged": "errors",
-    "SceneError": "errors",
+    "GfmdError": "util.errors",
+    "Interrupted": "runs.solutions",
+    "NotConverged": "util.errors",
+    "PreparedSurface": "runs.prepared",
+    "RunResult": "runs.simulation",
+    "SceneError": "util.errors",
+    "Solution": "runs.solution",
+    "Solutions": "runs.solutions",
+    "load": "runs.solutions",
+    "make_surface": "runs.prepared",
+    "read_surface": "runs.prepared",
+    "run": "runs.simulation:run_scene",
+    "solve": "runs.solve",
 }
 
 
@@ -65,10 +65,10 @@ def __getattr__(name: str) -> object:
     from importlib import import_module
 
     if name == "reference":
-        return import_module(".reference", __name__)
+        return import_module(".theory.reference", __name__)
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, _, attribute = _PLACES[name].partition(".")
+    module, _, attribute = _PLACES[name].partition(":")
     found = globals()[name] = getattr(import_module(f".{module}", __name__), attribute or name)
     return found
 

@@ -31,8 +31,6 @@ solve() {
     shift 2
     if [ -e "$out" ]; then
         echo "$out is complete"
-    elif [ -d "$out.partial" ]; then
-        launch python -m hpc_gfmd restart "$out"
     else
         launch python -m hpc_gfmd run "$scene" -o "$out" "$@"
     fi

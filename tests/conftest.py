@@ -6,6 +6,7 @@ and stderr.
 """
 
 import os
+import shlex
 import shutil
 import signal
 import tempfile
@@ -17,7 +18,8 @@ import mpi_harness
 import pytest
 from hypothesis import settings
 
-from hpc_gfmd.cli import main
+from hpc_gfmd.commands.cli import main
+from hpc_gfmd.util.caches import cache_folder
 
 settings.register_profile(
     "repeatable", derandomize=True
@@ -97,6 +99,27 @@ def _child_id(item):
     return f"{head}[{rest}]" if rest else head
 
 
+@pytest.fixture(scope="session", autouse=True)
+def own_cache(tmp_path_factory):
+    """Plans of FFTW and speeds that no other run has measured. Compiled kernels, which take a
+    minute, are the user's."""
+    if mpi_harness.is_child():  # all ranks have that of their parent
+        yield
+        return
+    kernels = os.environ.get("NUMBA_CACHE_DIR", str(cache_folder() / "kernels"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NUMBA_CACHE_DIR", kernels)
+        patch.setenv("HPC_GFMD_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(autouse=True)
+def own_folder(request, monkeypatch):
+    """The current folder of every test is its own, that of all ranks the same."""
+    name = "shared_path" if mpi_harness.is_child() else "tmp_path"
+    monkeypatch.chdir(request.getfixturevalue(name))
+
+
 @pytest.fixture
 def path(tmp_path):
     """Of a result file."""
@@ -104,18 +127,18 @@ def path(tmp_path):
 
 
 @pytest.fixture
-def cli(tmp_path, monkeypatch, capfd):
-    """cli(*args): one command in this process (a new one takes seconds), in tmp_path: its exit code
-    `code`, `out` and `err`.
+def cli(capfd):
+    """cli("a command as in a shell", *args): it in this process (a new one takes seconds): its exit
+    code `code`, `out` and `err`.
 
     cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with
-    which one is refused.
+    which one is refused; cli.script: makes the parser of a script whose command line is meant.
     """
-    monkeypatch.chdir(tmp_path)
 
-    def run(*args):
+    def run(words="", *others):
         capfd.readouterr()
-        return SimpleNamespace(code=main(list(map(str, args))), **capfd.readouterr()._asdict())
+        code = main([*shlex.split(words), *map(str, others)], run.script)
+        return SimpleNamespace(code=code, **capfd.readouterr()._asdict())
 
     def prints(*args):
         done = run(*args)
@@ -128,7 +151,7 @@ def cli(tmp_path, monkeypatch, capfd):
         assert done.err.strip().isprintable()
         return done.err
 
-    run.prints, run.refused = prints, refused
+    run.prints, run.refused, run.script = prints, refused, None
     return run
 
 
@@ -156,9 +179,9 @@ def comm():
     the kernels."""
     if not mpi_harness.is_child():
         return None
+    from hpc_gfmd.contact import all_observables
     from hpc_gfmd.driver.warmup import compile_once
     from hpc_gfmd.parallel.world import world
-    from hpc_gfmd.registry import all_observables
     from hpc_gfmd.scene import Solver
 
     for precision in ("single", "double"):

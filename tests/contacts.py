@@ -3,10 +3,10 @@
 import numpy as np
 import tomli_w
 
-from hpc_gfmd import composition
+from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.registry import body_of
+from hpc_gfmd.runs import composition
 from hpc_gfmd.scene import Material, Scene, Solver
 from hpc_gfmd.surface import build_surface
 from hpc_gfmd.surface.build import surface_from_rows

@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from hpc_gfmd.contact import Contact
-from hpc_gfmd.grid import Grid
+from hpc_gfmd.contact.contact import Contact
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.grid import Grid
 
 
 def contact_of(g, p=None, sizes=(1.0, 1.0), comm=None, h=None, units=(1.0, 1.0), nominal=None):

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 from contacts import rough
 
-from hpc_gfmd import simulation
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.interrupt import Interrupt
+from hpc_gfmd.runs import simulation
+from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.simulation import run_scene
 
 LOADS = [
     0.05,
@@ -77,9 +77,7 @@ class Pieces:
             status = None
             if comm is self.comm or self.comm.rank == 0:
                 try:
-                    status = run_scene(
-                        scene, out=self.path, resume=k > 0, quiet=True, comm=comm
-                    ).status
+                    status = run_scene(scene, out=self.path, quiet=True, comm=comm).status
                 except Died:
                     status = "died"
             self.comm.barrier()

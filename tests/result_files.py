@@ -35,7 +35,7 @@ def interrupted(path, steps=3, **how):
 def complete(path, steps=3, **how):
     """The file of a run that came to its end."""
     interrupted(path, steps, **how)
-    with begin(path, resume=True, **how) as run:
+    with begin(path, **how) as run:
         run.finish("converged")
     return path
 

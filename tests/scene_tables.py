@@ -1,12 +1,13 @@
 """Reference scenes as plain tables, for the tests of the scene parser."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
 
 import hpc_gfmd.scene
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.scene import Scene
+from hpc_gfmd.util.errors import SceneError
 
 SHIPPED = sorted((Path(hpc_gfmd.scene.__file__).parents[1] / "scenes").glob("*.toml"))
 SURFACE = {
@@ -29,6 +30,16 @@ def tables(surface=(), **others) -> dict:
     surface = dict(surface)
     surface = surface if "kind" in surface else SURFACE | surface
     return {"surface": surface, "load": {"p_star": [0.1]}} | others
+
+
+def changed(text: str) -> dict:
+    """`tables` with what TOML says, in lines or between " ; "."""
+    return tables(**tomllib.loads(text.replace(" ; ", "\n")))
+
+
+def rows(text: str) -> list[tuple[str, ...]]:
+    """The rows of a table whose columns stand between " | "."""
+    return [tuple(map(str.strip, line.split(" | "))) for line in text.strip().splitlines()]
 
 
 def refusal(data: dict) -> str:

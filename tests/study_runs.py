@@ -1,8 +1,7 @@
 """Made-up runs that obey a known law, in the form in which the studies store them."""
 
 import numpy as np
-
-from hpc_gfmd.study.runner import FIELDS
+from paper.runner import FIELDS
 
 LAW = {"limit": 2.0, "C_t": 0.05, "C_f": 2.0, "alpha_f": 0.7, "C_c": 0.8, "alpha_c": 1.1}
 EDGE = {"limit": 2.0, "C_t": 0.05, "C_f": 1.0, "alpha_f": 0.7, "C_c": -0.1, "alpha_c": 1.0}

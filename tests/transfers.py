@@ -3,8 +3,8 @@ on."""
 
 import numpy as np
 
-from hpc_gfmd.grid import Grid
-from hpc_gfmd.operators.coarsening import Transfer, levels
+from hpc_gfmd.parallel.coarsening import Transfer, levels
+from hpc_gfmd.parallel.grid import Grid
 
 SIZES = [
     (8, 8),

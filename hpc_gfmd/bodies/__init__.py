@@ -1,2 +1,38 @@
 """One elastic body per file; `base.py` says what a body is. Nothing outside this folder knows a
 stiffness."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..util.errors import SceneError
+from ..util.plugins import class_in, names_in
+from ..util.quantities import said
+
+if TYPE_CHECKING:
+    from ..scene import Material
+    from .base import Body
+
+COMMON = ("base", "images")  # files that are no body
+
+
+def body_classes() -> dict[str, type[Body]]:
+    """{name: class} of all elastic bodies."""
+    return {name: class_in(__name__, name) for name in names_in(__name__, COMMON)}
+
+
+def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
+    """The elastic body that a material (scene.Material) means; free: whether the surface ends along
+    x, along y.
+
+    Raises SceneError if there is none.
+    """
+    wanted = material.thickness, material.nu1, material.base, tuple(free)
+    bodies_ = [body for cls in body_classes().values() if (body := cls.of(*wanted)) is not None]
+    if not bodies_:
+        thickness = said(material.thickness)
+        raise SceneError(
+            f"material.thickness: found {thickness} with a free boundary, allowed: with periodic"
+            " boundaries"
+        )
+    return bodies_[0]

@@ -1,9 +1,9 @@
 """What an elastic body is: its stiffness K(q) on any grid, and all numbers that the solvers derive
 from it.
 
-Units as in problem.py: E* = 1, in-plane lengths in grid spacings a. Load control eliminates the
-rigid translation, so on a grid K(0) = 0 and S = 1/K has zero mean; what a uniform pressure does
-(`stiffness` at q = 0) counts for the approach alone.
+Units as in operators/problem.py: E* = 1, in-plane lengths in grid spacings a. Load control
+eliminates the rigid translation, so on a grid K(0) = 0 and S = 1/K has zero mean; what a uniform
+pressure does (`stiffness` at q = 0) counts for the approach alone.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ..kernels.spectral import divide_by_table, multiply_by_table
-from ..operators.coarsening import levels
+from ..parallel.coarsening import levels
 
 if TYPE_CHECKING:
-    from ..grid import Grid
     from ..parallel.fft import SlabFFT
+    from ..parallel.grid import Grid
 
 NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
 SAMPLES = 400  # of K between the longest and the shortest wave, where it may not be monotone

@@ -3,7 +3,7 @@
 The grid is a cell longer than the surface along each free axis, and points beyond the surface never
 touch. For two points of the surface S must be that of free space, for others it may be anything: it
 is that of the periodic half-space and, in the lowest modes of the cell, what takes the images out
-of it (operators/images.py). K is its inverse: |q|/2 again, but that these modes are coupled.
+of it (bodies/images.py). K is its inverse: |q|/2 again, but that these modes are coupled.
 
 On a grid |q| has a kink where the wave numbers end, which gives S a tail, (-1)^i/i^2 along either
 axis, and so images of its own that are no 1/r. The wave numbers of an axis that ends are rounded
@@ -20,13 +20,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..kernels.lowmodes import join, multiply, split
-from ..operators.images import ALONE, NEEDED, PARITIES, Images, images
 from .base import Body, Multipliers
 from .halfspace import HalfSpace
+from .images import ALONE, NEEDED, PARITIES, Images, images
 
 if TYPE_CHECKING:
-    from ..grid import Grid
     from ..parallel.fft import SlabFFT
+    from ..parallel.grid import Grid
 
 SHARES = 24  # shares of a cell that are told apart: nearly the same grids have the same modes
 COVERED = 16  # of them that a surface has at most, see surface.cell_of

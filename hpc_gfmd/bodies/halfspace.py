@@ -12,8 +12,8 @@ from ..kernels.spectral import multiply_compliance, multiply_stiffness
 from .base import Body, Multipliers
 
 if TYPE_CHECKING:
-    from ..grid import Grid
     from ..parallel.fft import SlabFFT
+    from ..parallel.grid import Grid
 
 
 @dataclass(frozen=True)

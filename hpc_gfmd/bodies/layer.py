@@ -16,8 +16,8 @@ class Layer(Body):
     """S = (2/|q|) f(|q| t), t: thickness, in the unit of the surface's lengths; nu: Poisson's
     ratio, below 1/2 where bonded; base: "bonded" or "frictionless". With x = |q| t
 
-        bonded:       f = [(3 - 4 nu) sinh 2x - 2x] / [(3 - 4 nu) cosh 2x + 2 x^2 + 5 - 12 nu + 8
-        nu^2] frictionless: f = [cosh 2x - 1] / [sinh 2x + 2x]
+        bonded:        f = [b sinh 2x - 2x]/[b cosh 2x + 2 x^2 + 5 - 12 nu + 8 nu^2], b = 3 - 4 nu
+        frictionless:  f = [cosh 2x - 1]/[sinh 2x + 2x]
 
     f -> 1 for short waves; for long ones K becomes the oedometric modulus (bonded) or E*
     (frictionless) over t. A uniform pressure compresses the layer as a whole: that is part of the

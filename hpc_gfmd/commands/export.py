@@ -11,11 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from ..aside import aside
-from ..errors import GfmdError, SceneError
+from ..contact import all_numbers, unit_of
 from ..output.describe import coordinates, image, name_it
 from ..output.read import Result, read_result
 from ..parallel.guard import one_line
+from ..util.atomic import aside
+from ..util.errors import GfmdError, SceneError
+from ..util.quantities import in_units
+
+HEIGHTS = "heights"  # the same for all loads
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
@@ -78,25 +82,29 @@ def to_vtkhdf(result: Result, path: Path) -> None:
             f"{result.path}: ParaView shows fields on two axes, allowed: a result with"
             " output.fields"
         )
-    fields = _fields(result)
-    shape = _shape(result) if len(result.steps) > 1 else _shape(result)[1:]
-    with h5py.File(path, "w") as file:
+    fields, loads = _fields(result), len(result.steps)
+
+    def shape(name: str) -> tuple[int, ...]:  # of a single load without a first axis, as its views
+        return (1 if name == HEIGHTS else loads, *result.surface["n"])[loads == 1 :]
+
+    with open(path, "w+b") as stream, h5py.File(stream, "w") as file:
         image(
             file,
             result.surface,
             _numbers(result)["p"],
             fields,
             lambda group, name: _fill(
-                group.create_dataset(name, shape, fields[name]), result, name
+                group.create_dataset(name, shape(name), fields[name]), result, name
             ),
         )
 
 
 def to_netcdf(result: Result, path: Path) -> None:
-    """Dimensions loads, x, y; every number of the load steps and every field as a variable."""
+    """Dimensions loads, x, y; every number of the load steps and every field as a variable with its
+    unit and meaning."""
     import h5py
 
-    with h5py.File(path, "w") as file:
+    with open(path, "w+b") as stream, h5py.File(stream, "w") as file:
         file.attrs.update(
             {
                 name: value
@@ -109,15 +117,17 @@ def to_netcdf(result: Result, path: Path) -> None:
         for name, values in numbers.items():
             file[name] = values.astype(object) if values.dtype.kind == "U" else values
             name_it(file[name], result.surface, scales)
+            meaning, unit = all_numbers().get(name, (name, ""))
+            file[name].attrs.update(units=in_units(unit, result.surface) or unit, long_name=meaning)
         for name, dtype in _fields(result).items():
-            file.create_dataset(name, _shape(result), dtype)
-            name_it(file[name], result.surface, scales)
+            file.create_dataset(name, _shape(result, name), dtype)
+            name_it(file[name], result.surface, scales[name == HEIGHTS :])
             _fill(file[name], result, name)
 
 
 def to_npz(result: Result, path: Path) -> None:
-    """Arrays over the load steps by their names, x, y, and the fields (loads, x, y); read a piece
-    at a time."""
+    """Arrays over the load steps by their names, x, y, heights (x, y) and the other fields (loads,
+    x, y); read a piece at a time."""
     axes = {
         name: np.arange(n) * (size / n)
         for name, n, size in zip("xy", result.surface["n"], result.surface["physical_sizes"])
@@ -128,15 +138,19 @@ def to_npz(result: Result, path: Path) -> None:
                 np.lib.format.write_array(file, values)
         for name, dtype in _fields(result).items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
-                header = {"descr": dtype.str, "fortran_order": False, "shape": _shape(result)}
+                header = {"descr": dtype.str, "fortran_order": False, "shape": _shape(result, name)}
                 np.lib.format.write_array_header_2_0(file, header)
                 for _, _, rows in _pieces(result, name):
                     file.write(np.ascontiguousarray(rows, dtype).tobytes())
 
 
 def to_csv(result: Result, path: Path) -> None:
-    """One line per load step, no fields."""
-    numbers = {"step": np.array(result.indices)} | _numbers(result)
+    """One line per load step, no fields; headings such as "gap_mean [m]" where a unit is known."""
+    units = {name: unit_of(name, result.surface) for name in _numbers(result)}
+    numbers = {"step": np.array(result.indices)} | {
+        f"{name} [{units[name]}]" if units[name] not in ("", "1") else name: values
+        for name, values in _numbers(result).items()
+    }
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(numbers)
@@ -149,10 +163,13 @@ EXTENSIONS = {"vtkhdf": "vtkhdf", "netcdf": "nc", "npz": "npz", "csv": "csv"}
 
 def _numbers(result: Result) -> dict[str, np.ndarray]:
     """Everything that steps say in one number or text, over the steps; nan or "" where one does not
-    say it."""
+    say it. What has no name that the program gives stays out: it may be a path."""
     found = {}
     for name in dict.fromkeys(
-        name for step in result.steps for name, value in step.items() if not isinstance(value, list)
+        name
+        for step in result.steps
+        for name, value in step.items()
+        if name.isidentifier() and not isinstance(value, list)
     ):
         values = [step.get(name) for step in result.steps]
         missing = "" if any(isinstance(value, str) for value in values) else np.nan
@@ -168,14 +185,14 @@ def _fields(result: Result) -> dict[str, np.dtype]:
     }
 
 
-def _shape(result: Result) -> tuple[int, ...]:
-    return len(result.steps), *result.surface["n"]
+def _shape(result: Result, name: str) -> tuple[int, ...]:
+    return (len(result.steps), *result.surface["n"])[name == HEIGHTS :]
 
 
 def _pieces(result: Result, name: str) -> Iterator[tuple[int, int, np.ndarray]]:
-    """(step, first row, rows) of a field, a piece of memory at a time; raises GfmdError where it is
-    damaged."""
-    for k, fields in enumerate(result.fields):
+    """(step, first row, rows) of a field, a piece of memory at a time, heights once; raises
+    GfmdError where it is damaged."""
+    for k, fields in enumerate(result.fields[: 1 if name == HEIGHTS else None]):
         for start, rows in fields[name].pieces():
             yield k, start, rows
 

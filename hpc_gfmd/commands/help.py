@@ -1,9 +1,9 @@
-"""`hpc-gfmd help`: what the commands do, and every key of a scene."""
+"""`hpc-gfmd help`: what the commands do, every key of a scene, every number of a result."""
 
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
@@ -12,25 +12,33 @@ def add_parser(subparsers: Any) -> ArgumentParser:
         help="every key of a scene: default, unit, meaning",
         description=(
             "Explain the keys of a scene (help scene), one table or key of it (help scene solver,"
-            " help scene solver.accuracy), or a command (help run)."
+            " help scene solver.accuracy), the numbers of a result (help observables), or a command"
+            " (help run)."
         ),
     )
     parser.add_argument(
-        "topic", metavar="scene|COMMAND", nargs="?", help="what about (default: the commands)"
+        "topic",
+        metavar="scene|observables|COMMAND",
+        nargs="?",
+        help="what about (default: the commands)",
     )
     parser.add_argument("key", metavar="KEY", nargs="?", help="a table or a key of a scene")
     parser.add_argument(
-        "--markdown", action="store_true", help="all keys of a scene as a page in Markdown"
+        "--markdown", action="store_true", help="scene, observables: as a page in Markdown"
     )
     return parser
 
 
 def main(args: Namespace) -> int:
     """Print; raises SceneError for a topic or a key that there is not."""
+    if args.topic == "observables":
+        print(_numbers("| `{}` | {} | {} | {} |" if args.markdown else "{:<24} {:<18} {:<14} {}"))
+        return 0
     if args.topic != "scene":
         return _of_command(args.topic)
-    from ..registry import distribution_names, observable_names, solver_names
+    from ..contact import distribution_names, observable_names
     from ..scene.reference import markdown, text
+    from ..solvers import solver_names
 
     names = {
         "solver.name": solver_names(),
@@ -41,11 +49,41 @@ def main(args: Namespace) -> int:
     return 0
 
 
+def _numbers(row: str) -> str:
+    """All numbers of a load, each by `row`: name, unit, by what name it is asked for, meaning."""
+    from ..contact import all_numbers, default_observables, observable_names, observables_named
+
+    groups = {name: observables_named([name]) for name in observable_names()}
+    asked = {
+        one: name
+        for name in sorted(groups, key=lambda name: len(groups[name]))
+        for one in groups[name]
+        if one not in default_observables()
+    }
+    page = row.startswith("|")
+    return "\n".join(
+        [
+            *["# The numbers of a load", ""] * page,
+            "The attributes of each load in a result; length: in the unit of the surface,"
+            " pressure: in that of the moduli. Those with a name under `asked for` are there where"
+            " output.observables names it, arrays where output.distributions does, all others"
+            " always.",
+            "",
+            row.format("name", "unit", "asked for", "meaning").replace("`", ""),
+            *["|---|---|---|---|"] * page,
+            *(
+                row.format(name, unit, asked.get(name, ""), about)
+                for name, (about, unit) in all_numbers().items()
+            ),
+        ]
+    )
+
+
 def _of_command(name: str | None) -> int:
-    from ..cli import COMMANDS, build_parser
+    from .cli import COMMANDS, build_parser
 
     known = (*COMMANDS, "restart")  # which lives with run
     if name not in (None, *known):
-        raise SceneError(f"help: found {name!r}, allowed: scene, {', '.join(known)}")
+        raise SceneError(f"help: found {name!r}, allowed: scene, observables, {', '.join(known)}")
     build_parser().parse_args([*([name] if name else []), "--help"])
     return 0

@@ -21,21 +21,19 @@ def facts() -> dict[str, str]:
     import h5py
     import numba
 
-    from ..caches import cache_folder
-    from ..driver.memory import available_gib
     from ..parallel.fftw import fft_library
-    from ..registry import solver_names
-    from ..versions import versions
+    from ..runs.memory import available_gib
+    from ..solvers import solver_names
+    from ..util.caches import cache_folder
+    from ..util.versions import versions
 
     found = {name: version for name, version in versions().items() if version}
     found["FFT"] = fft_library()
     found["MPI"] = _mpi_library()
     found["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"
     found["solvers"] = "auto (bpx), " + ", ".join(solver_names())
-    found["cores"] = (
-        # type: ignore[attr-defined]
-        f"{len(os.sched_getaffinity(0))}, vector unit of {numba.config.CPU_NAME or 'the host'}"
-    )
+    vectors = numba.config.CPU_NAME or "the host"  # type: ignore[attr-defined]
+    found["cores"] = f"{len(os.sched_getaffinity(0))}, vector unit of {vectors}"
     found["memory"] = f"{available_gib():.1f} GiB free"
     found["cache"] = str(cache_folder())
     return found

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError, one_line
+from ..util.errors import SceneError, one_line
 
 DEFAULT = "self-affine"
 
@@ -57,11 +57,12 @@ def main(args: Namespace) -> int:
         )
     if not path.parent.is_dir():
         raise SceneError(f"-o: the folder {path.parent} does not exist")
-    text, missing = compose(args.what, path, args.set)
+    text, missing, about = compose(args.what, path, args.set)
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as error:
         raise SceneError(f"-o: cannot write {path}: {one_line(str(error))}") from None
+    print(*about, sep="\n", end="\n" * bool(about))
     print(
         f"{path}: hpc-gfmd run {path}"
         if not missing
@@ -73,9 +74,11 @@ def main(args: Namespace) -> int:
     return 0
 
 
-def compose(what: str, path: Path, overrides: Sequence[str] = ()) -> tuple[str, list[str]]:
-    """(TOML text of a scene that will lie at `path`, keys of [surface] that have to be filled in).
-    Raises SceneError."""
+def compose(
+    what: str, path: Path, overrides: Sequence[str] = ()
+) -> tuple[str, list[str], list[str]]:
+    """(TOML text of a scene that will lie at `path`, keys of [surface] that have to be filled in,
+    what a height map shows, a line each). Raises SceneError."""
     from ..scene import Scene
     from ..scene.load import apply_override
     from ..scene.surface import KINDS
@@ -90,9 +93,10 @@ def compose(what: str, path: Path, overrides: Sequence[str] = ()) -> tuple[str, 
         if isinstance(keys, dict)
         for key, value in keys.items()
     }
-    said, why, missing, head = (
+    said, why, missing, about, head = (
         {},
         {},
+        [],
         [],
         [f"hpc-gfmd run {path.name}. Lines that begin with # show defaults and examples."],
     )
@@ -110,19 +114,23 @@ def compose(what: str, path: Path, overrides: Sequence[str] = ()) -> tuple[str, 
             for part in (found.said, found.why)
         )
         missing = found.missing
-        head.append(f"{what}: {found.about}")
+        about = [f"{what}: {line}" for line in found.about]
+        from ..surface.quality import NO_MODULUS
+
+        if found.unit and not any(key.startswith("material.") for key in given):
+            about.append(f"{what}: {NO_MODULUS}")
     else:
         kinds = ", ".join(kind for kind in KINDS if kind != "file")
         raise SceneError(
             f"init: found {what}, allowed: a kind of surface ({kinds}) or the path of a height map"
         )
-    text = template(kind, given, said, why, head)
+    text = template(kind, given, said, why, [*head, *about])
     if not missing:
         data = tomllib.loads(text)
         for override in overrides:
             apply_override(data, override)  # a key that no scene has is in no template
         Scene.from_dict(data, "init", path.parent)
-    return text, missing
+    return text, missing, about
 
 
 def _of_map(what: str, path: Path, given: dict[str, Any]) -> tuple[Any, dict[str, Any]]:

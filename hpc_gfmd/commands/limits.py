@@ -4,10 +4,10 @@ coefficients cover them."""
 from math import isfinite
 from typing import Any
 
-from ..errors import SceneError
 from ..output.read import Result
-from ..table import converged
+from ..output.table import converged
 from ..theory import tfc
+from ..util.errors import SceneError
 
 OBSERVABLES = {
     "kappa": "a_r_error",

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
 from ..theory import persson
 from ..theory.checks import within
 from ..theory.elastic import KAPPA_BGT
+from ..util.errors import SceneError
 from .number import number
 
 COLUMNS = (

@@ -5,7 +5,7 @@ import os
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
@@ -50,11 +50,11 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 def main(args: Namespace) -> int:
     """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
-    from ..composition import check
-    from ..driver.decomposition import busiest
-    from ..driver.memory import GIB, available_gib, largest_precision, memory_of
-    from ..driver.timing import expected_seconds
     from ..parallel.world import ranks_per_node
+    from ..runs.composition import check
+    from ..runs.decomposition import busiest
+    from ..runs.memory import GIB, available_gib, largest_precision, memory_of
+    from ..runs.timing import expected_seconds
     from ..scene import load_scene
     from ..surface import cell_of, surface_size
 

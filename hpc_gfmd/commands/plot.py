@@ -3,9 +3,9 @@
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
-from ..errors import GfmdError, SceneError
 from ..output.read import read_result
-from ..table import converged
+from ..output.table import converged
+from ..util.errors import GfmdError, SceneError
 
 WHAT = (
     "maps, distributions, spectra, curves; one field: contact, pressure, gap, heights, displacement"

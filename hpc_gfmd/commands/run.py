@@ -25,7 +25,9 @@ def add_parser(subparsers: Any) -> ArgumentParser:
         help="change the scene: table.key=value",
     )
     parser.add_argument(
-        "--force", action="store_true", help="overwrite the result of another scene"
+        "--force",
+        action="store_true",
+        help="begin anew whatever is there: an interrupted run, the result of another scene",
     )
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(saves=True)
@@ -50,7 +52,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 def main(args: Namespace) -> int:
     """Solve; the exit code tells whether every step converged."""
-    from ..simulation import run_scene
+    from ..runs.simulation import run_scene
 
     return run_scene(
         args.scene, args.set, args.output, force=args.force, quiet=args.quiet
@@ -59,6 +61,6 @@ def main(args: Namespace) -> int:
 
 def main_restart(args: Namespace) -> int:
     """Continue; the exit code is that of the whole run."""
-    from ..simulation import restart
+    from ..runs.simulation import restart
 
     return restart(args.file, args.set, quiet=args.quiet).exit_code

@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Any
 
 from ..output.read import Result, read_result
-from ..table import surface_line, table
+from ..output.table import surface_line, table
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
@@ -41,7 +41,7 @@ def main(args: Namespace) -> int:
     result = read_result(args.file)
     shown, text = as_dict(result), as_text(result)
     if args.tfc is not None:
-        from .limits import limits_text, to_limits  # imports scipy
+        from .limits import limits_text, to_limits
 
         limits = to_limits(result, args.tfc)
         shown, text = shown | _finite({"tfc": limits}), f"{text}\n\n{limits_text(limits)}"

@@ -6,8 +6,8 @@ import math
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
-from ..errors import SceneError
 from ..theory import tfc
+from ..util.errors import SceneError
 from .number import number
 
 RATIOS = ("eps_t", "eps_f", "eps_c")

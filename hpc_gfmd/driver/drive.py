@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import DTypeLike
 
-from .certificate import Certificate, certify
+from ..certificate.certificate import Certificate, certify
+from ..certificate.criterion import Outcome, Target
 from .load_search import GivenLoad
 
 if TYPE_CHECKING:
@@ -41,28 +41,6 @@ ATTAINED = (
 UNKNOWN = 1.0
 
 
-@dataclass(frozen=True)
-class Target:
-    """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per
-    load; certificate_dtype: precision of the certificate; duality: whether it has to give the
-    duality gap; in_turn: whether its transforms take the memory of those of the solver, and of its
-    last step; closes: whether the load is to be the least that closes the gap: a point that is
-    about to open is no error of the area then, nor of the gap."""
-
-    accuracy: float | None = None
-    residual: float | None = None
-    max_iterations: int = 100_000
-    certificate_dtype: DTypeLike = np.float64
-    duality: bool = False
-    in_turn: bool = False
-    closes: bool = False
-
-    @property
-    def tolerance(self) -> float:
-        """The accuracy, or else the residual."""
-        return self.accuracy or self.residual or 0.0
-
-
 @dataclass
 class LoopState:
     """What the loop remembers of a load beside the solver's state: both make a checkpoint."""
@@ -86,21 +64,6 @@ class LoopState:
         )
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """status: converged, stagnated, max_iterations, nonfinite, interrupted; check_pairs: FFT pairs
-    that certificates took."""
-
-    status: str
-    certificate: Certificate
-    check_pairs: float
-
-    @property
-    def errors(self) -> tuple[float, float, float]:
-        """Estimated relative errors of (area, mean gap, pressure)."""
-        return self.certificate.errors
-
-
 def drive(
     solver: Solver,
     target: Target,
@@ -112,7 +75,8 @@ def drive(
     value to stop.
 
     load: a search for it, where it is not given; loop: the LoopState of this load where its
-    beginning was before a checkpoint; it is kept up to date. On return solver.p is the fresh pressure of the certificate, in the solver's precision.
+    beginning was before a checkpoint, which is kept up to date. On return solver.p is the fresh
+    pressure of the certificate, in the solver's precision.
     """
     loop = loop or LoopState(best_at=solver.iterations)
     load = load or GivenLoad(solver.p0)
@@ -202,6 +166,7 @@ def _measure(progress: Progress, target: Target) -> float:
         return UNKNOWN
     gap, pressure = progress.estimates
     unseen = progress.unseen
+    gap = min(gap, 1.0)
     return max((gap - unseen) / (_attainable(target, unseen) - unseen), pressure / target.tolerance)
 
 

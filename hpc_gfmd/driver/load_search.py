@@ -20,16 +20,16 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..errors import SceneError
-from ..quantity import like, said
+from ..util.errors import SceneError
+from ..util.quantities import like, said
 
 if TYPE_CHECKING:
-    from ..grid import Grid
+    from ..certificate.certificate import Certificate
+    from ..operators.problem import Problem
     from ..parallel.comm import Comm
-    from ..problem import Problem
+    from ..parallel.grid import Grid
     from ..solvers.base import Progress, Solver
     from ..surface import Surface
-    from .certificate import Certificate
 
 STEP = log(2.0)  # change of log p0 over which a slope is believed
 STEEPEST = 5.0  # slope of a straightened value that is believed, and 1 over the least
@@ -320,17 +320,13 @@ class LoadSearch(GivenLoad):
         y, error = self.certified(solver, certificate)
         miss, here = self.miss(y), (self.x, y)
         if miss > SURE * error and not self.note:
-            if y < self.aim:
-                self.low, self.high = (
-                    here,
-                    self.high if self.high and self.high[0] > self.x else None,
-                )
-            else:
-                self.high, self.low = here, self.low if self.low and self.low[0] < self.x else None
-            if self.low and self.high and self.steps:
-                if 2 * (self.high[0] - self.low[0]) < max(JUMP, self.tolerance):
-                    sides = f"from {self.low[1]:.4g} to {self.high[1]:.4g}"
-                    self.note = f"a_r jumps {sides}: the nearer to what was asked for"
+            small = y < self.aim
+            low, high = (here, self.high) if small else (self.low, here)
+            if low and high and low[0] >= high[0]:  # one of them was none
+                low, high = (here, None) if small else (None, here)
+            self.low, self.high = low, high
+            if self.steps and low and high and 2 * (high[0] - low[0]) < max(JUMP, self.tolerance):
+                self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g}: the nearer to what was asked for"
         if self.note:
             return 0.0 if self.x == self._nearer[0] else inf
         left = (miss + (error if self.counts else 0.0)) / self.tolerance

@@ -20,14 +20,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 from .drive import certificate_of
 from .nested import Nested
 from .precision import NOISE_IN_TURN, counting
 from .sweep import Sweep
 
 if TYPE_CHECKING:
-    from ..problem import Problem
+    from ..operators.problem import Problem
     from .sweep import Slabs
 
 

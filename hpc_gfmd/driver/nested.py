@@ -20,23 +20,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..grid import Grid
+from ..certificate.certificate import certify
 from ..kernels.prolong import HALO, SWEEPS, prolong_gap
-from ..operators.coarsening import gathered, levels
 from ..parallel import interrupt
+from ..parallel.coarsening import gathered, halved
+from ..parallel.grid import Grid
 from ..parallel.halo import Windows, neighbours, rows_of
-from .certificate import certify
 
 if TYPE_CHECKING:
-    from ..problem import Problem
+    from ..operators.problem import Problem
     from ..solvers.base import Solver
     from .load_search import GivenLoad
 
     MakeSolver = Callable[[Problem], Solver]
 
 # Points along an axis, in the geometric mean, below which there is no coarser grid, and twice as
-# many where so many grids are finer: what they take counts less. Strips have at least SLIM across,
-# which a cubic takes.
+# many where so many grids are finer: what they take counts less. An axis of fewer than SLIM points,
+# which a cubic takes, is not decimated.
 COARSEST, FINER, SLIM = 32, 2, 4
 # Residual of a coarse solution, of what its own start had (at most LARGE): so much less for each
 # grid finer than it. What a finer grid adds is about what this one added to the coarser: to solve
@@ -95,12 +95,11 @@ class Decimation:
     def of(cls, grid: Grid, finer: int = 0) -> Decimation | None:
         """Of a grid than which so many are finer, or None where it is coarse already. No memory,
         but communicators: collective."""
-        n = levels(grid)[1].n if grid.cell_points > 1 else (1, 1)
+        n, _ = halved(grid.n, grid.spacings, SLIM)
         coarsened = [a != b for a, b in zip(n, grid.n)]
         points = [k for k, c in zip(n, coarsened) if c]
-        if min(points, default=0) < SLIM or np.prod(points) < (
-            COARSEST * (2 if finer >= FINER else 1)
-        ) ** len(points):
+        least = COARSEST * (2 if finer >= FINER else 1)
+        if not points or np.prod(points) < least ** len(points):
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))

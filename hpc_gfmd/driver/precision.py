@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from ..certificate.criterion import Target
     from ..scene import Solver as Settings
-    from .drive import Target
 
 # the finest accuracy that is tried in single precision; below, points too close to tell spoil the
 # area

@@ -11,14 +11,15 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..bodies.halfspace import HALF_SPACE
-from ..contact import Contact
-from ..errors import SceneError
+from ..certificate.certificate import Certificate, certify, unseen_error
+from ..certificate.criterion import Outcome, Target
+from ..contact.contact import Contact
+from ..operators.problem import Problem
 from ..parallel import interrupt
-from ..problem import Problem
-from ..registry import solver_class
-from ..units import require_range, single_solves
-from .certificate import Certificate, certify, unseen_error
-from .drive import LoopState, Outcome, Target, drive
+from ..solvers import solver_class
+from ..surface.units import require_range, single_solves
+from ..util.errors import SceneError
+from .drive import LoopState, drive
 from .load_search import (
     ClosingLoad,
     FullContactSearch,
@@ -36,7 +37,7 @@ from .precision import NOISE, counting, few_points, first_precision
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
-    from ..grid import Grid
+    from ..parallel.grid import Grid
     from ..scene import Load
     from ..scene import Solver as Settings
     from ..surface import Surface
@@ -58,6 +59,11 @@ NEARLY = 0.2  # of E* g_rms: full contact takes 0.3 to 20
 CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
+
+
+def _needs_double(contact: Contact) -> bool:
+    """Whether single precision turned out to be too little for a load."""
+    return contact.outcome.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
 
 
 @dataclass(frozen=True)
@@ -103,6 +109,7 @@ class Sweep:
             settings.accuracy, settings.residual, settings.max_iterations, duality=duality
         )
         self._load = GivenLoad(1.0)
+        self._failed = False
         self._history: list[dict[str, float]] = []  # what the last two loads gave
         self._set_precision(first_precision(settings))
 
@@ -149,6 +156,7 @@ class Sweep:
             assert not isinstance(load, LoadTarget)  # refused by `pressures`
             return self._flat(load)
         if not midway:
+            self._forget_failure()
             self._spent = 0.0
             self._load = self._load_for(load)
         promote = self.settings.precision == "auto" and self.dtype == np.float32
@@ -156,14 +164,18 @@ class Sweep:
             self._set_precision(np.float64)
             promote = False
         step = self._solve(watch, midway, promote)
-        if promote and (step is None or step.contact.outcome.status in ("stagnated", "nonfinite")):
+        if promote and (step is None or _needs_double(step.contact)):
             self._set_precision(np.float64)
             self._spent = self._spent if step is None else step.fft_pairs
             step = self._solve(watch, False)
         assert step is not None  # without `promote` there is one
-        if step.contact.outcome.status not in ("converged", "interrupted"):
-            self.solver = None  # the next load starts afresh
+        self._failed = step.contact.outcome.status not in ("converged", "interrupted")
         return step
+
+    def _forget_failure(self) -> None:
+        """After a load that failed the next one starts afresh."""
+        if self._failed:
+            self.solver, self._failed = None, False
 
     def _load_for(self, load: float | LoadTarget) -> GivenLoad:
         """What finds the load."""
@@ -200,6 +212,8 @@ class Sweep:
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """What `restore` needs to go on in the present load or, given the load that is upcoming, at
         its beginning: local slabs by name, and numbers."""
+        if upcoming is not None:
+            self._forget_failure()
         arrays: dict[str, Any] = {}
         numbers: dict[str, Any] = {
             "dtype": self.dtype.name,

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from ..bodies import body_of
 from ..bodies.halfspace import HALF_SPACE
-from ..contact import Contact
+from ..contact import default_observables, observables_named
+from ..contact.contact import Contact
 from ..kernels.cache import announced, sound
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import Comm, SerialComm
 from ..parallel.guard import guarded
-from ..registry import body_of, observables_named
 from ..scene import Material, Scene, Solver
 from ..surface import build_surface
 from .precision import first_precision
@@ -45,7 +46,7 @@ def compile_once(
     has where the scene names none. say: function of a text, called on rank 0 before something is
     compiled that has not been kept. Collective.
     """
-    observe = observables_named(None).values() if observe is None else observe
+    observe = observables_named(default_observables()).values() if observe is None else observe
     with guarded(comm, "compiling"):
         if comm.rank == 0:
             with announced(say):

@@ -5,7 +5,7 @@ State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in half the
 (halfwidth.py): one that is as rough costs no iteration. Contact A = {g <= 0 and p > 0}, the active
 set; free F = the rest. `rows` = (i0, i1) are the local rows of one pass, x is scratch (>= i1 - i0,
 n_y) that begins with row i0; `transfer` is the tuple of tables that Transfer.tables has
-(operators/coarsening.py).
+(parallel/coarsening.py).
 
 Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first
 rows and points of a slab). Beyond it there is no wall: g is the displacement u itself and does not

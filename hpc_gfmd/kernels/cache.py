@@ -22,7 +22,7 @@ import numpy
 from llvmlite import binding
 from numba.core import event
 
-from ..caches import cache_folder
+from ..util.caches import cache_folder
 
 NEWEST = 4  # states whose folders are kept
 ROOM = 64 * 2**20  # bytes that must be free

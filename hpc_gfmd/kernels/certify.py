@@ -20,13 +20,13 @@ GROUP, ROUNDED = (
 
 
 class KktSums(NamedTuple):
-    """Sums over points: p^2 and p^4 out of contact, p^2 and p in contact, |p| g, points in contact,
+    """Sums over points: p, p^2 and p^4 out of contact, p^2 in contact, |p| g, points in contact,
     gap."""
 
+    open_p: float
     open_pp: float
     open_p4: float
     closed_pp: float
-    closed_p: float
     pg: float
     contact: float
     gap: float
@@ -54,7 +54,7 @@ def displacement_rows(g, h, x, i0, i1, level):
 def kkt_residuals(g, p, x, p0, inside, i0, i1):
     """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0;
     returns KktSums and KktExtremes."""
-    open_pp = open_p4 = closed_pp = closed_p = pg = gap = contact = 0.0
+    open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = 0.0
     worst = np.zeros(
         (2, g.shape[1])
     )  # row after row: one maximum over all points would not use vectors
@@ -63,6 +63,7 @@ def kkt_residuals(g, p, x, p0, inside, i0, i1):
         for j in range(m, np.uint64(g.shape[1])):
             p_new = p0 + x[i - i0, j]
             p[i, j] = p_new
+            open_p += p_new
             open_pp += p_new * p_new
             open_p4 += (p_new * p_new) * (p_new * p_new)
         for j in range(
@@ -77,17 +78,17 @@ def kkt_residuals(g, p, x, p0, inside, i0, i1):
             t = closed if p_new > 0 else 0.0
             p_closed = t * p_new
             p_open = p_new - p_closed
+            open_p += p_open
             open_pp += p_open * p_open
             open_p4 += (p_open * p_open) * (p_open * p_open)
             closed_pp += p_closed * p_closed
-            closed_p += p_closed
             contact += t
             pg += abs(p_new) * gij
             gap += gij
             tension = closed * -p_new
             worst[0, j] = -gij if -gij > worst[0, j] else worst[0, j]
             worst[1, j] = tension if tension > worst[1, j] else worst[1, j]
-    return KktSums(open_pp, open_p4, closed_pp, closed_p, pg, contact, gap), KktExtremes(
+    return KktSums(open_p, open_pp, open_p4, closed_pp, pg, contact, gap), KktExtremes(
         worst[0].max(), worst[1].max()
     )
 

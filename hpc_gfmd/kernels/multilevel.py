@@ -5,7 +5,7 @@ Along an axis of n points that is coarsened to m = ceil(n/2), coarse point J sit
 n/m: fine point i lies between J0 = floor(i m/n) and J0 + 1 with weight f = i m/n - J0 of the
 latter. P is linear interpolation, R = (m/n)^2 P^T (full weighting).
 
-`transfer` is the tuple of tables that Transfer.tables has (operators/coarsening.py): k0, f_x:
+`transfer` is the tuple of tables that Transfer.tables has (parallel/coarsening.py): k0, f_x:
 coarse row (halo counted) and weight f of each own fine row; mode of the column axis: 0 not
 coarsened, 1 even n (f = 0, 1/2, 0, ...), 2 general (tables j0, f); factor (m/n)^2. Arrays with halo
 rows have one row before and one after the rank's own rows.

@@ -10,7 +10,7 @@ import numpy as np
 from ..kernels.multilevel import sweep_coarsest
 
 if TYPE_CHECKING:
-    from .coarsening import Level
+    from ..parallel.coarsening import Level
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
 COUPLING = 1.05  # of what comes from the coarser levels

@@ -1,5 +1,5 @@
 """Applying the stiffness K of an elastic body, or its compliance S = 1/K, to fields: p = p0 + K u
-in the units of problem.py."""
+in the units of operators/problem.py."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, DTypeLike
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
-    from ..grid import Grid
     from ..parallel.comm import Comm
     from ..parallel.fft import Passes
-    from ..problem import Columns, Rows
+    from ..parallel.grid import Grid
+    from .problem import Columns, Rows
 
 RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 

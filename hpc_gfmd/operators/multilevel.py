@@ -24,19 +24,19 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..aligned import LINE, zeros_aligned
 from ..kernels.bpx import UpdateSums, update_state
 from ..kernels.halfwidth import half
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level
+from ..parallel.coarsening import Level, Transfer, gathered, levels
 from ..parallel.halo import Windows
-from .coarsening import Level, Transfer, gathered, levels
+from ..util.aligned import LINE, zeros_aligned
 from .coarsest import COUPLING, DAMPING, CoarsestLevels
-from .gapmode import GapMode
+from .deflation import GapMode
 from .nominal import NominalArea
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
-    from ..grid import Grid
+    from ..parallel.grid import Grid
 
 COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
 RANK_POINTS = 2048  # of a level on one rank, at least: fewer take less time than a message
@@ -326,13 +326,14 @@ class Multilevel:
         self, contact: float, tt: float, ts: float, rt: float, rs: float, mean: float
     ) -> tuple[float, float]:
         """share^2 |v|_S^2 and share <v, S r> over the compliance of the shortest wave, by sums over
-        levels: v = t/share - s is the test pressure of bounds.py, share that of the surface in
-        contact; on the finest level s is left out. contact: points; the others: sums over all ranks
-        of what `sweep` returned."""
+        levels: v = t/share - s is the test pressure of certificate/error_estimates.py, share that
+        of the surface in contact. contact: points; the others: sums over all ranks of what `sweep`
+        returned."""
         share, norm = contact / self.grid.N, self.surface.norm
+        finest = contact * (1 - share)  # by itself: what is added may be rounding errors
         if not self.grid.padded:
-            return max(contact + tt - share**2 * norm, 0.0), self.without_mean(rt, mean * share)
-        return max(contact + tt - 2 * share * ts + share**2 * norm, 0.0), rt - share * rs
+            return finest + max(tt - share**2 * norm, 0.0), self.without_mean(rt, mean * share)
+        return finest + max(tt - 2 * share * ts + share**2 * norm, 0.0), rt - share * rs
 
     def restrict(
         self, g: np.ndarray, p: np.ndarray, excess: float, d: np.ndarray | None = None

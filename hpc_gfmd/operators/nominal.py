@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .coarsening import Level, restrict_axis, restrict_axis_back
+from ..parallel.coarsening import Level, restrict_axis, restrict_axis_back
 
 
 class NominalArea:

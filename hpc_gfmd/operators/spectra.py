@@ -3,9 +3,10 @@ transforms of its grid.
 
 With f_q = (1/N) sum_r f(r) exp(-i q.r), without the mean (q = 0):
 
-    C(q) = L_x L_y <|f_q|^2>        averaged over the wave vectors in a ring,    sum_q C(q)/(L_x
-    L_y) = variance of f A(r) = <f(x) f(x + r)>          averaged over x and over the distances r in
-    a ring (minimal image),    A(0) = variance of f
+    C(q) = L_x L_y <|f_q|^2>    averaged over the wave vectors in a ring
+    A(r) = <f(x) f(x + r)>      averaged over x and the distances r in a ring (minimal image)
+
+The variance of f is sum_q C(q)/(L_x L_y) = A(0).
 
 Rings are RINGS to a factor of two, beginning at the longest wave and at the nearest neighbours; q
 and r are means over their points. Along one axis alone (the other has one point) C is L <|f_q|^2>.
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..contact import Contact
+    from ..parallel.grid import Grid
 
 RINGS = 8
 
@@ -27,12 +28,23 @@ RINGS = 8
 class Spectra:
     """pairs: FFT pairs taken so far, in those of the grid. All methods are collective.
 
-    Transforms are those that the solve has planned, in the better precision of them.
+    fields: rows i0 to i1 of each of "heights", "pressure" and "gap", in the program's units; units:
+    of each in the scene's; add_heights: adds the spectrum of heights that are not stored.
+    Transforms are those that the solve has planned, in the better precision of them; dtype: where
+    it has none.
     """
 
-    def __init__(self, contact: Contact):
-        self.contact, self.grid, self.pairs = contact, contact.surface.grid, 0.0
-        planned = self.grid.planned() or [self.grid.fft(contact.g.dtype)]
+    def __init__(
+        self,
+        grid: Grid,
+        dtype: np.dtype,
+        fields: dict[str, Callable[[int, int], np.ndarray]],
+        units: dict[str, float],
+        add_heights: Callable | None = None,
+    ):
+        self.grid, self.fields, self.units, self.add_heights = grid, fields, units, add_heights
+        self.pairs = 0.0
+        planned = self.grid.planned() or [self.grid.fft(dtype)]
         self.fft = max(planned, key=lambda fft: fft.dtype.itemsize)
         self._lengths = [size for size, n in zip(self.grid.sizes, self.grid.n) if n > 1] or [1.0]
 
@@ -42,7 +54,7 @@ class Spectra:
         q_x, q_y = self.grid.q_x / self.grid.a, self.grid.q_y / self.grid.a
         longest = 2 * np.pi / max(self._lengths)
         weight = self.grid.multiplicity(np.arange(len(q_y)))
-        scale = np.prod(self._lengths) * (self.fft.scale * self._unit(name)) ** 2
+        scale = np.prod(self._lengths) * (self.fft.scale * self.units[name]) ** 2
 
         def sums(block: np.ndarray, m: int) -> np.ndarray:
             mine = slice(*self.fft.columns_of(m))
@@ -90,31 +102,20 @@ class Spectra:
             )
 
         r, correlation = self._means(self.fft.backward_rows(sums))
-        return {"r": r, "correlation": self._unit(name) ** 2 * correlation}
-
-    def _unit(self, name: str) -> float:
-        return (
-            self.contact.pressure_unit if name == "pressure" else self.contact.surface.height_unit
-        )
+        return {"r": r, "correlation": self.units[name] ** 2 * correlation}
 
     def _columns(self, name: str, apply: Callable[[np.ndarray, int], Any], backward: bool) -> list:
         """Transform a field, in the program's units, and call apply(block, m) on its columns;
         returns what that returned."""
-        contact, surface = self.contact, self.contact.surface
-        field = {"pressure": contact.p, "gap": contact.g, "heights": surface.h}[name]
-        if field is not None:
+        if name in self.fields:
 
             def fill(i0: int, i1: int, out: np.ndarray) -> None:
-                out[: i1 - i0] = (
-                    field[i0:i1]
-                    if name != "pressure"
-                    else np.where(contact.touching(i0, i1), field[i0:i1], 0)
-                )
+                out[: i1 - i0] = self.fields[name](i0, i1)
 
             self.fft.forward_rows(fill)
             return self.fft.columns(apply, backward=backward)
-        assert surface.add_spectrum is not None
-        add = surface.add_spectrum(self.fft)
+        assert self.add_heights is not None
+        add = self.add_heights(self.fft)
 
         def added(block: np.ndarray, m: int) -> Any:
             add(block, m)

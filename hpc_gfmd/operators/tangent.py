@@ -29,7 +29,7 @@ from .multilevel import Multilevel
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
-    from ..grid import Grid
+    from ..parallel.grid import Grid
 
 DELAY = 2  # steps whose sum is taken for what was missing before them
 MARGIN = 0.5  # share of the accuracy asked for that this sum may have

@@ -110,7 +110,9 @@ def image(
         vtk["Steps/Values"] = np.array(loads) if rising else np.arange(float(len(loads)))
         vtk["Steps"].attrs["NSteps"] = len(loads)
         for name in names:
-            vtk[f"Steps/PointDataOffsets/{name}"] = np.arange(len(loads))
+            vtk[f"Steps/PointDataOffsets/{name}"] = np.arange(len(loads)) % len(
+                vtk["PointData"][name]
+            )
     return vtk
 
 

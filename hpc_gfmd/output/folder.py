@@ -9,7 +9,7 @@ import socket
 from contextlib import suppress
 from pathlib import Path
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 
 HEAD, STATE, LOCK = "head.h5", "checkpoint.h5", "lock"
 _OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?|wisdom-\w+")

@@ -5,14 +5,15 @@ import json
 import os
 import tomllib
 from dataclasses import dataclass, field, replace
+from math import prod
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError, one_line
 from ..parallel import guard
 from ..parallel.h5 import CHECKSUM, Stored, inside
 from ..scene import ArrayScene, Scene
 from ..scene.model import parse_toml
+from ..util.errors import SceneError, one_line
 from .folder import HEAD, is_held, partial_folder, step_files
 
 FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
@@ -222,6 +223,12 @@ def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
                 raise ValueError(
                     f"{name} holds {data.shape} of {data.dtype}, the surface has {tuple(n)} points"
                 )
+            if (
+                data.id.get_num_chunks() * prod(data.chunks) < data.size
+                if data.chunks
+                else (data.id.get_storage_size() < data.nbytes)
+            ):
+                raise ValueError(f"{name} has no numbers at some points")
             found[name] = Stored(
                 path, data.name.lstrip("/"), data.shape, data.dtype, int(data.attrs[CHECKSUM])
             )
@@ -232,5 +239,19 @@ def _attributes(group: Any) -> dict:
     """As Python numbers, texts and lists, in the order in which they were written."""
     texts = json.loads(group.attrs[RECORD])
     return {
-        name: group.attrs[name].tolist() if text is None else text for name, text in texts.items()
+        name: group.attrs[name].tolist()
+        if text is None
+        else text
+        if name == "scene"
+        else _printable(text)
+        for name, text in texts.items()
     }
+
+
+def _printable(text: Any) -> Any:
+    """A text, or a list of them, in one line each: a terminal would obey control characters."""
+    return (
+        one_line(text, len(text) + 1)
+        if isinstance(text, str)
+        else [_printable(one) for one in text]
+    )

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import GfmdError, SceneError
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0, one_line
 from ..parallel.h5 import Stored, io_way, write_file
+from ..util.errors import GfmdError, SceneError
 from .describe import SIGNS, describe
 from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
 from .read import (
@@ -37,14 +37,14 @@ class RunFile(AbstractContextManager):
 
     path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; head: root
     attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`; surface:
-    attributes; resume: keep the finished steps of an interrupted run of the same identity,
-    otherwise they are removed; force: replace even what is no result of this scene; how: as of
-    parallel.h5.write_file.
+    attributes; resume: go on with an interrupted run of the same identity; force: begin anew, and
+    replace even what is no result of this scene; how: as of parallel.h5.write_file.
 
-    finished: indices of the steps that are already there; notes: what was found, a line each;
-    earlier: root attributes of the run that is resumed which hold for this one, too.
-    Raises SceneError if the folder is missing or not writable, another run holds the file, it is
-    something else that may not be replaced, or resume finds another scene.
+    finished: attributes of the steps that are there, by their indices; resumed: whether an
+    interrupted run goes on; notes: what was found, a line each; earlier: root attributes of the run
+    that is resumed which hold for this one, too.
+    Raises SceneError if the folder is missing or not writable, another run holds the file, or
+    finished steps or a result would be lost that are not to be replaced.
     """
 
     def __init__(
@@ -56,19 +56,20 @@ class RunFile(AbstractContextManager):
         head: dict,
         surface: dict,
         *,
-        resume: bool = False,
+        resume: bool = True,
         force: bool = False,
         **how: Any,
     ):
         self.comm, self.path, self.partial = comm, followed(path), partial_folder(path)
-        self._points, self._how, self._resume = ((int(n[0]), int(n[1])), rows), how, resume
+        self._points, self._how = ((int(n[0]), int(n[1])), rows), how
         self._lock: int | None = None
         try:
-            left, self.notes = on_rank_0(
-                comm, f"opening {self.path}", lambda: self._claim(head.get("identity"), force)
+            left, self.resumed, self.notes = on_rank_0(
+                comm,
+                f"opening {self.path}",
+                lambda: self._claim(head.get("identity"), resume, force),
             )
-            self.finished = left.indices
-            self._steps = {_group(index): step for index, step in zip(left.indices, left.steps)}
+            self.finished = dict(zip(left.indices, left.steps))
             self._fields = {
                 field.dataset: field for fields in left.fields for field in fields.values()
             }
@@ -110,12 +111,12 @@ class RunFile(AbstractContextManager):
         Raises GfmdError on every rank if it cannot be written; steps written before stay as they
         are.
         """
+        attributes = {name: value for name, value in attributes.items() if value is not None}
         slabs = {f"{_group(index)}/{key}": data for key, data in (fields or {}).items()}
         self._fields |= self._write(
             self.partial / f"step-{index:04d}.h5", "running", {_group(index): attributes}, slabs
         )
-        self._steps[_group(index)] = attributes
-        self.finished = sorted({*self.finished, index})
+        self.finished = dict(sorted((self.finished | {index: attributes}).items()))
 
     def write_checkpoint(
         self,
@@ -165,7 +166,8 @@ class RunFile(AbstractContextManager):
         """
         self._head |= {"end_time": datetime.now(UTC).isoformat(timespec="seconds")} | head
         try:
-            self._write(self.path, status, self._steps, self._fields)
+            steps = {_group(index): step for index, step in self.finished.items()}
+            self._write(self.path, status, steps, self._fields)
         except GfmdError as error:
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
         on_rank_0(self.comm, f"removing {self.partial}", lambda: self.close(keep=False))
@@ -182,52 +184,44 @@ class RunFile(AbstractContextManager):
     def __exit__(self, kind: type | None, *_: object) -> None:
         refused = kind is not None and issubclass(kind, SceneError)
         self.close(
-            keep=not refused or bool(self.finished) or self._resume
+            keep=not refused or bool(self.finished) or self.resumed
         )  # a wrong scene leaves nothing behind
 
-    def _claim(self, identity: str | None, force: bool) -> tuple[Result, list[str]]:
-        """Rank 0: folder and lock; what an earlier run left that is resumed, perhaps nothing, and
+    def _claim(
+        self, identity: str | None, resume: bool, force: bool
+    ) -> tuple[Result, bool, list[str]]:
+        """Rank 0: folder and lock; what an earlier run left, whether this one goes on with it, and
         notes."""
         if not self.path.parent.is_dir():
             raise SceneError(f"output.path: the folder {self.path.parent} does not exist")
         if self.path.is_dir():
             raise SceneError(f"output.path: {self.path} is a folder, a file name is needed")
-        notes = [] if self._resume or not self.path.exists() else [self._replaced(identity, force)]
         try:
             self._lock = acquire(self.partial)
         except OSError as error:
             raise SceneError(
                 f"output.path: cannot write to {self.path.parent}: {one_line(error)}"
             ) from None
-        left, whose, files = (
-            None,
-            "that cannot be read",
-            step_files(self.partial) if (self.partial / HEAD).exists() else {},
-        )
+        left, loads = None, len(step_files(self.partial)) if (self.partial / HEAD).exists() else 0
         with suppress(SceneError):  # nothing, or nothing that can be read
             left = read_partial(self.path)
-            notes += left.notes
-            whose = (
-                "of the same scene" if left.head.get("identity") == identity else "of another scene"
-            )
-        if self._resume and left is not None:
-            if whose == "of another scene":
-                raise SceneError(
-                    f"{self.partial}: belongs to another scene; remove it or change output.path"
-                )
-            return left, [
-                *notes,
-                f"resuming: {len(left.steps)} finished load steps found in {self.partial}",
-            ]
-        if files and whose == "of another scene" and not force:
+        same = left is not None and left.head.get("identity") == identity
+        if left is not None and same and resume and not force:
+            there = f"{len(left.steps)} finished loads are there"
+            return left, True, [*left.notes, f"going on with an interrupted run: {there}"]
+        whose = (
+            "that cannot be read" if left is None else f"of {'this' if same else 'another'} scene"
+        )
+        if loads and not force:
             raise SceneError(
-                f"output.path: {self.partial} holds {len(files)} finished load steps {whose},"
-                " allowed: another path, or --force to remove them"
+                f"output.path: {self.partial} holds {loads} finished loads {whose}, allowed:"
+                " another path, or --force to remove them"
             )
-        if left is not None or files:
-            notes += [f"removed an interrupted run {whose} ({len(files)} files of load steps)"]
+        notes = [self._replaced(identity, force)] if self.path.exists() else []
+        if left is not None or loads:
+            notes.append(f"removed an interrupted run {whose} ({loads} finished loads)")
         clear(self.partial, keep_lock=True)
-        return Result(None, {}, [], [], "running", {}, []), notes
+        return Result(None, {}, [], [], "running", {}, []), False, notes
 
     def _replaced(self, identity: str | None, force: bool) -> str:
         """What is said of the file that will be replaced; raises SceneError if it may not be."""

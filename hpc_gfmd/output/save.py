@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError
-from ..fields import Slab
+from ..util.errors import SceneError
+from .fields import Slab
 from .read import Result
 from .record import RunFile
 
@@ -38,7 +38,7 @@ def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: An
         for name, value in result.head.items()
         if name not in ("status", "end_time", "io")
     }
-    with RunFile(comm, path, said["n"], rows, head, said, force=force) as file:
+    with RunFile(comm, path, said["n"], rows, head, said, resume=False, force=force) as file:
         for note in file.notes if comm.rank == 0 else ():
             warnings.warn(note, stacklevel=3)  # where the caller of Solution.save is
         heights = next((fields["heights"] for fields in result.fields if "heights" in fields), None)

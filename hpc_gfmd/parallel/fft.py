@@ -6,8 +6,8 @@ caller's arithmetic and the row transform), and functions that work on a few com
 spectrum (likewise). One field of complex numbers is all the memory a convolution needs:
 
     forward_rows(fill)    fill(i0, i1, x) makes rows i0..i1 of the real field -> row spectra
-    columns(apply)        transpose a block of columns, transform it, apply(block, m), and all of it
-    back backward_rows(use)    use(i0, i1, x) gets rows i0..i1 of the convolved field
+    columns(apply)        transpose a block of columns, transform it, apply(block, m), and back
+    backward_rows(use)    use(i0, i1, x) gets rows i0..i1 of the convolved field
 
 The columns are cut into M blocks of nearly the same width; block m = k P + r belongs to rank r. The
 row spectra are stored block by block. To be transformed a block is transposed: contiguous columns
@@ -29,8 +29,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from ..aligned import zeros_aligned
 from ..kernels.spectral import from_blocks, to_blocks, transpose, transpose_back
+from ..util.aligned import zeros_aligned
 from .layout import Layout
 from .plans import Plans
 from .shared import common_memory

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
-from .. import errors
-from ..errors import GfmdError
+from ..util import errors
+from ..util.errors import GfmdError
 from .comm import Comm
 
 T = TypeVar("T")

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import GfmdError
+from ..util.errors import GfmdError
 from .comm import Comm, SerialComm
 from .guard import guarded, on_rank_0
 

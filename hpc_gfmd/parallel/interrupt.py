@@ -6,6 +6,7 @@ import signal
 import time
 from typing import Any, NoReturn, Self
 
+from ..util.errors import SceneError
 from .comm import Comm
 
 CHEAP = 0.05  # share of the time that may go into checkpoints between loads
@@ -99,15 +100,30 @@ class Interrupt:
     def poll(self) -> tuple[bool, bool]:
         """(stop, save), the same on all ranks: whether to stop now, and whether a checkpoint is
         due. Collective."""
-        now = time.monotonic()
-        late = self.deadline is not None and now - self.begun > self.deadline
-        due = self.every is not None and self.comm.rank == 0 and now - self.last > self.every
-        stop, due = (
-            int(x) for x in self.comm.max([self.signal or (signal.SIGTERM if late else 0), due])
+        due = (
+            self.every is not None
+            and self.comm.rank == 0
+            and time.monotonic() - self.last > self.every
         )
+        late = signal.SIGTERM if self._late else 0
+        stop, due = (int(x) for x in self.comm.max([self.signal or late, due]))
         if stop:
             self.agreed = stop
         return bool(stop), bool(due)
+
+    def require_time(self) -> None:
+        """Raise SceneError where the time was up before the first load: the same would happen again
+        and again. Collective."""
+        seconds = self.comm.max([self._late and time.monotonic() - self.begun])[0]
+        if seconds:
+            raise SceneError(
+                f"machine.wall_seconds: found {self.deadline:g}, allowed: more than the"
+                f" {seconds:.1f} s that the start-up took"
+            )
+
+    @property
+    def _late(self) -> bool:
+        return self.deadline is not None and time.monotonic() - self.begun > self.deadline
 
     def cheap(self) -> bool:
         """Whether a checkpoint now would take little beside the time since the last one, the same

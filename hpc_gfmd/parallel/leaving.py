@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 
-from ..errors import GfmdError
+from ..util.errors import GfmdError
 from .launcher import launched, launcher_rank
 from .world import world
 

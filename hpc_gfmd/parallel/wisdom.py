@@ -21,9 +21,9 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..aligned import empty_aligned
-from ..caches import cache_folder, keep
-from ..versions import processor
+from ..util.aligned import empty_aligned
+from ..util.caches import cache_folder, keep
+from ..util.versions import processor
 from .fftw import load_fftw
 from .launcher import launcher_rank
 

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any
 
-from ..errors import GfmdError, SceneError
-from ..streams import unfailing
+from ..util.errors import GfmdError, SceneError
+from ..util.streams import unfailing
 from .comm import Comm, MpiComm, SerialComm
 from .launcher import LAUNCHER, launched, srun_size, tasks_per_node
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..table import converged
+from ..output.table import converged
 from .drawn import Drawn
 from .style import COLOURS, THEORY, WARNING, WIDTH, legend_below, ticks
 from .units import Scale, good

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..table import converged
+from ..output.table import converged
 from .drawn import Drawn
 from .style import COLOURS, THEORY, WIDTH, legend_below
 from .survey import density

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from ..fields import Slab
+from ..output.fields import Slab
 from ..output.read import Result
 from .pictures import plot
 from .style import Picture

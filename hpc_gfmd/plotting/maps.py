@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import Normalize, PowerNorm
 
-from ..table import converged
+from ..output.table import converged
 from .drawn import Drawn
 from .style import (
     CONTACT_MAP,

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import GfmdError, SceneError
 from ..output.read import Result, read_result
+from ..output.table import surface_line
 from ..parallel.guard import one_line
-from ..table import surface_line
+from ..util.errors import GfmdError, SceneError
 from .curves import curves
 from .distributions import distributions, stored
 from .drawn import Drawn

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
 from ..output.read import Result
 from ..scene import Scene
 from ..theory import persson
 from ..theory.elastic import Hertz, Westergaard
 from ..theory.slope_profile import SlopeProfile
+from ..util.errors import SceneError
 from .units import Scale, good
 
 

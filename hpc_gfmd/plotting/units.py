@@ -6,7 +6,7 @@ from math import isfinite
 from typing import Any
 
 from ..output.read import Result
-from ..quantity import prefixed
+from ..util.quantities import prefixed
 
 
 def good(value: Any) -> bool:

@@ -3,8 +3,8 @@
 from math import ceil
 from typing import Any
 
-from ..errors import SceneError, one_line
-from ..quantity import parse
+from ..util.errors import SceneError, one_line
+from ..util.quantities import parse
 
 
 def window_of(surface: Any, window: Any = None) -> tuple:

@@ -7,8 +7,9 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from ..errors import one_line
-from ..not_modelled import ONLY, is_not_modelled
+from ..util.errors import one_line
+from ..util.quantities import DECIMAL_COMMA, NO_COMMA
+from .not_modelled import ONLY, is_not_modelled
 from .table import LARGEST, SMALLEST, allowed
 
 _short = reprlib.Repr()
@@ -17,8 +18,25 @@ _short.maxlist = 4
 _short.maxlevel = 2
 
 
+MEANT = {  # other words for keys of a scene
+    "tol": "accuracy",
+    "tolerance": "accuracy",
+    "rtol": "accuracy",
+    "eps": "accuracy",
+    "periodic": "boundary",
+    "modulus": "E_star",
+    "E": "E1",
+    "nu": "nu1",
+    "lengths": "physical_sizes",
+    "size": "physical_sizes",
+}
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
-    """The entry of `known` most like `name`."""
+    """The entry of `known` that `name` means or is most like."""
+    known = list(known)
+    if MEANT.get(name) in known:
+        return MEANT[name]
     return difflib.get_close_matches(name[:80], sorted(known), n=1, cutoff=0)[0]
 
 
@@ -98,18 +116,18 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
         path, found = f"{path}[{rest[1]}]", shown(value[rest[1]])
     elif rest[1:] and isinstance(value, dict) and rest[1] in value:
         path, found = f"{path}.{printable(rest[1])}", shown(value[rest[1]])
-    guess = (
-        f"{ONLY}, "
-        if item["type"] == "literal_error" and is_not_modelled(str(item["input"]))
-        else ""
-    )
-    return (
-        key,
-        (
-            f"{path}: found {found}, {guess}allowed:"
-            f" {allowed(model.model_fields[field])}{_limits(item)}"
-        ),
-    )
+    what = f"{allowed(model.model_fields[field])}{_limits(item)}"
+    return key, f"{path}: found {found}, {_why(item)}allowed: {what}"
+
+
+def _why(item: Any) -> str:
+    """What is wrong with a value, where that is more than what is allowed says."""
+    value = item["input"]
+    if item["type"] == "value_error":
+        return f"{item['ctx']['error']}, "
+    if item["type"] == "literal_error" and is_not_modelled(str(value)):
+        return f"{ONLY}, "
+    return f"{NO_COMMA}, " * (isinstance(value, str) and bool(DECIMAL_COMMA.fullmatch(value)))
 
 
 def _limits(item: Any) -> str:

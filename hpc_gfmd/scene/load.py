@@ -6,10 +6,11 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError
-from ..not_modelled import ONLY, is_not_modelled
+from ..util.errors import SceneError
 from .explain import nearest, printable, shown
 from .model import Scene, parse_toml
+from .not_modelled import ONLY, is_not_modelled
+from .settings import Load
 
 MAX_BYTES = 1 << 20  # no scene is longer; a data file given by mistake often is
 
@@ -114,6 +115,9 @@ def apply_override(data: dict[str, Any], override: str) -> None:
                 f"--set: found {shown(key)}, but {printable(before)} is no table, "
                 "allowed: table.key=value"
             )
+    if path[:-1] == ["load"] and path[-1] in Load.model_fields:  # a load takes the place of another
+        for name in Load.model_fields:
+            table.pop(name, None)
     table[path[-1]] = _value(value.strip())
 
 

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+import re
 import tomllib
 from pathlib import Path
 from typing import Any, Self
@@ -10,7 +11,8 @@ from typing import Any, Self
 import tomli_w
 from pydantic import ValidationError, model_validator
 
-from ..errors import SceneError, one_line
+from ..util.errors import SceneError, one_line
+from ..util.quantities import NO_COMMA
 from .explain import explain
 from .settings import Load, Machine, Material, Output, Solver
 from .surface import KINDS, AnySurface, File, SelfAffine, Surface, Wave
@@ -20,6 +22,11 @@ LOADED_LENGTHS = ("gap_mean", "approach")
 LENGTHS = ("physical_sizes", "h_rms", "amplitude", "radius")
 RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
 TOUCHING = 100  # fewer contact points than this say little about a rough contact
+
+
+# in a line, but for texts and remarks: a key of more parts than any table has; the parser takes
+# hours with very many
+NO_KEY, TOO_DEEP = re.compile(r'"(\\.|[^"\\])*+"|\'[^\']*+\'|#.*'), re.compile(r"(\.[\s\w-]*+){9}")
 
 
 class Scene(Table):
@@ -230,6 +237,9 @@ class ArrayScene(Scene):
 def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:
     """TOML text as a dictionary. Raises SceneError with the line number where the parser knows
     it."""
+    for line in text.splitlines():
+        if TOO_DEEP.search(NO_KEY.sub("", line)):
+            raise SceneError(f"{origin}: found keys nested too deeply, allowed: a scene in TOML")
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -237,4 +247,6 @@ def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:
             f"{origin}: found values nested too deeply, allowed: a scene in TOML"
         ) from None
     except ValueError as error:
-        raise SceneError(f"{origin}: not valid TOML: {one_line(str(error))}") from None
+        comma = re.search(r"=\s*[-+]?\d+,\d", text)
+        why = f" ({NO_COMMA}: {one_line(comma[0][1:].strip())})" if comma else ""
+        raise SceneError(f"{origin}: not valid TOML: {one_line(str(error))}{why}") from None

@@ -9,10 +9,10 @@ from typing import Any
 
 from pydantic_core import PydanticUndefined
 
-from ..errors import SceneError
-from ..not_modelled import ONLY, is_not_modelled
+from ..util.errors import SceneError
 from .explain import nearest, printable
 from .model import Scene
+from .not_modelled import ONLY, is_not_modelled
 from .surface import KINDS, Surface
 from .table import allowed
 

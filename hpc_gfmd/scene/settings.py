@@ -106,6 +106,8 @@ class Material(Table):
             ways |= {"": "", "E_star": "", ", ".join(SOLIDS): ""}
         else:
             ways |= {"nu1": "E_star = 1", "E_star, nu1": ""}
+        if found == ["nu1"] and self.thickness is None:
+            raise ValueError("found nu1 (nu) alone, allowed: with E1, or with thickness (a layer)")
         if ", ".join(found) not in ways:
             allowed = "; ".join(
                 f"{way} ({why})" if why else way for way, why in ways.items() if way
@@ -281,7 +283,12 @@ class Output(Table):
         said="none",
     )
     observables: Names | None = key(
-        "numbers of each load", NAMES, None, example=["a_r", "gap_mean"], said="all the cheap ones"
+        "numbers of each load, beside the cheap ones that every load has; see hpc-gfmd help"
+        " observables",
+        NAMES,
+        None,
+        example=["stiffness", "patches"],
+        said="none",
     )
     distributions: Names = key(
         "histograms and spectra of each load", NAMES, (), example=["pressure", "gap"], said="none"

@@ -13,7 +13,7 @@ from pydantic import (
     WrapValidator,
 )
 
-from ..quantity import Quantity, factor, parse
+from ..util.quantities import Quantity, factor, parse
 
 MAX_INT = 2**63 - 1  # the integers of TOML and of HDF5
 MAX_N = 2**24  # grid points per direction

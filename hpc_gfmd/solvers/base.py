@@ -17,7 +17,7 @@ import numpy as np
 if TYPE_CHECKING:
     from ..operators.elastic import Elastic
     from ..operators.multilevel import Multilevel
-    from ..problem import Problem
+    from ..operators.problem import Problem
 
 
 @dataclass(frozen=True)

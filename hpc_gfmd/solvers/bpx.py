@@ -17,8 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..aligned import LINE, zeros_aligned
-from ..bounds import (
+from ..certificate.error_estimates import (
     State,
     error_pattern,
     gap_error,
@@ -33,9 +32,10 @@ from ..kernels.halfwidth import Widened, half, narrowed
 from ..operators.coarsest import COUPLING
 from ..operators.elastic import Elastic
 from ..operators.multilevel import EQUIVALENCE, Multilevel
-from ..options import read_options
-from ..problem import Problem
+from ..operators.problem import Problem
+from ..util.aligned import LINE, zeros_aligned
 from .base import Progress, Solver
+from .options import read_options
 
 RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
 GRADIENT = 1.0041  # a projected gradient step is so much shorter than what the largest K allows
@@ -48,10 +48,10 @@ SHORT = (
 # of the errors from their parts: asked too early the certificate costs a pair, too late an
 # iteration
 EXPECTED = 0.92
-# <v, S p> of the pressure in contact over p0 <v, S v>, v as in bounds.py: 1.1 at light, 1.33 at
-# high loads
+# <v, S p> of the pressure in contact over p0 <v, S v>, v as in certificate/error_estimates.py: 1.1
+# at light, 1.33 at high loads
 ALIKE = 1.35
-# of what bounds.py's second expression says that the mean gap is wrong by: what it is
+# of what the second expression of certificate/error_estimates.py says that the mean gap is wrong by
 SHIFT = 0.62
 
 NOTHING_KNOWN = (np.inf, np.inf), 0.0
@@ -307,18 +307,17 @@ class Bpx(Solver):
             np.sqrt(EQUIVALENCE * self.compliance * self.r_norm) * (1 + abs(off)) + abs(off) * norm
         )
         response, aligned = self._shift(off)
-        inner = off_edges(self.grid, self.g, response, self.compliance, self.contact)
-        state = State(e, norm, self.p0, self.contact, self.N, self.problem.body.error, inner)
+        inner = off_edges(self.grid, self.g, response, self.contact)
+        state = State(e, norm, self.p0, self.contact, self.N, self.problem, inner)
         pressure = pressure_error(state, self.typical_compliance, closed)
         if self.contact == self.N:  # the certificate says whether a point could open
             return (0.0, pressure), 0.0
-        gap, unseen = gap_error(
-            state, self.gap_mean * self.N, response, aligned, self.problem.self_energy
-        )
+        gap, unseen = gap_error(state, self.gap_mean * self.N, response, aligned)
         return (gap, pressure), unseen
 
     def _shift(self, off: float) -> tuple[float, float]:
-        """|v|_S and <v, S (p - p^)>, v as in bounds.py: what the mean gap is wrong by."""
+        """|v|_S and <v, S (p - p^)>, v as in certificate/error_estimates.py: what the mean gap is
+        wrong by."""
         share = self.contact / self.N
         response = np.sqrt(self.compliance * self.t_norm) / share
         return (

@@ -15,12 +15,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..aligned import zeros_aligned
 from ..kernels import ccg as kernels
 from ..operators.elastic import Elastic, reader
-from ..options import read_options
-from ..problem import Problem
+from ..operators.problem import Problem
+from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
+from .options import read_options
 
 Parts = Sequence[tuple[float, ...]]  # what passes returned
 

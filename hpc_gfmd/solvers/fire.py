@@ -12,7 +12,7 @@ so time steps are those of `gfmd`, one FFT pair each.
 
 import numpy as np
 
-from ..problem import Problem
+from ..operators.problem import Problem
 from .gfmd import Gfmd
 
 DT_MAX = 0.7  # default largest time step, relative to the stability limit 2/sqrt(lambda)

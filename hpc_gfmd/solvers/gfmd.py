@@ -1,8 +1,8 @@
 """Green's function molecular dynamics, the algorithm of the paper's appendix: damped Verlet
 dynamics of the displacement.
 
-    u_new = 2 u_now - u_old - dt^2 [p + eta (u_now - u_old)],    u_new <- max(u_new, -h),    p = p0
-    + K u,
+    u_new = 2 u_now - u_old - dt^2 [p + eta (u_now - u_old)],    p = p0 + K u
+    u_new <- max(u_new, -h)
 
 with one scalar mass (1 here) and one scalar damping eta in real space, and zero restitution: u_old
 <- u_now where the wall was hit. With d = u_now - u_old and the gap g = u + h this is d <- b d - a
@@ -22,12 +22,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..aligned import zeros_aligned
 from ..kernels.dynamics import DynamicsSums, update_pressure, verlet_step
 from ..operators.elastic import Elastic
-from ..options import read_options
-from ..problem import Problem
+from ..operators.problem import Problem
+from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
+from .options import read_options
 
 DT = 0.95  # default time step, relative to the stability limit
 UNDERDAMPED = 0.5  # share of the Rayleigh quotient that is taken as mu

@@ -1,5 +1,5 @@
 """From the scene's [surface] to the gap under zero load, in the program's units (see
-problem.py)."""
+operators/problem.py)."""
 
 import math
 from collections.abc import Callable
@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..errors import GfmdError, SceneError
-from ..grid import Grid
-from ..operators.images import NEEDED
+from ..bodies.images import NEEDED
+from ..operators.problem import Columns
 from ..parallel.comm import SerialComm
 from ..parallel.fft import SlabFFT
+from ..parallel.grid import Grid
 from ..parallel.guard import guarded
 from ..parallel.interrupt import check
-from ..problem import Columns
+from ..util.errors import GfmdError, SceneError
 from .analytic import sphere_rows, wave_rows
 from .heights import LARGEST_HEIGHT, Checksum, checked
 from .prepare import prepare, prepared_size
@@ -150,11 +150,12 @@ def _nominal(grid: Grid) -> Grid:
 def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
     """(n_x, n_y) and (L_x, L_y) of a surface; opens the file where only that knows. Raises
     SceneError."""
-    return (
-        (tuple(spec.n), spec.physical_sizes)
-        if spec.n is not None
-        else prepared_size(open_topography(spec), spec)
-    )
+    if spec.n is not None:
+        return tuple(spec.n), spec.physical_sizes
+    found = open_topography(spec)
+    if found.lacks:
+        prepare(found, spec, SerialComm())
+    return prepared_size(found, spec)
 
 
 def build_surface(

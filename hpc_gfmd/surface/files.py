@@ -2,16 +2,18 @@
 on every rank."""
 
 from collections.abc import Callable, Mapping
+from math import prod
 from pathlib import Path
 from typing import Any, NoReturn
+from zipfile import ZipFile
 
 import numpy as np
 
-from .. import errors
-from ..errors import SceneError
 from ..parallel.h5 import driver, inside, io_way
+from ..util import errors
+from ..util.errors import SceneError
 from . import instruments, text
-from .metadata import Metadata, by_attributes, by_axes
+from .metadata import NAMES, Metadata, by_attributes, by_axes, ends
 from .packed import Packing
 
 Read = Callable[[slice, slice], np.ndarray]  # of rows and columns
@@ -103,10 +105,17 @@ class HeightMap:
 
     def _npz(self, spec: Any) -> Read:
         with np.load(self.path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        name = self._one_of([name for name, array in arrays.items() if array.ndim == 2], spec)
-        self.metadata = by_attributes(arrays)
-        return self._array(arrays[name])
+            heads = {name: _npz_head(file.zip, name) for name in file.files}
+            name = self._one_of(
+                [name for name, (shape, _) in heads.items() if len(shape) == 2], spec
+            )
+            small = (name for name in NAMES if name in heads and prod(heads[name][0]) <= 2)
+            self.metadata = by_attributes({name: file[name] for name in small})
+            self.shape, self.dtype = heads[name]
+            wanted = prod(self.shape) * self.dtype.itemsize
+            if file.zip.getinfo(f"{name}.npy").file_size < wanted:
+                raise ValueError(f"{name} is shorter than it says")
+            return self._array(file[name])
 
     def _hdf5(self, spec: Any) -> Read:
         import h5py
@@ -127,7 +136,7 @@ class HeightMap:
             self.shape, self.dtype = data.shape, data.dtype
             scales = [scale[0] for scale in data.dims if len(scale)] if data.ndim == 2 else []
             axes = [
-                (scale.name.rpartition("/")[2], dict(scale.attrs), scale[:], len(scale))
+                (scale.name.rpartition("/")[2], dict(scale.attrs), ends(scale), len(scale))
                 for scale in scales
             ]
             self.metadata = (
@@ -180,7 +189,7 @@ class HeightMap:
     ) -> tuple[str, Mapping[str, Any], np.ndarray | None, int]:
         if variable is None:
             return name, {}, None, n
-        return name, vars(variable), np.array(variable.data) if variable.shape == (n,) else None, n
+        return name, vars(variable), ends(variable.data) if variable.shape == (n,) else None, n
 
     def _whole(self, spec: Any) -> Read:
         heights, self.metadata = (text if spec.format == "text" else instruments).read(
@@ -210,6 +219,15 @@ class HeightMap:
             f"surface.dataset: found {found}, allowed in {self.path}:"
             f" {allowed or 'nothing, it has no data set'}"
         )
+
+
+def _npz_head(archive: ZipFile, name: str) -> tuple[tuple[int, ...], np.dtype]:
+    """Shape and type of an array, of which nothing is unpacked."""
+    with archive.open(f"{name}.npy") as file:
+        version = np.lib.format.read_magic(file)
+        read = np.lib.format.read_array_header_1_0
+        shape, _, dtype = (read if version == (1, 0) else np.lib.format.read_array_header_2_0)(file)
+    return shape, dtype
 
 
 class _Hdf5Data:

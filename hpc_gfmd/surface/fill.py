@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
 from ..parallel.guard import on_rank_0
+from ..util.errors import SceneError
 from .slabs import local, own_slabs
 from .topography import Topography
 

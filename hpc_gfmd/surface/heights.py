@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 
 # as all numbers of a scene; heights that differ by less than its inverse are refused, too
 LARGEST_HEIGHT = 1e100

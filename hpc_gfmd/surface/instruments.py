@@ -1,11 +1,14 @@
 """The formats of instruments and their programs, read by SurfaceTopography."""
 
 import sys
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..util.errors import SceneError
 from .metadata import Metadata
 
 ANY_CHANNEL = "surface"  # the name that nobody gave
@@ -14,8 +17,16 @@ ANY_CHANNEL = "surface"  # the name that nobody gave
 def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
     """(heights (n_x, n_y), nan where they are missing; Metadata) of one channel of a file. Raises
     whatever is wrong with it."""
-    reader_of = surface_topography().open_topography
-    reader = reader_of(str(path))
+    io = surface_topography().IO
+    try:
+        with redirect_stdout(StringIO()):  # some readers print what they miss
+            reader = io.open_topography(str(path))
+    except io.CannotDetectFileFormat:
+        known = ", ".join(io.lookup_reader_by_format)
+        raise SceneError(
+            f"surface.path: the format of {path} is not known, or it is damaged; known are npy,"
+            f" npz, text, hdf5, netcdf and, of instruments, {known}"
+        ) from None
     maps = [found for found in reader.channels if found.dim == 2]
     wanted = [found for found in maps if found.name == channel]
     if not maps or (not wanted and channel != ANY_CHANNEL):

@@ -44,8 +44,8 @@ def by_attributes(*places: Mapping[str, Any]) -> Metadata:
 
 
 def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
-    """Of a NetCDF variable's attributes and its axes [(name, attributes, coordinates or None,
-    points), ...].
+    """Of a NetCDF variable's attributes and its axes [(name, attributes, `ends` of its coordinates
+    or None, points), ...].
 
     Both conventions: `length` and `unit` of the axes (SurfaceTopography), coordinates of the points
     and `units` (CF).
@@ -70,11 +70,17 @@ def _length(attributes: Mapping[str, Any], x: np.ndarray | None, n: int) -> floa
         return float(np.asarray(attributes["length"]).reshape(-1)[0])
     if x is None or n < 2:
         return None
-    x = np.asarray(x, dtype=float)
     step = (x[-1] - x[0]) / (n - 1)
-    if not np.all(np.abs(np.diff(x) - step) <= UNEVEN * abs(step)) or not step:
+    if not np.all(np.abs(np.diff(x)[[0, -1]] - step) <= UNEVEN * abs(step)) or not step:
         raise ValueError("its points are not those of a regular grid")
     return float(abs(step) * n)
+
+
+def ends(coordinates: Any) -> np.ndarray:
+    """The first two and the last two of any number of coordinates, at least two."""
+    return np.concatenate(
+        [np.asarray(coordinates[k], dtype=float) for k in (slice(2), slice(-2, None))]
+    )
 
 
 def _unit(attributes: Mapping[str, Any]) -> str | None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 from .fill import filled
 from .quality import FILLED, notes_on
 from .resample import resampled
@@ -48,9 +48,11 @@ def prepare(
     """The Topography as the scene wants it; what has been done to it, and what is to be noted, a
     line each.
 
-    Raises SceneError on all ranks.
+    Raises SceneError on all ranks, which tells at once all that the scene has to say.
     """
-    done = []
+    done, lacks = [], list(found.lacks.values())
+    if lacks:  # only to see what else is
+        spec = spec.model_copy(update={"crop": None})
     size, _ = prepared_size(found, spec)
     if spec.crop:
         found = _cropped(found, spec)
@@ -59,10 +61,19 @@ def prepare(
     if detrend != "none":
         found = _detrended(found, detrend, comm)
         done.append(f"{detrend} removed")
-    found, missing = filled(found, spec.fill, comm)
+    try:
+        found, missing = filled(found, spec.fill, comm)
+    except SceneError as error:
+        lacks.append(str(error))
+        found, missing = filled(found, "harmonic", comm)
     if missing:
         done.append(f"{missing} points ({100 * missing / (found.n[0] * found.n[1]):.2g} %) filled")
-    notes = notes_on(found, spec, comm)
+    try:
+        notes = notes_on(found, spec, comm)
+    except SceneError as error:
+        lacks.append(str(error))
+    if lacks:
+        raise SceneError("; ".join(lacks))
     if missing > FILLED * found.n[0] * found.n[1]:
         notes.append(
             f"{100 * missing / (found.n[0] * found.n[1]):.0f} % of the heights are filled, not"

@@ -6,55 +6,71 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
-from .slabs import own_slabs, summed
+from ..util.errors import SceneError
+from .slabs import local, own_slabs, summed
 from .topography import Topography
 
 STEEP = 1.0 + 1e-6  # g_rms beyond which slopes are not small; 1 itself has rounding errors
 ABSURD = 1e-5, 30.0  # g_rms of real surfaces is between them
+OVERLOADED = 10.0  # mean pressure over E*
+DIFFERENT_UNITS = "are probably in different units"
+NO_MODULUS = "no modulus is given: E_star = 1 is taken, and pressures are in units of E*"
 TILT = 0.5  # share of the variance of the heights
 # mean square slope between neighbours over that between every second point: 1 where the grid
 # resolves the spectrum
 UNRESOLVED = 1.2
 FILLED = 0.1  # share of the points
 ROUNDING = 1e-12  # of the heights: edges that differ by less are the same
-# rms jump between opposite edges over that between neighbouring points, up to which it is one of
-# them
+# jump between opposite edges over that between neighbouring points (medians), up to which it is one
+# of them
 JUMP = 3.0
+SAMPLED, LAG = 512, 16  # rows that medians are taken of; points over which slopes are, at most
+FLAT = 0.5  # of the slope of the best plane: a rest that is steeper is not flat
+OUTLYING = 10.0  # times what neighbours differ by (median): a point that is so far from all of them
 
 
 class MapQuality:
-    """Sums over a Topography, read once. Collective.
+    """Sums and medians over a Topography, read once. Collective.
 
-    jumps: for each axis the rms jump from the last point to the first one over that between
-    neighbours; tilt: share of the variance of the heights that is a plane's; unresolved: see
-    UNRESOLVED, the larger one of both axes.
+    jumps: for each axis the jump from the last point to the first one over that between neighbours,
+    medians, which a few outliers do not change; typical: how much neighbours differ; plane: share
+    of the variance of the heights that the best plane has; tilt: the same, 0 where the heights
+    without it would not be flat (a step is no tilt); unresolved: see UNRESOLVED, the larger one of
+    both axes.
     """
 
     def __init__(self, found: Topography, comm: Any) -> None:
         n_x, n_y = found.n
         x, y = (np.arange(n) - (n - 1) / 2 for n in found.n)
-        s = summed(comm, lambda: _sums(found, comm, x, y))
-        (one_x, one_y), (two_x, two_y), (edge_x, edge_y), (z, zz, zx, zy) = (
-            s[:2],
-            s[2:4],
-            s[4:6],
-            s[6:],
+        sums, medians = local(comm, lambda: _looked_at(found, comm, x, y))
+        one_x, one_y, two_x, two_y, z, zz, zx, zy = comm.sum(sums)
+        near_x, near_y, edge_y, *local_slopes = np.nan_to_num(
+            [_median(column) for column in np.concatenate(comm.allgather(medians)).T]
         )
+        edge_x = _median(np.abs(np.diff(local(comm, lambda: _ends(found)), axis=0)))
         N = n_x * n_y
         variance = zz - z * z / N
-        plane = sum(
-            part**2 / (N / n * (k @ k)) for part, k, n in ((zx, x, n_x), (zy, y, n_y)) if n > 1
+        slopes = [
+            part / (N / n * (k @ k)) if n > 1 else 0.0
+            for part, k, n in ((zx, x, n_x), (zy, y, n_y))
+        ]
+        plane = slopes[0] * zx + slopes[1] * zy
+        flat = np.linalg.norm(np.subtract(local_slopes, slopes)) <= FLAT * np.linalg.norm(slopes)
+        self.plane = float(plane / variance) if variance > 0 else 0.0
+        self.tilt = self.plane if flat else 0.0
+        near_x, near_y = (
+            near or np.sqrt(one / max((n - 1) * N / n, 1))  # steps of heights that are rounded
+            for near, one, n in ((near_x, one_x, n_x), (near_y, one_y, n_y))
         )
-        self.tilt = float(plane / variance) if variance > 0 else 0.0
-        edge_x, edge_y = (edge if edge > ROUNDING**2 * zz else 0.0 for edge in (edge_x, edge_y))
+        self.typical = max(near_x, near_y)
+        least = ROUNDING * np.sqrt(zz / N)
         self.jumps = [
-            _ratio(edge_x / n_y, one_x / (max(n_x - 1, 1) * n_y)),
-            _ratio(edge_y / n_x, one_y / (max(n_y - 1, 1) * n_x)),
+            edge / near if edge > least and near > 0 else 0.0
+            for edge, near in ((edge_x, near_x), (edge_y, near_y))
         ]
         self.unresolved = max(
-            _ratio(one_x / max(n_x - 1, 1), two_x / max(n_x - 2, 1) / 4) ** 2,
-            _ratio(one_y / max(n_y - 1, 1), two_y / max(n_y - 2, 1) / 4) ** 2,
+            _ratio(one_x / max(n_x - 1, 1), two_x / max(n_x - 2, 1) / 4),
+            _ratio(one_y / max(n_y - 1, 1), two_y / max(n_y - 2, 1) / 4),
         )
 
     def notes(self, meet: Sequence[bool]) -> list[str]:
@@ -101,31 +117,88 @@ def notes_on(found: Topography, spec: Any, comm: Any) -> list[str]:
 def slope_notes(g_rms: float, measured: bool) -> list[str]:
     """Of any surface; measured: it is no formula, of which any slope may be asked."""
     if g_rms > ABSURD[1] or (measured and 0 < g_rms < ABSURD[0]):
-        return [f"g_rms = {g_rms:.2g}: heights and sizes are probably in different units"]
+        return [f"g_rms = {g_rms:.2g}: heights and sizes {DIFFERENT_UNITS}"]
     return [f"g_rms = {g_rms:.3g}: the theory is that of small slopes"] if g_rms > STEEP else []
 
 
-def _sums(found: Topography, comm: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    total, n_x = np.zeros(10), found.n[0]
+def outliers(found: Topography, quality: MapQuality, comm: Any) -> int:
+    """Count points of a Topography that stand out of the median of their neighbours. Collective."""
+    n_x, n_y = found.n
+
+    def count() -> list[int]:
+        total = 0
+        for start, stop in own_slabs(n_x, comm) if min(n_x, n_y) > 2 else ():
+            first, last = max(start - 1, 0), min(stop + 1, n_x)
+            z = np.pad(found.rows(first, last), 1, mode="reflect")
+            beside = [
+                z[1 + i : len(z) - 1 + i, 1 + j : n_y + 1 + j]
+                for i in (-1, 0, 1)
+                for j in (-1, 0, 1)
+                if i or j
+            ]
+            out = np.abs(z[1:-1, 1:-1] - np.median(beside, axis=0)) > OUTLYING * quality.typical
+            total += int(np.count_nonzero(out[start - first : stop - first]))
+        return [total]
+
+    return int(summed(comm, count)[0])
+
+
+def load_notes(p_mean: float, E_star: float, g_rms: float, unit: str) -> list[str]:
+    """Notes on a mean pressure p_mean beside the modulus E_star, on a surface of slope g_rms; unit:
+    of a measured one."""
+    found = [NO_MODULUS] if unit and E_star == 1 else []
+    if p_mean > OVERLOADED * E_star * max(g_rms, 1.0):
+        found.append(f"p = {p_mean / E_star:.2g} E*: loads and moduli {DIFFERENT_UNITS}")
+    return found
+
+
+def _ends(found: Topography) -> np.ndarray:
+    n_x = found.n[0]
+    return np.concatenate([found.rows(0, 1), found.rows(n_x - 1, n_x)])
+
+
+def _looked_at(
+    found: Topography, comm: Any, x: np.ndarray, y: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """This rank's sums, and numbers of each of SAMPLED rows: how much neighbours differ along x and
+    along y, the jump from the row's end to its beginning, slopes along x and along y."""
+    total, rows, n_x, n_y = np.zeros(8), [], *found.n
+    k_x, k_y = (min(LAG, max(n // 8, 1)) for n in found.n)
     for start, stop in own_slabs(n_x, comm):
         m = stop - start
-        z = found.rows(start, min(stop + 2, n_x))
+        z = found.rows(start, min(stop + max(2, k_x), n_x))
         mine = z[:m]
-        first = found.rows(0, 1) if stop == n_x else mine[:0]
         total += [
             np.sum((z[1 : m + 1] - z[: len(z[1 : m + 1])]) ** 2),
             np.sum(np.diff(mine, axis=1) ** 2),
             np.sum((z[2 : m + 2] - z[: len(z[2 : m + 2])]) ** 2),
             np.sum((mine[:, 2:] - mine[:, :-2]) ** 2),
-            np.sum((first - mine[-1:]) ** 2) if len(first) else 0.0,
-            np.sum((mine[:, 0] - mine[:, -1]) ** 2),
             mine.sum(),
             np.sum(mine**2),
             x[start:stop] @ mine.sum(axis=1),
             y @ mine.sum(axis=0),
         ]
-    return total
+        every = -(-n_x // SAMPLED)
+        for i in range(-start % every, m, every):
+            row, end = z[i], np.full(n_y, np.nan)  # nan: beyond the last row
+            next_, later = (z[i + k] if i + k < len(z) else end for k in (1, k_x))
+            rows.append(
+                [
+                    _median(np.abs(next_ - row)),
+                    _median(np.abs(np.diff(row))),
+                    abs(row[0] - row[-1]),
+                    _median(later - row) / k_x,
+                    _median(row[k_y:] - row[:-k_y]) / k_y,
+                ]
+            )
+    return total, np.array(rows).reshape(-1, 5)
+
+
+def _median(values: np.ndarray) -> float:
+    """Of those that are numbers; nan of none."""
+    known = values[~np.isnan(values)]
+    return float(np.median(known)) if known.size else float("nan")
 
 
 def _ratio(a: float, b: float) -> float:
-    return float(np.sqrt(a / b)) if b > 0 else 0.0
+    return float(a / b) if b > 0 else 0.0

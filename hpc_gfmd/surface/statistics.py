@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from ..grid import Grid
 from ..kernels.spectral import spectrum_sums
 from ..parallel import halo
+from ..parallel.grid import Grid
 
 
 def rms(grid: Grid, fill: Any) -> tuple[float, float]:

@@ -4,11 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ..parallel.comm import SerialComm
-from ..quantity import factor, prefixed
 from ..scene import File
-from .files import HeightMap
+from ..util.quantities import factor, prefixed
 from .prepare import prepare
-from .quality import JUMP, TILT, MapQuality
+from .quality import JUMP, OUTLYING, TILT, MapQuality, outliers
 from .topography import Topography, open_topography
 
 NEEDED = "TO BE GIVEN, the file does not say it"
@@ -17,13 +16,15 @@ NEEDED = "TO BE GIVEN, the file does not say it"
 @dataclass
 class Suggestion:
     """Of keys of [surface]. values: those to be set; said: what the file itself says; why: reasons
-    for both; missing: what only a person knows; about: the map in a line."""
+    for both; missing: what only a person knows; about: the map, a line each; unit: "m" where
+    lengths have units, else ""."""
 
     values: dict
     said: dict = field(default_factory=dict)
     why: dict = field(default_factory=dict)
     missing: list = field(default_factory=list)
-    about: str = ""
+    about: list = field(default_factory=list)
+    unit: str = ""
 
 
 def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
@@ -32,30 +33,21 @@ def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
 
     Raises SceneError for a file that cannot be read.
     """
-    found, plain = Suggestion(dict(given)), HeightMap(make(given))
-    said = plain.metadata
-    found.about = f"{plain.shape[0]} x {plain.shape[1]} points"
+    found, opened = Suggestion(dict(given)), open_topography(make(given))
+    found.unit = opened.unit
+    assert opened.source is not None
+    said = opened.source.metadata
+    about = f"{opened.n[0]} x {opened.n[1]} points"
     if said.sizes is not None:
         unit = said.sizes_unit or said.unit
         found.said["physical_sizes"] = _readable(said.sizes, unit) if unit else list(said.sizes)
-        found.about += f", {found.said['physical_sizes'][0]} x {found.said['physical_sizes'][1]}"
+        about += f", {found.said['physical_sizes'][0]} x {found.said['physical_sizes'][1]}"
     if said.unit is not None:
         found.said["unit"] = said.unit
-    wanted = (
-        ["unit"]
-        if said.sizes is not None
-        else ["physical_sizes", "unit"]
-        if said.unit is None
-        else ["physical_sizes"]
-    )
-    found.missing = (
-        []
-        if "physical_sizes" in given
-        else [key for key in wanted if key not in found.said | given]
-    )
+    found.about.append(f"{about}, heights in {said.unit or 'a unit that the file does not name'}")
+    found.missing = list(opened.lacks)
     found.why = dict.fromkeys(found.said, "as the file says") | dict.fromkeys(found.missing, NEEDED)
-    if not found.missing:
-        _by_heights(found, make, given, said.periodic)
+    _by_heights(found, make, given, said.periodic)
     return found
 
 
@@ -71,25 +63,33 @@ def _by_heights(
 ) -> None:
     """What the heights themselves show."""
     values, why = found.values, found.why
+    unknown = {"physical_sizes": (1.0, 1.0), "crop": None} if found.missing else {}
 
     def prepared(**more: object) -> Topography:
-        spec = make(values | more)
+        spec = make(values | unknown | {"boundary": "periodic"} | more)
         return prepare(open_topography(spec), spec, SerialComm())[0]
 
-    missing = prepared(boundary="periodic", fill="harmonic").filled
+    missing = prepared(fill="harmonic").filled
+    found.about.append(f"{missing or 'no'} points without a height")
     if missing and "fill" not in given:
         values["fill"], why["fill"] = "harmonic", f"{missing} points have no height"
-    tilt = MapQuality(prepared(boundary="periodic"), SerialComm()).tilt
-    if tilt > TILT and "detrend" not in given:
-        values["detrend"], why["detrend"] = (
-            "tilt",
-            f"{100 * tilt:.0f} % of the variance of the heights is that of a plane",
+    quality = MapQuality(prepared(), SerialComm())
+    said = f"{100 * quality.plane:.0f} % of the variance of the heights is that of a plane"
+    step = quality.plane > TILT >= quality.tilt
+    found.about.append(said + ", but without it they would not be flat: a step?" * step)
+    if quality.tilt > TILT and "detrend" not in given:
+        values["detrend"], why["detrend"] = "tilt", said
+    flat = prepared(refine=1, downsample=1)
+    quality = MapQuality(flat, SerialComm())
+    edges = f"opposite edges differ by {max(quality.jumps):.2g} times what neighbours differ by"
+    found.about.append(edges)
+    if out := outliers(flat, quality, SerialComm()):
+        found.about.append(
+            f"{out} points stand out of their neighbours by more than {OUTLYING:g} times what"
+            " neighbours differ by: dust or spikes? They are pressed as they are"
         )
-    jump = max(
-        MapQuality(prepared(boundary="periodic", refine=1, downsample=1), SerialComm()).jumps
-    )
-    if jump > JUMP and not periodic and not {"boundary", "mirror", "window"} & set(given):
-        edges = f"opposite edges differ by {jump:.2g} times what neighbours differ by"
+    fits = max(quality.jumps) <= JUMP or periodic
+    if not fits and not {"boundary", "mirror", "window"} & set(given):
         if {"refine", "downsample"} & set(given):
             values["mirror"], why["mirror"] = (
                 True,

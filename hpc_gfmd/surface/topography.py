@@ -2,14 +2,14 @@
 otherwise."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
-from ..quantity import Quantity, factor
+from ..util.errors import SceneError
+from ..util.quantities import Quantity, factor
 from .files import HeightMap
 from .heights import checked
 
@@ -25,7 +25,8 @@ class Topography:
 
     Sizes and heights are in m where `unit` is "m", otherwise ("") in a unit that nobody named.
     periodic: True where the file says so. filled: points that had no height. plain: what a plain
-    number of the scene stands for. source: the file.
+    number of the scene stands for. source: the file. lacks: {key of [surface]: why it has to be
+    given}; `prepare` refuses a Topography that lacks anything.
     """
 
     n: tuple[int, ...]
@@ -37,6 +38,7 @@ class Topography:
     filled: int = 0
     plain: float = 1.0
     source: HeightMap | None = None
+    lacks: dict[str, str] = field(default_factory=dict)
 
     def length(self, given: float) -> float:
         """A length of the scene in the unit of `sizes`."""
@@ -73,6 +75,7 @@ def open_topography(spec: Any) -> Topography:
         rows=lambda start, stop: first.rows(start, stop) + second.rows(start, stop),
         periodic=periodic,
         path=f"{first.path} + {second.path}",
+        lacks=first.lacks | second.lacks,
     )
 
 
@@ -85,21 +88,25 @@ def _open_one(spec: Any) -> Topography:
     said, given = found.metadata, spec.physical_sizes
     unit = spec.unit or said.unit
     sizes_unit = said.sizes_unit or unit if given is None else unit
+    nothing, lacks = f"neither in the scene nor in {found.path}, allowed", {}
     if given is None and said.sizes is None:
-        raise SceneError(
-            f"surface.physical_sizes: found nothing, neither in the scene nor in {found.path},"
-            ' allowed: two positive numbers [L_x, L_y], plain in surface.unit or as "12.8 um"'
+        lacks["physical_sizes"] = (
+            f"surface.physical_sizes: found nothing, {nothing}: two positive numbers [L_x, L_y],"
+            ' plain in surface.unit or as "12.8 um"'
         )
     named = given is None or any(isinstance(length, Quantity) for length in given)
     if unit is None and named:
-        raise SceneError(
-            "surface.unit: found nothing for the heights, neither in the scene nor in"
-            f" {found.path}, allowed: {UNITS}"
-        )
+        lacks["unit"] = f"surface.unit: found nothing for the heights, {nothing}: {UNITS}"
     height = 1.0 if unit is None else _factor(unit, spec.unit, found.path)
+    if spec.unit and said.unit and height != _factor(said.unit, None, found.path):
+        raise SceneError(
+            f"surface.unit: found {spec.unit!r}, but {found.path} has its heights in"
+            f" {said.unit!r}, allowed: no surface.unit, or the file's own"
+        )
     length = 1.0 if sizes_unit is None else _factor(sizes_unit, spec.unit, found.path)
     sizes = [
-        size if isinstance(size, Quantity) else size * length for size in given or said.sizes or ()
+        size if isinstance(size, Quantity) else size * length
+        for size in given or said.sizes or (1.0, 1.0)
     ]
     if not all(0 < size < float("inf") for size in sizes):
         raise SceneError(
@@ -124,6 +131,7 @@ def _open_one(spec: Any) -> Topography:
         found.path,
         plain=height,
         source=found,
+        lacks=lacks,
     )
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 
 
 def within(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import curve_fit
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 
 # condition number of the normalised design up to which every parameter counts as determined
 WORST = 1e7

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf, erfc
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 from . import kernels
 from .checks import within
 from .slope_profile import SlopeProfile

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import exprel
 
-from ..errors import SceneError
+from ..util.errors import SceneError
 from .checks import within
 from .kernels import X_ZERO
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError, one_line
+from ..util.errors import SceneError, one_line
 from .checks import within
 from .tfc_fit import COEFFICIENTS, TERMS, TfcFit, fit_tfc, read_runs, sigma_of_terms, term
 

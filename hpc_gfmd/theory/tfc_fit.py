@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import SceneError, one_line
+from ..util.errors import SceneError, one_line
 from .checks import within
 from .least_squares import least_squares
 

@@ -4,7 +4,6 @@ solvers, marked slow."""
 import os
 
 import pytest
-
 from campaign.run import ACCURACIES, PRECISIONS, names, ways
 from campaign.solving import rows_of
 from campaign.table import failures, line, report

@@ -6,11 +6,11 @@ import warnings
 
 import numpy as np
 import pytest
-
-import hpc_gfmd
 from campaign import families
 from campaign.kept import truths
-from hpc_gfmd.errors import NotConverged
+
+import hpc_gfmd
+from hpc_gfmd.util.errors import NotConverged
 
 PROBLEMS = float(os.environ.get("HPC_GFMD_PROBLEMS", 1))
 SEED = int(os.environ.get("HPC_GFMD_SEED", 2311))

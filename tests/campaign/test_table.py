@@ -1,7 +1,6 @@
 """The campaign's judgement of rows."""
 
 import pytest
-
 from campaign.table import above_estimate, failures, less_accurate, line, report, worst_of_each
 
 GOOD = {

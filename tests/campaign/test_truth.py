@@ -4,7 +4,6 @@ failed."""
 import numpy as np
 import oracle
 import pytest
-
 from campaign import families
 from campaign.truth import Contact
 

@@ -1,11 +1,16 @@
-"""`hpc-gfmd study` as a user sees it."""
+"""`python scripts/paper` as a user sees it."""
 
 import csv
 import json
 
 import pytest
+from paper.command import make_parser
+from paper.store import Store
 
-from hpc_gfmd.study.store import Store
+
+@pytest.fixture(autouse=True)
+def _paper(cli):
+    cli.script = make_parser
 
 
 @pytest.mark.parametrize(
@@ -23,11 +28,11 @@ from hpc_gfmd.study.store import Store
     ],
 )
 def test_wrong_arguments(cli, args, said):
-    assert said in cli.refused("study", *args)
+    assert said in cli.refused(*args)
 
 
 def test_list(cli):
-    lines = cli.prints("study", "--list").splitlines()
+    lines = cli.prints("--list").splitlines()
     assert (len(lines), lines[0].split()[0], lines[17].split()[0], lines[-1].split()[0]) == (
         23,
         "fig1",
@@ -37,12 +42,12 @@ def test_list(cli):
 
 
 def test_plan_solves_nothing(cli, tmp_path):
-    assert "to solve" in cli.prints("study", "all", "--level", "desk", "--plan")
+    assert "to solve" in cli.prints("all --level desk --plan")
     assert not list(tmp_path.iterdir())
 
 
 def test_figure_from_nothing_and_again(cli, tmp_path):
-    cli.prints("study", "fig13")
+    cli.prints("fig13")
     folder = tmp_path / "study-quick"
     assert {"fig13.csv", "fig13.json", "fig13.png", "runs.jsonl"} <= {
         path.name for path in folder.iterdir()
@@ -51,25 +56,23 @@ def test_figure_from_nothing_and_again(cli, tmp_path):
     with open(folder / "fig13.csv") as file:
         assert len(list(csv.DictReader(file))) == len(rows) > 10
     before = (folder / "runs.jsonl").read_bytes()
-    cli.prints("study", "fig13", "--no-run")
+    cli.prints("fig13 --no-run")
     assert (folder / "runs.jsonl").read_bytes() == before
     assert json.loads((folder / "fig13.json").read_text())["rows"] == rows
 
 
 def test_nothing_stored(cli):
-    assert "nothing stored yet" in cli.prints("study", "fig13", "--no-run", "-o", "empty")
+    assert "nothing stored yet" in cli.prints("fig13 --no-run -o empty")
 
 
 def test_parts_make_the_whole(cli, tmp_path):
     for part in ("1/2", "2/2"):
-        cli.prints("study", "fig13", "--only-run", "--part", part, "-o", "parts")
+        cli.prints("fig13 --only-run --part", part, "-o", "parts")
     assert {path.name for path in (tmp_path / "parts").iterdir()} == {
         "runs-1.jsonl",
         "runs-2.jsonl",
     }
-    assert "to solve" not in cli.prints(
-        "study", "fig13", "--only-run", "-o", "parts"
-    )  # nothing is left
+    assert "to solve" not in cli.prints("fig13 --only-run -o parts")  # nothing is left
     assert len(Store(tmp_path / "parts").load()) == sum(
         len((tmp_path / "parts" / name).read_text().splitlines())
         for name in ("runs-1.jsonl", "runs-2.jsonl")

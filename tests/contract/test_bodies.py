@@ -6,13 +6,13 @@ from applied import compliance_times, stiffness_times
 from scipy.linalg import eigh
 from transfers import interpolation
 
+from hpc_gfmd.bodies import body_classes, body_of
 from hpc_gfmd.bodies.base import SQRT2, Tabled
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.grid import Grid
-from hpc_gfmd.operators.coarsening import levels
 from hpc_gfmd.operators.elastic import Elastic
-from hpc_gfmd.registry import body_classes, body_of
+from hpc_gfmd.parallel.coarsening import levels
+from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.scene import Material
+from hpc_gfmd.util.errors import SceneError
 
 BODIES = [body for cls in body_classes().values() for body in cls.examples()]
 GRIDS = [

@@ -7,13 +7,14 @@ from contacts import EXACT, random_heights, rough, solve_scene, sweep_of
 
 import hpc_gfmd
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
-from hpc_gfmd.driver.certificate import certify
-from hpc_gfmd.driver.drive import Target, drive
-from hpc_gfmd.grid import Grid
+from hpc_gfmd.certificate.certificate import certify
+from hpc_gfmd.certificate.criterion import Target
+from hpc_gfmd.driver.drive import drive
 from hpc_gfmd.operators.elastic import Elastic, reader
 from hpc_gfmd.operators.multilevel import EQUIVALENCE, Multilevel
-from hpc_gfmd.problem import Problem
-from hpc_gfmd.registry import solver_class, solver_names
+from hpc_gfmd.operators.problem import Problem
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.solvers import solver_class, solver_names
 from hpc_gfmd.solvers.bpx import Bpx
 
 ROUNDING = 1e-12  # of references in double precision

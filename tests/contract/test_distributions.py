@@ -6,11 +6,11 @@ from contacts import rough, sweep_of
 
 import hpc_gfmd
 from hpc_gfmd.commands.show import as_dict, as_text
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.contact import all_distributions
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.registry import all_distributions
+from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.simulation import run_scene
+from hpc_gfmd.util.errors import SceneError
 
 every_distribution = pytest.mark.parametrize("name", all_distributions())
 ATTRIBUTE_BYTES = 2**16 - 512  # that HDF5 takes

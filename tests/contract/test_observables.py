@@ -6,11 +6,17 @@ import pytest
 from contacts import rough, sweep_of
 
 from hpc_gfmd.commands.show import as_dict, as_text
-from hpc_gfmd.errors import SceneError
+from hpc_gfmd.contact import (
+    all_observables,
+    default_observables,
+    meaning_of,
+    observables_named,
+    unit_of,
+)
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.registry import all_observables, observables_named
+from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.simulation import run_scene
+from hpc_gfmd.util.errors import SceneError
 
 every_observable = pytest.mark.parametrize("name", all_observables())
 FREE = rough((1, 8, 4), boundary="free")  # where all of them exist
@@ -53,13 +59,27 @@ def test_written_and_shown(name, result):
 
 @every_observable
 def test_alone(name, tmp_path):
-    """Only what was asked for is written."""
+    """It stands beside the cheap ones, and no other."""
     surface = rough((1, 8, 2), boundary="free")
     scene = Scene.from_dict(
         {"surface": surface, "load": {"p_star": [0.05, 0.1]}, "output": {"observables": [name]}}
     )
     steps = run_scene(scene, out=tmp_path / "one.h5", quiet=True).steps
-    assert set(steps[1]) & set(all_observables()) == set(observables_named([name]))
+    kept = {*default_observables(), *observables_named([name])}
+    assert set(steps[1]) & set(all_observables()) == kept - {"duality_gap"} | {name}
+
+
+def test_each_number_of_a_result_is_defined(result, cli):
+    """Its meaning and its unit, in the program and on one page."""
+    page = cli.prints("help observables --markdown")
+    surface = {"unit": "m", "pressure_unit": "Pa"}
+    for name in {*result.steps[1], *all_observables()}:
+        assert meaning_of(name)
+        assert unit_of(name, surface)
+        assert f"| `{name}` | " in page
+    found = [unit_of(name, surface) for name in ("stiffness", "patch_largest", "a_r", "energy")]
+    assert found == ["Pa/m", "m^2", "1", "Pa m"]
+    assert [unit_of(name, {"unit": "m"}) for name in ("p", "approach", "nothing")] == ["", "m", ""]
 
 
 @every_observable

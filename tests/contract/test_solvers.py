@@ -16,12 +16,13 @@ from contacts import (
     sweep_of,
 )
 
-from hpc_gfmd.driver.certificate import certify
-from hpc_gfmd.driver.drive import Target, drive
+from hpc_gfmd.certificate.certificate import certify
+from hpc_gfmd.certificate.criterion import Target
+from hpc_gfmd.driver.drive import drive
 from hpc_gfmd.driver.nested import cold_gap
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.problem import Problem
-from hpc_gfmd.registry import solver_class, solver_names
+from hpc_gfmd.operators.problem import Problem
+from hpc_gfmd.solvers import solver_class, solver_names
+from hpc_gfmd.util.errors import SceneError
 
 SURFACE = rough((2, 8, 3), seed=2)
 every_solver = pytest.mark.parametrize("name", solver_names())

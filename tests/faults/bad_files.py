@@ -7,9 +7,10 @@ import zipfile
 
 import h5py
 import numpy as np
-from fuzz.seeds import FIELD, seeds
+from faults.seeds import FIELD, seeds
 
 from hpc_gfmd.output.read import FORMAT_VERSION
+from hpc_gfmd.parallel.h5 import CHECKSUM
 
 Z = np.arange(48.0).reshape(8, 6)
 
@@ -85,6 +86,16 @@ def raw_h5(path, array=Z, **how):
 def classic(path):
     """A sound height map in NetCDF, as bytes."""
     return seeds("netcdf", path.parent)[0].read_bytes()
+
+
+def archive(path, **shapes):
+    """A .npz of arrays that claim these shapes, and have no numbers."""
+    with zipfile.ZipFile(path, "w") as file:
+        for name, shape in shapes.items():
+            with file.open(f"{name}.npy", "w") as array:
+                np.lib.format.write_array_header_1_0(
+                    array, {"descr": "<f8", "fortran_order": False, "shape": shape}
+                )
 
 
 def with_value(value):
@@ -179,6 +190,7 @@ HEIGHT_MAPS = {
         ),
         "GiB",
     ),
+    ".npz claiming 1e12 points": (".npz", lambda p: archive(p, surface=(10**6, 10**6)), "shorter"),
     "truncated NetCDF map": (".nc", lambda p: cut(p, classic(p), 0.67), "cannot be read as netcdf"),
     "foreign NetCDF map": (".nc", lambda p: p.write_text("hello"), "cannot be read as netcdf"),
 }
@@ -220,6 +232,20 @@ def of_another_size(file):
     file["steps/0000"].create_dataset("pressure", data=FIELD.T)
 
 
+HUGE = 10**6
+
+
+def huge(file, **how):
+    """A field of 1e6 x 1e6 points, as the surface says, of which at most one row is there."""
+    file["surface"].attrs.modify("n", [HUGE, HUGE])
+    checksum = file["steps/0000/gap"].attrs[CHECKSUM]
+    del file["steps/0000/gap"]
+    gap = file["steps/0000"].create_dataset("gap", (HUGE, HUGE), "f4", **how)
+    gap.attrs[CHECKSUM] = checksum
+    if how:
+        gap[0] = 1.0
+
+
 RESULTS = {
     "truncated": (lambda p: cut(p, sound(p), 1 - 1e-6), "truncated file"),
     "half of it": (lambda p: cut(p, sound(p), 0.5), "truncated file"),
@@ -239,6 +265,14 @@ RESULTS = {
         "damaged",
     ),
     "with a field of another size": (lambda p: edit(p, of_another_size), "the surface has (6, 5)"),
+    "with a huge field without numbers": (
+        lambda p: edit(p, lambda f: huge(f)),
+        "gap has no numbers at some points",
+    ),
+    "the same, packed": (
+        lambda p: edit(p, lambda f: huge(f, chunks=(1, HUGE), compression="gzip")),
+        "gap has no numbers at some points",
+    ),
     "with a link out of it": (lambda p: edit(p, moved_out), "gap is a link to another file"),
     "a folder": (lambda p: p.mkdir(), "is a folder"),
     "a pipe": (os.mkfifo, "is no file"),

@@ -8,9 +8,7 @@ from pathlib import Path
 import pytest
 from faults.jobs import call, write_scene
 
-from hpc_gfmd.caches import cache_folder
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.parallel import wisdom
 
 
 def pytest_collection_modifyitems(items):
@@ -18,20 +16,6 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if Path(__file__).parent in item.path.parents:
             item.add_marker(pytest.mark.faults)
-
-
-@pytest.fixture(scope="package", autouse=True)
-def own_plans(tmp_path_factory):
-    """Plans of FFTW that nobody else changes: with others the last bits of two runs differ. Kernels
-    are everybody's."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(
-            "NUMBA_CACHE_DIR", os.environ.get("NUMBA_CACHE_DIR", str(cache_folder() / "kernels"))
-        )
-        patch.setenv("HPC_GFMD_CACHE", str(tmp_path_factory.mktemp("cache")))
-        for name in wisdom._used:
-            wisdom._wisdom(name).replace(b"")
-        yield
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ def main(fault, rank, *rest):
 
     if int(rank) in (-1, world().rank):
         FAULTS[fault](*rest[:cut])
-    from hpc_gfmd.cli import main as program
+    from hpc_gfmd.commands.cli import main as program
 
     return program(list(rest[cut + 1 :]))
 
@@ -47,7 +47,7 @@ def out_of_memory(_, __):
 
 def surface(_=1):
     """An exception while the surface is made."""
-    from hpc_gfmd import simulation
+    from hpc_gfmd.runs import simulation
 
     simulation.build_surface = after(simulation.build_surface, 1, fail)
 
@@ -88,7 +88,7 @@ def nan(count, value="nan"):
 
 def limit(mebibytes):
     """So much more address space than now, once the program has begun to solve."""
-    from hpc_gfmd import simulation
+    from hpc_gfmd.runs import simulation
 
     def shrink(go_on, _):
         with open("/proc/self/statm") as file:
@@ -146,7 +146,7 @@ def vanish(folder):
 
 def lag(seconds, flag):
     """Nothing happens for a while before the run begins to listen to signals; a file says when."""
-    from hpc_gfmd import simulation
+    from hpc_gfmd.runs import simulation
 
     def wait(go_on, _):
         Path(f"{flag}-{os.getpid()}").touch()

@@ -136,7 +136,7 @@ def test_a_run_with_a_garbled_cache(tmp_path):
 @pytest.mark.parametrize("content", [b"", b"[]", b"{", b'{"host": 1}', b"\xff\xfe", b"null"])
 def test_a_bad_note_of_the_speed_of_this_machine(content, tmp_path, monkeypatch):
     """`plan` measures again."""
-    from hpc_gfmd.driver import timing
+    from hpc_gfmd.runs import timing
 
     monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path))
     monkeypatch.setattr(timing, "_measure", lambda dtype: 1e-9)

@@ -6,7 +6,7 @@ import subprocess
 import pytest
 from faults.jobs import call, finish, needs_mpi, nothing_wrong, run, write_scene
 
-from hpc_gfmd.caches import cache_folder
+from hpc_gfmd.util.caches import cache_folder
 
 SEVERAL = pytest.param(2, id="two ranks", marks=[pytest.mark.slow, needs_mpi])
 FULL = {  # when: KiB of the disk, of the scene, what the message names

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import tomli_w
 from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, cut, h5, sound
-from fuzz.seeds import FIELD
+from faults.seeds import FIELD
 
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.scene import File
@@ -122,7 +122,7 @@ def test_packed_netcdf_is_unpacked_and_missing_points_are_not_numbers(tmp_path):
     there is none."""
     from scipy.io import netcdf_file
 
-    from hpc_gfmd.errors import SceneError
+    from hpc_gfmd.util.errors import SceneError
 
     def write(path, **attributes):
         with netcdf_file(path, "w") as file:
@@ -144,11 +144,13 @@ def test_packed_netcdf_is_unpacked_and_missing_points_are_not_numbers(tmp_path):
 
 
 @pytest.mark.parametrize("left", ["cut", "garbled", "numbers"])
-def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd):
+def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd, monkeypatch):
     """The load begins anew, and ends as if nothing had been there."""
+    from hpc_gfmd.parallel.interrupt import Interrupt
+    from hpc_gfmd.runs.simulation import restart, run_scene
     from hpc_gfmd.scene import Scene
-    from hpc_gfmd.simulation import restart, run_scene
 
+    monkeypatch.setattr(Interrupt, "require_time", lambda self: None)
     surface = {
         "kind": "self-affine",
         "hurst": 0.8,

@@ -1,11 +1,11 @@
-"""Signals and the wall-clock budget: a checkpoint, the documented exit code, and a restart that
+"""Signals: a checkpoint, the documented exit code, and a restart that
 ends as if nothing had happened."""
 
 import signal
 import time
 
 import pytest
-from faults.jobs import Job, finish, needs_mpi, nothing_wrong, run, write_scene
+from faults.jobs import Job, finish, needs_mpi, nothing_wrong, write_scene
 
 from hpc_gfmd.output.folder import partial_folder
 
@@ -83,18 +83,3 @@ def test_one_rank_at_start(tmp_path):
     job.end()
     assert job.code != 0
     assert not path.exists()
-
-
-@pytest.mark.parametrize("ranks", [None, pytest.param(2, marks=[needs_mpi, pytest.mark.slow])])
-def test_wall_seconds(tmp_path, undisturbed, ranks):
-    path = write_scene(tmp_path)
-    job = Job(
-        ["run", "scene.toml", "--set", "machine.wall_seconds=0.3"], ranks, tmp_path, fault=SLOW
-    )
-    job.end(60)
-    assert job.code == 143, job.err
-    wanted = undisturbed(ranks)
-    nothing_wrong(path, wanted)
-    again = run(["restart", path.name, "--set", "machine.wall_seconds=1000"], ranks, tmp_path)
-    assert again.code == 0, again.err
-    nothing_wrong(path, wanted)

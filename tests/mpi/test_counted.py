@@ -6,10 +6,10 @@ from contacts import rough
 from counted import contact_of, random_fields
 from masks import walk
 
+from hpc_gfmd.contact import all_distributions, all_observables, observables_named
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.registry import all_distributions, all_observables, observables_named
+from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.simulation import run_scene
 
 pytestmark = pytest.mark.mpi
 COUNTED = list(

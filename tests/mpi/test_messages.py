@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from contacts import rough, sweep_of
 
-from hpc_gfmd import api
-from hpc_gfmd.driver import memory
-from hpc_gfmd.driver.decomposition import Share
-from hpc_gfmd.driver.memory import require_memory
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.operators import multilevel
 from hpc_gfmd.parallel.comm import stages
 from hpc_gfmd.parallel.world import threads_of
+from hpc_gfmd.runs import memory
+from hpc_gfmd.runs import solve as api
+from hpc_gfmd.runs.decomposition import Share
+from hpc_gfmd.runs.memory import require_memory
 from hpc_gfmd.scene import Scene
+from hpc_gfmd.util.errors import SceneError
 
 pytestmark = pytest.mark.mpi
 

@@ -10,10 +10,10 @@ import pytest
 from contacts import rough, solve_scene, sweep_of
 from nodes import NODES, PER_NODE, on_pretended_nodes
 
-from hpc_gfmd.driver.decomposition import Share, busiest, share_of
-from hpc_gfmd.grid import Grid
 from hpc_gfmd.parallel import shared
 from hpc_gfmd.parallel.comm import MpiComm, SerialComm
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.runs.decomposition import Share, busiest, share_of
 
 pytestmark = pytest.mark.mpi
 on_nodes = pytest.mark.parametrize("nodes", NODES)

@@ -7,9 +7,9 @@ from contacts import relative
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.bodies.layer import Layer
-from hpc_gfmd.grid import Grid
 from hpc_gfmd.operators.elastic import Elastic
 from hpc_gfmd.parallel import halo
+from hpc_gfmd.parallel.grid import Grid
 
 pytestmark = pytest.mark.mpi
 

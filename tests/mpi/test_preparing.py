@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from contacts import random_heights
 
-from hpc_gfmd.errors import SceneError
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.layout import row_starts
 from hpc_gfmd.scene import File
@@ -13,6 +12,7 @@ from hpc_gfmd.surface import build_surface
 from hpc_gfmd.surface.prepare import prepare
 from hpc_gfmd.surface.quality import MapQuality
 from hpc_gfmd.surface.topography import open_topography
+from hpc_gfmd.util.errors import SceneError
 
 pytestmark = pytest.mark.mpi
 N, SIZES = (14, 10), (2.0, 1.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import tomli_w
 
-from hpc_gfmd.cli import main
+from hpc_gfmd.commands.cli import main
 
 pytestmark = pytest.mark.mpi
 GOOD = tomli_w.dumps(

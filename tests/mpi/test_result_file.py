@@ -7,11 +7,11 @@ import h5py
 import numpy as np
 import pytest
 
-from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.util.errors import GfmdError, SceneError
 
 pytestmark = pytest.mark.mpi
 
@@ -306,10 +306,10 @@ def test_resume(comm, shared_path):
     assert read_result(path).status == "interrupted"
     comm.barrier()
     with pytest.raises(SceneError, match="another scene"):
-        RunFile(comm, path, n, rows, HEAD | {"identity": "other"}, SURFACE, resume=True)
+        RunFile(comm, path, n, rows, HEAD | {"identity": "other"}, SURFACE)
     rows = slab(comm, 7, empty={0} if comm.size > 1 else ())
-    run = RunFile(comm, path, n, rows, HEAD, SURFACE, resume=True)
-    assert run.finished == [0]
+    run = RunFile(comm, path, n, rows, HEAD, SURFACE)
+    assert list(run.finished) == [0]
     run.write_step(1, {"status": "converged"}, {"gap": whole[slice(*rows)]})
     run.finish("converged")
     result = read_result(path)

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from contacts import EXACT, field, rough, sweep_of
 
+from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver import nested
 from hpc_gfmd.operators import multilevel
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.registry import all_observables
 
 pytestmark = pytest.mark.mpi
 LARGE = rough((2, 300, 2), seed=5)  # 1200 x 1200
@@ -30,8 +30,6 @@ def compare(comm, surface, loads, fields, **solver):
     for p_star in loads:
         together, alone = (sweep.solve(p_star * sweep.surface.g_rms) for sweep in sweeps)
         assert together.contact.outcome.status == alone.contact.outcome.status == "converged"
-        assert together.iterations == alone.iterations
-        assert together.fft_pairs == pytest.approx(alone.fft_pairs)
         assert together.contact.contact_points == alone.contact.contact_points
         for name in ("gap_mean", "energy", "stiffness", "a_r_corrected"):
             assert all_observables()[name](together.contact) == pytest.approx(

@@ -1,11 +1,11 @@
 """A study on several ranks stores what it stores alone."""
 
 import pytest
+from paper.case import Case
+from paper.runner import run_missing
+from paper.store import Store
 
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.study.case import Case
-from hpc_gfmd.study.runner import run_missing
-from hpc_gfmd.study.store import Store
 
 pytestmark = pytest.mark.mpi
 CASES = [

@@ -5,7 +5,7 @@ from pathlib import Path
 import mpi_harness
 import pytest
 
-SCRIPT = Path(__file__).parents[1] / "many_ranks.py"
+SCRIPT = Path(__file__).with_name("many_ranks.py")
 RANKS = (
     (2, 2),
     (4, 4),
@@ -31,7 +31,6 @@ def check(lam_l_over_lam_s, rank_counts, folder):
         assert {name: found[name] for name in ("n", "status", "contact")} == {
             name: alone[name] for name in ("n", "status", "contact")
         }
-        assert abs(found["iterations"] - alone["iterations"]) <= 1
         assert found["gap_mean"] == pytest.approx(alone["gap_mean"], rel=ROUNDING)
         assert max(found["pressure"], found["gap"]) <= ROUNDING
         assert len(found["messages"]) == ranks

@@ -7,18 +7,20 @@ import re
 import pytest
 
 import hpc_gfmd
-from hpc_gfmd import reference, registry
+from hpc_gfmd import bodies, contact, solvers
 from hpc_gfmd.bodies.base import Body, Multipliers
-from hpc_gfmd.contact import Contact
-from hpc_gfmd.driver.certificate import Certificate
+from hpc_gfmd.certificate.certificate import Certificate
+from hpc_gfmd.contact.contact import Contact
 from hpc_gfmd.solvers.base import Progress, Solver
-from hpc_gfmd.theory import elastic, persson, tfc
+from hpc_gfmd.theory import elastic, persson, reference, tfc
 
 MODULES = {
     hpc_gfmd: hpc_gfmd.__all__,
     reference: reference.__all__,
     tfc: tfc.__all__,
-    registry: None,
+    bodies: None,
+    contact: None,
+    solvers: None,
     persson: None,
     elastic: None,
 }

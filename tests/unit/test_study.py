@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import catalogue, levels, runner
+from paper.case import Case
+from paper.store import Store, key_of, missing
 
-from hpc_gfmd.errors import GfmdError, SceneError
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.study import catalogue, levels, runner
-from hpc_gfmd.study.case import Case
-from hpc_gfmd.study.store import Store, key_of, missing
 from hpc_gfmd.surface import build_surface
+from hpc_gfmd.util.errors import GfmdError, SceneError
 
 SMALL = Case(0.8, 2, 8, 2, 1, (0.05, 0.35))
 CASES = [SMALL, replace(SMALL, hurst=0.3), replace(SMALL, lam_s_over_a=4)]
@@ -154,7 +154,7 @@ def test_a_signal_keeps_what_is_finished(tmp_path, sign):
 
 def test_a_failing_case_does_not_stop_the_others(tmp_path, monkeypatch):
     bad, large = replace(SMALL, lam_s_over_a=1.5), Case(0.8, 2, 1024, 8, 1, (0.05,))
-    monkeypatch.setattr("hpc_gfmd.driver.memory.available_gib", lambda: 1.0)
+    monkeypatch.setattr("hpc_gfmd.runs.memory.available_gib", lambda: 1.0)
     outcome, said = solve([bad, large, SMALL], Store(tmp_path))
     assert (outcome.solved, outcome.exit_code, len(outcome.failed)) == (2, 1, 2)
     assert "lam_s_over_a" in outcome.failed[0]
@@ -186,7 +186,7 @@ def test_unconverged_runs_are_marked(tmp_path):
 
 def test_large_surfaces_are_solved_in_low_memory(tmp_path, monkeypatch, solved):
     """And are the same contacts."""
-    monkeypatch.setattr("hpc_gfmd.study.case.LARGE", 64)
+    monkeypatch.setattr("paper.case.LARGE", 64)
     large = replace(CASES[2])  # one that has not made its scene
     assert large.scene().solver.low_memory
     solve([large], Store(tmp_path))

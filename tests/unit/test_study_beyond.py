@@ -5,15 +5,15 @@ import json
 
 import numpy as np
 import pytest
+from paper import catalogue, levels
+from paper.case import Case
+from paper.continuum import continuum
+from paper.items import curves, distributions, limit, percolation, stiffness
+from paper.publish import publish
+from paper.store import Store
 from study_runs import runs_of
 
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.study import catalogue, levels
-from hpc_gfmd.study.case import Case
-from hpc_gfmd.study.continuum import continuum
-from hpc_gfmd.study.items import curves, distributions, limit, percolation, stiffness
-from hpc_gfmd.study.publish import publish
-from hpc_gfmd.study.store import Store
+from hpc_gfmd.util.errors import SceneError
 
 BEYOND = ("curves", "distributions", "limit", "percolation", "stiffness")
 GRIDS = (
@@ -354,7 +354,7 @@ def test_pages(tmp_path, cli):
         assert rows
         assert catalogue.study(name).question in page
         assert f"]({name}.png)" in page
-        assert f"hpc-gfmd study {name} --level quick" in page
+        assert f"python scripts/paper {name} --level quick" in page
         assert page.count("\n- ") >= 2
         assert "nan" not in page
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000

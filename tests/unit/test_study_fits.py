@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper import coefficients, fits, limits, paper, text
+from paper.averages import average
+from paper.case import Case
+from paper.levels import P_HIGH, P_LOW, tfc_series
+from paper.scatter import Scatter
 from study_runs import EDGE, GAP, LAW, runs_of
 
-from hpc_gfmd.errors import SceneError
-from hpc_gfmd.study import coefficients, fits, limits, paper, text
-from hpc_gfmd.study.averages import average
-from hpc_gfmd.study.case import Case
-from hpc_gfmd.study.levels import P_HIGH, P_LOW, tfc_series
-from hpc_gfmd.study.scatter import Scatter
 from hpc_gfmd.theory import tfc
+from hpc_gfmd.util.errors import SceneError
 
 SURFACE = Case(0.8, 2, 64, 2, 1, (P_LOW,))
 

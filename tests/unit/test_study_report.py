@@ -6,15 +6,16 @@ import re
 
 import numpy as np
 import pytest
+from paper import catalogue, report
+from paper.command import make_parser
+from paper.errata import dynamics, formulas
+from paper.levels import P_HIGH, P_LOW
+from paper.publish import as_csv
+from paper.store import Store
 from study_runs import runs_of
 
-from hpc_gfmd.cli import main
+from hpc_gfmd.commands.cli import main
 from hpc_gfmd.plotting import style
-from hpc_gfmd.study import catalogue, report
-from hpc_gfmd.study.errata import dynamics, formulas
-from hpc_gfmd.study.levels import P_HIGH, P_LOW
-from hpc_gfmd.study.publish import as_csv
-from hpc_gfmd.study.store import Store
 from hpc_gfmd.theory import persson, tfc
 
 PNG = b"\x89PNG\r\n"
@@ -30,9 +31,9 @@ def _coarse_pictures():
 
 @pytest.fixture(scope="module")
 def quick(tmp_path_factory):
-    """The folder that `hpc-gfmd study all --level quick` makes."""
+    """The folder that `python scripts/paper all --level quick` makes."""
     folder = tmp_path_factory.mktemp("quick")
-    assert main(["study", "all", "--level", "quick", "-o", str(folder)]) == 0
+    assert main(["all", "--level", "quick", "-o", str(folder)], make_parser) == 0
     return folder
 
 

@@ -5,10 +5,10 @@ import pytest
 from transfers import SIZES, interpolation, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
-from hpc_gfmd.grid import Grid
 from hpc_gfmd.kernels import bpx
 from hpc_gfmd.kernels.halfwidth import Widened, half, narrow, narrowed, widen
 from hpc_gfmd.operators.multilevel import Multilevel
+from hpc_gfmd.parallel.grid import Grid
 
 
 def state(random, n, dtype=float):

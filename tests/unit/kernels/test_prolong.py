@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
-from hpc_gfmd.grid import Grid
 from hpc_gfmd.kernels import prolong
+from hpc_gfmd.parallel.grid import Grid
 
 
 def prolonged(u, p, h, compliance, stencil, parts=1):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from hpc_gfmd.aligned import zeros_aligned
 from hpc_gfmd.kernels import spectral
+from hpc_gfmd.util.aligned import zeros_aligned
 
 
 @pytest.mark.parametrize("edges", [[0, 4, 8, 12, 13], [0, 13], [0, 5, 9, 13, 13]], ids=str)

@@ -34,4 +34,4 @@ class PyHpcGfmd(PythonPackage):
         depends_on("py-mpi4py@4:", when="+mpi")
         depends_on("py-mpi4py-fft@2.0.6:", when="+mpi")
 
-    skip_modules = ["hpc_gfmd.parallel", "hpc_gfmd.bench"]
+    skip_modules = ["hpc_gfmd.parallel"]

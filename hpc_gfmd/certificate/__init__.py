@@ -1,0 +1,1 @@
+"""The independent check of a solution and the errors that follow from it."""

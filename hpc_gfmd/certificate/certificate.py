@@ -1,0 +1,193 @@
+"""The independent check (of the KKT conditions) of a solution: from the displacement alone, by a
+fresh application of the operator.
+
+p = p0 + K u is computed anew, in double precision where rounding errors would count; what it
+violates of u >= -h, p >= 0, p g = 0, mean(p) = p0 is the certificate. How far that is from the
+solution follows from the duality gap, which bounds the error of the energy without any knowledge of
+the solution:
+
+    E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 1/K,
+
+for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled. The norm
+S of p^ - p is bounded without a transform by sums of squares on the levels of the multilevel
+operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap and of the pressure
+(certificate/error_estimates.py), and from that of the pressure how many points may be in the wrong
+set, in contact or out of it.
+
+In single precision what is smaller than the rounding errors of the heights, which count towards the
+errors, cannot be seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
+from ..operators.elastic import Elastic
+from ..operators.multilevel import EQUIVALENCE, Multilevel
+from .error_estimates import (
+    State,
+    error_pattern,
+    gap_error,
+    misclassified_points,
+    off_edges,
+    pressure_error,
+    relative_area,
+)
+
+if TYPE_CHECKING:
+    from ..operators.problem import Problem
+
+
+@dataclass(frozen=True, kw_only=True)
+class Certificate:
+    """Relative violations. penetration: largest -g (problem's unit); tension: largest -p on closed
+    points over p0; complementarity: mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact -
+    p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for; residual: rms of p out of contact
+    over p0. errors: relative, estimated, of (area, mean gap, pressure field), nan if not asked for;
+    unseen: of the mean gap, what no iteration makes smaller.
+    energy: elastic energy per area, and approach: how far the bodies have come together since they
+    touched, without any deformation, both in the problem's unit; a half-space that is periodic
+    gives way to a uniform pressure without end: it has no approach (nan), nor, periodic along one
+    axis only, an energy (its own part is left out where it is periodic along both); uKu: <u, K u>;
+    contact: points; gap_mean: problem's unit; pairs: FFT pairs this took; precision: in which it
+    was computed."""
+
+    penetration: float = 0.0
+    tension: float = 0.0
+    complementarity: float = 0.0
+    load_balance: float = 0.0
+    duality_gap: float | None = None
+    residual: float = 0.0
+    errors: tuple[float, float, float] = (np.nan, np.nan, np.nan)
+    unseen: float = 0.0
+    energy: float = 0.0
+    approach: float = np.nan
+    uKu: float = 0.0
+    contact: int = 0
+    gap_mean: float = 0.0
+    pairs: float = 0.0
+    precision: str = "float64"
+
+    def attributes(self) -> dict[str, Any]:
+        """The violations, by name, and the precision in which they were found."""
+        names = ("penetration", "tension", "complementarity", "load_balance")
+        return {name: getattr(self, name) for name in names} | {
+            "certificate_precision": self.precision
+        }
+
+    @property
+    def finite(self) -> bool:
+        """Whether all numbers are finite."""
+        return bool(np.isfinite([self.residual, self.gap_mean, self.uKu]).all())
+
+
+def certify(
+    problem: Problem,
+    g: np.ndarray,
+    p: np.ndarray,
+    levels: Multilevel | None = None,
+    dtype: DTypeLike = np.float64,
+    dual: bool = False,
+) -> Certificate:
+    """Certify the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local
+    slab). One pair, half more if dual.
+
+    levels: the Multilevel of the grid, whose fields are overwritten: without it there are no
+    errors. Collective.
+    """
+    grid = problem.grid
+    elastic = Elastic(grid, problem.body, dtype)
+    p0, N = float(problem.p0), grid.N
+    passes = elastic.fft.passes()
+
+    level = problem.level(g)
+    elastic.pressure_rows(problem.displacement_rows(g, level), passes)
+    uKu = elastic.pressure_columns(problem.adder(elastic.fft))
+    parts = elastic.use_rows(
+        lambda i0, i1, x: kkt_residuals(g, p, x, problem.p_cell, grid.inside, i0, i1), passes
+    )
+    found, largest = zip(*parts) if parts else ([KktSums(*[0.0] * 7)], [KktExtremes(0.0, 0.0)])
+    *totals, uKu, mean = grid.comm.sum([*np.sum(found, axis=0), uKu, elastic.mean])
+    sums, extremes = KktSums(*totals), KktExtremes(*grid.comm.max(np.max(largest, axis=0)))
+    closed_p, contact, gap = N * p0 - sums.open_p, sums.contact, sums.gap
+    work = p0 * gap
+
+    duality_gap = None
+    if dual:
+        duality_gap = np.inf
+        if closed_p > 0:
+            scale = N * p0 / closed_p
+            pg_dual = elastic.pressure_rows(
+                lambda i0, i1, x: dual_rows(g, p, x, scale, grid.inside, i0, i1), passes
+            )
+            pg_dual, eSe = grid.comm.sum([sum(pg_dual), elastic.compliance_columns()])
+            G = max(pg_dual + 0.5 * eSe, 0.0)
+            duality_gap = float(G / work) if gap > 0 else (np.inf if G > 0 else 0.0)
+    uniform = elastic.multipliers.uniform
+    rest = 0.5 * p0 * problem.p_cell / uniform if uniform else 0.0
+    with np.errstate(invalid="ignore", over="ignore"):
+        errors, unseen = (
+            (Certificate.errors, 0.0)
+            if levels is None
+            else _errors(problem, levels, g, p, sums, uKu)
+        )
+        return Certificate(
+            penetration=float(extremes.penetration),
+            tension=float(extremes.tension / p0),
+            complementarity=float(sums.pg / work) if gap > 0 else 0.0,
+            load_balance=float(abs(sums.open_p) / (N * p0)),
+            duality_gap=duality_gap,
+            residual=float(np.sqrt(sums.open_pp / N) / p0),
+            errors=errors,
+            unseen=unseen,
+            energy=float(0.5 * uKu / N + rest),
+            uKu=float(uKu),
+            approach=float(problem.p_cell / uniform - mean - level) if uniform else np.nan,
+            contact=int(contact) if np.isfinite(contact) else 0,
+            gap_mean=float(gap / N),
+            pairs=elastic.pairs,
+            precision=np.dtype(dtype).name,
+        )
+
+
+def _errors(
+    problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, sums: KktSums, uKu: float
+) -> tuple[tuple[float, float, float], float]:
+    """Relative errors of area, mean gap and pressure field, and `unseen`; sums: KktSums of all
+    ranks."""
+    grid, N, p0 = problem.grid, problem.grid.N, float(problem.p0)
+    contact, gap, closed_pp = sums.contact, sums.gap, sums.closed_pp
+    if not (contact > 0 and np.isfinite([sums.open_pp, closed_pp, gap, uKu]).all()):
+        return (np.inf, np.inf, np.inf), 0.0
+    compliance = 1.0 / problem.body.scale(grid)
+    closed_p = N * p0 - sums.open_p  # K u has no mean: a sum over the open points has no rounding
+    excess = -sums.open_p / closed_p  # p - p^ is p out of contact, and so much of it in contact
+    levels.restrict(g, p, excess)
+    rr, tt, rt, _, ts, rs = grid.comm.sum(levels.sweep()[2:])
+    share = contact / N
+    energy = EQUIVALENCE * compliance * (sums.open_pp + excess**2 * closed_pp + rr)
+    norm, product = levels.response(contact, tt, ts, excess * closed_p + rt, rs, 0.0)
+    response, aligned = np.sqrt(compliance * norm) / share, compliance * product / share
+    inner = off_edges(grid, g, response, contact)
+    state = State(np.sqrt(energy), np.sqrt(max(uKu, 0.0)), p0, contact, N, problem, inner)
+    mean_gap, unseen = gap_error(state, gap, response, aligned)
+    pressure = pressure_error(state, 1.0 / problem.body.typical(grid), closed_pp)
+
+    pattern = error_pattern(sums.open_p, sums.open_pp, sums.open_p4, contact, N)
+    wrong = misclassified_points(problem, g, p, compliance, pressure**2 * closed_pp, pattern)
+    if contact == N and wrong == 0:
+        mean_gap = unseen = 0.0  # nothing is open, nor could be
+    pressure = np.hypot(pressure, unseen_error(problem, contact, np.sqrt(closed_pp / contact)))
+    return (relative_area(wrong, contact), float(mean_gap), float(pressure)), float(unseen)
+
+
+def unseen_error(problem: Problem, contact: float, p_rms: float) -> float:
+    """Relative error of the pressure field from S and from storing heights and pressures in the
+    working precision; p_rms: of those in contact."""
+    stored = float(np.finfo(problem.dtype).eps)
+    return float(np.linalg.norm([problem.rounding / p_rms, stored, problem.body.error]))

@@ -1,0 +1,121 @@
+"""The command line: arguments in, exit code out, errors as one line on stderr, once whatever the
+number of ranks."""
+
+import argparse
+import importlib
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from errno import ENOMEM
+from functools import partial
+from typing import NoReturn
+
+from .. import __version__
+from ..util.errors import GfmdError, SceneError, one_line
+from ..util.streams import unfailing_output
+
+ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
+COMMANDS = (
+    "init",
+    "help",
+    "run",
+    "plan",
+    "show",
+    "plot",
+    "export",
+    "persson",
+    "tfc",
+    "info",
+)
+# commands that are scripts of the repository
+MOVED = {"study": "python scripts/paper", "bench": "python scripts/bench"}
+DESCRIPTION = (
+    "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml;"
+    " hpc-gfmd plot contact.h5. With a measured map: hpc-gfmd init scan.x3p. Every key of a scene:"
+    " hpc-gfmd help scene."
+)
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse whose complaints are SceneErrors, so that under MPI they are printed once."""
+
+    def error(self, message: str) -> NoReturn:
+        raise SceneError(f"{self.prog}: {message} (see {self.prog} --help)")
+
+
+def build_parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
+    """The parser with these commands."""
+    parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
+    parser.add_argument("--version", action="version", version=f"hpc-gfmd {__version__}")
+    subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
+    for name in commands:
+        command = importlib.import_module(f".{name}", __package__)
+        command.add_parser(subparsers).set_defaults(main=command.main)
+    return parser
+
+
+def main(
+    argv: Sequence[str] | None = None, script: Callable[[], argparse.ArgumentParser] | None = None
+) -> int:
+    """Run one command; returns its exit code. What cannot be printed stops no command, but is an
+    error where it was the result.
+
+    script: makes the Parser of a script of its own instead, with the default `main`.
+    """
+    with unfailing_output() as out:
+        code, prints = _run(sys.argv[1:] if argv is None else argv, script)
+        out.flush()
+        if code or not prints or out.lost is None:
+            return code
+        if not isinstance(out.lost, BrokenPipeError):  # whoever read has stopped to listen
+            _complain(f"standard output: {out.lost.strerror or out.lost}")
+        return 1
+
+
+def _run(
+    argv: Sequence[str], script: Callable[[], argparse.ArgumentParser] | None
+) -> tuple[int, bool]:
+    """(exit code, whether the result is what was printed)."""
+    from ..parallel.leaving import leave_together
+
+    # The restart command lives with run; what is not asked for is not imported.
+    asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
+    try:
+        if asked in MOVED and script is None:
+            raise SceneError(f"{asked}: found no such command, allowed: {MOVED[asked]}")
+        parser = script() if script else build_parser([asked] if asked in COMMANDS else COMMANDS)
+        args = parser.parse_args(argv)
+        return args.main(args) or 0, not getattr(args, "saves", False)
+    except (GfmdError, ModuleNotFoundError) as error:
+        if isinstance(error, ModuleNotFoundError):
+            package = (error.name or str(error)).partition(".")[0]
+            error = GfmdError(
+                f"{asked} needs {package}, which is not installed here: pip install {package}"
+            )
+        leave_together(error.exit_code, say=partial(_complain, error))
+        return error.exit_code, False
+    except KeyboardInterrupt:  # the other ranks may not have been interrupted
+        leave_together(130, ALONE)
+        return 130, False
+    except Exception as error:
+        if isinstance(error, MemoryError) or getattr(error, "errno", None) == ENOMEM:
+            said, before = f"out of memory{_where()} ({one_line(str(error) or 'no details')})", ""
+            said += ": use more machines, fewer points or single precision"
+        else:  # a mistake in the program: what it was, for those who mend it, and one line
+            said, before = (
+                f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}",
+                traceback.format_exc(),
+            )
+        leave_together(1, ALONE, partial(_complain, said, before))
+        return 1, False
+
+
+def _complain(error: object, before: str = "") -> None:
+    print(f"{before}hpc-gfmd: {error}", file=sys.stderr, flush=True)
+
+
+def _where() -> str:
+    """Which of several ranks this is."""
+    from ..parallel.launcher import launched, launcher_rank
+
+    return f" on rank {launcher_rank()}" if launched()[0] else ""

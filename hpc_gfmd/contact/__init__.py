@@ -1,0 +1,134 @@
+"""A solved load and its observables, one idea per file: OBSERVABLES = {name: Observable(function of
+a contact, meaning, unit)}. A function returns a number, or None, which is left out of the result.
+
+ON_REQUEST = True marks a file whose observables take FFT pairs or passes over the fields of their
+own: only where the scene names them. TOGETHER = {name: names of observables} has names that stand
+for several. DISTRIBUTIONS = {name: Distribution(function of a contact, meaning, units)}, always on
+request, becomes the attributes NAME_WHAT of a load step; PERIODIC = True: not for surfaces that
+end. base.py has these classes, and what is said of the other numbers of a load.
+
+`contact` is a contact.contact.Contact; sums that several observables share are its cached
+properties, so that what nobody asks for is not computed. Numbers are in the scene's units.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable, Mapping
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from ..util.errors import SceneError
+from ..util.plugins import names_in
+from ..util.quantities import in_units
+from .base import OF_EVERY_LOAD
+
+if TYPE_CHECKING:
+    from .base import Arrays, Distribution, Observable
+    from .contact import Contact
+
+COMMON = ("base", "contact")  # files that are no observable
+
+
+def all_observables() -> dict[str, Observable]:
+    """{name: Observable}, those of one file in the order they are given there."""
+    return _merged("OBSERVABLES")
+
+
+def default_observables() -> list[str]:
+    """Names of the observables that cost no more than a look at each point: every result has
+    them."""
+    return [
+        name
+        for module in _observables()
+        if not getattr(module, "ON_REQUEST", False)
+        for name in getattr(module, "OBSERVABLES", ())
+    ]
+
+
+def observable_names() -> set[str]:
+    """What a scene may ask for: names of observables, and names that stand for several of them."""
+    return {*all_observables(), *_merged("TOGETHER")}
+
+
+def names_together(name: str) -> tuple[str, ...]:
+    """The observables that a name stands for where it stands for several, otherwise none."""
+    return _merged("TOGETHER").get(name, ())
+
+
+def observables_named(names: Iterable[str]) -> dict[str, Observable]:
+    """{name: Observable} of those that these names stand for."""
+    together = _merged("TOGETHER")
+    wanted = {one for name in names for one in together.get(name, (name,))}
+    return {name: f for name, f in all_observables().items() if name in wanted}
+
+
+def all_distributions() -> dict[str, Distribution]:
+    """{name: Distribution} of all of them."""
+    return _merged("DISTRIBUTIONS")
+
+
+def all_numbers() -> dict[str, tuple[str, str]]:
+    """{name: (meaning, unit)} of all that a result may have of a load, distributions included; for
+    units see base.py."""
+    counted = {
+        f"{name}_{what}": (f"{one.meaning}; {what}", unit)
+        for name, one in all_distributions().items()
+        for what, unit in one.units.items()
+    }
+    observed = {name: (one.meaning, one.unit) for name, one in all_observables().items()}
+    return OF_EVERY_LOAD | observed | counted
+
+
+def meaning_of(name: str) -> str:
+    """Return what the number of this name means; "" for a name that is not known."""
+    return all_numbers().get(name, ("", ""))[0]
+
+
+def unit_of(name: str, surface: Mapping[str, Any]) -> str:
+    """Return the unit of the number of this name: "Pa/m". surface: the attributes of a result's.
+
+    "1": dimensionless; "": nobody named the unit, or the number is not known.
+    """
+    return in_units(all_numbers()[name][1], surface) if name in all_numbers() else ""
+
+
+def distribution_names(free: tuple[bool, bool] = (False, False)) -> set[str]:
+    """What a scene may ask for; free: whether the surface ends along x, along y."""
+    fit = [
+        module
+        for module in _observables()
+        if not (any(free) and getattr(module, "PERIODIC", False))
+    ]
+    return {name for module in fit for name in getattr(module, "DISTRIBUTIONS", ())}
+
+
+def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) -> None:
+    """Raise SceneError where a distribution by one of these names needs periodic boundaries; free:
+    whether the surface ends along x, along y; key: where the names stand."""
+    known = distribution_names(free)
+    for name in names:
+        if name in distribution_names() - known:
+            raise SceneError(
+                f"{key}: found {name!r}, which needs periodic boundaries, allowed:"
+                f" {', '.join(sorted(known))}"
+            )
+
+
+def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Arrays]:
+    """{name: {what: array of numbers}} of the distributions of a contact by these names that have
+    anything to count. Collective."""
+    found = {name: f(contact) for name, f in all_distributions().items() if name in names}
+    return {name: arrays for name, arrays in found.items() if arrays is not None}
+
+
+def _merged(table: str) -> dict[str, Any]:
+    return {
+        name: entry
+        for module in _observables()
+        for name, entry in getattr(module, table, {}).items()
+    }
+
+
+def _observables() -> list[ModuleType]:
+    return [importlib.import_module(f"{__name__}.{name}") for name in names_in(__name__, COMMON)]

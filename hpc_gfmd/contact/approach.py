@@ -1,0 +1,27 @@
+"""The rigid displacement."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from .base import Observable
+
+if TYPE_CHECKING:
+    from .contact import Contact
+
+
+def approach(contact: Contact) -> float | None:
+    """How far the bodies have come together since they touched undeformed: against a base, or
+    infinity where the surface ends along both axes; None on a half-space that is periodic along an
+    axis, which gives way without end."""
+    return contact.approach if isfinite(contact.approach) else None
+
+
+OBSERVABLES = {
+    "approach": Observable(
+        approach,
+        "how far the bodies have come together since they touched undeformed, positive",
+        "length",
+    )
+}

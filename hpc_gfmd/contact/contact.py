@@ -1,0 +1,318 @@
+"""A solved contact at one load: fields and the sums that observables are made of, in the scene's
+units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..bodies.halfspace import HALF_SPACE
+from ..output.fields import FIELDS, LazyField
+from ..surface.quality import load_notes
+from ..surface.units import field_dtype
+from ..util.errors import SceneError
+
+if TYPE_CHECKING:
+    from ..bodies.base import Body
+    from ..certificate.certificate import Certificate
+    from ..certificate.criterion import Outcome
+    from ..operators.spectra import Spectra
+    from ..operators.tangent import Tangent
+    from ..parallel.clusters import Clusters
+    from ..surface import Surface
+
+FEW_POINTS = 100  # fewer contact points than this say little about a rough contact
+ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
+
+
+@dataclass(frozen=True)
+class Contact:
+    """What one load has come to; observables are functions of it. Its numbers are in the scene's
+    units, the same on all ranks.
+
+    Attributes
+    ----------
+    surface : Surface
+        The wall, and the grid it was solved on.
+    E_star : float
+        Effective modulus; pressures are in its unit.
+    p_mean : float
+        Mean pressure over the nominal area.
+    g, p : array, local slabs of the grid
+        Gap and pressure of the solution, in the program's units (operators/problem.py); the next
+        load of a sweep overwrites them.
+    outcome : Outcome
+        Status, certificate and errors.
+    accuracy : float
+        Relative, of what observables still have to solve for.
+    lam_s : float or None
+        Shortest wavelength of the wall, where that is known.
+    body : Body
+        What is pressed.
+    remark : str or None
+        On how the load was found, where it was not given.
+    """
+
+    surface: Surface
+    E_star: float
+    p_mean: float
+    g: np.ndarray
+    p: np.ndarray
+    outcome: Outcome
+    accuracy: float
+    lam_s: float | None = None
+    body: Body = HALF_SPACE
+    remark: str | None = None
+
+    @property
+    def certificate(self) -> Certificate:
+        """The independent check of this solution."""
+        return self.outcome.certificate
+
+    @property
+    def N(self) -> int:
+        """Number of points of the grid that was solved."""
+        return self.surface.grid.N
+
+    @property
+    def g_rms(self) -> float:
+        """Realised rms gradient."""
+        return self.surface.g_rms
+
+    @property
+    def h_rms(self) -> float:
+        """Realised rms height."""
+        return self.surface.h_rms
+
+    @property
+    def pressure_unit(self) -> float:
+        """What one unit of p is in the unit of E_star."""
+        return self.E_star * self.surface.slope
+
+    @property
+    def p_star(self) -> float:
+        """p_mean/(E* g_rms); nan on a flat surface."""
+        return self.p_mean / self.pressure_unit if self.g_rms > 0 else float("nan")
+
+    @property
+    def approach(self) -> float:
+        """How far the bodies have come together since they touched undeformed; nan where a
+        half-space gives way without end."""
+        return self.certificate.approach * self.surface.height_unit
+
+    @property
+    def contact_points(self) -> int:
+        """Number of points in contact."""
+        return self.certificate.contact
+
+    @property
+    def gap_mean(self) -> float:
+        """Mean gap over the nominal area."""
+        return self.certificate.gap_mean * self.surface.height_unit
+
+    @property
+    def energy(self) -> float:
+        """Elastic energy per area."""
+        return self.certificate.energy * self.pressure_unit * self.surface.height_unit
+
+    @property
+    def note(self) -> str | None:
+        """What a reader should know before the numbers, one line; None if there is nothing."""
+        of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
+        return (
+            "; ".join(filter(None, [self._doubt, self.remark, *of_load, *self.surface.notes]))
+            or None
+        )
+
+    @property
+    def _doubt(self) -> str | None:
+        """Why a solution that is converged may yet say little."""
+        points = self.contact_points
+        if self.g_rms == 0 and not self.surface.grid.padded:
+            return "flat surface: every point touches at any load"
+        if points == self.N:
+            return "full contact: every point touches, the gap is zero"
+        if points < FEW_POINTS:
+            touch = "touches" if points == 1 else "touch"
+            return (
+                f"only {points} point{'s' * (points != 1)} {touch}: the area is known to"
+                f" {100 / max(points, 1):.0f} % at best"
+            )
+        if self.gap_is_rounding:
+            precision = "single" if self.g.dtype == np.float32 else "double"
+            return f"the gap is all rounding at this load in {precision} precision"
+        if self.accuracy < self.certificate.unseen < np.inf:
+            return (
+                f"the mean gap is known to {self.certificate.unseen:.1g} at best: rounding errors,"
+                " and of free edges"
+            )
+        return None
+
+    @property
+    def gap_is_rounding(self) -> bool:
+        """Whether the points that are open are so by less than rounding errors of the heights."""
+        least = ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms
+        return self.contact_points < self.N and self.gap_mean < least
+
+    @cached_property
+    def tangent(self) -> Tangent:
+        """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
+        from ..operators.tangent import tangent
+
+        rows, points = self.surface.grid.inside
+        touching = np.zeros(self.g.shape, dtype=bool)
+        touching[:rows, :points] = self.touching(0, rows)
+        return tangent(self.surface.grid, self.body, touching, self.g.dtype, self.accuracy)
+
+    @cached_property
+    def spectra(self) -> Spectra:
+        """The operators.spectra.Spectra of this contact."""
+        from ..operators.spectra import Spectra
+
+        surface = self.surface
+        fields: dict[str, Callable[[int, int], np.ndarray]] = {
+            "gap": lambda i0, i1: self.g[i0:i1],
+            "pressure": lambda i0, i1: np.where(self.touching(i0, i1), self.p[i0:i1], 0),
+        }
+        if (h := surface.h) is not None:
+            fields["heights"] = lambda i0, i1: h[i0:i1]
+        length = surface.height_unit
+        units = {"gap": length, "pressure": self.pressure_unit, "heights": length}
+        return Spectra(surface.grid, self.g.dtype, fields, units, surface.add_spectrum)
+
+    @property
+    def pairs(self) -> float:
+        """FFT pairs that observables of this contact took so far."""
+        return sum(vars(self)[name].pairs for name in ("tangent", "spectra") if name in vars(self))
+
+    @property
+    def periodic(self) -> tuple[bool, bool]:
+        """Whether opposite edges of the surface touch, along x and along y."""
+        nominal, n = self.surface.grid.nominal, self.surface.grid.n
+        return nominal[0] == n[0], nominal[1] == n[1]
+
+    def touching(self, i0: int, i1: int) -> np.ndarray:
+        """Which points touch in the rows i0 <= i < i1 of this rank's part of the surface: bool, (i1
+        - i0, points of the surface)."""
+        points = self.surface.grid.nominal[1]
+        return (self.g[i0:i1, :points] <= 0) & (self.p[i0:i1, :points] > 0)
+
+    def clusters(
+        self, of_contact: bool = True, corners: bool = False, open_axis: int | None = None
+    ) -> Clusters:
+        """The parallel.clusters.Clusters of the points that touch, or of those that do not, found
+        once. Collective.
+
+        corners: whether points belong together that share a corner only; open_axis: one along which
+        no cluster goes around the cell.
+        """
+        key = of_contact, corners, open_axis
+        if key not in self._clusters:
+            from ..parallel.clusters import find_clusters
+
+            grid = self.surface.grid
+            periodic = self.periodic[0] and open_axis != 0, self.periodic[1] and open_axis != 1
+            self._clusters[key] = find_clusters(
+                grid.comm,
+                lambda i0, i1: self.touching(i0, i1) == of_contact,
+                grid.nominal_rows,
+                grid.nominal,
+                periodic,
+                corners,
+            )
+        return self._clusters[key]
+
+    @cached_property
+    def _clusters(self) -> dict[tuple[bool, bool, int | None], Clusters]:
+        return {}
+
+    @cached_property
+    def edges(self) -> tuple[int, int]:
+        """Grid-cell sides between a point in contact and one that is not: how many of them run
+        along x, and how many along y.
+
+        The edge of a surface that ends is none.
+        """
+        from ..kernels.certify import contact_edges
+        from ..parallel import halo
+
+        grid = self.surface.grid
+        if grid.N == 1:
+            return 0, 0
+        g, p, rows = self.g, self.p, grid.inside[0]
+        below = halo.next_row(
+            grid.comm,
+            np.stack([g[: min(rows, 1)], p[: min(rows, 1)]]),
+            np.minimum(grid.starts, grid.nominal[0]),
+        )
+        around_x, around_y = self.periodic
+        if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
+            below = np.stack([g[rows - 1], p[rows - 1]])
+        along_x, along_y = grid.comm.sum(
+            contact_edges(g, p, grid.inside, below[0], below[1], around_y)
+        )
+        return int(along_x), int(along_y)
+
+    @property
+    def boundary_segments(self) -> int:
+        """The same, of either direction."""
+        return sum(self.edges)
+
+    def field(self, name: str) -> LazyField:
+        """One of FIELDS as a local slab of the whole grid, computed as it is read.
+
+        In the precision of the solution, or in double precision where single cannot hold it in the
+        scene's units.
+
+        It refers to the solver's own arrays: the next load of a sweep overwrites them.
+
+        pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: u >= -h, positive away from
+        the wall. Raises SceneError for an unknown name.
+        """
+        if name not in FIELDS:
+            raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")
+        dtype = field_dtype(name, self.g.dtype, self.p_mean, self.surface)
+        real = dtype.type
+
+        def values(take: slice) -> np.ndarray:
+            points = self.surface.grid.nominal[1]
+            g, p = self.g[take, :points], self.p[take, :points]
+            if name == "pressure":
+                return np.where((g <= 0) & (p > 0), p, 0) * real(self.pressure_unit)
+            if name == "displacement":
+                assert self.surface.h is not None  # refused beforehand with solver.low_memory
+                g = g - self.surface.h[take]
+            return g * real(self.surface.height_unit)
+
+        return _on_the_whole_grid(self.surface, values, dtype)
+
+
+def heights_of(surface: Surface) -> LazyField:
+    """Heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest at 0: as
+    Contact.field."""
+    h = surface.h
+    assert h is not None  # asked for before a sweep in low memory gives them away
+    dtype = field_dtype("heights", h.dtype, 0.0, surface)
+    return _on_the_whole_grid(
+        surface, lambda take: h[take] * -dtype.type(surface.height_unit), dtype
+    )
+
+
+def _on_the_whole_grid(
+    surface: Surface, values: Callable[[slice], np.ndarray], dtype: np.dtype
+) -> LazyField:
+    """The local slab, with an axis that was left out, of what values(rows of the arrays) gives."""
+    left_out = surface.reduced_axis
+
+    def rows(i0: int, i1: int) -> np.ndarray:
+        first = (
+            surface.rows[0] if left_out == 1 else 0
+        )  # with the second axis left out every rank has all rows
+        found = values(slice(0, 1) if left_out == 0 else slice(first + i0, first + i1))
+        return found if left_out is None else np.broadcast_to(found, (i1 - i0, surface.n[1]))
+
+    return LazyField(rows, (surface.rows[1] - surface.rows[0], surface.n[1]), dtype)

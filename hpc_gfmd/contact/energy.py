@@ -1,0 +1,25 @@
+"""Elastic energy per area."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from .base import Observable
+
+if TYPE_CHECKING:
+    from .contact import Contact
+
+
+def energy(contact: Contact) -> float | None:
+    """U/A, on a half-space (E*/4) sum_q |q| |u_q|^2 (eq. elaEnerg2D); None where it has no end."""
+    return contact.energy if isfinite(contact.energy) else None
+
+
+OBSERVABLES = {
+    "energy": Observable(
+        energy,
+        "elastic energy of the deformation over the nominal area, positive",
+        "pressure length",
+    )
+}

@@ -1,0 +1,40 @@
+"""Mean gap, absolute and in units of the surface."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .base import Observable
+
+if TYPE_CHECKING:
+    from .contact import Contact
+
+
+def gap_mean(contact: Contact) -> float:
+    """Mean of u + h over the cell."""
+    return contact.gap_mean
+
+
+def gap_over_h_rms(contact: Contact) -> float | None:
+    """Mean gap over the rms height."""
+    return contact.gap_mean / contact.h_rms if contact.h_rms > 0 else None
+
+
+def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
+    """Mean gap over g_rms lam_s; only for surfaces whose lam_s is known."""
+    return (
+        contact.gap_mean / (contact.g_rms * contact.lam_s)
+        if contact.lam_s and contact.g_rms > 0
+        else None
+    )
+
+
+OBSERVABLES = {
+    "gap_mean": Observable(
+        gap_mean, "mean gap over the nominal area, 0 or positive, contact included", "length"
+    ),
+    "gap_over_h_rms": Observable(gap_over_h_rms, "gap_mean over the rms height"),
+    "gap_over_g_rms_lam_s": Observable(
+        gap_over_g_rms_lam_s, "gap_mean over g_rms times the shortest wavelength"
+    ),
+}

@@ -1,0 +1,93 @@
+"""Contact patches: how many, how large, and how their sizes are distributed.
+
+Points belong to one patch where they share a side (4-connected), also across the periodic border:
+the boundary of the contact is made of such sides, and it is what others count (scipy,
+ContactMechanics). Whether two points that share a corner only would be joined on a finer grid
+nobody knows; names that end in _8 join them (8-connected). Sizes are areas, in the unit of length
+squared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .base import Arrays, Distribution, Observable
+
+if TYPE_CHECKING:
+    from .contact import Contact
+
+ON_REQUEST = True
+BINS_PER_OCTAVE = 2
+
+
+def _area(contact: Contact) -> float:
+    """Of one point."""
+    a_x, a_y = contact.surface.grid.spacings
+    return a_x * a_y
+
+
+def _of_patches(corners: bool) -> dict[str, Observable]:
+    """Number of patches, largest and mean size; a mean needs a patch."""
+    end, how = ("_8", "a side or a corner") if corners else ("", "a side")
+
+    def number(contact: Contact) -> int:
+        return int(contact.surface.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
+
+    def largest(contact: Contact) -> float:
+        return float(
+            contact.surface.grid.comm.max([contact.clusters(corners=corners).sizes.max(initial=0)])[
+                0
+            ]
+        ) * _area(contact)
+
+    def mean(contact: Contact) -> float | None:
+        patches = number(contact)
+        return contact.contact_points * _area(contact) / patches if patches else None
+
+    return {
+        f"patches{end}": Observable(
+            number, f"number of contact patches: points that touch and share {how}"
+        ),
+        f"patch_largest{end}": Observable(largest, "area of the largest patch", "length^2"),
+        f"patch_mean{end}": Observable(mean, "mean area of the patches", "length^2"),
+    }
+
+
+def _sizes(corners: bool) -> Callable[[Contact], Arrays | None]:
+    """The distribution of patch sizes: see `sizes`."""
+
+    def sizes(contact: Contact) -> Arrays | None:
+        """edges of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points); density: share
+        of the patches per area, integrates to 1. None without a patch."""
+        comm, found = contact.surface.grid.comm, contact.clusters(corners=corners).sizes
+        largest = comm.max([found.max(initial=0)])[0]
+        if largest == 0:
+            return None
+        octaves = int(np.log2(largest)) + 1
+        edges = np.unique(
+            np.ceil(2.0 ** (np.arange(BINS_PER_OCTAVE * octaves + 1) / BINS_PER_OCTAVE))
+        )
+        edges = edges[: np.searchsorted(edges, largest, "right") + 1]
+        counts = comm.sum(np.histogram(found, edges)[0])
+        return {
+            "edges": edges * _area(contact),
+            "density": counts / counts.sum() / (np.diff(edges) * _area(contact)),
+        }
+
+    return sizes
+
+
+SIDES, CORNERS = _of_patches(False), _of_patches(True)
+OBSERVABLES = SIDES | CORNERS
+TOGETHER = {"patches": tuple(SIDES), "patches_8": tuple(CORNERS)}
+DISTRIBUTIONS = {
+    f"patches{end}": Distribution(
+        _sizes(corners),
+        f"distribution of the areas of the patches{end}: share of them per area",
+        {"edges": "length^2", "density": "1/length^2"},
+    )
+    for end, corners in (("", False), ("_8", True))
+}

@@ -1,0 +1,35 @@
+"""Contact stiffness: the tangent of the load curve."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import TYPE_CHECKING
+
+from .base import Observable
+
+if TYPE_CHECKING:
+    from .contact import Contact
+
+ON_REQUEST = True
+
+
+def stiffness(contact: Contact) -> float | None:
+    """-dp/d(mean gap) while no point changes sides, with a relative error of at most the accuracy
+    asked for.
+
+    None in full contact, where it is infinite, where nothing touches, and where it was not found to
+    that accuracy.
+    """
+    compliance = contact.tangent.compliance
+    return (
+        contact.pressure_unit / (compliance * contact.surface.height_unit)
+        if 0 < compliance < inf
+        else None
+    )
+
+
+OBSERVABLES = {
+    "stiffness": Observable(
+        stiffness, "-dp/d(gap_mean), the tangent of the load curve, positive", "pressure/length"
+    )
+}

@@ -1,0 +1,81 @@
+"""The gap mode: the one wave that the multilevel preconditioner M takes for far too stiff.
+
+Where little touches, M K takes all waves to between 0.4 and 1.6 but for one that it takes to 0.15
+to 0.3, the less the larger the grid: the rise of all that is open, w = K_FF^-1 1, which answers a
+change of the load (tangent.py). So M gets w as one more function,
+
+    M + (1 - mu) w w^T/<1, w>,    mu = <1, M 1>/<1, w>: what M has of w as it is.
+
+A w of a coarse level will do, on which theta is the share of contact: a few steps of conjugate
+gradients for (K + theta) w = 1, K in units of that of the grid's shortest wave, preconditioned by
+the levels from there on. Single points in contact are as soft then as on the grid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .coarsest import DAMPING, CoarsestLevels
+
+if TYPE_CHECKING:
+    from ..bodies.base import Body
+    from ..parallel.coarsening import Level
+    from ..parallel.grid import Grid
+
+STEPS = 3
+SOLVED = 1e-6  # of <r, M r>, relative: where contact is the same everywhere, one step is enough
+COARSER, FEWEST = (
+    64,
+    250,
+)  # the level has so many times fewer points than the grid, and at least so many
+MOST = 0.3  # share of the grid in contact above which w is no exception
+
+
+class GapMode:
+    """Of a grid and body, for all contacts; levels: those that one rank has alone. Level `at` of
+    these is where w is found, None where the grid is small; pairs: FFT pairs of the grid that it
+    takes."""
+
+    def __init__(self, grid: Grid, body: Body, levels: Sequence[Level], weights: np.ndarray):
+        points = [level.n[0] * level.n[1] for level in levels]
+        self.at = next(
+            (k for k, few in enumerate(points) if FEWEST <= few <= grid.cell_points / COARSER), None
+        )
+        self.pairs = 0.0
+        if self.at is None:
+            return
+        self.pairs = STEPS * points[self.at] / grid.cell_points
+        self.levels = CoarsestLevels(levels[self.at :], weights[self.at :], weights[self.at :])
+        n = levels[self.at].n
+        q_x, q_y = (
+            2 * np.pi * np.fft.fftfreq(m, size / m) * grid.a
+            for m, size in zip(n, grid.sizes, strict=True)
+        )
+        K = body.stiffness(np.hypot(q_x[:, None], q_y[: n[1] // 2 + 1]), grid.a) / body.scale(grid)
+        K[0, 0] = 0  # the rigid translation
+        self.K = K.astype(weights.dtype)
+
+    def wanted(self, share: float) -> bool:
+        """Whether there is one where so much of the grid is in contact."""
+        return self.at is not None and 0 < share < MOST
+
+    def find(self, t: np.ndarray) -> np.ndarray:
+        """w sqrt((1 - mu)/<1, w>) where t is the share of contact."""
+        real = t.dtype.type
+        w, r, d, rz = np.zeros_like(t), np.ones_like(t), np.zeros_like(t), np.inf
+        known = float(self.levels.sweep(r, t)[0].sum())
+        for _ in range(STEPS):
+            z = self.levels.sweep(r, t / real(DAMPING))[0]
+            before, rz = rz, float((r * z).sum())
+            if rz < SOLVED * known:
+                break
+            d = z + real(rz / before) * d
+            x = np.fft.irfft2(self.K * np.fft.rfft2(d), d.shape).astype(real) + t * d
+            step = real(rz / float((d * x).sum()))
+            w += step * d
+            r -= step * x
+        total = float(w.sum())
+        return w * real(np.sqrt(max(1 - known / total, 0.0) / total))

@@ -1,0 +1,150 @@
+"""What is asked at one load, in the program's own units.
+
+Units: in-plane length a = sqrt(a_x a_y), height g_rms a, pressure E* g_rms. Everything is then of
+order one whatever the scene's units, and p0 is p*:
+
+    p = p0 + K u    K(q) of the elastic body (|q|/2 for a half-space)
+    g = u + h >= 0,    p >= 0,    p g = 0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..bodies.base import Body
+from ..bodies.halfspace import HALF_SPACE
+
+if TYPE_CHECKING:
+    from ..parallel.fft import SlabFFT
+    from ..parallel.grid import Grid
+
+Rows = Callable[[int, int, np.ndarray], None]  # makes rows i0..i1 of a field in x
+Columns = Callable[[np.ndarray, int], None]  # changes block m of the columns of a spectrum
+
+# rms of the error of K h over the rms of h, in units of the working precision: the largest seen
+ROUNDING = 2.5
+TRANSFORMED = 1.5  # of a transformed K u over the rms of u about its mean, likewise
+EVERY = 8  # rows of which one says what the mean is
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A body pressed against a wall with a mean pressure.
+
+    Attributes
+    ----------
+    grid : Grid
+        Of the cell.
+    h : array, local part of the nominal area, or None
+        Initial gap, >= 0 with minimum 0, in the working precision. Without it u = g - h is formed
+        in Fourier space by `add_spectrum`.
+    p0 : float
+        Mean pressure over the nominal area.
+    add_spectrum : function of a SlabFFT
+        Gives a function (block, m) that adds the transform of -h to a block of columns.
+    working : dtype
+        The precision where there is no h.
+    h_rms : float
+        What root_mean_square was, where that is known.
+    body : Body
+        See bodies/.
+    """
+
+    grid: Grid
+    h: np.ndarray | None
+    p0: float
+    add_spectrum: Callable[[SlabFFT], Columns] | None = None
+    working: np.dtype | None = None
+    h_rms: float | None = None
+    body: Body = HALF_SPACE
+
+    @property
+    def dtype(self) -> np.dtype:
+        """The working precision."""
+        return np.dtype(self.working) if self.h is None else self.h.dtype
+
+    @cached_property
+    def root_mean_square(self) -> float:
+        """sqrt(mean h^2). Collective where it is first asked for."""
+        if self.h_rms is not None or self.h is None:
+            return self.h_rms or 0.0
+        squares = np.einsum("ij,ij->i", self.h, self.h).sum(
+            dtype=float
+        )  # rows: sums that long would lose digits
+        return float(np.sqrt(self.grid.comm.sum([squares])[0] / self.grid.N))
+
+    @property
+    def heights(self) -> np.ndarray:
+        """h, where there is one."""
+        assert self.h is not None
+        return self.h
+
+    @property
+    def p_cell(self) -> float:
+        """The mean pressure over the whole grid."""
+        return self.p0 * (self.grid.N / self.grid.cell_points)
+
+    @cached_property
+    def self_energy(self) -> float:
+        """sqrt(<v, S v>) of v = 1 on a surface that ends, 0 beyond, less its mean, at most; 0 where
+        the surface is all there is.
+
+        Of all shapes of the same area a disc has the most, 0.958 area^(3/2); a strip that is
+        periodic along its length (4/pi^3) 1.05 area times its width, times 2 for the mean of S,
+        which is left open there.
+        """
+        grid = self.grid
+        ends = [m * s / grid.a for m, n, s in zip(grid.nominal, grid.n, grid.spacings) if m != n]
+        longest = 0.33 * max(ends) if len(ends) == 1 else 0.0
+        return float(np.sqrt(grid.N * max(0.958 * np.sqrt(grid.N), longest))) if ends else 0.0
+
+    @property
+    def rounding(self) -> float:
+        """The rms error of the pressure that comes from storing h in the working precision, and the
+        displacement beyond the surface, which is of the order of p_cell times the size of the cell.
+        Collective."""
+        beyond = self.sunk if self.grid.padded else 0.0
+        return (
+            ROUNDING
+            * float(np.finfo(self.dtype).eps)
+            * float(np.hypot(self.root_mean_square, beyond))
+        )
+
+    @property
+    def sunk(self) -> float:
+        """How much the displacement varies where nothing but the load limits it, about."""
+        return float(self.p_cell * np.sqrt(self.grid.cell_points))
+
+    def noise(self, h_rms: float) -> float:
+        """The rms error of the pressure from transforms in the working precision, at most; h_rms:
+        of the heights."""
+        varies = (
+            h_rms if self.h is None else self.sunk if self.grid.padded else min(h_rms, self.sunk)
+        )
+        return TRANSFORMED * float(np.finfo(self.dtype).eps) * varies
+
+    def level(self, g: np.ndarray) -> float:
+        """The mean of what is transformed of u = g - h, about. K does not see it, but rounding
+        errors go with it. Collective."""
+        few = g[::EVERY]
+        heights = 0.0 if self.h is None else self.h[::EVERY].sum()
+        total, points = self.grid.comm.sum([few.sum() - heights, few.size])
+        return float(total / points)
+
+    def displacement_rows(self, g: np.ndarray, level: float) -> Rows:
+        """fill(i0, i1, x): rows of u - level, u = g - h (g itself beyond the surface), or of g
+        where `adder` does the rest; x may be of another precision."""
+        from ..kernels.certify import displacement_rows
+
+        h = np.zeros((0, 0), self.dtype) if self.h is None else self.h
+        return lambda i0, i1, x: displacement_rows(g, h, x, i0, i1, level)
+
+    def adder(self, fft: SlabFFT) -> Columns | None:
+        """What completes the columns of u after a transform of its rows: None where the rows are
+        those of u already."""
+        return self.add_spectrum(fft) if self.h is None and self.add_spectrum is not None else None

@@ -1,0 +1,181 @@
+"""How a grid is coarsened: sizes and wave numbers of the levels, which coarse rows a rank owns, and
+on how few ranks they are gathered.
+
+Coarse rows first live where the fine ones do. Where that leaves ranks with less than is worth a
+message, or without rows, they are gathered on every second, fourth, ... rank: none ever holds more
+than its own share and twice what is worth a message.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+if TYPE_CHECKING:
+    from .grid import Grid
+
+SQRT2 = np.sqrt(2.0)
+Tables = tuple[np.ndarray, np.ndarray, int, np.ndarray, np.ndarray, np.floating]
+
+
+@dataclass(frozen=True)
+class Level:
+    """One level of the hierarchy: points, and its largest wave number over sqrt 2 (as
+    Grid.q_nyquist) in units of 1/a."""
+
+    n: tuple[int, int]
+    q: float
+
+
+def levels(grid: Grid) -> list[Level]:
+    """All levels of a grid, finest first, down to one point.
+
+    Axes whose spacing is more than sqrt 2 larger than that of the other are not coarsened in that
+    step (semi-coarsening), so stretched cells and grids with very different n_x and n_y approach
+    square spacing.
+    """
+    n, spacing = grid.n, tuple(s / grid.a for s in grid.spacings)
+    out = [Level(n, _nyquist(n, spacing))]
+    while max(n) > 1:
+        n, spacing = halved(n, spacing)
+        out.append(Level(n, _nyquist(n, spacing) if max(n) > 1 else out[-1].q / 2))
+    return out
+
+
+def halved(
+    n: tuple[int, int], spacing: tuple[float, ...], fewest: int = 2
+) -> tuple[tuple[int, int], tuple[float, ...]]:
+    """The points of the next coarser level, and their spacing; axes of fewer than `fewest` points
+    stay as they are."""
+    finest = min((s for s, k in zip(spacing, n) if k >= fewest), default=0.0)
+    coarse = [(k + 1) // 2 if k >= fewest and s < SQRT2 * finest else k for k, s in zip(n, spacing)]
+    return (coarse[0], coarse[1]), tuple(s * k / c for s, k, c in zip(spacing, n, coarse))
+
+
+def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
+    """As Grid.q_nyquist; 1 for a single point."""
+    q = [np.pi / s for s, k in zip(spacing, n) if k > 1]
+    return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
+
+
+def axis_tables(
+    n: int, m: int, dtype: DTypeLike, start: int = 0, stop: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """J0 and f of the fine points start <= i < stop (default: all) of one axis (see
+    kernels/multilevel.py)."""
+    i = np.arange(start, n if stop is None else stop, dtype=np.int64)
+    return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
+
+
+def restrict_axis(x: np.ndarray, m: int) -> np.ndarray:
+    """A field of one axis on the next coarser level, of m points."""
+    J0, f = axis_tables(len(x), m, np.float64)
+    return (np.bincount(J0, (1 - f) * x, m) + np.bincount((J0 + 1) % m, f * x, m)) * (m / len(x))
+
+
+def restrict_axis_back(x: np.ndarray, n: int) -> np.ndarray:
+    """The transposed map: <restrict_axis(y, m), x> = <y, restrict_axis_back(x, n)>."""
+    J0, f = axis_tables(n, len(x), np.float64)
+    return ((1 - f) * x[J0] + f * x[(J0 + 1) % len(x)]) * (len(x) / n)
+
+
+def axis_mode(n: int, m: int) -> int:
+    """How the column axis is coarsened: 0 not at all, 1 exactly halved, 2 anything else."""
+    return 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
+
+
+def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
+    """First coarse row of every rank, and m: coarse row J belongs to the rank that owns the first
+    fine row with J0 = J."""
+    return -(-np.asarray(starts, dtype=np.int64) * m // n)
+
+
+def gathered(starts: ArrayLike, points: int, share: int) -> np.ndarray:
+    """First row of every rank, and their number, when the rows of a grid of so many points are
+    gathered on ranks 0, s, 2 s, ..., s the least power of two that leaves each of them `share`
+    points and a row."""
+    starts = np.asarray(starts)
+    size = int(np.flatnonzero(np.diff(starts))[-1]) + 1  # the last rank that has any
+    most = max(1, min(int(starts[-1]), points // share))
+    stride = 1
+    while -(-size // stride) > most:
+        stride *= 2
+    leaders = -(-np.arange(len(starts)) // stride) * stride
+    return starts[np.minimum(leaders, len(starts) - 1)]
+
+
+class Transfer:
+    """This rank's part of the transfer between a level with rows [start, stop) of n and the next
+    coarser one, m points. Its tables are made when they are first asked for.
+
+    It writes to and reads from a window of coarse rows: those that it owns, one before and one
+    after; none where it has no fine rows.
+    """
+
+    def __init__(
+        self,
+        n: tuple[int, int],
+        m: tuple[int, int],
+        starts: np.ndarray,
+        rank: int,
+        dtype: DTypeLike,
+    ):
+        self.n, self.m, self.rank = n, m, rank
+        self.dtype: np.dtype = np.dtype(dtype)
+        self.coarse_starts = owned_rows(starts, n[0], m[0])
+        self.fine = int(starts[rank]), int(starts[rank + 1])
+        self.start = int(self.coarse_starts[rank])
+        empty = np.diff(starts) == 0
+        self.lo, self.hi = (
+            self.coarse_starts[:-1] - ~empty,
+            self.coarse_starts[1:] + ~empty,
+        )  # windows of all ranks
+
+    @cached_property
+    def tables(self) -> Tables:
+        """What kernels take as `transfer`: a plain tuple, which numba is called with as fast as
+        with its parts."""
+        J0, f_x = axis_tables(self.n[0], self.m[0], self.dtype, *self.fine)
+        # Row numbers count the halo row: the first own coarse row is 1. The row before it (0) is
+        # used by fine rows whose J0 belongs to the rank before.
+        k0 = (J0 - self.start + 1).astype(np.int32)
+        factor = self.dtype.type(self.m[0] / self.n[0] * self.m[1] / self.n[1])
+        return (
+            k0,
+            f_x,
+            axis_mode(self.n[1], self.m[1]),
+            *axis_tables(self.n[1], self.m[1], self.dtype),
+            factor,
+        )
+
+    @property
+    def k0(self) -> np.ndarray:
+        """The coarse row of each of its fine rows, the halo row counted."""
+        return self.tables[0]
+
+    @property
+    def window_rows(self) -> int:
+        """Number of coarse rows in this rank's window."""
+        return int(self.hi[self.rank] - self.lo[self.rank])
+
+    def passes(self, longest: int) -> list[tuple[int, int]]:
+        """Row ranges of at most `longest` rows (or one coarse row's) that begin where a coarse row
+        begins."""
+        out, n_loc = [], len(self.k0)
+        firsts = np.flatnonzero(np.diff(self.k0, prepend=-2))  # rows that open a coarse row
+        begin = 0
+        while begin < n_loc:
+            ends = firsts[(firsts > begin) & (firsts <= begin + longest)]
+            end = (
+                n_loc
+                if begin + longest >= n_loc
+                else (int(ends[-1]) if len(ends) else begin + longest)
+            )
+            out.append((begin, end))
+            begin = end
+        return out

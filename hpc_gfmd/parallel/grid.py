@@ -1,0 +1,160 @@
+"""The periodic grid, its slabs, wave vectors and sums over ranks.
+
+Convention of the discrete Fourier transform, used everywhere:
+
+    h_q = (1/N) sum_r h(r) exp(-i q.r),    h(r) = sum_q h_q exp(+i q.r),    N = n_x n_y
+    h_rms^2 = sum_{q != 0} |h_q|^2,        g_rms^2 = sum_q q^2 |h_q|^2
+
+and q of the minimal image. In-plane lengths inside the program are in units of the grid spacing a =
+sqrt(a_x a_y), so that |q| <= pi on a square grid whatever the physical size of the cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from ..util.aligned import empty_aligned
+from .fft import SlabFFT
+from .layout import row_starts
+
+if TYPE_CHECKING:
+    from .comm import Comm
+
+
+class Grid:
+    """n = (n_x, n_y) points in a cell of physical sizes (L_x, L_y); every rank owns the rows
+    [start, stop) of each field.
+
+    starts: first row of each rank, and n_x; by default the block distribution of mpi4py-fft.
+    nominal: points along each axis that the surface has, from point 0; the others are padding,
+    where nothing can touch. Means and counts are over the nominal area.
+    """
+
+    def __init__(
+        self,
+        n: Sequence[int],
+        sizes: Sequence[float] = (1.0, 1.0),
+        comm: Comm | None = None,
+        threads: int = 1,
+        starts: ArrayLike | None = None,
+        nominal: Sequence[int] | None = None,
+    ):
+        from .comm import SerialComm
+
+        self.n = (int(n[0]), int(n[1]))
+        self.sizes = (float(sizes[0]), float(sizes[1]))
+        self.comm = comm or SerialComm()
+        self.threads = threads
+        self.starts = (
+            row_starts(self.n[0], self.comm.size) if starts is None else np.asarray(starts)
+        )
+        self.nominal = self.n if nominal is None else (int(nominal[0]), int(nominal[1]))
+        self._fft: dict[np.dtype, SlabFFT] = {}
+
+    @property
+    def cell_points(self) -> int:
+        """Number of points of the whole grid."""
+        return self.n[0] * self.n[1]
+
+    @property
+    def N(self) -> int:
+        """Number of points of the nominal area: all of them unless the surface ends within the
+        cell."""
+        return self.nominal[0] * self.nominal[1]
+
+    @property
+    def padded(self) -> bool:
+        """Whether there are points beyond the surface."""
+        return self.nominal != self.n
+
+    @property
+    def inside(self) -> tuple[int, int]:
+        """Shape of this rank's part of the nominal area: its first rows, and the first points of
+        each."""
+        start, stop = self.rows
+        return min(stop, self.nominal[0]) - min(start, self.nominal[0]), self.nominal[1]
+
+    @property
+    def nominal_rows(self) -> tuple[int, int]:
+        """This rank's rows (start, stop) of the nominal area, perhaps none."""
+        start, stop = self.rows
+        return min(start, self.nominal[0]), min(stop, self.nominal[0])
+
+    @property
+    def rows(self) -> tuple[int, int]:
+        """This rank's rows (start, stop)."""
+        r = self.comm.rank
+        return int(self.starts[r]), int(self.starts[r + 1])
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Shape of a local slab."""
+        start, stop = self.rows
+        return stop - start, self.n[1]
+
+    @property
+    def spacings(self) -> tuple[float, float]:
+        """Physical grid spacings (a_x, a_y)."""
+        return self.sizes[0] / self.n[0], self.sizes[1] / self.n[1]
+
+    @cached_property
+    def a(self) -> float:
+        """The unit of in-plane length, sqrt(a_x a_y)."""
+        return float(np.sqrt(self.spacings[0] * self.spacings[1]))
+
+    @cached_property
+    def q_x(self) -> np.ndarray:
+        """Wave numbers along x in units of 1/a, shape (n_x,)."""
+        return 2 * np.pi * np.fft.fftfreq(self.n[0]) * self.a / self.spacings[0]
+
+    @cached_property
+    def q_y(self) -> np.ndarray:
+        """Wave numbers along y of the half spectrum in units of 1/a, shape (n_y//2 + 1,)."""
+        return 2 * np.pi * np.arange(self.n[1] // 2 + 1) / self.n[1] * self.a / self.spacings[1]
+
+    @property
+    def q_nyquist(self) -> float:
+        """|q| at the corner of the Brillouin zone divided by sqrt 2: pi/a on a square grid. An axis
+        of one point does not count."""
+        q = [np.pi * self.a / s for s, n in zip(self.spacings, self.n) if n > 1]
+        return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
+
+    def multiplicity(self, j: ArrayLike) -> np.ndarray:
+        """How often columns j of the half spectrum occur in the full one: 1 or 2; 0 beyond the last
+        column."""
+        j = np.asarray(j)
+        n_y = self.n[1]
+        twice = (j > 0) & (2 * j != n_y)
+        return np.where(j > n_y // 2, 0, np.where(twice, 2, 1))
+
+    def fft(self, dtype: DTypeLike) -> SlabFFT:
+        """The transforms of this grid in one precision, planned once."""
+        dtype = np.dtype(dtype)
+        if dtype not in self._fft:
+            self._fft[dtype] = SlabFFT(self.comm, self.n, self.starts, dtype, self.threads)
+        return self._fft[dtype]
+
+    def planned(self) -> list[SlabFFT]:
+        """The transforms that have been planned, all precisions."""
+        return list(self._fft.values())
+
+    def forget_fft(self, dtype: DTypeLike) -> None:
+        """Give back the memory of the transforms in one precision."""
+        self._fft.pop(np.dtype(dtype), None)
+
+    def empty(self, dtype: DTypeLike) -> np.ndarray:
+        """An uninitialised local slab."""
+        return empty_aligned(self.shape, dtype)
+
+    def column_tables(self, fft: SlabFFT) -> tuple[np.ndarray, np.ndarray]:
+        """q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its
+        precision; 0 beyond a narrower block."""
+        j = fft.edges[:-1, None] + np.arange(fft.W)
+        weight = np.where(j < fft.edges[1:, None], self.multiplicity(j), 0)
+        q_y = np.where(weight > 0, self.q_y[np.minimum(j, self.n[1] // 2)], 0.0)
+        return q_y.astype(fft.dtype), weight.astype(fft.dtype)

@@ -1,0 +1,173 @@
+"""What a rank has and sends: worked out by the code that runs, for any rank of any number of ranks,
+without memory and messages."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from ..bodies.free import Free
+from ..driver.nested import Decimation
+from ..kernels.bpx import UpdateSums
+from ..operators.multilevel import FIELDS, Step, steps_of, traffic_of
+from ..parallel.coarsening import Level
+from ..parallel.comm import stages
+from ..parallel.grid import Grid
+from ..parallel.imagined import Imagined
+from ..parallel.layout import Layout
+
+REDUCTIONS = (
+    1,
+    2,
+    len(UpdateSums._fields) + 8,
+)  # numbers that a step of bpx sums over all ranks, the last with those of a sweep
+
+
+@dataclass(frozen=True)
+class Share:
+    """What one rank has of a grid; dtype: of the fields. With nested=False there are no coarser
+    grids to be solved on."""
+
+    grid: Grid
+    dtype: np.dtype
+    nested: bool = True
+
+    @property
+    def points(self) -> int:
+        """Points of its slab."""
+        return self.grid.shape[0] * self.grid.shape[1]
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Rows and columns of the transforms of the finest grid."""
+        return self.layout_of(self.grid, self.dtype)
+
+    @staticmethod
+    def layout_of(grid: Grid, dtype: DTypeLike) -> Layout:
+        """The same of any grid."""
+        return Layout(
+            grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize, grid.comm.node_ranks
+        )
+
+    @cached_property
+    def grids(self) -> list[Grid]:
+        """The coarser grids of the nested start that this rank has a part in, finest first."""
+        found: list[Grid] = []
+        grid = self.grid
+        while (
+            self.nested
+            and (step := Decimation.of(grid, len(found))) is not None
+            and step.coarse is not None
+        ):
+            grid = step.coarse
+            found.append(grid)
+        return found
+
+    @cached_property
+    def _hierarchy(self) -> tuple[list[Step], list[Level]]:
+        return steps_of(self.grid, self.dtype)
+
+    @property
+    def steps(self) -> list[Step]:
+        """The steps of the preconditioner that are distributed, and the first one that is not."""
+        return self._hierarchy[0]
+
+    @property
+    def levels(self) -> list[Level]:
+        """All levels of the preconditioner."""
+        return self._hierarchy[1]
+
+    @property
+    def level_points(self) -> int:
+        """Points of all coarse levels of the preconditioner, halo rows not counted."""
+        alone = (
+            sum(level.n[0] * level.n[1] for level in self.levels[len(self.steps) + 1 :])
+            if self.grid.comm.rank == 0
+            else 0
+        )
+        return sum(step.owned * step.transfer.m[1] for step in self.steps) + alone
+
+    @property
+    def level_bytes(self) -> int:
+        """What the preconditioner holds, windows counted, too."""
+        steps, levels = self._hierarchy
+        numbers = sum(
+            FIELDS[min(k, 1)] * step.transfer.window_rows * step.transfer.m[1]
+            for k, step in enumerate(steps)
+        )
+        numbers += sum(
+            FIELDS[min(k, 1)] * (step.owned + 2) * step.transfer.m[1]
+            for k, step in enumerate(steps[:-1])
+            if step.owned and not step.windows.in_place
+        )
+        if self.grid.comm.rank == 0:
+            numbers += 2 * sum(level.n[0] * level.n[1] for level in levels[len(steps) :])
+        return numbers * self.dtype.itemsize
+
+    @property
+    def nested_points(self) -> int:
+        """Points of all coarser grids that it has a part in."""
+        return sum(grid.shape[0] * grid.shape[1] for grid in self.grids)
+
+    @property
+    def coarse_points(self) -> int:
+        """Points of the coarse levels, or of the coarser grids, whichever are more."""
+        return max(self.level_points, self.nested_points)
+
+    @cached_property
+    def transpose_traffic(self) -> tuple[int, int]:
+        """(bytes, messages) that it sends in the transforms of an FFT pair."""
+        return self.layout.traffic()
+
+    @cached_property
+    def level_traffic(self) -> tuple[int, int]:
+        """(bytes, messages) that it sends in a sweep over the levels."""
+        return traffic_of(self.steps, self.dtype.itemsize)
+
+    @property
+    def reduction_traffic(self) -> tuple[int, int]:
+        """(bytes, messages) that it sends in the reductions of an iteration."""
+        depth, numbers = stages(self.grid.comm.size), list(REDUCTIONS)
+        if self.grid.padded:
+            (m_x, m_y), (n_x, n_y) = self.grid.nominal, self.grid.n
+            numbers.append(Free((m_x != n_x, m_y != n_y)).exchanged(self.grid))
+        return 8 * sum(numbers) * depth, len(numbers) * depth
+
+    @property
+    def traffic(self) -> tuple[int, int]:
+        """(bytes, messages) that it sends in an iteration of bpx: one FFT pair."""
+        nbytes, messages = zip(self.transpose_traffic, self.level_traffic, self.reduction_traffic)
+        return sum(nbytes), sum(messages)
+
+    @property
+    def padding(self) -> float:
+        """Columns that all ranks hold over those of the half spectrum."""
+        return float(self.layout.columns_held.sum() / self.layout.n_c)
+
+
+def share_of(
+    n: Sequence[int],
+    dtype: DTypeLike,
+    ranks: int,
+    rank: int = 0,
+    nominal: Sequence[int] | None = None,
+    nested: bool = True,
+    sizes: Sequence[float] = (1.0, 1.0),
+    per_node: int = 1,
+) -> Share:
+    """The Share of one rank of a grid of n points; nominal: those of the surface; per_node: ranks
+    on each node, dealt out in their order, which need no messages to transpose among themselves."""
+    comm: Any = Imagined(rank, ranks, np.arange(ranks) // per_node)
+    return Share(Grid(n, sizes, comm, nominal=nominal), np.dtype(dtype), nested)
+
+
+def busiest(
+    n: Sequence[int], dtype: DTypeLike, ranks: int, per_node: int = 1, **how: Any
+) -> list[Share]:
+    """Shares of ranks among which is the one with most of everything: rank 0 has a part in all
+    levels, and all remainders; ranks of the last node, which may be fewer, send more."""
+    chosen = {0, min(1, ranks - 1), ranks // 2, (ranks - 1) // per_node * per_node, ranks - 1}
+    return [share_of(n, dtype, ranks, rank, per_node=per_node, **how) for rank in sorted(chosen)]

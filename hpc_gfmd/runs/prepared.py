@@ -1,0 +1,167 @@
+"""A surface for a notebook or a script: read and prepared, or made, as a scene would, on one
+process."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..contact.contact import heights_of
+from ..parallel.comm import SerialComm
+from ..scene import Scene
+from ..surface import build_surface
+from ..surface.prepare import prepare
+from ..surface.topography import open_topography
+from ..util.quantities import prefixed
+
+if TYPE_CHECKING:
+    from ..plotting.style import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedSurface:
+    """A rough wall with its sizes and units, which `hpc_gfmd.solve` takes.
+
+    Attributes
+    ----------
+    heights : ndarray, shape (n_x, n_y)
+        Peaks up, float64, not to be written to (copy it).
+    sizes : (L_x, L_y)
+        Physical sizes, in the unit of the heights: m where `unit` is "m", otherwise ("") one that
+        nobody named.
+    unit : str
+    prepared : tuple of str
+        What was done to the heights, a line each.
+    notes : tuple of str
+        What to know of them before the numbers, a line each.
+    free : (bool, bool)
+        Whether the surface ends along x, along y; otherwise it is periodic.
+    """
+
+    heights: np.ndarray
+    sizes: tuple[float, ...]
+    unit: str = ""
+    prepared: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    free: tuple[bool, bool] = (False, False)
+    table: dict | None = field(
+        default=None, init=False, repr=False
+    )  # the scene's [surface]; not of a copy with other heights
+
+    @cached_property
+    def h_rms(self) -> float:
+        """rms height, in the unit of the heights."""
+        return float(np.std(self.heights))
+
+    def plot(self, **how: Any) -> "Figure":
+        """A matplotlib figure of the heights; how: title, window, dpi, see plotting.height_map."""
+        from ..plotting import height_map
+
+        return height_map(self.heights, self.sizes, self.unit, **how)
+
+    def __repr__(self) -> str:
+        n_x, n_y = self.heights.shape
+        (scale, unit), (fine, small) = (
+            prefixed(self.sizes, self.unit),
+            prefixed([self.h_rms], self.unit),
+        )
+        sizes = " x ".join(f"{size / scale:.4g}" for size in self.sizes)
+        edges = {(False, False): "periodic", (True, True): "free edges"}.get(
+            self.free, f"free edges along {'xy'[self.free[1]]}"
+        )
+        said = [
+            f"{n_x} x {n_y} points",
+            f"L = {sizes} {unit}".strip(),
+            f"h_rms = {self.h_rms / fine:.4g} {small}".strip(),
+            edges,
+        ]
+        notes = f"; note: {'; '.join(self.notes)}" if self.notes else ""
+        return f"<surface: {', '.join([*said, *self.prepared])}{notes}>"
+
+
+def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -> PreparedSurface:
+    """Read a height map of any format and prepare it, on one process.
+
+    Parameters
+    ----------
+    path
+        A .npy, .npz, .txt, .csv, HDF5 or NetCDF file, or what SurfaceTopography reads (.x3p, .gwy,
+        .spm, ...); a list of two: their sum, of two rough bodies.
+    **keys
+        Those of the scene's [surface] with kind = "file", such as physical_sizes=("10 um", "8 um"),
+        unit="nm", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1), mirror=True,
+        window="hann", refine=2, downsample=2, flip=True, boundary="free", dataset="name". What the
+        file says of sizes and units holds unless they are given here.
+
+    Returns
+    -------
+    PreparedSurface
+        Heights of shape (n_x, n_y) and sizes, in m where units are known; its `notes` say what may
+        be wrong with them.
+
+    Raises
+    ------
+    SceneError
+        For what cannot be read, or has no sizes, no unit, no heights at some points, or edges that
+        do not fit together.
+    """
+    path = [str(one) for one in path] if isinstance(path, list | tuple) else str(path)
+    scene, table = _scene({"kind": "file", "path": path} | keys, "hpc_gfmd.read_surface")
+    spec = scene.surface
+    found, done, notes = prepare(open_topography(spec), spec, SerialComm())
+    return _known(
+        PreparedSurface(found.rows(0, found.n[0]), found.sizes, found.unit, done, notes, spec.free),
+        table,
+    )
+
+
+def make_surface(kind: str, **keys: Any) -> PreparedSurface:
+    """Make a rough wall as a scene would, on one process.
+
+    Parameters
+    ----------
+    kind
+        "self-affine", "wave" or "sphere".
+    **keys
+        Those of the scene's [surface] of that kind: make_surface("self-affine", hurst=0.8,
+        L_over_lam_l=2, lam_l_over_lam_s=32, lam_s_over_a=4, seed=1, g_rms=0.1),
+        make_surface("sphere", radius="1 mm", n=(256, 256), physical_sizes=("80 um", "80 um")).
+
+    Returns
+    -------
+    PreparedSurface
+        Heights of shape (n_x, n_y), the highest at 0, and sizes, in m where they were given with
+        units.
+
+    Raises
+    ------
+    SceneError
+        For keys or values that this kind does not have.
+    """
+    scene, table = _scene({"kind": kind} | keys, "hpc_gfmd.make_surface")
+    made = build_surface(scene.surface, SerialComm(), np.float64)
+    heights = np.asarray(heights_of(made))
+    return _known(
+        PreparedSurface(heights, made.sizes, scene.length_unit, free=scene.surface.free), table
+    )
+
+
+def _scene(table: dict[str, Any], caller: str) -> tuple[Scene, dict[str, Any]]:
+    table = {key: plain(value) for key, value in table.items()}
+    return Scene.from_dict({"surface": table, "load": {"pressure": 1.0}}, caller), table
+
+
+def _known(surface: PreparedSurface, table: dict[str, Any]) -> PreparedSurface:
+    surface.heights.flags.writeable = False  # the table says what they are
+    object.__setattr__(surface, "table", table)
+    return surface
+
+
+def plain(value: Any) -> Any:
+    """NumPy's numbers and arrays, alone or in a list, and tuples, as what a scene is made of."""
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

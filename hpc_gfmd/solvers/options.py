@@ -1,0 +1,29 @@
+"""The solvers' own parameters, [solver.options] of a scene."""
+
+from collections.abc import Mapping
+
+from ..scene.not_modelled import ONLY, is_not_modelled
+from ..util.errors import SceneError
+
+
+def read_options(
+    solver: str, options: Mapping[str, float], allowed: Mapping[str, tuple[float, float]]
+) -> dict[str, float]:
+    """The given options as floats. allowed: {name: (smallest, largest value)}.
+
+    Raises SceneError for an unknown name or a value out of bounds.
+    """
+    for name, value in options.items():
+        if name not in allowed:
+            known = ", ".join(allowed) or "none"
+            found = f"{name!r}, {ONLY}" if is_not_modelled(name) else repr(name)
+            raise SceneError(
+                f"solver.options: found {found}, allowed for the solver {solver!r}: {known}"
+            )
+        low, high = allowed[name]
+        if not low <= value <= high:
+            raise SceneError(
+                f"solver.options.{name}: found {value!r}, allowed: a number from {low:g} to"
+                f" {high:g}"
+            )
+    return {name: float(value) for name, value in options.items()}

@@ -1,0 +1,90 @@
+"""What numbers can hold: the program's own units are of order one, the scene's may be anything.
+
+A field is stored in single precision only where that loses nothing: its largest value is finite and
+what is as small as the rounding errors of its typical value is still a normal number. Units that
+not even double precision can hold are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from ..util.errors import SceneError
+
+if TYPE_CHECKING:
+    from . import Surface
+
+SMALLEST, LARGEST = (
+    1e-250,
+    1e250,
+)  # of what the program multiplies: units of pressure and height, their product, mean pressures
+P_STAR = 1e-100, 1e100
+
+
+def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
+    """Whether normal numbers of this precision reach from `smallest` to `largest`, magnitudes."""
+    info = np.finfo(dtype)
+    return float(info.tiny) < smallest and largest < float(info.max)
+
+
+def field_range(name: str, p_mean: float, surface: Surface) -> tuple[float, float]:
+    """(smallest, largest) magnitude that matters in a field at mean pressure p_mean, without
+    looking at it; surface: surface.Surface.
+
+    No point carries more than all N p_mean, and heights that have rms slope 1 per point rise by
+    less than N; a displacement is less than N times that. What is smaller than the rounding errors
+    of single precision does not matter.
+    """
+    N = surface.grid.N
+    typical, largest = (
+        (p_mean, N * p_mean)
+        if name == "pressure"
+        else (surface.height_unit, N**2 * surface.height_unit)
+    )
+    return float(np.finfo(np.float32).eps) * typical, largest
+
+
+def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) -> np.dtype:
+    """The precision for a field, solved in `dtype`, in the scene's units."""
+    return (
+        np.dtype(dtype)
+        if fits(dtype, *field_range(name, p_mean, surface))
+        else np.dtype(np.float64)
+    )
+
+
+def single_solves(p_star: float, N: int) -> bool:
+    """Whether single precision holds the pressures of a contact of N points at p* and, the larger
+    ones, their squares."""
+    return fits(np.float32, float(np.finfo(np.float32).eps) * p_star, (N * max(p_star, 1.0)) ** 2)
+
+
+def require_range(E_star: float, surface: Surface, pressures: Iterable[float]) -> None:
+    """Raises SceneError where a number of the contacts is beyond double precision; surface:
+    surface.Surface."""
+    unit = E_star * surface.g_rms if surface.g_rms > 0 else 1.0
+    for what, value in [
+        ("E_star*g_rms", unit),
+        ("g_rms*a (height per point)", surface.height_unit),
+        ("E_star*g_rms^2*a (energy)", unit * surface.height_unit),
+        *(("a mean pressure", p_mean) for p_mean in pressures),
+    ]:
+        if not SMALLEST <= value <= LARGEST:
+            raise SceneError(
+                f"surface, material, load: found {what} = {value:g}, allowed: {SMALLEST:g} to"
+                f" {LARGEST:g}, in other units"
+            )
+    smallest, largest = P_STAR
+    # full contact is not uniform there; coarse levels, which all points may add to, are in single
+    # precision
+    if surface.grid.padded:
+        largest = float(np.finfo(np.float32).max) / surface.grid.N
+    for p_mean in pressures:
+        if surface.g_rms > 0 and not smallest <= p_mean / unit <= largest:
+            raise SceneError(
+                f"load: found p* = {p_mean / unit:g}, allowed: {smallest:g} to {largest:.2g}"
+            )

@@ -1,0 +1,173 @@
+"""The data file of the reference curves, read and interpolated."""
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...util.errors import SceneError
+
+FORMAT = "hpc-gfmd reference 2"
+QUANTITIES = ("a_r", "gap_over_h_rms")
+ROUNDING = 1e-9  # relative, by which a number may miss the end of its range
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Contact area and mean gap of self-affine surfaces in large cells and on fine grids.
+
+    Attributes
+    ----------
+    hurst : array, shape (m,)
+        Hurst exponents that were solved, increasing.
+    eps_f : array, shape (k,)
+        lam_s/lam_l that were solved, increasing.
+    p_star : dict
+        {quantity: p0/(E* g_rms), shape (loads,), increasing}.
+    value, sigma : dict
+        {quantity: shape (m, k, loads)}: means and their relative standard uncertainties.
+    provenance : dict
+        Command, versions, accuracy, number of runs and date.
+    """
+
+    hurst: np.ndarray
+    eps_f: np.ndarray
+    p_star: dict[str, np.ndarray]
+    value: dict[str, np.ndarray]
+    sigma: dict[str, np.ndarray]
+    provenance: dict[str, Any]
+
+    def at(
+        self, quantity: str, p_star: ArrayLike, hurst: float, eps_f: float
+    ) -> tuple[float | np.ndarray, float | np.ndarray]:
+        """A quantity and its uncertainty.
+
+        Interpolated is the logarithm of the ratio to Persson's theory, which varies little: by
+        splines along ln p_star and hurst and a parabola along ln eps_f. The uncertainty is that of
+        the points in between, as if all erred alike.
+
+        Parameters
+        ----------
+        quantity : str
+            One of QUANTITIES.
+        p_star : float or array
+            p0/(E* g_rms).
+        hurst, eps_f : float
+            Hurst exponent and lam_s/lam_l.
+
+        Returns
+        -------
+        value, sigma : float or array
+            In the shape of p_star.
+
+        Raises
+        ------
+        SceneError
+            Outside the ranges of the data, and for other quantities.
+        """
+        from scipy.interpolate import make_interp_spline
+
+        if quantity not in QUANTITIES:
+            raise SceneError(f"quantity: found {quantity!r}, allowed: {', '.join(QUANTITIES)}")
+        loads = self.p_star[quantity]
+        wanted = _within("p_star", p_star, loads)
+        weights = np.outer(
+            _weights(float(_within("hurst", hurst, self.hurst)), self.hurst),
+            _weights(float(np.log(_within("eps_f", eps_f, self.eps_f))), np.log(self.eps_f)),
+        )
+        ratio = np.array(
+            [
+                [
+                    np.log(value / _persson(quantity, loads, H, f))
+                    for f, value in zip(self.eps_f, values, strict=True)
+                ]
+                for H, values in zip(self.hurst, self.value[quantity], strict=True)
+            ]
+        )
+        x, at = np.log(loads), np.log(wanted)
+        spline = make_interp_spline(x, np.einsum("hf,hfp->p", weights, ratio), k=min(3, len(x) - 1))
+        value = np.exp(spline(at)) * _persson(quantity, wanted, hurst, eps_f)
+        sigma = value * np.interp(
+            at, x, np.einsum("hf,hfp->p", np.abs(weights), self.sigma[quantity])
+        )
+        return (value, sigma) if wanted.ndim else (float(value), float(sigma))
+
+
+def _within(name: str, wanted: ArrayLike, known: np.ndarray) -> np.ndarray:
+    low, high = float(known.min()), float(known.max())
+    wanted = np.asarray(wanted, dtype=np.float64)
+    if not np.all((wanted >= low * (1 - ROUNDING)) & (wanted <= high * (1 + ROUNDING))):
+        raise SceneError(f"{name}: found {wanted.tolist()}, allowed: from {low:g} to {high:g}")
+    return np.clip(wanted, low, high)
+
+
+def _weights(x: float, known: np.ndarray) -> np.ndarray:
+    """How much of each known point the spline (at most of degree 3) through them has at x."""
+    from scipy.interpolate import make_interp_spline
+
+    if len(known) == 1:
+        return np.ones(1)
+    return np.asarray(make_interp_spline(known, np.eye(len(known)), k=min(3, len(known) - 1))(x))
+
+
+def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> np.ndarray:
+    from .. import persson
+
+    return (
+        persson.contact_area(p_star)
+        if quantity == "a_r"
+        else persson.mean_gap(p_star, float(hurst), float(eps_f))
+    )
+
+
+def load(path: str | Path | None = None) -> Reference:
+    """Read a data file.
+
+    Parameters
+    ----------
+    path : path, optional
+        Default: the one shipped with the package.
+
+    Raises
+    ------
+    SceneError
+        If it is not one.
+    """
+    return _shipped() if path is None else _read(Path(path))
+
+
+@cache
+def _shipped() -> Reference:
+    return _read(files(__package__).joinpath("data/contact.json"))
+
+
+def _read(path: Path | Traversable) -> Reference:
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        if data["format"] != FORMAT:
+            raise ValueError(f"format {data['format']!r}")
+        hurst, eps_f = _array(data["hurst"]), _array(data["eps_f"])
+        p_star, value, sigma = (
+            {name: _array(data[kind][name]) for name in QUANTITIES}
+            for kind in ("p_star", "value", "sigma")
+        )
+        for name in QUANTITIES:
+            shape = len(hurst), len(eps_f), len(p_star[name])
+            if not value[name].shape == sigma[name].shape == shape or not (value[name] > 0).all():
+                raise ValueError("arrays of different lengths, or values that are not positive")
+        return Reference(hurst, eps_f, p_star, value, sigma, data["provenance"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        allowed = "a JSON file written by python scripts/paper curves --reference"
+        raise SceneError(f"reference: found {str(path)!r} ({error}), allowed: {allowed}") from None
+
+
+def _array(numbers: Any) -> np.ndarray:
+    array = np.array(numbers, dtype=np.float64)
+    array.setflags(write=False)  # shared by all who load it
+    return array

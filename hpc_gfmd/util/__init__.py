@@ -1,0 +1,1 @@
+"""What every folder may use: errors, quantities with units, atomic files, plugins."""

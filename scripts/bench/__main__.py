@@ -1,0 +1,13 @@
+"""`python scripts/bench ITEM`, from any folder, also under mpirun."""
+
+import sys
+from pathlib import Path
+
+if not __package__:  # started by its path
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from bench.command import make_parser
+from hpc_gfmd.commands.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main(script=make_parser))

@@ -1,0 +1,144 @@
+"""Solve a wall of the campaign as a user would, and say how far from the truth it is and how far it
+says it is."""
+
+import signal
+import tempfile
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+
+import hpc_gfmd
+
+from .families import make
+from .kept import truths
+
+# for all truths of one wall, and for all its loads by one solver in one precision to one accuracy
+SECONDS = 120
+
+
+class TooSlow(Exception):
+    """A solve took longer than SECONDS."""
+
+
+def rows_of(name, seed, index, ways, seconds=SECONDS):
+    """One dictionary for each way (solver, precision, accuracy, low_memory) and load of a wall;
+    failures are rows too."""
+    head = {"family": name, "seed": seed, "index": index}
+    try:
+        wall = make(name, seed, index)
+        with _time_limit(seconds):
+            contact, exact = truths(wall.heights, wall.physical_sizes, wall.loads, wall.free)
+    except Exception as error:  # a campaign goes on
+        return [head | {"status": "no wall", "error": f"{type(error).__name__}: {error}"}]
+    head |= {
+        "n": list(wall.heights.shape),
+        "aspect": wall.physical_sizes[1] / wall.physical_sizes[0],
+    }
+    rows = []
+    for solver, precision, accuracy, low_memory in ways:
+        if low_memory and (wall.surface is None or solver != "bpx"):
+            continue
+        way = head | {
+            "solver": solver,
+            "precision": precision,
+            "accuracy": accuracy,
+            "low_memory": low_memory,
+        }
+        begun, done = time.perf_counter(), 0
+        try:
+            with _time_limit(seconds), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                for k, (found, truth) in enumerate(zip(_solutions(wall, contact, way), exact)):
+                    exactly = {
+                        "contact": truth.contact,
+                        "gap": truth.gap_mean,
+                        "kkt": truth.kkt,
+                        "ties": [truth.ties_in, truth.ties_out],
+                    }
+                    rows.append(
+                        way
+                        | {"load": k, "p_star": wall.loads[k]}
+                        | exactly
+                        | _judged(found, truth, contact, wall)
+                    )
+                    done = k + 1
+        except Exception as error:
+            failure = {"TooSlow": "too slow", "SceneError": "refused"}.get(
+                type(error).__name__, "raised"
+            )
+            rows.append(
+                way
+                | {
+                    "load": done,
+                    "p_star": wall.loads[min(done, len(wall.loads) - 1)],
+                    "status": failure,
+                    "error": f"{type(error).__name__}: {error}",
+                }
+            )
+        rows[-1]["seconds"] = round(time.perf_counter() - begun, 4)
+    return rows
+
+
+def _judged(found, truth, contact, wall):
+    """True and claimed errors of (area, mean gap, pressure) of a hpc_gfmd.Solution."""
+    points = round(found.a_r * wall.heights.size)
+    with np.errstate(all="ignore"):
+        p = np.asarray(found.pressure, np.float64) / wall.E_star / contact.g_rms
+        true = truth.errors(points, found.gap_mean / contact.height_unit, p)
+    return {
+        "status": found.status,
+        "true": [float(x) for x in true],
+        "claimed": [float(x) for x in found.errors],
+        "points": points,
+        "iterations": found.iterations,
+        "fft_pairs": round(found.fft_pairs, 2),
+    }
+
+
+def _solutions(wall, contact, way):
+    """The hpc_gfmd.Solution of one load after the other; low memory works from a scene alone."""
+    settings = {"name": way["solver"], "precision": way["precision"], "accuracy": way["accuracy"]}
+    if way["solver"] != "bpx":
+        settings["max_iterations"] = 3000
+    loads = [p_star * wall.E_star * contact.g_rms for p_star in wall.loads]
+    if not way["low_memory"]:
+        yield from hpc_gfmd.solve(
+            wall.heights,
+            loads,
+            E_star=wall.E_star,
+            physical_sizes=wall.physical_sizes,
+            boundary=["free" if ends else "periodic" for ends in wall.free],
+            fields=["pressure"],
+            **settings,
+        )
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "contact.h5"
+        scene = {
+            "surface": wall.surface,
+            "load": {"pressure": loads},
+            "solver": settings | {"low_memory": True},
+            "output": {"path": str(path), "fields": ["pressure"]},
+        }
+        path.with_suffix(".toml").write_text(tomli_w.dumps(scene))
+        hpc_gfmd.run(path.with_suffix(".toml"), quiet=True)
+        yield from hpc_gfmd.load(path)
+
+
+class _time_limit:
+    def __init__(self, seconds):
+        self.seconds = seconds
+
+    def __enter__(self):
+        def stop(*_):
+            raise TooSlow(f"more than {self.seconds} s")
+
+        self.before = signal.signal(signal.SIGALRM, stop)
+        signal.alarm(int(self.seconds))
+
+    def __exit__(self, *_):
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, self.before)

@@ -1,0 +1,13 @@
+"""`python scripts/paper ITEM`, from any folder, also under mpirun."""
+
+import sys
+from pathlib import Path
+
+if not __package__:  # started by its path
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from hpc_gfmd.commands.cli import main
+from paper.command import make_parser
+
+if __name__ == "__main__":
+    sys.exit(main(script=make_parser))

@@ -1,0 +1,147 @@
+"""Every reader of files as a target for fuzzing: a file is read, or refused in one line; nothing
+else may happen."""
+
+import faulthandler
+import json
+import os
+import resource
+import signal
+from pathlib import Path
+
+from hpc_gfmd.commands.show import as_dict, as_text
+from hpc_gfmd.output.read import read_checkpoint, read_result
+from hpc_gfmd.scene import File, Scene, load_scene
+from hpc_gfmd.surface.files import HeightMap
+from hpc_gfmd.theory import tfc
+from hpc_gfmd.util.errors import GfmdError
+
+MOST_POINTS = 2**20  # of a field that is read; larger ones are left to the check of the memory
+SECONDS, BYTES, LONGEST = (
+    1,
+    8 * 2**30,
+    1500,
+)  # of the child that tries a file, and characters of a message
+HDF5 = (
+    "hdf5",
+    "netcdf",
+    "result",
+    "checkpoint",
+)  # a file made to crash the HDF5 library is the library's matter
+
+
+def read_scene(path):
+    """A scene file; what it becomes survives a round trip."""
+    scene = load_scene(path)
+    assert Scene.from_toml(scene.to_toml()) == scene
+    assert len(scene.identity()) == 64
+    scene.warnings()
+
+
+def read_heights(path):
+    """A height map, all rows of it."""
+    spec = File(kind="file", path=str(path))
+    n = HeightMap(spec).shape
+    rows = max(1, min(64, MOST_POINTS // n[1]))
+    for start in range(0, n[0] if n[0] * n[1] <= MOST_POINTS else 0, rows):
+        z = HeightMap(spec).rows(start, min(start + rows, n[0]))
+        assert z.dtype == "f8"
+        assert z.shape == (min(rows, n[0] - start), n[1])
+
+
+def read_results(path):
+    """A result file as `show` prints it, as JSON, with its fields, and with its scene as `restart`
+    would want it."""
+    result = read_result(path)
+    assert as_text(result)
+    json.dumps(as_dict(result), allow_nan=False)
+    for fields in result.fields:
+        for stored in fields.values():
+            if stored.shape[0] * stored.shape[1] <= MOST_POINTS:
+                assert stored.read(0, stored.shape[0]).shape == stored.shape
+    Scene.from_toml(result.scene_toml)
+
+
+def read_state(path):
+    """A checkpoint and its arrays."""
+    found = read_checkpoint(path, "bpx", "abc")
+    for field in found.fields[0].values():
+        if field.shape[0] * field.shape[1] <= MOST_POINTS:
+            field.read()
+
+
+def read_runs(path):
+    """A table of runs and the fit to it."""
+    tfc.fit_tfc(**tfc.read_runs(path), terms=("t",), alpha={})
+
+
+def read_coefficients(path):
+    """A table of coefficients and a correction by it."""
+    tfc.extrapolate(2.0, "kappa", 0.5, 0.007, 0.5, 0.001, 0.5, table=tfc.read_table(path))
+
+
+READERS = {  # target: (reader, extension of its files)
+    "scene": (read_scene, ".toml"),
+    "npy": (read_heights, ".npy"),
+    "hdf5": (read_heights, ".h5"),
+    "netcdf": (read_heights, ".nc"),
+    "result": (read_results, ".h5"),
+    "checkpoint": (read_state, ".h5"),
+    "runs": (read_runs, ".csv"),
+    "coefficients": (read_coefficients, ".json"),
+}
+
+
+def outcome(target, path):
+    """ "read" or "refused"; anything else raises, and what a file does to the HDF5 library ends the
+    process."""
+    try:
+        READERS[target][0](Path(path))
+    except GfmdError as error:
+        message = str(error)
+    else:
+        return "read"
+    assert message.isprintable(), ascii(message)
+    assert 0 < len(message) < LONGEST, message
+    return "refused"
+
+
+def outcome_apart(target, path):
+    """As `outcome`, in a fork, or "crashed": the HDF5 library takes the process with it."""
+    found = _in_a_fork(lambda: outcome(target, path))
+    assert found is not None or target in HDF5, f"{path} ends the process that reads it"
+    return found or "crashed"
+
+
+def _in_a_fork(function):
+    """What a function returns, a text or nothing, or None if its process died. Raises
+    AssertionError with what it raised."""
+    read_end, write_end = os.pipe()
+    child = os.fork()
+    if child == 0:
+        faulthandler.disable()
+        for fatal in (
+            signal.SIGABRT,
+            signal.SIGSEGV,
+            signal.SIGBUS,
+            signal.SIGFPE,
+            signal.SIGILL,
+            signal.SIGALRM,
+        ):
+            signal.signal(fatal, signal.SIG_DFL)  # a fuzzer's handler would wait for ever
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+        resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        try:
+            answer = f"+{function() or ''}"
+        except BaseException as error:
+            answer = f"-{type(error).__name__}: {error}"
+        try:
+            os.write(write_end, answer.encode(errors="replace")[:4000])
+        finally:
+            os._exit(0)
+    os.close(write_end)
+    with open(read_end, "rb") as pipe:
+        answer = pipe.read().decode(errors="replace")
+    died = os.waitpid(child, 0)[1] != 0 or not answer or answer.startswith("-MemoryError")
+    assert died or answer.startswith("+"), answer
+    return None if died else answer[1:]

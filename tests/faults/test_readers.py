@@ -1,0 +1,89 @@
+"""Whatever a file holds, it is read or refused in one line: changed bytes, valid HDF5 of odd
+content, and all that ever went wrong."""
+
+import hashlib
+from pathlib import Path
+
+import pytest
+from faults.readers import READERS, outcome, outcome_apart
+from faults.seeds import seeds
+from faults.structured import check_result, results
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+REGRESSIONS = sorted(p for p in (Path(__file__).parent / "regressions").glob("*/*") if p.is_file())
+EXAMPLES = {
+    "scene": 150,
+    "npy": 100,
+    "coefficients": 60,
+    "runs": 60,
+}  # of changed bytes; the others, HDF5 all, in a child each
+quick = settings(
+    deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
+EDITS = st.lists(
+    st.tuples(
+        st.sampled_from(["set", "cut", "insert", "copy"]),
+        st.floats(0, 1),
+        st.binary(min_size=1, max_size=8),
+    ),
+    min_size=1,
+    max_size=6,
+)
+
+
+def changed(data, edits):
+    """`data` with some bytes set, cut out, inserted or repeated elsewhere."""
+    data = bytearray(data)
+    for what, where, new in edits:
+        place = int(where * len(data))
+        if what == "set":
+            data[place : place + len(new)] = new
+        elif what == "cut":
+            del data[place : place + 8 * new[0]]
+        elif what == "insert":
+            data[place:place] = new
+        else:
+            data[place:place] = data[: new[0]]
+    return bytes(data)
+
+
+@pytest.mark.parametrize("target", READERS)
+def test_changed_bytes(target, tmp_path):
+    originals = [path.read_bytes() for path in seeds(target, tmp_path)]
+    path = tmp_path / f"any{READERS[target][1]}"
+
+    @settings(quick, max_examples=EXAMPLES.get(target, 40))
+    @given(st.sampled_from(originals), EDITS)
+    def check(data, edits):
+        path.write_bytes(changed(data, edits))
+        before = sorted(tmp_path.iterdir())
+        (outcome if target in EXAMPLES else outcome_apart)(target, path)
+        assert sorted(tmp_path.iterdir()) == before
+
+    check()
+
+
+@pytest.mark.parametrize("target", READERS)
+def test_the_seeds_are_read(target, tmp_path):
+    """And not changed: not even the time of a file in the folder."""
+    found = []
+    for path in seeds(target, tmp_path):
+        before = hashlib.sha256(path.read_bytes()).digest(), path.stat().st_mtime_ns
+        found.append(outcome(target, path))
+        assert (hashlib.sha256(path.read_bytes()).digest(), path.stat().st_mtime_ns) == before
+    assert found[0] == "read"
+
+
+@settings(quick, max_examples=100)
+@given(results)
+def test_valid_hdf5_of_any_content(tmp_path, content):
+    check_result(content, tmp_path)
+
+
+@pytest.mark.parametrize("path", REGRESSIONS, ids=lambda p: f"{p.parent.name}-{p.name}")
+def test_what_once_went_wrong(path, tmp_path):
+    target = path.parent.name
+    copy = tmp_path / f"any{READERS[target][1]}"
+    copy.write_bytes(path.read_bytes())
+    outcome_apart(target, copy)

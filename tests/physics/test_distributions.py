@@ -1,0 +1,155 @@
+"""Histograms, spectra and autocorrelations against NumPy on the whole field."""
+
+import numpy as np
+import pytest
+from contacts import heights_of, rough, solve_scene
+from counted import contact_of, random_fields
+
+import hpc_gfmd
+from hpc_gfmd.contact import all_distributions
+
+N, SIZES, UNITS = (48, 40), (1.2, 1.5), (3.0, 0.2)
+every_field = pytest.mark.parametrize("name", ["heights", "pressure", "gap"])
+
+
+@pytest.fixture(scope="module")
+def made():
+    """A contact, and its fields in the scene's units."""
+    g, q = random_fields(N)
+    h = np.random.default_rng(5).random(N)
+    fields = {"heights": -h * UNITS[1], "pressure": q * UNITS[0], "gap": g * UNITS[1]}
+    return contact_of(g, q, SIZES, h=h, units=UNITS), fields
+
+
+@pytest.mark.parametrize("name", ["pressure", "gap"])
+def test_histograms(made, name):
+    contact, fields = made
+    edges, density = all_distributions()[name](contact).values()
+    values = fields[name][fields[name] > 0]
+    counts = np.histogram(values, edges)[0]
+    assert counts.sum() == len(values)
+    assert density == pytest.approx(counts / len(values) / np.diff(edges))
+    assert density[0] > 0
+    assert density[-1] > 0
+    assert np.sum(density * np.diff(edges)) == pytest.approx(1)
+
+
+def test_bins_of_pressure(made):
+    """64 to 128 of one width, a power of two times E* g_rms."""
+    edges = all_distributions()["pressure"](made[0])["edges"]
+    widths = np.diff(edges)
+    assert widths == pytest.approx(widths[0])
+    assert np.log2(widths[0] / UNITS[0]) == pytest.approx(np.round(np.log2(widths[0] / UNITS[0])))
+    assert 60 <= len(widths) <= 128
+
+
+def test_bins_of_gap(made):
+    """Four in a factor of two; gaps that are all rounding are in the first."""
+    edges = all_distributions()["gap"](made[0])["edges"]
+    assert np.log2(edges[1:] / edges[:-1])[1:] == pytest.approx(0.25)
+    g, q = random_fields(N)
+    g[g > 0] *= 1e-9
+    tiny = all_distributions()["gap"](contact_of(g, q))
+    assert len(tiny["density"]) == 1
+    assert tiny["edges"][0] == 0
+
+
+def test_narrow_and_empty():
+    """In full contact bins begin near the lowest pressure; where nothing is to be counted there is
+    nothing."""
+    q = 10 + 0.01 * np.random.default_rng(1).random((20, 30))
+    full = contact_of(np.zeros((20, 30)), q)
+    edges = all_distributions()["pressure"](full)["edges"]
+    assert 9.99 < edges[0] < edges[-1] < 10.02
+    assert all_distributions()["gap"](full) is None
+    assert len(all_distributions()["pressure"](contact_of(np.zeros((2, 3))))["density"]) == 1
+    open_ = contact_of(np.ones((20, 30)))
+    assert all_distributions()["pressure"](open_) is all_distributions()["patches"](open_) is None
+
+
+def rings(distance, values, first):
+    """Means of distance and values over the rings, eight in a factor of two."""
+    distance, values = distance.ravel(), values.ravel()
+    number = np.where(distance > 0, np.round(8 * np.log2(np.maximum(distance, 1e-300) / first)), -1)
+    filled = np.unique(number)
+    return [np.array([x[number == k].mean() for k in filled]) for x in (distance, values)]
+
+
+@every_field
+def test_power_spectrum(made, name):
+    contact, fields = made
+    q_x, q_y = (2 * np.pi * np.fft.fftfreq(n, L / n) for n, L in zip(N, SIZES, strict=True))
+    q = np.hypot(q_x[:, None], q_y)
+    C = np.abs(np.fft.fft2(fields[name]) / np.prod(N)) ** 2 * np.prod(SIZES)
+    wanted = rings(q[q > 0], C[q > 0], 2 * np.pi / max(SIZES))
+    found = all_distributions()[f"{name}_spectrum"](contact)
+    assert found["q"] == pytest.approx(wanted[0], rel=1e-12)
+    assert found["power"] == pytest.approx(wanted[1], rel=1e-9)
+
+
+@every_field
+def test_autocorrelation(made, name):
+    contact, fields = made
+    f = fields[name] - fields[name].mean()
+    A = np.fft.ifft2(np.abs(np.fft.fft2(f)) ** 2).real / np.prod(N)
+    x, y = (
+        np.minimum(np.arange(n), n - np.arange(n)) * L / n for n, L in zip(N, SIZES, strict=True)
+    )
+    r = np.hypot(x[:, None], y)
+    near = r <= min(SIZES) / 2
+    wanted = rings(r[near], A[near], min(L / n for n, L in zip(N, SIZES, strict=True)))
+    found = all_distributions()[f"{name}_autocorrelation"](contact)
+    assert found["r"] == pytest.approx(wanted[0], rel=1e-12)
+    assert found["correlation"] == pytest.approx(wanted[1], abs=1e-12 * A.max())
+    assert found["correlation"][0] == pytest.approx(fields[name].var())
+
+
+def test_a_profile_has_the_spectrum_of_a_line():
+    """One wave: half of the squared amplitude, times its length, in one ring; and the cosine as
+    autocorrelation."""
+    x = np.arange(64) / 64
+    z = np.repeat(0.01 * np.cos(2 * np.pi * 4 * x)[:, None], 8, axis=1)
+    found = hpc_gfmd.solve(
+        z, 0.01, distributions=["heights_spectrum", "heights_autocorrelation"]
+    ).distributions
+    q, power = found["heights_spectrum"].values()
+    ring = np.argmin(np.abs(q - 8 * np.pi))
+    assert power[ring] == pytest.approx(0.01**2 / 4)  # of either sign of q
+    assert np.delete(power, ring) == pytest.approx(0, abs=1e-12)
+    r, correlation = found["heights_autocorrelation"].values()
+    single = r <= 4 / 64  # rings of one distance
+    assert correlation[single] == pytest.approx(0.01**2 / 2 * np.cos(8 * np.pi * r[single]))
+
+
+def test_the_spectrum_of_a_made_wall():
+    """Self-affine walls: C(q) ~ q^(-2 - 2H) between the cut-offs, and the roughness back by
+    Parseval."""
+    surface = rough((2, 32, 4), hurst=0.8)
+    contact = solve_scene(surface, 0.05, accuracy=1e-2).contact
+    q, power = all_distributions()["heights_spectrum"](contact).values()
+    inside = (q > 2 * np.pi * 3) & (q < 2 * np.pi * 60)
+    assert np.polyfit(np.log(q[inside]), np.log(power[inside]), 1)[0] == pytest.approx(
+        -3.6, abs=0.1
+    )
+    again = all_distributions()["heights_autocorrelation"](contact)["correlation"][0]
+    assert again == pytest.approx(heights_of(surface).var(), rel=1e-6)
+
+
+def test_pairs_are_counted():
+    step = solve_scene(rough((1, 8, 2)), 0.05, accuracy=1e-2)
+    alone = step.fft_pairs
+    for name in ("pressure_spectrum", "gap_autocorrelation", "pressure"):
+        all_distributions()[name](step.contact)
+    assert step.fft_pairs == alone + 1.5
+
+
+def test_low_memory_knows_the_heights_by_their_spectrum():
+    found, wanted = (
+        all_distributions()["heights_spectrum"](
+            solve_scene(rough((1, 16, 4)), 0.1, accuracy=1e-2, low_memory=low).contact
+        )
+        for low in (True, False)
+    )
+    inside = wanted["power"] > 1e-9 * wanted["power"].max()
+    assert found["q"] == pytest.approx(wanted["q"])
+    assert found["power"][inside] == pytest.approx(wanted["power"][inside], rel=1e-4)

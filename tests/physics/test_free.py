@@ -1,0 +1,318 @@
+"""Free boundaries: Hertz, punches and cones on an infinite half-space, a dense oracle, and that
+nothing beyond the surface counts."""
+
+from functools import partial
+from math import acosh, pi, sqrt
+from pathlib import Path
+
+import contacts
+import numpy as np
+import oracle
+import pytest
+from bench.cells import Cells
+from contacts import EXACT, field, random_heights, relative, rough, surface_over, sweep_of
+from physics import free_patch
+from scipy.stats import norm
+
+from hpc_gfmd.bodies.free import ROUNDED, Free
+from hpc_gfmd.certificate.certificate import certify
+from hpc_gfmd.contact import all_observables
+from hpc_gfmd.solvers import solver_names
+
+BOTH = (True, True)
+
+
+sweep_over = partial(contacts.sweep_over, free=BOTH)
+
+
+def observe(step, name):
+    return all_observables()[name](step.contact)
+
+
+@pytest.mark.parametrize("a", [0.2, 0.31])
+def test_hertz(a):
+    """Area to the pixel, largest pressure, approach and energy, whatever is left between the
+    contact and the edge."""
+    R = 10.0
+    F = 4 * a**3 / (3 * R)
+    step = sweep_of(
+        {"kind": "sphere", "radius": R, "n": [256, 256], "boundary": "free"},
+        accuracy=1e-4,
+        precision="double",
+    ).solve(F)
+    assert step.contact.outcome.status == "converged"
+    assert (
+        abs(step.contact.contact_points / 256**2 - pi * a**2) < 0.5 * 2 * pi * a / 256
+    )  # half a pixel along the edge
+    assert field(step, "pressure").max() == pytest.approx(2 * a / (pi * R), rel=1e-3)
+    assert observe(step, "approach") == pytest.approx(a * a / R, rel=1e-3)
+    assert observe(step, "energy") == pytest.approx(0.4 * F * a * a / R, rel=1e-3)
+    assert field(step, "pressure").mean() == pytest.approx(F, rel=1e-4)
+
+
+def test_flat_punch():
+    """Cylinder of radius b: approach F/(2 E* b), pressure F/(2 pi b sqrt(b^2 - r^2))."""
+    n, b, F = 200, 0.3, 0.01
+    r = np.hypot(*np.meshgrid(*[(np.arange(n) + 0.5) / n - 0.5] * 2))
+    step = sweep_over(np.where(r < b, 0.0, -1.0), accuracy=1e-4, precision="double").solve(F)
+    assert step.contact.contact_points == np.sum(r < b)
+    assert observe(step, "approach") == pytest.approx(F / 2 / b, rel=5e-3)
+    away = r < 0.85 * b
+    assert (
+        relative(field(step, "pressure")[away], F / (2 * pi * b * np.sqrt(b * b - r[away] ** 2)))
+        < 1e-2
+    )
+
+
+def test_cone():
+    """Slope e: a^2 = 2 F/(pi E* e), approach pi a e/2, pressure (E* e/2) arcosh(a/r)."""
+    n, e, a = 200, 0.1, 0.3
+    r = np.hypot(*np.meshgrid(*[(np.arange(n) + 0.5) / n - 0.5] * 2))
+    step = sweep_over(-e * r, accuracy=1e-4, precision="double").solve(pi * a * a * e / 2)
+    assert sqrt(step.contact.contact_points / n**2 / pi) == pytest.approx(a, rel=5e-3)
+    assert observe(step, "approach") == pytest.approx(
+        pi * a * e / 2, rel=1e-2
+    )  # from the topmost point, which is not the tip
+    away = (r > 0.2 * a) & (r < 0.9 * a)
+    assert (
+        relative(field(step, "pressure")[away], e / 2 * np.array([acosh(a / x) for x in r[away]]))
+        < 1e-2
+    )
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_cylinder(axis):
+    """Free across it and periodic along it, a cylinder is a line contact: a^2 = 4 F R/(pi E*),
+    largest pressure 2 F/(pi a)."""
+    n, R, a = 256, 10.0, 0.3
+    x = (np.arange(n) - n // 2) / n
+    z = np.zeros((n, 12)) - (x**2 / (2 * R))[:, None]
+    F = pi * a * a / (4 * R)
+    if axis:
+        step = sweep_over(
+            z.T, (12 / n, 1.0), free=(False, True), accuracy=1e-4, precision="double"
+        ).solve(F)
+    else:
+        step = sweep_over(
+            z, (1.0, 12 / n), free=(True, False), accuracy=1e-4, precision="double"
+        ).solve(F)
+    assert observe(step, "a_r") == pytest.approx(2 * a, abs=2 / n)
+    p = np.moveaxis(field(step, "pressure"), axis, 0)
+    assert np.ptp(p, axis=1).max() < 1e-3 * p.max()
+    wanted = 2 * F / (pi * a) * np.sqrt(np.maximum(1 - (x / a) ** 2, 0))
+    assert p.max() == pytest.approx(2 * F / (pi * a), rel=1e-3)
+    assert relative(p[:, 0], wanted) < 1e-2
+    assert observe(step, "approach") is None
+    assert observe(step, "energy") is None
+
+
+def compliance(n, sizes):
+    """S in free space between all points, E* = 1: the integral of (2/|Q|) cos(q.r) over the
+    Brillouin zone. Q is q, rounded near the edges of the zone: in polar coordinates as if it were
+    q, and what that is wrong by, which is 0 but near them, in Cartesian ones."""
+    a_x, a_y = (L / k for L, k in zip(sizes, n, strict=True))
+    corner = np.arctan2(pi / a_y, pi / a_x)
+    theta, weight = panels([0, corner, pi / 2, pi - corner, pi], 400)  # S(-r) = S(r): half of it
+    with np.errstate(divide="ignore"):
+        Q = np.minimum(pi / a_x / np.abs(np.cos(theta)), pi / a_y / np.abs(np.sin(theta)))
+    x, w = panels([0, pi - 10 * ROUNDED, pi], 100)
+    away = (pi - x) / ROUNDED
+    X = pi - ROUNDED * (
+        away * (2 * norm.cdf(away) - 1) + 2 * norm.pdf(away)
+    )  # pi - |pi - x|, averaged over a normal distribution
+    wrong = (
+        np.outer(w / a_x, w / a_y)
+        * (2 / np.hypot(X[:, None] / a_x, X / a_y) - 2 / np.hypot(x[:, None] / a_x, x / a_y))
+        / pi**2
+    )
+    cos_x, cos_y = (np.cos(np.outer(np.arange(k), x)) for k in n)
+    known = cos_x @ wrong @ cos_y.T
+    for p, q in np.ndindex(*n):
+        rho = p * a_x * np.cos(theta) + q * a_y * np.sin(theta)
+        known[p, q] += 2 / (4 * pi**2) * 2 * np.sum(weight * Q * np.sinc(Q * rho / pi))
+    i, j = (k.ravel() for k in np.indices(n))
+    return known[np.abs(i[:, None] - i), np.abs(j[:, None] - j)] * a_x * a_y
+
+
+def panels(ends, count):
+    """Nodes and weights of Gauss and Legendre, so many in each panel."""
+    x, w = np.polynomial.legendre.leggauss(count)
+    middle, half = (np.array(ends[1:]) + ends[:-1]) / 2, np.diff(ends) / 2
+    return (middle[:, None] + np.outer(half, x)).ravel(), np.outer(half, w).ravel()
+
+
+@pytest.mark.parametrize(
+    ("n", "sizes"),
+    [
+        ((16, 16), (1.0, 1.0)),
+        ((13, 18), (1.0, 1.6)),
+        ((24, 9), (2.0, 0.9)),
+        ((16, 12), (1.0, 15.0)),
+        ((4, 24), (30.0, 1.0)),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("p", [0.02, 0.2])
+def test_against_the_oracle(n, sizes, p):
+    z = 0.1 * random_heights(n, seed=3)
+    step = sweep_over(z, sizes).solve(p)
+    assert step.contact.outcome.status == "converged"
+    K = np.linalg.inv(compliance(n, sizes))
+    h = (z.max() - z).ravel()
+    g, q = oracle._complementary(K, K @ (observe(step, "approach") - h), np.argmin(h))
+    assert q.mean() == pytest.approx(p, rel=1e-6)
+    assert relative(field(step, "pressure").ravel(), q) < 1e-6
+    assert relative(field(step, "gap").ravel(), g) < 1e-6
+    assert np.mean(q > 0) == observe(step, "a_r")
+
+
+@pytest.mark.parametrize("load", free_patch.LOADS)
+def test_against_other_codes(load):
+    """A rough patch, well resolved, by ASPHER and ContactMechanics (free_patch.py). They take the
+    pressure as constant on the cells of grid points: solved that way ours is theirs to the digits
+    that are kept, and otherwise differs by what the grid does."""
+    z = free_patch.heights()
+    with np.load(Path(free_patch.__file__).with_suffix(".npz")) as kept:
+        wanted = free_patch.pressure(kept, load)
+    found = field(sweep_over(z, accuracy=1e-4).solve(load), "pressure")
+    assert relative(found, wanted) < 1e-2
+    assert np.mean(found > 0) == pytest.approx(np.mean(wanted > 0), rel=1e-2)
+    assert found.max() == pytest.approx(wanted.max(), rel=1e-2)
+    same = field(sweep_over(z, body=Cells(BOTH), accuracy=1e-5).solve(load), "pressure")
+    assert relative(same, wanted) < 3e-4
+    assert ((same > 0) == (wanted > 0)).all()
+
+
+@pytest.mark.parametrize("offset", [(0, 0), (32, 32), (5, 41)], ids=str)
+def test_more_free_space_changes_nothing(offset):
+    """The same surface inside a larger one that it stands out of, anywhere in it."""
+    z = random_heights((32, 32), seed=5)
+    wider = np.full((96, 96), z.min() - 100.0)
+    here = slice(offset[0], offset[0] + 32), slice(offset[1], offset[1] + 32)
+    wider[here] = z
+    one = sweep_over(z).solve(0.5)
+    other = sweep_over(wider, (3.0, 3.0)).solve(0.5 / 9)
+    assert relative(field(other, "pressure")[here], field(one, "pressure")) < Free.error
+    assert observe(other, "approach") == pytest.approx(observe(one, "approach"), rel=Free.error)
+    assert other.contact.contact_points == one.contact.contact_points
+
+
+@pytest.mark.parametrize("name", solver_names())
+@pytest.mark.parametrize("free", [BOTH, (True, False), (False, True)], ids=str)
+def test_every_solver(name, free):
+    z = random_heights((15, 12), seed=7)
+    wanted = sweep_over(z, free=free).solve(0.3)
+    found = sweep_over(z, free=free, name=name, residual=1e-9, precision="double")
+    step = found.solve(0.25)
+    step = found.solve(0.3)
+    assert step.contact.outcome.status == "converged"
+    assert step.contact.contact_points == wanted.contact.contact_points
+    assert relative(field(step, "pressure"), field(wanted, "pressure")) < 1e-6
+    assert step.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-6)
+
+
+@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
+@pytest.mark.parametrize(
+    "solver",
+    [{"precision": "single"}, {"precision": "double"}, {"precision": "single", "low_memory": True}],
+    ids=str,
+)
+def test_rough(boundary, solver):
+    """As accurate as asked in every precision, and by its own numbers; fields have the nominal
+    shape."""
+    surface = rough((2, 16, 4), boundary=boundary)
+    wanted = sweep_of(surface, **EXACT).solve(0.05)
+    sweep = sweep_of(surface, accuracy=2e-3, **solver)
+    for p in (0.2, 0.05):
+        step = sweep.solve(p)
+    assert step.contact.outcome.status == "converged"
+    assert (
+        field(step, "pressure").shape
+        == field(step, "gap").shape
+        == field(step, "displacement").shape
+        == (128, 128)
+    )
+    assert relative(field(step, "pressure"), field(wanted, "pressure")) < 2e-3
+    assert step.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=2e-3)
+    assert step.contact.gap_mean == pytest.approx(
+        np.mean(field(step, "gap"), dtype=float), rel=1e-5
+    )
+    assert observe(step, "a_r") == pytest.approx(observe(wanted, "a_r"), rel=2e-3)
+    assert observe(step, "a_r") == np.mean(field(step, "pressure") > 0)
+    assert np.mean(field(step, "pressure"), dtype=float) == pytest.approx(0.05, rel=1e-3)
+
+
+def test_energy_is_the_work_done():
+    """dU = F d(approach)."""
+    sweep = sweep_over(random_heights((40, 40), seed=2))
+    low, high = (sweep.solve(p) for p in (0.2, 0.2002))
+    work = 0.2001 * (observe(high, "approach") - observe(low, "approach"))
+    assert observe(high, "energy") - observe(low, "energy") == pytest.approx(work, rel=1e-4)
+
+
+@pytest.mark.parametrize("free", [BOTH, (True, False)], ids=str)
+def test_tangent(free):
+    sweep = sweep_over(random_heights((40, 40), seed=2), free=free)
+    low, high = (sweep.solve(p) for p in (0.2, 0.20001))
+    assert low.contact.contact_points == high.contact.contact_points
+    sweep.solve(0.2)
+    low = sweep.solve(0.2)
+    gap = low.contact.gap_mean
+    stiffness = observe(low, "stiffness")
+    assert stiffness == pytest.approx(-0.00001 / (high.contact.gap_mean - gap), rel=1e-3)
+
+
+def test_a_flat_surface_that_ends_is_a_punch():
+    """A square punch of side L: the pressure is largest at the corners, the stiffness 1.151 E*
+    L."""
+    step = sweep_over(np.zeros((64, 64)), accuracy=1e-4, precision="double").solve(0.01)
+    p = field(step, "pressure")
+    assert observe(step, "a_r") == 1
+    assert p[0, 0] == pytest.approx(p.max(), rel=1e-3)
+    assert p[32, 32] < 0.01 < p[0, 32] < p[0, 0]
+    assert np.allclose(p, p.T, rtol=1e-3)
+    assert observe(step, "approach") == pytest.approx(0.01 / 1.151, rel=1e-2)
+
+
+def test_edges_of_the_surface_are_no_boundary_of_the_contact():
+    """Neither are points at opposite sides neighbours."""
+    z = np.zeros((16, 16))
+    z[:, 5:] = -100.0
+    step = sweep_over(z, accuracy=1e-3, precision="double").solve(0.01)
+    assert step.contact.contact_points == 80
+    assert step.contact.boundary_segments == 16
+
+
+def test_gradient_between_neighbours():
+    """g_rms of a surface that ends knows nothing of the jump between its sides; h_rms is that of
+    its points."""
+    x, y = np.arange(12.0)[:, None], np.arange(20.0)
+    for free, squares in (
+        (BOTH, 0.3**2 + 0.1**2),
+        ((True, False), 0.3**2 + (19 * 0.1**2 + 1.9**2) / 20),
+    ):
+        made = surface_over(0.3 * x + 0.1 * y, (12.0, 20.0), free=free)
+        assert made.g_rms == pytest.approx(sqrt(squares))
+        assert made.h_rms == pytest.approx(np.std(0.3 * x + 0.1 * y))
+
+
+@pytest.mark.parametrize(
+    ("boundary", "loose"), [("periodic", 10), ("free", 20), (["free", "periodic"], 50)], ids=str
+)
+def test_how_well_the_gap_is_known(boundary, loose):
+    """By the estimates of the certificate, over the errors that they stand for: what is around the
+    surface leaves them of use."""
+    surface = rough((2, 16, 4), boundary=boundary)
+    wanted = sweep_of(surface, **EXACT).solve(0.3).contact.certificate.gap_mean
+    sweep, ratios = sweep_of(surface, accuracy=1e-5, precision="double"), []
+
+    def watch(*_):
+        solver = sweep.solver
+        found = certify(solver.problem_now, solver.g, np.empty_like(solver.p), solver.levels)
+        solver.resume()
+        if 1e-6 < (miss := abs(found.gap_mean / wanted - 1)) < 0.1:
+            ratios.append(found.errors[1] / miss)
+
+    sweep.solve(0.3, watch)
+    assert min(ratios) > 1
+    assert np.median(ratios) < loose

@@ -1,0 +1,67 @@
+"""Full contact: known without iterating, std(p) = E* g_rms/2."""
+
+import numpy as np
+import pytest
+from contacts import field, heights_of, random_heights, rough, solve_scene, sweep_of
+
+import hpc_gfmd
+
+
+@pytest.mark.parametrize("n", [(16, 16), (15, 12), (1, 16), (8, 1)], ids=str)
+def test_full_contact(n):
+    z = random_heights(n)
+    kx, ky = (np.fft.fftfreq(k, 1 / k) for k in n)
+    p_full = np.fft.ifft2(np.pi * np.hypot(kx[:, None], ky) * np.fft.fft2(z)).real * 5.0
+    mean = -1.01 * p_full.min()
+    found = hpc_gfmd.solve(z, mean, E_star=5.0, accuracy=1e-3, precision="double")
+    assert (found.status, found.iterations, found.a_r, found.gap_mean) == ("converged", 0, 1.0, 0.0)
+    assert found.fft_pairs <= 2
+    assert np.abs(found.pressure - mean - p_full).max() < 1e-11 * np.abs(p_full).max()
+    assert not found.gap.any()
+    assert found.errors[:2] == (0, 0)
+    assert (
+        np.abs(found.pressure - mean - p_full).max() / np.sqrt(np.mean(found.pressure**2))
+        < 10 * found.errors[2]
+        < 1e-13
+    )
+
+
+def test_std_of_pressure():
+    step = solve_scene(rough((2, 16, 2.5), g_rms=0.2), 5.0, E_star=3.0)
+    assert step.iterations == 0
+    assert np.std(field(step, "pressure")) == pytest.approx(3.0 * 0.2 / 2, rel=1e-12)
+    assert np.mean(field(step, "pressure")) == pytest.approx(3.0, rel=1e-12)
+
+
+def test_just_below_full_contact():
+    z = heights_of(rough((1, 8, 2)))
+    step = sweep_of(rough((1, 8, 2))).solve(20.0)
+    p = 20.0 - field(step, "pressure").min()
+    found = hpc_gfmd.solve(z, 0.98 * p, residual=1e-10)
+    assert found.status == "converged"
+    assert 0.9 < found.a_r < 1
+    assert found.gap_mean > 0
+
+
+@pytest.mark.parametrize("n", [(6, 6), (1, 1), (1, 5), (7, 4)], ids=str)
+def test_flat(n):
+    found = hpc_gfmd.solve(np.full(n, 3.0), 0.7)
+    assert (found.status, found.iterations, found.a_r, found.gap_mean) == ("converged", 0, 1.0, 0.0)
+    assert found.pressure == pytest.approx(np.full(n, 0.7))
+    assert found.pressure.shape == n
+
+
+@pytest.mark.parametrize(("n", "below"), [(127, 1e-5), (256, 3e-6), (300, 1e-3)])
+def test_a_pit_in_a_plate(n, below):
+    """The last open point: gap = (p_closed - p)/K_pp. "auto" goes to double where rounding errors
+    of single precision hide it; what is insisted on does not claim more than it knows."""
+    z = np.zeros((n, n))
+    z[n // 3, n // 4] = -1.0
+    q = np.hypot(*np.meshgrid(*[2 * np.pi * np.fft.fftfreq(n, 1 / n)] * 2))
+    closing = np.fft.ifft2(q / 2 * np.fft.fft2(-z)).real.max()
+    for precision in ("auto", "single"):
+        found = hpc_gfmd.solve(z, closing * (1 - below), accuracy=1e-3, precision=precision)
+        wrong = abs(found.gap_mean / (below / n**2) - 1)
+        assert found.status == "converged" or precision == "single"
+        assert wrong < found.errors[1]
+        assert wrong < 1e-3 or found.status == "stagnated"

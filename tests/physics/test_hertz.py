@@ -1,0 +1,49 @@
+"""Hertz's contact in a large cell, a_c^3 = 3 R F/(4 E*)."""
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from contacts import EXACT, field, sweep_of
+
+import hpc_gfmd
+from hpc_gfmd.contact import all_observables
+from hpc_gfmd.theory.elastic import Hertz
+
+
+@pytest.mark.parametrize(("R", "E_star", "L"), [(1.0, 1.0, 1.0), (30.0, 2e9, 1e-3)])
+def test_hertz(R, E_star, L):
+    a_c = 0.05 * L
+    p0 = 4 * E_star * a_c**3 / (3 * R) / L**2
+    sweep = sweep_of(
+        {"kind": "sphere", "radius": R, "n": [256, 256], "physical_sizes": [L, L]}, E_star, **EXACT
+    )
+    step = sweep.solve(p0)
+    exact = Hertz(R, p0 * L**2, E_star)
+    assert sqrt(all_observables()["a_r"](step.contact) * L**2 / pi) == pytest.approx(
+        exact.a, rel=3e-3
+    )
+    p = field(step, "pressure")
+    assert p.max() == pytest.approx(exact.peak_pressure, rel=1e-3)
+    assert np.mean(p) == pytest.approx(p0, rel=1e-9)
+    # profile
+    x = (np.arange(256) - 128) / 256 * L
+    r2 = x[:, None] ** 2 + x**2
+    inside = r2 < (0.8 * a_c) ** 2
+    assert np.abs(p[inside] / exact.pressure(np.sqrt(r2[inside])) - 1).max() < 0.02
+
+
+def test_area_grows_as_the_two_thirds_power():
+    sweep = sweep_of({"kind": "sphere", "radius": 1.0, "n": [256, 256]}, accuracy=1e-3)
+    loads = 4 / 3 * np.array([0.03, 0.05, 0.08]) ** 3
+    areas = [all_observables()["a_r"](sweep.solve(p).contact) for p in loads]
+    assert np.polyfit(np.log(loads), np.log(areas), 1)[0] == pytest.approx(2 / 3, abs=0.02)
+
+
+def test_the_peak_is_the_contact():
+    """Peaks are up: a bump touches at its top, a dent at its rim."""
+    x = (np.arange(32) - 16) / 32
+    bump = np.exp(-20 * (x[:, None] ** 2 + x**2))
+    up, down = (hpc_gfmd.solve(z, 1e-2) for z in (bump, -bump))
+    assert up.pressure[16, 16] == up.pressure.max() > 0
+    assert down.pressure[16, 16] == 0

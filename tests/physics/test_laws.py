@@ -1,0 +1,200 @@
+"""What holds on any surface: thermodynamics, history, units, symmetries."""
+
+import numpy as np
+import pytest
+from contacts import (
+    EXACT,
+    field,
+    heights_of,
+    random_heights,
+    relative,
+    rough,
+    solve_scene,
+    sweep_of,
+)
+
+import hpc_gfmd
+from hpc_gfmd.contact import all_observables
+
+SURFACE = rough((2, 16, 2), seed=7)
+LOADS = np.array([0.02, 0.024, 0.03, 0.1, 0.11, 0.4])
+
+
+def numbers(step):
+    return {name: f(step.contact) for name, f in all_observables().items()}
+
+
+def exact(z, p, E_star=1.0, sizes=(1.0, 1.0)):
+    found = hpc_gfmd.solve(z, p, E_star, sizes, **EXACT)
+    assert found.status == "converged"
+    return found
+
+
+def test_energy_is_the_work_of_the_pressure():
+    """dU = -p d(gap) along a sweep, to the second order of the load step; areas and energies rise,
+    the gap falls."""
+    defects = []
+    for points in (8, 16):
+        sweep = sweep_of(SURFACE, **EXACT)
+        loads = np.geomspace(0.05, 0.2, points)
+        steps = [numbers(sweep.solve(p)) for p in loads]
+        U, gap, area = (
+            np.array([s[name] for s in steps]) for name in ("energy", "gap_mean", "a_r")
+        )
+        assert (np.diff(U) > 0).all()
+        assert (np.diff(gap) < 0).all()
+        assert (np.diff(area) >= 0).all()
+        work = -(loads[1:] + loads[:-1]) / 2 * np.diff(gap)
+        defects.append(np.abs(work.sum() / (U[-1] - U[0]) - 1))
+        # the enthalpy bounds from both sides: U(p2) - U(p1) lies between p1 and p2 times the change
+        # of the gap
+        assert (-loads[:-1] * np.diff(gap) <= np.diff(U) * (1 + 1e-8)).all()
+        assert (np.diff(U) <= -loads[1:] * np.diff(gap) * (1 + 1e-8)).all()
+    assert defects[1] < 0.35 * defects[0] + 1e-6
+    assert defects[1] < 1e-2
+
+
+def test_loading_equals_unloading_and_warm_equals_cold():
+    def results(loads, fresh=False):
+        sweep, found = sweep_of(SURFACE, **EXACT), {}
+        for p in loads:
+            if fresh:
+                sweep = sweep_of(SURFACE, nested=False, **EXACT)
+            step = sweep.solve(p)
+            found[p] = step.contact.gap_mean, step.contact.contact_points, field(step, "pressure")
+        return found
+
+    cold = results(LOADS, fresh=True)
+    for found in (results(LOADS), results(LOADS[::-1])):
+        for p in LOADS:
+            assert found[p][0] == pytest.approx(cold[p][0], rel=1e-9)
+            assert found[p][1] == cold[p][1]
+            assert relative(found[p][2], cold[p][2]) < 1e-9
+
+
+def test_accuracy_is_kept():
+    """The accuracy asked for bounds the errors of area, mean gap and pressure field, in either
+    precision."""
+    for surface, p_star in ((SURFACE, 0.02), (SURFACE, 0.3), (rough((2, 32, 2), hurst=0.3), 0.1)):
+        true = solve_scene(surface, p_star, **EXACT)
+        for accuracy in (1e-2, 1e-3, 1e-5):
+            found = solve_scene(surface, p_star, accuracy=accuracy)
+            assert found.contact.outcome.status == "converged"
+            assert found.contact.gap_mean == pytest.approx(true.contact.gap_mean, rel=accuracy)
+            assert relative(field(found, "pressure"), field(true, "pressure")) < accuracy
+            assert abs(found.contact.contact_points / true.contact.contact_points - 1) <= accuracy
+            assert max(found.contact.outcome.errors) < accuracy
+
+
+@pytest.mark.parametrize("scale", [1e-6, 7.0, 1e8])
+def test_units(scale):
+    """Heights of other slopes, and lengths in other units, give the same contact; for more units
+    see tests/unit/scene/test_units.py."""
+    z, p = heights_of(SURFACE), 0.1
+    true = exact(z, p)
+    flatter = exact(z * scale, p * scale)
+    assert flatter.a_r == true.a_r
+    assert flatter.gap_mean == pytest.approx(true.gap_mean * scale, rel=1e-9)
+    larger = exact(z * scale, p, sizes=(scale, scale))
+    assert larger.p_star == pytest.approx(true.p_star, rel=1e-12)
+    assert larger.gap_mean == pytest.approx(true.gap_mean * scale, rel=1e-9)
+
+
+@pytest.mark.parametrize("n", [(32, 32), (27, 32), (15, 21)], ids=str)
+def test_translation_transposition_reflection(n):
+    z, sizes = random_heights(n, seed=8), (1.0, 1.4)
+    true = exact(z, 2.0, sizes=sizes)
+    moved = exact(np.roll(z, (5, 3), (0, 1)), 2.0, sizes=sizes)
+    assert relative(moved.gap, np.roll(true.gap, (5, 3), (0, 1))) < 1e-9
+    turned = exact(z.T, 2.0, sizes=sizes[::-1])
+    assert relative(turned.pressure, true.pressure.T) < 1e-9
+    mirrored = exact(z[::-1], 2.0, sizes=sizes)
+    assert relative(mirrored.pressure, true.pressure[::-1]) < 1e-9
+    raised = exact(z + 100.0, 2.0, sizes=sizes)
+    assert relative(raised.pressure, true.pressure) < 1e-9
+
+
+@pytest.mark.parametrize("n", [(1, 24), (24, 1), (24, 5), (1, 17), (2, 24)], ids=str)
+def test_one_dimensional(n):
+    """A profile is the wall that repeats it, whatever the number of repetitions; so is a cell of
+    two periods."""
+    m = max(n)
+    profile = random_heights((m, 1), seed=9)[:, 0]
+    one = exact(profile[:, None], 1.0, sizes=(1.0, 1.0))
+    z = np.broadcast_to(profile[:, None], (m, min(n)))
+    z = z if n[0] == m else z.T
+    found = exact(z, 1.0)
+    pressure = found.pressure if n[0] == m else found.pressure.T
+    assert relative(pressure, np.broadcast_to(one.pressure, pressure.shape)) < 1e-9
+    twice = exact(np.tile(profile[:, None], (2, 1)), 1.0, sizes=(2.0, 1.0))
+    assert relative(twice.pressure[:m], one.pressure) < 1e-9
+
+
+def test_periods():
+    """A cell of 2 x 3 periods has the contact of one."""
+    z = random_heights((12, 9), seed=10)
+    one, many = exact(z, 1.0), exact(np.tile(z, (2, 3)), 1.0, sizes=(2.0, 3.0))
+    assert many.a_r == one.a_r
+    assert relative(many.gap, np.tile(one.gap, (2, 3))) < 1e-9
+
+
+def test_finer_grids_have_the_same_surface():
+    """The same seed with smaller a: the same heights where grids share points, h_rms, g_rms; and
+    the area converges from above."""
+    coarse, middle, fine = (heights_of(rough((2, 8, k))) for k in (2, 4, 8))
+    assert np.abs(middle[::2, ::2] - coarse + coarse.mean() - middle[::2, ::2].mean()).max() < 1e-10
+    assert np.abs(fine[::2, ::2] - middle + middle.mean() - fine[::2, ::2].mean()).max() < 1e-10
+    areas, corrected = [], []
+    for k in (2, 4, 8, 16):
+        step = numbers(solve_scene(rough((2, 8, k)), 0.05))
+        areas.append(step["a_r"])
+        corrected.append(step["a_r_corrected"])
+    assert abs(corrected[0] / areas[-1] - 1) < abs(areas[0] / areas[-1] - 1)
+    assert areas[0] > areas[-1]
+
+
+def test_realised_roughness():
+    """h_rms and g_rms are those of the heights, by the definition in the spectrum; both norms
+    agree."""
+    for n_over, hurst in (((2, 16, 2), 0.8), ((1, 15, 3.0), 0.0), ((3, 4, 4), 1.0)):
+        sweep = sweep_of(rough(n_over, hurst=hurst, g_rms=0.3, physical_sizes=[2.0, 2.0]))
+        z = heights_of(rough(n_over, hurst=hurst, g_rms=0.3, physical_sizes=[2.0, 2.0]))
+        n = z.shape[0]
+        z_q = np.fft.fft2(z) / z.size
+        q = 2 * np.pi * np.fft.fftfreq(n, 2.0 / n)
+        g_rms = np.sqrt(np.sum((q[:, None] ** 2 + q**2) * np.abs(z_q) ** 2))
+        assert g_rms == pytest.approx(0.3, rel=1e-10)
+        assert sweep.surface.h_rms == pytest.approx(np.std(z), rel=1e-10)
+        by_height = heights_of(
+            rough(n_over, hurst=hurst, h_rms=sweep.surface.h_rms, physical_sizes=[2.0, 2.0])
+        )
+        assert np.abs(by_height - z).max() < 1e-10
+        k = np.hypot(*np.meshgrid(np.fft.fftfreq(n, 1 / n), np.fft.fftfreq(n, 1 / n)))
+        power = np.abs(z_q).T ** 2
+        low, high = n_over[0], n_over[0] * n_over[1]
+        band = (k >= low * (1 - 1e-9)) & (k <= high * (1 + 1e-9))
+        assert power[~band & (k > 0)].max(initial=0) < 1e-24 * power.max()
+        assert (power[band] > 0).mean() > 0.99  # both ends included
+
+
+def test_spectrum_follows_the_exponent():
+    """Mean power ~ q^(-2-2H), flat below the roll-off."""
+    for hurst in (0.0, 0.5, 1.0):
+        power = np.zeros((128, 128))
+        for seed in range(8):
+            power += (
+                np.abs(
+                    np.fft.fft2(
+                        heights_of(rough((1, 64, 2), hurst=hurst, seed=seed, lam_l_over_lam_r=4))
+                    )
+                )
+                ** 2
+            )
+        k = np.hypot(*np.meshgrid(np.fft.fftfreq(128, 1 / 128), np.fft.fftfreq(128, 1 / 128)))
+        centres = np.array([6, 10, 16, 26, 42])
+        mean = [power[(k > c * 0.9) & (k < c * 1.1)].mean() for c in centres]
+        assert np.polyfit(np.log(centres), np.log(mean), 1)[0] == pytest.approx(
+            -2 - 2 * hurst, abs=0.15
+        )
+        flat = [power[(k > 0.9) & (k < 2.5)].mean(), power[(k > 2.5) & (k <= 4)].mean()]
+        assert flat[0] / flat[1] == pytest.approx(1, abs=0.5)

@@ -1,0 +1,524 @@
+"""Loads that are given by what they do: gap, area, approach, force; what they cost, and what cannot
+be had."""
+
+import re
+
+import numpy as np
+import pytest
+from contacts import EXACT, field, random_heights, relative, rough, sweep_of, sweep_over
+
+from hpc_gfmd.bodies import body_of
+from hpc_gfmd.driver.curve import Curve
+from hpc_gfmd.driver.prescribed import Prescribed
+from hpc_gfmd.scene import Load, Material
+from hpc_gfmd.solvers import solver_names
+from hpc_gfmd.util.errors import SceneError
+
+LAYER = {"thickness": 0.05, "nu1": 0.3, "E_star": 1.0}
+WALLS = {
+    "periodic": (rough((2, 16, 4)), None),
+    "free": (rough((2, 32, 2), boundary="free"), None),
+    "layer": (rough((2, 16, 4)), LAYER),
+    "free along x": (rough((2, 32, 2), boundary=["free", "periodic"]), None),
+}
+CASES = [
+    (wall, quantity)
+    for wall in WALLS
+    for quantity in ("gap_mean", "a_r", "approach")
+    if quantity != "approach" or wall in ("free", "layer")
+]
+
+
+def quantity_of(step, quantity):
+    contact = step.contact
+    return {
+        "gap_mean": contact.gap_mean,
+        "a_r": contact.contact_points / contact.N,
+        "approach": contact.approach,
+    }[quantity]
+
+
+def is_as_near_as_can_be(found, plain, wanted, accuracy):
+    """Whether the area, if it is not the one that is wanted, is on a side of the jump that its note
+    tells of, and no other pressure of the neighbourhood gives a nearer one."""
+    area = quantity_of(found, "a_r")
+    missed, points = abs(area - wanted), max(accuracy * wanted, 1 / found.contact.N)
+    if missed <= accuracy * wanted:
+        return True
+    before, after = map(
+        float, re.search(r"a_r jumps from ([\d.]+) to ([\d.]+)", found.contact.note).groups()
+    )
+    areas = [
+        quantity_of(plain.solve(found.contact.p_mean * factor), "a_r")
+        for factor in np.geomspace(0.8, 1.25, 24)
+    ]
+    return (
+        before < wanted < after
+        and min(abs(area - before), abs(area - after)) <= points
+        and min(areas) < wanted < max(areas)
+        and min(abs(a - wanted) for a in areas) > missed - points
+    )
+
+
+@pytest.mark.parametrize(("wall", "quantity"), CASES)
+def test_the_pressure_is_found(wall, quantity):
+    """What loads gave, asked for on other paths, gives the same contacts."""
+    surface, layer = WALLS[wall]
+    asked = {"accuracy": 1e-3, "precision": "double"}
+    plain = sweep_of(surface, layer=layer, **asked)
+    steps = [
+        (step, field(step, "pressure")) for p in (0.3, 0.05, 0.06, 0.2) for step in [plain.solve(p)]
+    ]
+    values = [quantity_of(step, quantity) for step, _ in steps]
+    sweep = sweep_of(surface, layer=layer, **asked)
+    pairs = []
+    for value, (step, pressure) in zip(values, steps, strict=True):
+        found = sweep.solve(Prescribed(quantity, value))
+        assert found.contact.outcome.status == "converged"
+        points = 1.001 / found.contact.N if quantity == "a_r" else 0.0
+        assert abs(quantity_of(found, quantity) - value) <= max(1e-3 * value, points)
+        assert found.contact.p_mean == pytest.approx(step.contact.p_mean, rel=1e-2)
+        assert relative(field(found, "pressure"), pressure) < 1e-2
+        pairs.append(found.pairs)
+    assert sum(pairs) <= 2 * sum(step.pairs for step, _ in steps)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "boundary", "most"),
+    [("gap_mean", "periodic", 1.5), ("a_r", "periodic", 1.5), ("approach", "free", 1.5)],
+)
+def test_what_it_costs(quantity, boundary, most):
+    """FFT pairs of a sweep, all trials counted, over those of the same loads as pressures; the
+    first one knows nothing yet."""
+    surface, loads = (
+        rough((2, 64 if boundary == "periodic" else 32, 2), boundary=boundary),
+        (0.02, 0.04, 0.08, 0.1, 0.12),
+    )
+    sweeps = [sweep_of(surface, accuracy=1e-3, precision="double") for _ in range(2)]
+    plain = [
+        (step.pairs, quantity_of(step, quantity)) for p in loads for step in [sweeps[0].solve(p)]
+    ]
+    found = [sweeps[1].solve(Prescribed(quantity, value)).pairs for _, value in plain]
+    assert found[0] <= 2.5 * plain[0][0]
+    assert sum(found[1:]) <= most * sum(pairs for pairs, _ in plain[1:])
+
+
+@pytest.mark.parametrize(
+    ("surface", "loads"),
+    [
+        (rough((2, 32, 2), seed=31), (0.02, 0.04, 0.08, 0.1)),
+        (rough((2, 32, 2), seed=31), 0.02 * 1.35 ** np.arange(4)),
+        (rough((2, 16, 8), seed=32), 0.02 * 1.35 ** np.arange(4)),
+    ],
+    ids=["rough", "rough, closer", "smooth"],
+)
+def test_an_area_is_not_turned_around(surface, loads):
+    """No load of a sweep goes to and fro between two pressures, on walls where many corrections
+    come before their answers."""
+    plain, sweep = (sweep_of(surface, accuracy=1e-3) for _ in range(2))
+    for p in loads:
+        given = plain.solve(p)
+        assert sweep.solve(Prescribed("a_r", quantity_of(given, "a_r"))).pairs < 2.5 * given.pairs
+
+
+def test_a_sweep_knows_its_grids():
+    """By how much the pressure changes from grid to grid is found once: later searches have the
+    finest grid's load on all of them."""
+    sweep = sweep_of(rough((2, 32, 2)), accuracy=2e-3, precision="double")
+    ends = []
+    for area in (0.1, 0.2):
+        sweep.solve(Prescribed("a_r", area))
+        search = sweep._search
+        ends.append([end - search.x for end in search.offsets.ends])
+        found = sweep._curve.offsets["a_r"]
+        assert search.x == pytest.approx(search.offsets.ends[0] + sum(found))
+    assert len(ends[0]) == 2
+    begun = sweep._curve.search(Prescribed("a_r", 0.3), sweep.surface, sweep._wall, 1e-3)
+    x = begun.x
+    begun.on_coarsest_grid()
+    for end in [*ends[1], 0.0]:
+        begun.on_next_grid(sweep._wall)
+        assert (begun.x, begun.offsets.ahead) == pytest.approx((x, -end))
+
+
+def first_error(solve, *args):
+    """Estimated, of the pressure, where the finest grid begins."""
+    errors = []
+    solve(*args, lambda iterations, progress: errors.append(progress.estimates[1]) and False)
+    return errors[0]
+
+
+@pytest.mark.parametrize("wall", ["periodic", "free"])
+def test_a_search_starts_as_a_given_load_does(wall):
+    """Coarser grids hand on the contact of the load that the finest one takes, not of that which
+    gives them the same area."""
+    given = found = 0.0
+    for seed in (1, 2, 3):
+        plain, sweep = (sweep_of(WALLS[wall][0] | {"seed": seed}, accuracy=1e-3) for _ in range(2))
+        areas = [quantity_of(plain.solve(p), "a_r") for p in (0.05, 0.15)]
+        sweep.solve(Prescribed("a_r", areas[0]))
+        plain.solver = None
+        given += first_error(plain.solve, 0.15)
+        found += first_error(sweep.solve, Prescribed("a_r", areas[1]))
+    assert found < 1.5 * given
+
+
+def test_a_corrected_load_keeps_the_last_step():
+    """What the solver knows of its last step holds at the corrected load."""
+    sweep = sweep_of(rough((2, 16, 4)), accuracy=1e-9, precision="double")
+    sweep.solve(0.05, watch=lambda iterations, progress: iterations == 3)
+    solver = sweep.solver
+    solver.start(solver.g.copy())
+    for _ in range(3):
+        solver.step()
+    p, dKd = solver.p.copy(), solver.dKd
+    solver.correct_load(1.001 * solver.p0)
+    assert np.allclose(solver.p, p + solver.p0 * (1 - 1 / 1.001), rtol=0, atol=1e-12)
+    free = ~((solver.g <= 0) & (solver.p > 0))
+    assert solver.rd == pytest.approx(
+        solver.s * np.sum((solver.p * solver.d)[free & np.isfinite(solver.d)]), rel=1e-6
+    )
+    assert solver.dKd == dKd > 0
+
+
+@pytest.mark.parametrize("wall", ["periodic", "free"])
+def test_the_outlook_is_closer_than_what_is_there(wall):
+    """The solver knows what its area and its mean gap will come to: it has followed neither load
+    when it begins. On three walls."""
+    there, ahead = np.zeros(2), np.zeros(2)
+    for seed in (1, 2, 3):
+        sweep, seen = (
+            sweep_of(WALLS[wall][0] | {"seed": seed}, accuracy=1e-7, precision="double"),
+            [],
+        )
+        for p in (0.05, 0.07):
+            sweep.solve(
+                p, watch=lambda iterations, progress, seen=seen: seen.append(progress) and False
+            )
+        end = sweep.solver.progress()
+        early = [
+            progress
+            for progress in seen[-sweep.solver.iterations :]
+            if 0.01 < progress.estimates[1] < 0.5
+        ]
+        assert len(early) > 2
+        wanted = np.array([end.contact, end.gap_mean])
+        there += np.abs([[x.contact, x.gap_mean] / wanted - 1 for x in early]).mean(axis=0)
+        ahead += np.abs([x.outlook[:2] / wanted - 1 for x in early]).mean(axis=0)
+    assert (ahead < 0.6 * there).all()
+
+
+@pytest.mark.parametrize("name", solver_names())
+@pytest.mark.parametrize("quantity", ["gap_mean", "a_r"])
+def test_every_solver(name, quantity):
+    wanted = sweep_of(rough((2, 8, 2)), **EXACT).solve(0.1)
+    sweep = sweep_of(rough((2, 8, 2)), name=name, accuracy=1e-4, precision="double")
+    found = sweep.solve(Prescribed(quantity, quantity_of(wanted, quantity)))
+    assert found.contact.outcome.status == "converged"
+    assert quantity_of(found, quantity) == pytest.approx(
+        quantity_of(wanted, quantity), abs=1.001 / 1024 if quantity == "a_r" else None, rel=1e-4
+    )
+    assert found.contact.p_mean == pytest.approx(
+        0.1, rel=2e-3 if quantity == "gap_mean" else 2e-2
+    )  # a point more or less
+
+
+@pytest.mark.parametrize(
+    "solver",
+    [
+        {"precision": "single"},
+        {"precision": "single", "low_memory": True},
+        {"residual": 1e-9},
+        {"low_memory": True, "accuracy": 1e-3},
+    ],
+    ids=str,
+)  # the last one begins in single precision
+@pytest.mark.parametrize("quantity", ["gap_mean", "a_r"])
+def test_every_way(solver, quantity):
+    surface = rough((2, 16, 4))
+    accuracy = {} if "residual" in solver or "accuracy" in solver else {"accuracy": 2e-3}
+    wanted = sweep_of(surface, accuracy=1e-5, precision="double").solve(0.1)
+    value = quantity_of(wanted, quantity)
+    sweep = sweep_of(surface, **accuracy, **solver)
+    for target in (1.5 * value, value):
+        found = sweep.solve(Prescribed(quantity, target))
+        assert found.contact.outcome.status == "converged"
+        assert quantity_of(found, quantity) == pytest.approx(target, rel=2e-3)
+    assert found.contact.p_mean == pytest.approx(0.1, rel=6e-3)
+
+
+def test_hertz_by_approach():
+    """delta = a^2/R, F = 4 E* a^3/(3 R)."""
+    a, R = 0.25, 10.0
+    sphere = {"kind": "sphere", "radius": R, "n": [128, 128], "boundary": "free"}
+    step = sweep_of(sphere, accuracy=1e-3, precision="double").solve(
+        Prescribed("approach", a * a / R)
+    )
+    assert step.contact.approach == pytest.approx(a * a / R, rel=1e-3)
+    assert step.contact.p_mean == pytest.approx(4 * a**3 / (3 * R), rel=3e-3)
+
+
+@pytest.mark.parametrize("layer", [None, LAYER], ids=["half-space", "layer"])
+@pytest.mark.parametrize("load", [{"gap_mean": 0}, {"gap_over_h_rms": [0.0]}, {"a_r": 1}], ids=str)
+def test_the_least_pressure_that_closes_the_gap(load, layer):
+    sweep = sweep_of(rough((2, 8, 2)), layer=layer, **EXACT)
+    step = sweep.solve(*sweep.pressures(Load(**load)))
+    p = field(step, "pressure")
+    assert step.contact.contact_points == step.contact.N
+    assert step.contact.gap_mean == 0
+    assert 0 < p.min() < 1e-9 * p.max()
+    assert p.mean() == pytest.approx(step.contact.p_mean, rel=1e-9)
+
+
+@pytest.mark.parametrize("free", [(True, True), (True, False), (False, True)], ids=str)
+@pytest.mark.parametrize("load", [{"gap_mean": 0}, {"gap_over_h_rms": [0.0]}, {"a_r": 1}], ids=str)
+@pytest.mark.parametrize(
+    "solver", [{"accuracy": 1e-5}, {"accuracy": 1e-3, "precision": "single"}], ids=str
+)
+def test_a_gap_that_closes_to_its_edges(free, load, solver):
+    """At the least load that does; what it costs counts all."""
+    z = 0.01 * random_heights((16, 12), seed=3)
+    sweep = sweep_over(z, free=free, **solver)
+    step = sweep.solve(*sweep.pressures(Load(**load)))
+    contact, p = step.contact, field(step, "pressure")
+    assert contact.outcome.status == "converged"
+    assert contact.contact_points == contact.N
+    assert contact.gap_mean == 0
+    assert 0 < p.min() < solver["accuracy"] * contact.p_mean
+    exact = sweep_over(z, free=free)
+    assert (
+        exact.solve((1 + solver["accuracy"]) * contact.p_mean).contact.contact_points == contact.N
+    )
+    assert exact.solve((1 - solver["accuracy"]) * contact.p_mean).contact.contact_points < contact.N
+    assert step.pairs <= 2.5 * sweep_over(z, free=free, **solver).solve(contact.p_mean).pairs
+
+
+@pytest.mark.parametrize("layer", [None, LAYER], ids=["half-space", "layer"])
+@pytest.mark.parametrize("gap", [1e-4, 1e-6, 1e-8])
+def test_a_gap_that_nearly_closes(gap, layer):
+    """A single point is open; the load is looked for from the one that closes it, too."""
+    surface = rough((2, 4, 2))
+    sweep, plain = (sweep_of(surface, layer=layer, accuracy=1e-4) for _ in range(2))
+    step = sweep.solve(*sweep.pressures(Load(gap_over_h_rms=gap)))
+    assert step.contact.outcome.status == "converged"
+    assert step.contact.gap_mean == pytest.approx(gap * sweep.surface.h_rms, rel=1e-4)
+    assert step.pairs <= 2.5 * plain.solve(step.contact.p_mean).pairs
+
+
+@pytest.mark.parametrize("free", [(True, True), (True, False)], ids=str)
+def test_a_gap_that_nearly_closes_to_its_edges(free):
+    sweep = sweep_over(0.01 * random_heights((16, 12), seed=3), free=free, accuracy=1e-3)
+    step = sweep.solve(*sweep.pressures(Load(gap_over_h_rms=1e-4)))
+    assert step.contact.outcome.status == "converged"
+    assert step.contact.gap_mean == pytest.approx(1e-4 * sweep.surface.h_rms, rel=1e-3)
+
+
+def test_a_gap_that_nothing_makes_more_accurate():
+    """Next to full contact the error of free edges counts for more than is asked: that is said, and
+    not tried for long."""
+    z = 0.01 * random_heights((16, 12), seed=3)
+    sweep = sweep_over(z, free=(True, True), accuracy=1e-6)
+    closed = sweep.solve(Prescribed("a_r", 1.0)).contact.p_mean
+    step = sweep_over(z, free=(True, True), accuracy=1e-6).solve(0.99 * closed)
+    area, gap, pressure = step.contact.outcome.errors
+    assert step.contact.outcome.status == "stagnated"
+    assert area == 0
+    assert pressure < 1e-6 < gap
+    assert "the mean gap is known to" in step.contact.note
+    assert step.pairs < 40
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("solver", [{}, {"low_memory": True}, {"name": "gfmd"}], ids=str)
+def test_a_sweep_through_full_contact(boundary, solver):
+    """From above or below, and again: at the same pressure."""
+    sweep = sweep_of(rough((2, 8, 2), boundary=boundary), accuracy=1e-3, **solver)
+    contacts = [
+        sweep.solve(load).contact for load in sweep.pressures(Load(gap_over_h_rms=[0.3, 0, 0.1, 0]))
+    ]
+    assert all(contact.outcome.status == "converged" for contact in contacts)
+    assert [contact.contact_points == contact.N for contact in contacts] == [
+        False,
+        True,
+        False,
+        True,
+    ]
+    assert contacts[3].p_mean == pytest.approx(contacts[1].p_mean, rel=1e-3)
+
+
+def test_an_area_that_jumps():
+    """Four equal peaks touch all at once, and later sixteen others: what is nearer is taken, and
+    that is said."""
+    z = np.full((16, 16), -1.0)
+    z[::8, ::8], z[4::8, ::8] = 0.0, -0.01
+    for wanted, points in ((5.5 / 256, 4), (6.5 / 256, 8)):
+        step = sweep_over(z, accuracy=1e-3, precision="double").solve(Prescribed("a_r", wanted))
+        assert step.contact.outcome.status == "converged"
+        assert step.contact.contact_points == points
+        assert "a_r jumps from 0.01562 to 0.03125: the nearer" in step.contact.note
+
+
+@pytest.mark.parametrize("free", [(False, False), (True, True)], ids=str)
+@pytest.mark.parametrize("wanted", [1 / 4096, 0.02, 0.2])
+def test_an_area_that_no_load_has(free, wanted):
+    """Flat tops of equal height touch as a whole at any load: that is the least area, and it is
+    said, at no cost."""
+    high = np.arange(64) % 16 < 8
+    step = sweep_over(0.01 * np.outer(high, high), free=free, accuracy=1e-3).solve(
+        Prescribed("a_r", wanted)
+    )
+    assert step.contact.outcome.status == "converged"
+    assert step.contact.contact_points == 1024
+    assert step.contact.note == "a_r jumps from 0 to 0.25: the least at any load"
+    assert step.pairs < 20
+
+
+def test_areas_that_no_load_has():
+    """A sweep of them stays where the least area was found."""
+    high = np.arange(64) % 16 < 8
+    sweep = sweep_over(0.01 * np.outer(high, high), accuracy=1e-3)
+    contacts = [
+        sweep.solve(Prescribed("a_r", wanted)).contact for wanted in (0.1, 0.01, 0.2, 1 / 4096)
+    ]
+    assert [contact.outcome.status for contact in contacts] == ["converged"] * 4
+    assert [contact.p_mean for contact in contacts] == pytest.approx(
+        [contacts[0].p_mean] * 4, rel=0.1
+    )
+
+
+def test_an_area_that_comes_from_full_contact():
+    """All points of a small surface touch on the way to an area."""
+    high = np.arange(50) % 12 < 6
+    sweep, plain = (sweep_over(0.01 * np.outer(high, high), accuracy=3e-2) for _ in range(2))
+    found = sweep.solve(Prescribed("a_r", 0.95))
+    assert found.contact.outcome.status == "converged"
+    assert is_as_near_as_can_be(found, plain, 0.95, 3e-2)
+
+
+@pytest.mark.parametrize("wanted", [0.3, 0.6, 0.9])
+def test_an_area_between_flat_tops(wanted):
+    """On a thin layer the ground between them closes in jumps that are not seen beforehand: one
+    that two loads enclose is one."""
+    high, layer = np.arange(64) % 16 < 8, body_of(Material(**LAYER), (False, False))
+    sweep, plain = (
+        sweep_over(0.01 * np.outer(high, high), accuracy=1e-3, body=layer) for _ in range(2)
+    )
+    found = sweep.solve(Prescribed("a_r", wanted))
+    assert found.contact.outcome.status == "converged"
+    assert found.pairs < 10 * plain.solve(found.contact.p_mean).pairs
+    assert is_as_near_as_can_be(found, plain, wanted, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("free", "wanted"), [((False, False), 0.05), ((True, True), 0.01)], ids=str
+)
+def test_an_area_of_an_ordered_wall(free, wanted):
+    """Coarse grids have a few points on each of its equal peaks, and do not tell the load; what is
+    found is as near as can be."""
+    wave = np.cos(2 * np.pi * np.arange(128) / 32)
+    sweep, plain = (
+        sweep_over(0.01 * np.outer(wave, wave), free=free, accuracy=1e-2) for _ in range(2)
+    )
+    found = sweep.solve(Prescribed("a_r", wanted))
+    assert found.contact.outcome.status == "converged"
+    assert found.pairs < 60
+    assert is_as_near_as_can_be(found, plain, wanted, 1e-2)
+
+
+def test_areas_of_a_lattice():
+    """Peaks that are alike, between points of the grid: the area goes in steps of many widths (461
+    pairs by a usual rate)."""
+    x = np.arange(96) % 12 - 5.7
+    sweeps = [sweep_over(-(x[:, None] ** 2 + x**2), accuracy=1e-5) for _ in range(17)]
+    found = [sweep.solve(Prescribed("a_r", 0.02 + 0.015 * k)) for k, sweep in enumerate(sweeps)]
+    assert all(step.contact.outcome.status == "converged" for step in found)
+    assert sum(step.pairs for step in found) < 380
+
+
+@pytest.mark.parametrize("free", [(False, False), (True, True)], ids=str)
+def test_hardly_touching(free):
+    """A mean gap that is but a little less than where the highest peak touches."""
+    z = random_heights((16, 16), seed=3)
+    gap = (z.max() - z).mean() * (1 - 1e-4)
+    step = sweep_over(z, free=free, accuracy=1e-6, precision="double").solve(
+        Prescribed("gap_mean", gap)
+    )
+    assert step.contact.gap_mean == pytest.approx(gap, rel=1e-6)
+    assert step.contact.outcome.status == "converged"
+
+
+@pytest.mark.parametrize("share", [1e-8, 1e-6, 1e-3])
+def test_an_approach_that_is_next_to_nothing(share):
+    """One point touches, whose force is proportional to it; coarse grids are without that point."""
+    sweep = sweep_over(0.1 * random_heights((16, 16), seed=3), free=(True, True), accuracy=1e-4)
+    h_rms = sweep.surface.h_rms
+    step = sweep.solve(Prescribed("approach", share * h_rms))
+    assert step.contact.outcome.status == "converged"
+    assert step.contact.contact_points == 1
+    assert step.contact.approach == pytest.approx(share * h_rms, rel=1e-4)
+    assert step.contact.p_star == pytest.approx(2.818e-3 * share, rel=1e-3)
+
+
+def test_what_the_load_is_in_the_units_of_the_scene():
+    sweep = sweep_of(
+        rough((2, 8, 2), physical_sizes=[3.0, 3.0], boundary="free"), E_star=5.0, accuracy=1e-3
+    )
+    assert sweep.pressures(Load(force=[9.0, 18.0])) == (1.0, 2.0)
+    h_rms = sweep.surface.h_rms
+    loads = [
+        *sweep.pressures(Load(gap_mean=0.5 * h_rms)),
+        *sweep.pressures(Load(gap_over_h_rms=0.5)),
+    ]
+    first, second = (sweep.solve(load).contact.p_mean for load in loads)
+    assert sweep.solve(loads[0]).contact.gap_mean == pytest.approx(0.5 * h_rms, rel=1e-3)
+    assert first == pytest.approx(second, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("load", "words"),
+    [
+        ({"gap_mean": 100.0}, "load.gap_mean: found 100, allowed: below "),
+        ({"gap_over_h_rms": [0.1, 9]}, "load.gap_over_h_rms: found 9, "),
+        (
+            {"a_r": 1e-6},
+            "load.a_r: found 1e-06, less than half of one of 256 points, allowed: 0.00391 to 1",
+        ),
+        ({"gap_mean": 1e-9}, "load.gap_mean: found 1e-09, allowed: above "),
+        ({"gap_over_h_rms": [0.1, 1e-9]}, "load.gap_over_h_rms: found 1e-09, allowed: above "),
+        ({"approach": 1e-9}, "load.approach: found 1e-09, allowed: above "),
+    ],
+)
+def test_what_cannot_be_had(load, words):
+    with pytest.raises(SceneError) as caught:
+        sweep_of(rough((2, 4, 2)), **EXACT).pressures(Load(**load))
+    assert str(caught.value).startswith(words)
+
+
+@pytest.mark.parametrize(
+    ("z", "free", "load", "words"),
+    [
+        (np.zeros((8, 8)), (False, False), {"a_r": 0.5}, "load.a_r: found a flat surface"),
+        (np.zeros((8, 8)), (True, True), {"gap_mean": 0.5}, "load.gap_mean: found a flat surface"),
+        (
+            np.zeros((8, 8)),
+            (False, False),
+            {"approach": 0.5},
+            "load.approach: found a flat surface",
+        ),
+    ],
+)
+def test_nor_on_such_a_surface(z, free, load, words):
+    with pytest.raises(SceneError, match=words):
+        sweep_over(z, free=free).pressures(Load(**load))
+
+
+def test_an_area_far_from_those_before():
+    """What two loads near to each other tell of the curve says nothing of its other end: there the
+    area is about twice p*."""
+    sweep = sweep_over(random_heights((100, 100), seed=4), accuracy=1e-3)
+    near = [
+        {"x": x, "a_r": area, "gap_mean": 1.0, "approach": 1.0}
+        for x, area in ((0.40, 0.9990), (0.44, 0.9991))
+    ]
+    search = Curve(near).search(Prescribed("a_r", 4e-5), sweep.surface, sweep._wall, 1e-3)
+    assert abs(search.x - np.log(2e-5)) < 3

@@ -1,0 +1,100 @@
+"""Rough contacts whose kappa = a_r/p* is known: H, lam_l/lam_s, with and without the edge
+correction."""
+
+import numpy as np
+import pytest
+from contacts import rough, solve_scene, sweep_of
+
+from hpc_gfmd import reference
+from hpc_gfmd.contact import all_observables
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.surface import build_surface
+
+P_STAR = 0.01 / np.sqrt(2)
+CASES = [  # hurst, lam_l/lam_s, seeds, kappa, its uncertainty, edge-corrected kappa
+    (0.8, 32, 12, 2.74, 0.07, 2.21),
+    (0.8, 64, 6, 2.51, 0.06, 2.11),
+    (0.8, 128, 3, 2.40, 0.04, 2.07),
+    (0.3, 32, 8, 3.45, 0.03, 2.35),
+    (0.3, 64, 4, 3.23, 0.07, 2.28),
+]
+
+
+@pytest.mark.parametrize(("hurst", "ratio", "seeds", "kappa", "sigma", "corrected"), CASES)
+def test_kappa(hurst, ratio, seeds, kappa, sigma, corrected):
+    found = []
+    for seed in range(1, seeds + 1):
+        sweep = sweep_of(rough((2, ratio, 2), hurst=hurst, seed=seed), accuracy=3e-3)
+        contact = sweep.solve(P_STAR).contact
+        found.append([all_observables()[name](contact) for name in ("kappa", "kappa_corrected")])
+    mean, spread = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(seeds)
+    error = 2 * np.hypot(sigma, spread)  # two standard errors of the difference
+    assert abs(mean[0] - kappa) < error[0], (mean, spread)
+    assert abs(mean[1] - corrected) < error[1], (mean, spread)
+    assert error.max() < 0.2
+
+
+@pytest.mark.parametrize(("hurst", "p_star"), [(0.3, 0.03), (0.8, 0.2)])
+def test_the_published_curve(hurst, p_star):
+    """Other surfaces on a fine grid, edge-corrected, are where the reference data say that the
+    limit of fine grids lies."""
+    found = []
+    for seed in (101, 102, 103):
+        contact = solve_scene(
+            rough((4, 16, 8), hurst=hurst, seed=seed), p_star, accuracy=1e-3
+        ).contact
+        found.append(
+            [all_observables()[name](contact) for name in ("a_r_corrected", "gap_over_h_rms")]
+        )
+    for value, spread, limit in zip(
+        np.mean(found, axis=0),
+        np.std(found, axis=0, ddof=1) / 3**0.5,
+        (reference.contact_area, reference.mean_gap),
+        strict=True,
+    ):
+        expected, sigma = limit(p_star, hurst, 1 / 16)
+        assert (
+            abs(value - expected) < 3 * np.hypot(spread, sigma) + 0.01 * expected
+        )  # the correction leaves up to a per cent there
+        assert spread < 0.03 * expected
+
+
+def test_persson_at_high_load():
+    """At p* = 0.353553 theory has a_r = erf(1/2) = 0.5205; simulations are at 0.57 to 0.69."""
+    contact = sweep_of(rough((2, 32, 2))).solve(0.5 / np.sqrt(2)).contact
+    assert 0.57 < all_observables()["a_r"](contact) < 0.72
+    assert all_observables()["gap_over_h_rms"](contact) < 0.1
+
+
+@pytest.mark.parametrize(("p_star", "most"), [(0.007, 11.0), (0.353, 8.0)])
+def test_pairs_do_not_grow_with_the_grid(p_star, most):
+    """Everything counted, FFT pairs to 1e-3: means of three surfaces (measured at 512: 10.0 and
+    7.3).
+
+    At p* = 0.007 256 x 256 points take 14: single points are more than 1e-3 of the contact area
+    there.
+    """
+    means = []
+    for points in (128, 512):
+        found = [
+            solve_scene(rough((2, points // 4, 2), seed=seed), p_star, accuracy=1e-3).fft_pairs
+            for seed in (1, 2, 3)
+        ]
+        means.append(np.mean(found))
+    assert means[1] <= most
+    assert means[1] <= means[0] + 1
+
+
+def test_heights_in_single_precision_are_rounded_once():
+    """Their transforms are in double precision; in low memory they are not, and errors are a few
+    times larger."""
+    spec = Scene.from_dict({"surface": rough((2, 32, 2)), "load": {"p_star": 0.1}}).surface
+    exact = build_surface(spec, SerialComm(), np.float64).h
+    unit = np.finfo(np.float32).eps * exact
+    once, saving = (
+        build_surface(spec, SerialComm(), np.float32, low_memory=low_memory).h
+        for low_memory in (False, True)
+    )
+    assert (np.abs(once - exact) <= 0.51 * unit).all()
+    assert np.abs(once - exact).max() < np.abs(saving - exact).max() < 20 * unit.max()

@@ -1,0 +1,24 @@
+"""Surfaces of a few points across: the long axis alone has coarser grids."""
+
+import numpy as np
+import pytest
+from campaign.truth import Contact
+
+import hpc_gfmd
+
+
+@pytest.mark.parametrize("n", [(3, 3000), (3000, 2)], ids=str)
+def test_a_long_strip(n):
+    """Random walks along the strip, an independent one in each line: few pairs to the solution."""
+    random, along = np.random.default_rng(0), int(np.argmax(n))
+    z = np.cumsum(random.standard_normal(n), axis=along)
+    z = z - np.linspace(np.zeros(min(n)), np.take(z, -1, along), max(n), axis=along)
+    truth = Contact(z, np.divide(n, min(n)))
+    exact = truth.solve(0.02)
+    found = hpc_gfmd.solve(z, 0.02 * truth.g_rms, physical_sizes=tuple(np.divide(n, min(n))))
+    assert found.status == "converged"
+    assert found.fft_pairs < 40
+    wrong = exact.errors(
+        round(found.a_r * z.size), found.gap_mean / truth.height_unit, found.pressure / truth.g_rms
+    )
+    assert max(wrong) < 1e-3

@@ -1,0 +1,144 @@
+"""The stiffness -dp/d(mean gap): against dense linear algebra, against differences of tight solves,
+at the ends of the load curve."""
+
+import numpy as np
+import oracle
+import pytest
+from contacts import EXACT, random_heights, rough, solve_scene, sweep_of
+
+import hpc_gfmd
+from hpc_gfmd.bodies.halfspace import HALF_SPACE
+from hpc_gfmd.contact import all_observables
+from hpc_gfmd.operators import tangent as tangent_module
+from hpc_gfmd.operators.tangent import tangent
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.solvers import solver_names
+
+SURFACE = rough((2, 16, 2), seed=7)
+stiffness = all_observables()["stiffness"]
+
+
+def contacts():
+    """Sets of points in contact on grids of all shapes: scattered, in patches, a single one, all
+    but one, a line, a profile."""
+    rng = np.random.default_rng(3)
+    for n in ((2, 5), (9, 9), (16, 22), (25, 13), (40, 1)):
+        for share in (0.02, 0.2, 0.6, 0.95):
+            yield rng.random(n) < share
+            yield (z := random_heights(n, rng.integers(99))) > np.quantile(z, 1 - share)
+        one = np.zeros(n, bool)
+        one[n[0] // 2, n[1] // 3] = True
+        yield from (one, ~one)
+    line = np.zeros((24, 20), bool)
+    line[:, 7] = True
+    yield line
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 0.3)], ids=["square", "stretched"])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32], ids=["double", "single"])
+def test_dense_oracle(dtype, sizes):
+    """To the accuracy asked for and to its own estimate, which hold with much to spare."""
+    rounding = 1e-12  # of the oracle
+    tried = 0
+    for contact in contacts():
+        if contact.all() or not contact.any():
+            continue
+        grid = Grid(contact.shape, sizes)
+        wanted = oracle.compliance(contact, sizes) / grid.a
+        for accuracy in (1e-2, 1e-3, 1e-6, 1e-12):
+            found = tangent(grid, HALF_SPACE, contact, dtype, accuracy)
+            error = abs(found.compliance / wanted - 1)
+            assert error < max(accuracy, 16 * np.finfo(dtype).eps) + rounding
+            assert error < found.error + rounding
+            assert found.pairs <= 6 - 2 * np.log10(accuracy)
+        tried += 1
+    assert tried > 40
+
+
+@pytest.mark.parametrize("p_star", [0.01, 0.1, 0.6])
+@pytest.mark.parametrize("name", solver_names())
+def test_difference_of_solves(name, p_star):
+    """Between two loads so close that no point changes sides the gap is a straight line; the unit
+    is that of the scene."""
+    surface = rough((1, 16, 2), seed=2, g_rms=0.3, physical_sizes=[2.0, 2.0])
+    sweep = sweep_of(surface, 5.0, **EXACT | {"residual": 1e-10})
+    p = p_star * 5.0 * sweep.surface.g_rms
+    below, above = (sweep.solve(q).contact for q in (p * (1 - 1e-5), p * (1 + 1e-5)))
+    contact = solve_scene(
+        surface, p_star, 5.0, name=name, residual=1e-6, precision="double"
+    ).contact
+    assert below.contact_points == contact.contact_points == above.contact_points
+    assert stiffness(contact) == pytest.approx(
+        2e-5 * p / (below.gap_mean - above.gap_mean), rel=2e-4
+    )
+
+
+def test_does_not_depend_on_the_loads_before():
+    loads = (0.02, 0.024, 0.3)
+    up, down = (
+        {p: stiffness(sweep.solve(p).contact) for p in order}
+        for sweep, order in (
+            (sweep_of(SURFACE, **EXACT), loads),
+            (sweep_of(SURFACE, **EXACT), loads[::-1]),
+        )
+    )
+    assert up == pytest.approx(down, rel=1e-8)
+
+
+def test_ends_of_the_load_curve():
+    """One point, all points, a flat wall: a number or None, as documented."""
+    top = solve_scene({"kind": "sphere", "radius": 1.0, "n": [32, 32]}, 1e-6, **EXACT).contact
+    assert top.contact_points == 1
+    point = np.zeros((32, 32), bool)
+    point[0, 0] = True
+    assert stiffness(top) == pytest.approx(1 / oracle.compliance(point), rel=1e-8)
+    full = solve_scene(SURFACE, 9.0, **EXACT).contact
+    assert full.contact_points == full.N
+    assert stiffness(full) is None
+    assert (
+        stiffness(sweep_of({"kind": "wave", "amplitude": 0.0, "n": [4, 4]}).solve(0.1).contact)
+        is None
+    )
+    assert (
+        tangent(Grid((8, 8)), HALF_SPACE, np.zeros((8, 8), bool), np.float64, 1e-3).compliance
+        == np.inf
+    )
+
+
+def test_no_number_where_it_is_not_found(monkeypatch):
+    contact = solve_scene(SURFACE, 0.05, accuracy=1e-3).contact
+    monkeypatch.setattr(tangent_module, "MAX_STEPS", 3)
+    assert stiffness(contact) is None
+
+
+def test_only_on_request_and_counted(tmp_path):
+    scene = {"surface": SURFACE, "load": {"p_star": [0.05, 0.3]}}
+    plain = run_scene(Scene.from_dict(scene), out=tmp_path / "plain.h5", quiet=True).steps
+    asked = run_scene(
+        Scene.from_dict(scene | {"output": {"observables": ["stiffness"]}}),
+        out=tmp_path / "asked.h5",
+        quiet=True,
+    ).steps
+    for a, b in zip(plain, asked, strict=True):
+        assert "stiffness" not in a
+        assert b["stiffness"] > 0
+        assert 3 <= b["fft_pairs"] - a["fft_pairs"] <= 8
+
+
+def test_from_python():
+    z = random_heights((24, 20), 1)
+    plain, asked = (
+        hpc_gfmd.solve(z, 0.1, observables=names) for names in ((), ["stiffness", "energy"])
+    )
+    assert "stiffness" not in plain.observables
+    assert asked.observables["stiffness"] == pytest.approx(
+        1 / oracle.compliance(asked.pressure > 0, (1.0, 1.0)), rel=1e-3
+    )
+    assert asked.fft_pairs > plain.fft_pairs
+    for wrong in ("stiffness", ["stifness"]):
+        with pytest.raises(
+            hpc_gfmd.util.errors.SceneError, match=r"output\.observables: found .*allowed: "
+        ):
+            hpc_gfmd.solve(z, 0.1, observables=wrong)

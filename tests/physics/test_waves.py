@@ -1,0 +1,111 @@
+"""Westergaard's and Johnson, Greenwood, Higginson's sinusoidal contacts, with the order of
+convergence."""
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from contacts import EXACT, field, order, sweep_of
+
+from hpc_gfmd.contact import all_observables
+from hpc_gfmd.theory.elastic import Westergaard
+
+A = 0.05
+
+
+def wave(n, periods=(1, 0)):
+    return {
+        "kind": "wave",
+        "amplitude": A,
+        "n": [n, 4] if periods == (1, 0) else [n, n],
+        "periods": list(periods),
+    }
+
+
+def westergaard(p_hat):
+    exact = Westergaard(p_hat * pi * A, A)
+    return {
+        "a_r": exact.a_r,
+        "gap_mean": exact.gap_mean,
+        "energy": exact.energy,
+        "peak": exact.peak_pressure,
+    }
+
+
+def solved(n, p_hat, p_full, periods=(1, 0)):
+    step = sweep_of(wave(n, periods), **EXACT).solve(p_hat * p_full)
+    assert step.contact.outcome.status == "converged"
+    return {
+        name: all_observables()[name](step.contact) for name in ("a_r", "gap_mean", "energy")
+    } | {"peak": field(step, "pressure").max()}
+
+
+@pytest.mark.parametrize("p_hat", [0.05, 0.2, 0.5, 0.8])
+def test_westergaard(p_hat):
+    wanted = westergaard(p_hat)
+    found = solved(1024, p_hat, pi * A)
+    assert found["a_r"] == pytest.approx(wanted["a_r"], abs=2.5 / 1024)  # whole pixels
+    assert found["gap_mean"] == pytest.approx(wanted["gap_mean"], rel=2e-4)
+    assert found["energy"] == pytest.approx(wanted["energy"], rel=2e-4)
+    assert found["peak"] == pytest.approx(wanted["peak"], rel=2e-4)
+
+
+def test_westergaard_converges():
+    """Area with first order (pixels), mean gap and energy with second order."""
+    ns, loads = [32, 64, 128, 256], np.linspace(0.1, 0.8, 17)
+    errors = {"a_r": [], "gap_mean": [], "energy": []}
+    for n in ns:
+        off = {name: [] for name in errors}
+        for p_hat in loads:  # averaged over loads: where in a pixel the contact ends is chance
+            found, wanted = solved(n, p_hat, pi * A), westergaard(p_hat)
+            for name in errors:
+                off[name].append((found[name] / wanted[name] - 1) ** 2)
+        for name in errors:
+            errors[name].append(np.sqrt(np.mean(off[name])))
+    slopes = {name: order(ns, e) for name, e in errors.items()}
+    assert 0.8 < slopes["a_r"] < 1.5, slopes
+    assert slopes["gap_mean"] > 1.6, slopes
+    assert slopes["energy"] > 1.6, slopes
+
+
+def test_westergaard_along_the_other_axis():
+    along_x = sweep_of(wave(64), **EXACT).solve(0.05)
+    along_y = sweep_of(wave(64) | {"n": [4, 64], "periods": [0, 1]}, **EXACT).solve(0.05)
+    assert along_x.contact.gap_mean == pytest.approx(along_y.contact.gap_mean, rel=1e-10)
+    assert np.allclose(field(along_x, "pressure"), field(along_y, "pressure").T, atol=1e-10)
+
+
+def test_johnson_at_small_load():
+    """a_r -> pi (3 p_hat/8 pi)^(2/3): Hertz at every top."""
+    ratios = [
+        solved(512, p_hat, sqrt(2) * pi * A, (1, 1))["a_r"]
+        / (pi * (3 * p_hat / (8 * pi)) ** (2 / 3))
+        for p_hat in (0.016, 0.004)
+    ]
+    assert ratios[1] == pytest.approx(1, abs=0.03)
+    assert 0 < ratios[1] - 1 < ratios[0] - 1
+
+
+def test_johnson_near_full_contact():
+    """1 - a_r -> 3/(2 pi) (1 - p_hat)."""
+    for p_hat, tolerance in ((0.9, 0.06), (0.97, 0.03)):
+        found = solved(512, p_hat, sqrt(2) * pi * A, (1, 1))
+        assert (1 - found["a_r"]) / (3 / (2 * pi) * (1 - p_hat)) == pytest.approx(1, abs=tolerance)
+
+
+def test_johnson_converges():
+    """Mean gap with second order, against the finest grid."""
+    ns, loads = [16, 32, 64], (0.15, 0.3, 0.5)
+    exact = {p: solved(256, p, sqrt(2) * pi * A, (1, 1))["gap_mean"] for p in loads}
+    errors = [
+        np.sqrt(
+            np.mean(
+                [
+                    (solved(n, p, sqrt(2) * pi * A, (1, 1))["gap_mean"] / exact[p] - 1) ** 2
+                    for p in loads
+                ]
+            )
+        )
+        for n in ns
+    ]
+    assert order(ns, errors) > 1.5, errors

@@ -1,0 +1,60 @@
+"""Run under mpirun: python many_ranks.py LAM_L_OVER_LAM_S PER_NODE FOLDER. Solves a rough contact
+on all ranks, as if so many of them shared a node, compares it with the one that one rank alone left
+in the folder, and counts the messages of one more iteration. Rank 0 prints what it found as
+JSON."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from contacts import EXACT, field, rough, sweep_of
+from nodes import on_pretended_nodes
+
+from hpc_gfmd.parallel.world import world
+from hpc_gfmd.runs.decomposition import share_of
+
+P_STAR = 0.05
+
+
+def main(lam_l_over_lam_s, per_node, folder):
+    comm = world()
+    if comm.size > 1:
+        comm = on_pretended_nodes(comm, lambda rank: rank // per_node, pytest.MonkeyPatch())
+    sweep = sweep_of(rough((2, lam_l_over_lam_s, 2)), comm=comm, **EXACT)
+    step = sweep.solve(P_STAR * sweep.surface.g_rms)
+    found = {
+        "n": sweep.surface.grid.n[0],
+        "status": step.contact.outcome.status,
+        "contact": step.contact.contact_points,
+        "gap_mean": step.contact.gap_mean,
+        "levels": sweep.solver.levels.distributed,
+        "grids": [grid.comm.size for grid in sweep.nested.grids],
+    }
+    fields = {name: field(step, name) for name in ("pressure", "gap")}
+    if comm.size == 1:
+        np.savez(folder / "alone.npz", **fields)
+    else:
+        alone, mine = np.load(folder / "alone.npz"), slice(*sweep.surface.rows)
+        for name, values in fields.items():
+            whole = alone[name]
+            found[name] = float(
+                comm.max([np.abs(values - whole[mine]).max(initial=0) / np.abs(whole).max()])[0]
+            )
+        found["messages"] = messages(sweep, comm, per_node)
+    if comm.rank == 0:
+        print(json.dumps(found))
+
+
+def messages(sweep, comm, per_node):
+    """[bytes, messages] counted, and planned for so many ranks on a node, of every rank."""
+    before = comm.sent.bytes, comm.sent.messages
+    sweep.solver.step()
+    counted = comm.sent.bytes - before[0], comm.sent.messages - before[1]
+    planned = share_of(sweep.surface.grid.n, sweep.dtype, comm.size, comm.rank, per_node=per_node)
+    return comm.allgather([counted, planned.traffic])
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]))

@@ -1,0 +1,184 @@
+"""What takes the images of a surface that ends out of a periodic cell."""
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.bodies import images as module
+from hpc_gfmd.bodies.free import Free
+from hpc_gfmd.bodies.images import Images, images, kernel, kernel_of_wave
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.surface.build import cell_of, grid_of
+
+SURFACES = [
+    ((128, 128), (1.0, 1.0), (True, True)),
+    ((512, 512), (1.0, 1.0), (True, True)),
+    ((128, 64), (2.0, 1.0), (True, True)),
+    ((40, 60), (1.0, 1.5), (True, True)),
+    ((512, 32), (1.0, 0.0625), (True, True)),
+    ((32, 32), (1.0, 10.0), (True, True)),
+    ((8, 48), (20.0, 3.0), (True, True)),
+    ((40, 24), (1.0, 28.0), (True, False)),
+    ((512, 8), (64.0, 1.0), (True, True)),
+    ((512, 8), (64.0, 1.0), (False, True)),
+    ((96, 64), (1.0, 1.0), (True, False)),
+    ((30, 128), (0.3, 1.0), (False, True)),
+]
+
+
+def made(n, sizes, free):
+    """The Images of a surface, sizes of its cell and of the surface in it, in their unit."""
+    shape = Free(free)._shape(grid_of(n, sizes, SerialComm(), free=free))
+    return images(*shape[:-1]), *shape[:2]
+
+
+def products(found: Images, parity, x, y, cell):
+    """The modes of a parity at points (x, y) from the middle, (points, modes)."""
+    values = []
+    for z, modes, length, sign in zip((x, y), found.modes, cell, parity):
+        k = np.arange(0 if sign > 0 else 1, modes + 1)
+        function = np.cos if sign > 0 else np.sin
+        values.append(
+            function(2 * np.pi / length * np.outer(z, k))
+            * np.where(k > 0, np.sqrt(2), 1)
+            / np.sqrt(length)
+        )
+    return np.einsum("pi,pj->pij", *values)
+
+
+def matrix(found: Images, parity):
+    """T of a parity over pairs (k_x, k_y)."""
+    T = found.T[parity]
+    shape = tuple(k + (sign > 0) for k, sign in zip(found.modes, parity))
+    index = found.stacked(np.arange(shape[0] * shape[1]).reshape(shape))
+    out = np.zeros((shape[0] * shape[1],) * 2)
+    for numbers, block in zip(index, T):
+        out[np.ix_(numbers, numbers)] = block
+    return out
+
+
+@pytest.mark.parametrize("cell", [(1.0, 1.0), (1.3, 0.8)], ids=str)
+def test_kernel_makes_free_space_periodic(cell, monkeypatch):
+    """1/(pi r) less it goes on periodically, has the mean 0, and does not know how the sum was
+    split."""
+    X, Y = cell
+    x, y = np.linspace(0.05, X / 2, 7), np.linspace(0, Y / 2, 5)
+    S = 1 / (np.pi * np.hypot(x[:, None], y)) - kernel(x, y, X, Y)
+    assert 1 / (np.pi * np.hypot(X - x[:, None], y)) - kernel(X - x, y, X, Y) == pytest.approx(
+        S, abs=1e-12
+    )
+    assert 1 / (np.pi * np.hypot(x[:, None], Y - y)) - kernel(x, Y - y, X, Y) == pytest.approx(
+        S, abs=1e-12
+    )
+    u, w = np.polynomial.legendre.leggauss(40)
+    c = w @ kernel((u + 1) * X / 4, (u + 1) * Y / 4, X, Y) @ w / 4
+    over_r = (
+        (X * np.arcsinh(Y / X) + Y * np.arcsinh(X / Y)) * 2 / (np.pi * X * Y)
+    )  # mean of 1/(pi r)
+    assert c == pytest.approx(over_r, rel=1e-10)
+    monkeypatch.setattr(module, "WIDTH", 0.13)
+    assert 1 / (np.pi * np.hypot(x[:, None], y)) - kernel(x, y, X, Y) == pytest.approx(S, abs=1e-12)
+
+
+@pytest.mark.parametrize("q", [0.0, 0.3, 5.0])
+def test_kernel_of_a_wave(q):
+    """Free space less the sum over the waves along the axis, to which long cells converge."""
+    x, X = np.array([0.0, 0.1, 0.6]), 1.0
+    k = 2 * np.pi / X * np.arange(1, 200_000)
+    long = 2 * np.pi / 40 * np.arange(1, 8_000_000, dtype=float)[:400_000]
+    periodic = [
+        (np.sum(4 / np.hypot(k, q) * (np.cos(k * d) - np.cos(k * 0.35)))) / X for d in x[1:]
+    ]
+    free = [
+        (np.sum(4 / np.hypot(long, q) * (np.cos(long * d) - np.cos(long * 0.35)))) / 40
+        for d in x[1:]
+    ]
+    c = kernel_of_wave(np.append(x, 0.35), X, q)
+    assert c[1:3] - c[3] == pytest.approx(np.subtract(free, periodic), abs=2e-3)
+    assert c[0] == pytest.approx(kernel_of_wave(np.array([1e-7]), X, q)[0], rel=1e-6)
+
+
+@pytest.mark.parametrize(("n", "sizes", "free"), SURFACES, ids=str)
+def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
+    """Between all its points, corners too, but for a constant; by waves where one axis is
+    periodic."""
+    found, cell, inside = made(n, sizes, free)
+    rng = np.random.default_rng(4)
+    z = rng.uniform(-1, 1, (2, 2, 30))  # many near the edges, where it is worst
+    here, there = 0.5 * np.sign(z) * (1 - z**2) * np.array(inside)[:, None]
+    here[:, 0], there[:, 0] = np.array(inside) / 2, -np.array(inside) / 2
+    found_c = sum(
+        np.einsum(
+            "pij,pij->p",
+            (products(found, parity, *here, cell).reshape(30, -1) @ matrix(found, parity)).reshape(
+                products(found, parity, *there, cell).shape
+            ),
+            products(found, parity, *there, cell),
+        )
+        for parity in found.T
+    )
+    if all(free):
+        wanted = np.array([kernel(abs(x[:1]), abs(x[1:]), *cell)[0, 0] for x in (here - there).T])
+    else:
+        along = int(free[1])
+        x, y = (here - there)[:: 1 if along == 0 else -1]
+        (X, Y), last = (cell[along], cell[1 - along]), found.modes[1 - along]
+        wanted = (
+            sum(
+                (1 if k == 0 else 2)
+                * kernel_of_wave(abs(x), X, 2 * np.pi * k / Y)
+                * np.cos(2 * np.pi * k * y / Y)
+                for k in range(last + 1)
+            )
+            / Y
+        )
+        assert (
+            abs(kernel_of_wave(np.array([inside[along]]), X, 2 * np.pi * (last + 1) / Y))[0] < 1e-6
+        )
+    difference = found_c - wanted
+    assert np.ptp(difference) < 5e-7
+    if all(free):
+        assert difference.mean() == pytest.approx(-found.constant, abs=1e-6)
+
+
+@pytest.mark.parametrize(("n", "sizes", "free"), SURFACES, ids=str)
+def test_positive_and_nearly_that_of_the_cell(n, sizes, free):
+    """(S + T)/S of all modes but the mean, which is left alone, and that its inverse is one."""
+    found, cell, _ = made(n, sizes, free)
+    q = (
+        2
+        * np.pi
+        * np.hypot(*np.ix_(*(np.arange(k + 1) / size for k, size in zip(found.modes, cell))))
+    )
+    half_space = np.divide(2, q, out=np.zeros_like(q), where=q > 0)
+    inverse = found.inverse(half_space)
+    for (a, b), T in found.T.items():
+        S = found.stacked(half_space[int(a < 0) :, int(b < 0) :])
+        for block, K, s in zip(T, inverse[a, b], S):
+            use = s > 0
+            assert np.all(block[~use] == 0)
+            assert np.abs(K[~use]).max(initial=0) < 1e-12
+            block, s = block[np.ix_(use, use)], s[use]
+            values = np.linalg.eigvalsh(np.eye(len(s)) + block / np.sqrt(np.outer(s, s)))
+            assert 0.3 < values[0] <= values[-1] < 3
+            assert np.allclose(
+                (np.diag(s) + block) @ (K[np.ix_(use, use)] + np.diag(1 / s)),
+                np.eye(len(s)),
+                atol=1e-9,
+            )
+
+
+def test_cells():
+    """Half as long again, more beside a longer axis and around few points, in numbers that
+    transforms and levels like."""
+    assert cell_of((512, 512), (True, True), (1.0, 1.0)) == (768, 768)
+    assert cell_of((512, 256), (True, False), (1.0, 1.0)) == (768, 256)
+    assert cell_of((512, 128), (True, True), (4.0, 1.0))[1] >= 128 + 128
+    assert cell_of((3, 20), (True, True), (1.0, 1.0))[0] >= 3 + 64
+    assert cell_of((1000, 1000), (True, True), (1.0, 1.0))[0] % 16 == 0
+    assert (
+        cell_of((32, 20), (True, True), (1.0, 10.0))[0] >= 32 + 13 * 16
+    )  # spacings of 1/32 and 1/2
+    assert cell_of((32, 20), (True, False), (1.0, 40.0))[0] >= 32 + 4 * 64
+    assert cell_of((512, 8), (True, True), (64.0, 1.0))[1] >= 8 + 512**2 / 8 / 256
+    assert cell_of((1, 1), (True, True), (1.0, 1.0)) == cell_of((1, 1), (True, True), (3.0, 3.0))
+    assert cell_of((64, 1), (True, False), (1.0, 1.0)) == (128, 1)

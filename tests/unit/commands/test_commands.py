@@ -1,0 +1,246 @@
+"""The command line as a user or a job script sees it: exit codes, names, messages."""
+
+import errno
+import json
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+from contacts import scene_text
+from mpi_harness import call, environment
+
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.interrupt import Interrupt
+from hpc_gfmd.scene import load_scene
+from hpc_gfmd.surface import build_surface
+
+SCENE = scene_text(output={"fields": ["pressure", "gap"]})
+STEP = {
+    "p",
+    "p_star",
+    "a_r",
+    "kappa",
+    "gap_mean",
+    "gap_over_h_rms",
+    "iterations",
+    "fft_pairs",
+    "wall_seconds",
+    "status",
+    "a_r_error",
+    "gap_error",
+    "pressure_error",
+}
+SURFACE = {"n", "physical_sizes", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c", "seed"}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("solved")
+    (folder / "scene.toml").write_text(SCENE)
+    run = call(None, ["run", "scene.toml", "-o", "out.h5"], cwd=folder)
+    assert run.returncode == 0, run.stderr
+    return folder, run
+
+
+def test_run(solved):
+    folder, run = solved
+    assert sorted(p.name for p in folder.iterdir()) == ["out.h5", "scene.toml"]
+    assert "kappa" in run.stdout
+    assert "Traceback" not in run.stderr
+    with h5py.File(folder / "out.h5") as file:
+        assert file.attrs["format"] == "hpc-gfmd"
+        assert file.attrs["status"] == "converged"
+        assert {
+            "format_version",
+            "scene",
+            "versions",
+            "start_time",
+            "end_time",
+            "ranks",
+            "setup_seconds",
+        } <= set(file.attrs)
+        assert set(file["surface"].attrs) >= SURFACE
+        assert list(file["steps"]) == ["0000", "0001"]
+        for step in file["steps"].values():
+            assert set(step.attrs) >= STEP
+            assert step.attrs["status"] == "converged"
+            assert set(step) == {"pressure", "gap", "x", "y", "p"}
+            pressure, gap = step["pressure"][:], step["gap"][:]
+            assert pressure.shape == (32, 32)
+            assert pressure.mean() == pytest.approx(step.attrs["p"], rel=1e-3)
+            assert gap.mean() == pytest.approx(step.attrs["gap_mean"], rel=1e-3)
+            assert np.mean(pressure > 0) == pytest.approx(step.attrs["a_r"])
+
+
+def test_show(cli, solved):
+    path = solved[0] / "out.h5"
+    assert "converged" in cli.prints("show", path)
+    shown = json.loads(cli.prints("show --json", path))
+    assert set(shown) == {"surface", "steps", "status"}
+    assert set(shown["surface"]) >= SURFACE
+    assert shown["surface"]["n"] == [32, 32]
+    assert all(set(step) >= STEP for step in shown["steps"])
+    assert [step["p_star"] for step in shown["steps"]] == pytest.approx([0.05, 0.1], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("statement", "absent"),
+    [
+        ("import hpc_gfmd", "numpy pydantic numba mpi4py h5py matplotlib typing"),
+        ("import hpc_gfmd.commands.cli", "numba mpi4py matplotlib"),
+        ("import hpc_gfmd.scene", "numba mpi4py matplotlib"),
+        ("import hpc_gfmd.output.read", "numba mpi4py matplotlib"),
+        ("import hpc_gfmd.theory.persson", "numba mpi4py matplotlib"),
+        (
+            "import hpc_gfmd; hpc_gfmd.reference.contact_area(0.1, 0.8, 1 / 256)",
+            "numba mpi4py h5py",
+        ),
+    ],
+)
+def test_imports_are_light(statement, absent):
+    code = f"import sys; {statement}; print([m for m in {absent.split()} if m in sys.modules])"
+    run = subprocess.run(
+        [sys.executable, "-c", code], env=environment(), capture_output=True, text=True, check=True
+    )
+    assert run.stdout.strip() == "[]"
+
+
+def test_set_changes_the_scene(cli, folder):
+    cli.prints(
+        "run scene.toml --set load.p_star=[0.2] --set output.path=other.h5 --set surface.seed=3",
+    )
+    shown = json.loads(cli.prints("show --json other.h5"))
+    assert (len(shown["steps"]), shown["surface"]["seed"]) == (1, 3)
+
+
+def test_residual_mode(cli, folder):
+    cli.prints("run scene.toml --set solver.residual=1e-9 --set load.p_star=[0.1]")
+    with h5py.File(folder / "contact.h5") as file:
+        assert file["steps/0000"].attrs["residual"] < 1e-9
+
+
+def test_not_converged(cli, folder):
+    """Exit code 3, results are there and marked."""
+    run = cli("run scene.toml --set solver.max_iterations=2 --set solver.nested=false")
+    assert run.code == 3, run.err
+    shown = json.loads(cli.prints("show --json contact.h5"))
+    assert shown["status"] == "max_iterations"
+    assert "max_iterations" in [step["status"] for step in shown["steps"]]
+    assert "max_iterations" in cli.prints("show contact.h5")
+    assert cli.prints("plot contact.h5")
+
+
+def test_interrupted(cli, folder, monkeypatch):
+    """Exit code 143, then the same command or restart; time that does not even reach the first load
+    is a mistake, not one more part of the run."""
+    in_no_time = "run scene.toml --set machine.wall_seconds=1e-9"
+    assert "more than the" in cli.refused(in_no_time)
+    assert not (folder / "contact.h5.partial").exists()
+    with monkeypatch.context() as patched:
+        patched.setattr(Interrupt, "require_time", lambda self: None)
+        run = cli(in_no_time)
+        assert run.code == 143
+        assert "restart" in run.out + run.err
+        assert json.loads(cli.prints("show --json contact.h5"))["status"] == "interrupted"
+        assert cli("restart contact.h5").code == 143  # the limit is part of the stored scene
+    assert "machine.wall_seconds" in cli.refused("restart contact.h5")
+    assert (folder / "contact.h5.partial" / "checkpoint.h5").exists()
+    assert "0 finished loads are there" in cli.prints("run scene.toml")
+    assert cli("restart contact.h5").code == 2  # complete
+
+
+@pytest.mark.parametrize(
+    ("args", "named"),
+    [
+        ("run scene.toml --set load.p_sta=1", "load.p_star"),
+        ("run scene.toml --set surfac.n=1", "surface"),
+        ("run scene.toml --set solver.accuracy=0", "solver.accuracy"),
+        ("run gone.toml", "gone.toml"),
+        ("run", "SCENE"),
+        ("walk scene.toml", "walk"),
+        ("show gone.h5", "gone.h5"),
+        ("show scene.toml", "scene.toml"),
+        ("plot gone.h5", "gone.h5"),
+        ("restart gone.h5", "gone.h5"),
+        ("plan scene.toml --ranks 0", "--ranks"),
+        ("plan scene.toml --set surface.lam_l_over_lam_s=262144", "GiB"),
+        ("persson --hurst 2 --eps-f 0.1 --p-star 0.1", "urst"),
+        ("run scene.toml --set solver.name=gfdm", "solver.name"),
+        ("run scene.toml -o here.txt", "output.path"),
+        ("run scene.toml --set machine.memory_gib=1e-6", "GiB"),
+        ("", "COMMAND"),
+    ],
+)
+def test_wrong_input(cli, folder, args, named):
+    """Exit code 2 and one line on stderr that names the key; nothing is written."""
+    assert named in cli.refused(args)
+    assert [p.name for p in folder.iterdir()] == ["scene.toml"]
+
+
+def test_plan(cli, folder):
+    plan = json.loads(cli.prints("plan scene.toml --ranks 3 --json"))
+    assert (plan["n"], plan["ranks"], plan["idle_ranks"]) == ([32, 32], 3, 0)
+    assert plan["gib_per_rank"] > 0
+    assert plan["seconds"] > 0
+    assert "GiB per rank" in cli.prints("plan scene.toml")
+    assert [p.name for p in folder.iterdir()] == ["scene.toml"]
+
+
+@pytest.mark.parametrize(
+    "keys", ['unit = "um"', "physical_sizes = [1.0, 3.0]\ncrop = [0.0, 0.0, 0.5, 3.0]"]
+)
+def test_plan_of_a_map_that_ends(cli, tmp_path, keys):
+    """The cell is that of the lengths that the map has when it is pressed, whoever says them."""
+    np.savez(
+        tmp_path / "z.npz",
+        surface=np.random.default_rng(0).random((40, 20)),
+        physical_sizes=[1.0, 3.0],
+    )
+    scene = (
+        f'[surface]\nkind = "file"\npath = "z.npz"\nboundary = "free"\n{keys}\n[load]\np_star ='
+        " 0.1\n"
+    )
+    (tmp_path / "scene.toml").write_text(scene)
+    plan = json.loads(cli.prints("plan scene.toml --json"))
+    made = build_surface(load_scene("scene.toml").surface, SerialComm(), np.float64)
+    assert (plan["n"], plan["cell"]) == (list(made.n), list(made.grid.n))
+
+
+def test_info(cli):
+    told = cli.prints("info")
+    assert all(word in told for word in ("numpy", "FFT", "MPI", "HDF5", "cores"))
+
+
+def test_python_interface(folder, monkeypatch):
+    import hpc_gfmd
+
+    monkeypatch.chdir(folder)
+    for _ in range(2):  # the second time the module of this name has been imported
+        run = hpc_gfmd.run("scene.toml", quiet=True)
+    assert (run.status, run.exit_code, len(run.steps)) == ("converged", 0, 2)
+    z = np.random.default_rng(0).standard_normal((20, 30))
+    found = hpc_gfmd.solve(z, 0.1, E_star=2.0, physical_sizes=(2.0, 3.0))
+    assert found.pressure.shape == found.gap.shape == z.shape
+    assert found.pressure.mean() == pytest.approx(0.1, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [MemoryError("Unable to allocate 7 TiB"), OSError(errno.ENOMEM, "Cannot allocate memory")],
+)
+def test_too_little_memory_is_no_mistake_of_the_program(error, monkeypatch, cli):
+    """Whoever notices it: NumPy, or the system where a file is mapped."""
+
+    def fail(_):
+        raise error
+
+    monkeypatch.setattr("hpc_gfmd.commands.show.main", fail)
+    assert cli.refused("show out.h5", code=1).startswith("hpc-gfmd: out of memory (")

@@ -1,0 +1,213 @@
+"""`hpc-gfmd init` writes scenes that run, `hpc-gfmd help scene` says all there is to say of
+them."""
+
+import re
+import tomllib
+
+import numpy as np
+import pytest
+from contacts import heights_of, rough
+
+from hpc_gfmd.commands.init import compose
+from hpc_gfmd.scene import Scene, load_scene
+from hpc_gfmd.scene.reference import markdown, sections, text
+from hpc_gfmd.scene.surface import KINDS
+from hpc_gfmd.util.errors import SceneError
+
+ANALYTIC = [kind for kind in KINDS if kind != "file"]
+
+
+@pytest.mark.parametrize("kind", ANALYTIC)
+def test_a_scene_of_every_kind_runs(tmp_path, kind, cli):
+    size = "surface.lam_l_over_lam_s=8" if kind == "self-affine" else "surface.n=[16, 16]"
+    assert cli.prints("init", kind, "--set", size) == "scene.toml: hpc-gfmd run scene.toml\n"
+    assert cli.prints("run scene.toml -q") == ""
+    assert (tmp_path / "contact.h5").is_file()
+
+
+@pytest.mark.parametrize("kind", ANALYTIC)
+def test_every_key_stands_in_it_and_is_one(tmp_path, kind):
+    lines = compose(kind, tmp_path / "scene.toml")[0].splitlines()
+    table, known = (
+        "",
+        {
+            path
+            for s in sections()
+            if s.kind in ("", kind)
+            for path in (f"{s.table}.{k.name}" for k in s.keys)
+        },
+    )
+    for line in lines[1:]:
+        table = (re.match(r"\[(\w+)\]", line) or [None, table])[1]
+        if found := re.match(r"(?:# )?(\w+) = .*  # \S", line):
+            known.remove(f"{table}.{found[1]}")
+            tomllib.loads(line.removeprefix("# "))  # what is commented out may be used as it stands
+    assert not known
+    assert max(map(len, lines)) < 150
+
+
+def tilted(path, sizes, unit):
+    x = np.linspace(0, 1, 24)
+    z = np.random.default_rng(1).normal(size=(24, 16)) + 40 * x[:, None]
+    z[3, 4] = np.nan
+    np.savez(path, z=z, **({"physical_sizes": sizes, "unit": unit} if sizes else {}))
+
+
+def test_a_map_is_read_and_what_it_needs_is_written(tmp_path):
+    tilted(tmp_path / "map.npz", [240.0, 160.0], "nm")
+    written, missing, about = compose(str(tmp_path / "map.npz"), tmp_path / "scene.toml")
+    assert not missing
+    for words in (
+        "24 x 16 points, 240 nm x 160 nm, heights in nm",
+        "1 points without a height",
+        "% of the variance",
+        "opposite edges",
+        "E_star = 1 is taken",
+    ):
+        assert words in "".join(about)
+    for line in (
+        "24 x 16 points",
+        'path = "map.npz"',
+        'fill = "harmonic"  .*# 1 points',
+        'detrend = "tilt"  .*# .. % of the variance',
+        r'# physical_sizes = \["240 nm", "160 nm"\]  .*as the file says',
+        '# unit = "nm"  .*as the file says',
+    ):
+        assert re.search(line, written), line
+    (tmp_path / "scene.toml").write_text(written)
+    assert load_scene(tmp_path / "scene.toml").surface.detrend == "tilt"
+
+
+def test_a_map_that_knows_its_sizes_runs_as_init_wrote_it(tmp_path, cli):
+    tilted(tmp_path / "map.npz", [240.0, 160.0], "nm")
+    for command in ("init map.npz", "run scene.toml -q", "plan scene.toml"):
+        cli.prints(command)
+
+
+X = np.arange(96)
+PERIODIC = heights_of(rough((1, 32, 3)))
+PART = heights_of(rough((1, 64, 3)))[:96, :96]
+
+
+def spiky(z):
+    rng = np.random.default_rng(2)
+    return z + 20 * z.std() * rng.normal(size=z.shape) * (rng.random(z.shape) < 0.03)
+
+
+@pytest.mark.parametrize(
+    ("z", "chosen", "words"),
+    [
+        (PERIODIC, {}, ""),
+        (spiky(PERIODIC), {}, "points stand out of their neighbours"),
+        (spiky(PART), {"boundary": "free"}, "points stand out of their neighbours"),
+        (np.where(X < 48, 0, 5.0)[:, None] + PART, {"boundary": "free"}, "flat: a step?"),
+        (np.where(X[:, None] < X, 0, 5.0) + PART, {"boundary": "free"}, "flat: a step?"),
+        (PART + 0.1 * X, {"boundary": "free", "detrend": "tilt"}, ""),
+        (np.round(40 * PERIODIC), {}, ""),
+    ],
+    ids=["periodic", "spikes", "an edge and spikes", "a step", "across", "tilt", "rounded"],
+)
+def test_what_the_heights_show(tmp_path, z, chosen, words):
+    """Outliers, steps and rounded heights mislead it neither in one direction nor in the other."""
+    np.savez(tmp_path / "map.npz", z=z, physical_sizes=[1.0, 1.0], unit="um")
+    text, _, about = compose(str(tmp_path / "map.npz"), tmp_path / "a.toml")
+    surface = tomllib.loads(text)["surface"]
+    assert {key: surface[key] for key in ("boundary", "detrend") if key in surface} == chosen
+    assert words in "\n".join(about)
+    assert bool(words) == any("stand out" in line or "a step?" in line for line in about)
+
+
+def test_a_map_with_an_edge_is_taken_to_end_there(tmp_path):
+    np.savez(
+        tmp_path / "map.npz",
+        z=np.linspace(-1, 1, 20)[:, None] ** 3 + np.zeros(20),
+        physical_sizes=[1.0, 1.0],
+        unit="um",
+    )
+    assert re.search(
+        '\nboundary = "free"  .*# opposite edges',
+        compose(str(tmp_path / "map.npz"), tmp_path / "a.toml")[0],
+    )
+    mirrored = compose(str(tmp_path / "map.npz"), tmp_path / "a.toml", ["surface.mirror=true"])[0]
+    assert "\nmirror = true" in mirrored
+    assert '\nboundary = "free"' not in mirrored
+
+
+@pytest.mark.parametrize("key", ["refine", "downsample"])
+def test_what_a_free_boundary_does_not_have_is_not_made_free(tmp_path, key):
+    np.savez(
+        tmp_path / "map.npz",
+        z=np.linspace(-1, 1, 20)[:, None] ** 3 + np.zeros(20),
+        physical_sizes=[1.0, 1.0],
+        unit="um",
+    )
+    (tmp_path / "a.toml").write_text(
+        compose(str(tmp_path / "map.npz"), tmp_path / "a.toml", [f"surface.{key}=2"])[0]
+    )
+    surface = load_scene(tmp_path / "a.toml").surface
+    assert (getattr(surface, key), surface.mirror, surface.boundary) == (2, True, None)
+
+
+def test_what_nobody_says_is_not_invented(tmp_path, cli):
+    tilted(tmp_path / "map.npz", None, None)
+    assert "before it runs it needs surface.physical_sizes and surface.unit" in cli.prints(
+        "init map.npz"
+    )
+    complaint = cli.refused("run scene.toml --set surface.detrend=none --set surface.fill=none")
+    for lack in ("physical_sizes: found nothing", "unit: found nothing", "path: found nan"):
+        assert f"surface.{lack}" in complaint  # all at once
+    assert "surface.boundary: found nothing" in complaint
+    assert not compose(
+        "map.npz",
+        tmp_path / "a.toml",
+        ['surface.physical_sizes=["3 um", "2 um"]', "surface.unit=nm"],
+    )[1]
+
+
+def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, cli):
+    (tmp_path / "scene.toml").write_text("mine")
+    tilted(tmp_path / "map.npz", [240.0, 160.0], "nm")
+    for arguments, words in (
+        ("init", "which exists"),
+        ("init wave -o no/a.toml", "the folder no does not exist"),
+        ("init wav -o a.toml", "wav, allowed: a kind of surface (self-affine, wave, sphere)"),
+        ("init wave -o a.toml --set load.presure=3", "nearest: load.pressure"),
+        ("init map.npz -o a.toml --set surface.unit=fm", "surface.unit: found 'fm', but "),
+    ):
+        assert words in cli.refused(arguments)
+    assert (tmp_path / "scene.toml").read_text() == "mine"
+    assert not (tmp_path / "a.toml").exists()
+    cli.prints("init --force --set load.pressure=0.1")
+    assert load_scene(tmp_path / "scene.toml").load.pressure == (0.1,)
+
+
+def test_help_has_every_key_with_what_it_is():
+    said, page = text(), markdown()
+    for table, field in Scene.model_fields.items():
+        models = KINDS.values() if table == "surface" else [field.annotation]
+        for model in models if table != "title" else ():
+            for key, item in model.model_fields.items():
+                assert f"\n  {key} " in said
+                if key != "kind":
+                    assert f"| `{key}` | {item.description} | " in page
+                    assert item.json_schema_extra["allowed"] in page
+
+
+@pytest.mark.parametrize(
+    ("key", "lines"), [("solver.accuracy", 3), ("accuracy", 3), ("physical_sizes", 8)]
+)
+def test_help_on_one_key(key, lines):
+    assert len(text(key).splitlines()) >= lines
+    assert key.rpartition(".")[2] in text(key)
+
+
+def test_help_on_what_there_is_not(cli):
+    with pytest.raises(SceneError, match=r"nearest: solver\.accuracy"):
+        text("solver.acuracy")
+    with pytest.raises(SceneError, match=r"help scene: found adhesion, not modelled"):
+        text("adhesion")
+    assert "allowed: scene, " in cli.refused("help rum")
+
+
+def test_help_knows_the_names(cli):
+    assert "patch_largest" in cli.prints("help scene output")

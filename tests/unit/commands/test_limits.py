@@ -1,0 +1,110 @@
+"""`hpc-gfmd show --tfc`: a result with its corrections to the thermodynamic, fractal and continuum
+limits."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hpc_gfmd.commands import show
+from hpc_gfmd.commands.limits import limits_text, to_limits
+from hpc_gfmd.output.read import Result
+from hpc_gfmd.theory import tfc
+from hpc_gfmd.util.errors import SceneError
+
+SURFACE = {"kind": "self-affine", "hurst": 0.8, "eps_t": 0.5, "eps_f": 1 / 1024, "eps_c": 0.5}
+
+
+def result_of(surface=SURFACE, **step):
+    step = {
+        "p_star": 0.007,
+        "kappa": 2.2,
+        "gap_over_h_rms": 1.6,
+        "a_r_error": 1e-3,
+        "gap_error": 5e-4,
+        "status": "converged",
+    } | step
+    return Result(Path("x.h5"), surface, [step], [0], "converged", {}, [])
+
+
+def kappa_of(result, table="paper"):
+    return to_limits(result, table)["steps"][0]["kappa"]
+
+
+def test_the_paper_s_example():
+    found = kappa_of(result_of())
+    assert found["extrapolated"] == pytest.approx(2.0160, abs=5e-5)  # eq. tfcArea
+    assert found["extrapolated_sigma"] == pytest.approx(2.2e-3)
+    assert found["value"] - found["extrapolated"] == pytest.approx(
+        sum(found[f"correction_{i}"] for i in "tfc")
+    )
+    assert "no uncertainties" in " ".join(found["notes"])
+
+
+def test_uncertainty_of_the_coefficients_is_added(tmp_path):
+    table = tfc.paper_table()
+    for part in table["tables"]:
+        for row in part["rows"]:
+            row["sigma"] = {"C_c": 0.01}
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps(table))
+    found = kappa_of(result_of(), str(path))
+    assert found["correction_sigma"] == pytest.approx(0.01 * 0.5**0.67)
+    assert found["extrapolated_sigma"] == pytest.approx(
+        (2.2e-3**2 + found["correction_sigma"] ** 2) ** 0.5
+    )
+
+
+@pytest.mark.parametrize(
+    ("result", "why"),
+    [
+        (result_of(p_star=0.1), "p_star: found 0.1"),
+        (result_of(SURFACE | {"hurst": 0.9}), "hurst: found 0.9"),
+        (result_of(SURFACE | {"hurst": 0.0}), "hurst: found 0,"),
+    ],
+)
+def test_what_is_not_covered_is_refused(result, why):
+    found = kappa_of(result)
+    assert "extrapolated" not in found
+    assert why in found["refused"]
+    assert "not corrected" in limits_text(to_limits(result, "paper"))
+
+
+def test_a_step_that_did_not_converge_says_so():
+    assert "NOT CONVERGED" in limits_text(to_limits(result_of(status="stagnated"), "paper"))
+    assert "NOT CONVERGED" not in limits_text(to_limits(result_of(), "paper"))
+
+
+def test_other_surfaces_have_no_limits():
+    with pytest.raises(SceneError, match="'wave'"):
+        to_limits(
+            result_of(
+                {
+                    "kind": "wave",
+                    "eps_t": float("nan"),
+                    "eps_f": float("nan"),
+                    "eps_c": float("nan"),
+                }
+            )
+        )
+
+
+def test_command(monkeypatch, cli):
+    monkeypatch.setattr(show, "read_result", lambda path: result_of())
+    tables = json.loads(cli.prints("show x.h5 --json --tfc paper"))
+    assert tables["tfc"]["table"] == "paper"
+    assert set(tables) == {"surface", "steps", "status", "tfc"}
+    assert "tfc" not in json.loads(cli.prints("show x.h5 --json"))
+    assert f"coefficients of: {'ours' if tfc.our_table() else 'paper'}" in cli.prints(
+        "show x.h5 --tfc"
+    )
+    assert "table: found 'nowhere.json'" in cli.refused("show x.h5 --tfc nowhere.json")
+
+
+def test_tables_by_name(monkeypatch, tmp_path):
+    assert tfc.table_of("paper") == tfc.paper_table()
+    monkeypatch.setattr(tfc, "_DATA", tmp_path)
+    with pytest.raises(SceneError, match="'ours', which this installation lacks"):
+        tfc.table_of("ours")
+    (tmp_path / "our_tfc.json").write_text(json.dumps({"tables": []}))
+    assert tfc.table_of("ours") == tfc.our_table() == {"tables": []}

@@ -1,0 +1,162 @@
+"""Output that cannot be printed stops no solve, and exit code 0 means that the result is there."""
+
+import io
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from contacts import scene_text
+from mpi_harness import call, environment, missing
+
+import hpc_gfmd
+from hpc_gfmd.commands.cli import main
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.parallel.world import _abort_on_error
+from hpc_gfmd.util.streams import Stream
+
+SCENE = scene_text(title="Fl\u00e4che \u0394")
+ASCII = {"PYTHONIOENCODING": "ascii", "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+HOW = {
+    "a pipe that nobody reads": "2>/dev/full | true",
+    "all closed": "<&- >&- 2>&-",
+    "full disk": ">/dev/full 2>&-",
+    "an ASCII terminal": "",
+}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("streams")
+    (folder / "scene.toml").write_text(SCENE, encoding="utf-8")
+    assert call(None, ["run", "scene.toml", "-o", "out.h5"], cwd=folder).returncode == 0
+    return folder
+
+
+def shell(folder, before, args, after, env=None):
+    """Exit code, output and errors of a command of ours at the head of a shell's line."""
+    command = shlex.join([*before, sys.executable, "-m", "hpc_gfmd", *args])
+    done = subprocess.run(
+        ["bash", "-c", f"{command} {after}; exit ${{PIPESTATUS[0]}}"],
+        cwd=folder,
+        env=environment(**(env or {})),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("how", HOW)
+def test_a_run_nobody_can_hear(folder, how):
+    code, out, err = shell(
+        folder, [], ["run", "scene.toml"], HOW[how], ASCII if "ASCII" in how else {}
+    )
+    assert code == 0, err
+    assert err == ""
+    assert [step["status"] for step in read_result(folder / "contact.h5").steps] == [
+        "converged"
+    ] * 2
+    assert not (folder / "contact.h5.partial").exists()
+    if "ASCII" in how:
+        assert out.startswith("Fl\\xe4che \\u0394: 32 x 32 points")
+        assert "converged" in out
+
+
+@pytest.mark.skipif(bool(missing()), reason="no mpirun")
+@pytest.mark.parametrize(
+    "after",
+    ["| true", *(pytest.param(lost, marks=pytest.mark.slow) for lost in (">&-", ">/dev/full"))],
+)
+def test_ranks_nobody_can_hear(folder, after):
+    code, _, err = shell(folder, ["mpirun", "-n", "2"], ["run", "scene.toml"], after, ASCII)
+    assert code == 0, err
+    assert read_result(folder / "contact.h5").status == "converged"
+
+
+@pytest.mark.parametrize(
+    ("args", "after", "said"),
+    [
+        (["show", "out.h5"], ">/dev/full", "standard output: No space left on device"),
+        (["plan", "scene.toml"], ">&-", "standard output: "),
+        (["show", "--json", "out.h5"], "| exec 0<&-", ""),
+    ],
+    ids=["full disk", "closed", "pipe"],
+)
+def test_what_is_printed_is_the_result(solved, args, after, said):
+    """Here nothing is left where it cannot be printed."""
+    code, _, err = shell(solved, [], args, after)
+    assert code == 1
+    assert err == (f"hpc-gfmd: {said}{err.partition(said)[2]}" if said else "")
+    assert err.count("\n") == bool(said)
+
+
+def test_a_complaint_that_cannot_be_printed(folder):
+    assert shell(folder, [], ["run", "gone.toml"], "2>&-")[0] == 2
+
+
+class Broken(io.StringIO):
+    """Takes a few characters, then fails."""
+
+    def __init__(self, error, room=20):
+        super().__init__()
+        self.error, self.room = error, room
+
+    def write(self, text):
+        self.room -= len(text)
+        if self.room < 0:
+            raise self.error
+        return super().write(text)
+
+
+@pytest.mark.parametrize(
+    "error", [BrokenPipeError(), OSError(28, "No space left on device"), ValueError("closed")]
+)
+def test_a_run_from_python(folder, monkeypatch, error):
+    monkeypatch.setenv("HPC_GFMD_PROGRESS", "bar")
+    monkeypatch.setattr(sys, "stdout", Broken(error))
+    monkeypatch.setattr(sys, "stderr", None)
+    assert hpc_gfmd.run(folder / "scene.toml", out=folder / "a.h5").status == "converged"
+    assert sys.stderr is None
+
+
+def test_streams_are_given_back(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    before = sys.stdout, sys.stderr
+    assert main(["run", "scene.toml", "-q"]) == 0
+    assert (sys.stdout, sys.stderr) == before
+
+
+def test_only_what_is_lost_is_lost():
+    inside = Broken(BrokenPipeError())
+    stream = Stream(inside)
+    for text in ("first ", "second ", "too much for it", "fits, but comes too late"):
+        assert stream.write(text) == len(text)
+    assert inside.getvalue() == "first second "
+    assert isinstance(stream.lost, BrokenPipeError)
+    assert not stream.isatty()
+    narrow = io.TextIOWrapper(io.BytesIO(), "ascii")
+    stream = Stream(narrow)
+    stream.write("20 \u00b5m\n")
+    stream.flush()
+    assert narrow.buffer.getvalue() == b"20 \\xb5m\n"
+    assert stream.lost is None
+    assert Path(Stream(sys.__stdout__).name).name == Path(sys.__stdout__.name).name
+
+
+def test_an_error_on_one_of_several_ranks_ends_all_even_if_it_cannot_be_printed(monkeypatch):
+    ended = []
+    hook = _abort_on_error(SimpleNamespace(Abort=ended.append), lambda *_: None)
+    for stream in (None, Broken(BrokenPipeError())):
+        monkeypatch.setattr(sys, "stderr", stream)
+        hook(ValueError, ValueError(), None)
+    assert ended == [1, 1]

@@ -1,0 +1,75 @@
+"""`hpc-gfmd persson` and `hpc-gfmd tfc` as a user sees them."""
+
+import json
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.theory import persson
+
+PERSSON = "persson --hurst 0.8 --eps-f 0.0009765625 --p-star 0.007"
+TFC = "tfc --hurst 0.8 --p-star 0.007 --eps-t 0.5 --eps-f 1/1024 --eps-c 0.5"
+
+
+def test_persson(cli):
+    out = json.loads(cli.prints(f"{PERSSON} --json"))
+    assert out["a_r"] == pytest.approx(0.0111700190)
+    assert out["gap_over_h_rms"] == pytest.approx(persson.mean_gap(0.007, 0.8, 2**-10))
+    assert out["gap_over_g_rms_lam_s"] == pytest.approx(31.5614069)
+    assert out["gamma"] == 0.42
+    assert (
+        json.loads(cli.prints(f"{PERSSON} --json --printed"))["gap_over_h_rms"]
+        < out["gap_over_h_rms"]
+    )
+    assert len(json.loads(cli.prints(f"{PERSSON} 0.1 40 --json"))["points"]) == 3
+    text = cli.prints("persson --hurst 0 --eps-f 1/1024 --p-star-range 0.001 1 7")
+    assert len(text.splitlines()) == 9
+
+
+def test_tfc(cli):
+    out = json.loads(cli.prints(f"{TFC} --observable kappa --value 2.2 --json"))
+    assert out["extrapolated"] == pytest.approx(2.0160, abs=5e-5)
+    assert out["sigma"] is None
+    assert "extrapolated: 2.0160 +- 0.0200" in cli.prints(f"{TFC} --value 2.2 --sigma 0.02")
+
+
+def test_tfc_fits(cli, tmp_path):
+    """A planted law with small scatter comes back within its errors."""
+    rng = np.random.default_rng(2)
+    t, f, c = (
+        rng.permutation(np.repeat(values, 12))
+        for values in ([0.5, 0.25, 0.125], [2**-6, 2**-8, 2**-10], [0.5, 0.25, 0.0625])
+    )
+    value = 1.95 + 0.04 * t + 3 * f**0.7 + 0.3 * c**0.9 + 0.001 * rng.standard_normal(t.size)
+    path = tmp_path / "runs.csv"
+    np.savetxt(
+        path,
+        np.stack([t, f, c, value], axis=1),
+        delimiter=",",
+        comments="",
+        header="eps_t,eps_f,eps_c,value",
+    )
+    out = json.loads(cli.prints("tfc --fit", str(path), "--free", "fc", "--json"))
+    assert out["limit"] == pytest.approx(1.95, abs=4 * out["sigma"]["limit"])
+    assert out["alpha_f"] == pytest.approx(0.7, abs=4 * out["sigma"]["alpha_f"])
+    assert out["sigma"]["limit"] < 0.02
+    assert "alpha_t = 1 (fixed)" in cli.prints("tfc --fit", str(path))
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (f"{PERSSON} --hurst 2", "hurst: found"),
+        (f"{PERSSON} --eps-f nan", "eps_f: found"),
+        (f"{PERSSON} --p-star 0", "p_star: found"),
+        (f"{PERSSON} --gamma 9", "gamma: found"),
+        (f"{TFC} --value nan", "value: found nan"),
+        (TFC, "--value"),
+        (f"{TFC} --value 2 --hurst 0.1", "hurst"),
+        (f"{TFC} --fit /nowhere.csv", "runs: found"),
+        (f"{TFC} --fit /nowhere.csv --free x", "free: found"),
+        (f"{TFC} --value 2 --sigma -1", "sigma"),
+    ],
+)
+def test_refused_in_one_line(words, says, cli):
+    assert says in cli.refused(words)

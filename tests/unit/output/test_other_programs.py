@@ -1,0 +1,201 @@
+"""Result files in other programs: xarray, ParaView's reader, and what `export` writes."""
+
+import csv
+import os
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from hpc_gfmd.commands import export
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.output.record import RunFile
+from hpc_gfmd.parallel.comm import SerialComm
+
+N, SIZES, LOADS = (6, 4), (3.0, 1.0), (0.1, 0.25)
+HEAD = {"scene": "title = 'x'", "identity": "abc", "versions": {"numpy": "2"}}
+SURFACE = {"n": list(N), "physical_sizes": list(SIZES), "h_rms": 0.5}
+UNITS = {"unit": "m", "pressure_unit": "Pa"}
+HEIGHTS = -np.arange(24.0).reshape(N)
+
+
+def field(step, name):
+    """Numbers of which each says where it belongs: step, i, j; the gap in the thousands."""
+    i, j = np.indices(N)
+    return (1000.0 * (name == "gap") + 100 * step + 10 * i + j).astype("f4" if step else "f8")
+
+
+def write(path, loads=LOADS, units=UNITS, **how):
+    with RunFile(SerialComm(), path, N, (0, N[0]), HEAD, SURFACE | units, **how) as run:
+        run.update(height_field=HEIGHTS)
+        for step, p in enumerate(loads):
+            attributes = {
+                "p": p,
+                "a_r": 2 * p,
+                "status": "converged",
+                "note": "few points" if step else None,
+                "patches": [1, 2],
+                "gap_mean": 0.5,
+                "wall_seconds": 2.0,
+                "../evil": 1.0,
+            }
+            run.write_step(
+                step, attributes, {name: field(step, name) for name in ("pressure", "gap")}
+            )
+        run.finish("converged")
+    return path
+
+
+@pytest.fixture
+def path(tmp_path):
+    return write(tmp_path / "out.h5")
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_one_step_in_xarray(tmp_path, compressed):
+    xarray = pytest.importorskip("xarray")
+    with xarray.open_dataset(
+        write(tmp_path / "out.h5", units={} if compressed else UNITS, compressed=compressed),
+        group="steps/0001",
+        engine="h5netcdf",
+    ) as step:
+        pressure = step.pressure
+        assert pressure.dims == ("x", "y")
+        assert np.array_equal(pressure, field(1, "pressure"))
+        assert np.array_equal(step.x, np.arange(6) * 0.5)
+        assert np.array_equal(step.y, np.arange(4) * 0.25)
+        assert float(pressure.coords["p"]) == 0.25
+        assert np.array_equal(step.heights, HEIGHTS)
+        assert step.attrs["a_r"] == 0.5
+        assert pressure.attrs["units"] == ("unit of E_star" if compressed else "Pa")
+        assert "initial gap" in step.gap.attrs["long_name"]
+        for name in (*step.data_vars, *step.coords):
+            assert step[name].attrs["units"]
+            assert step[name].attrs["long_name"]
+
+
+def test_all_steps_in_xarray(path):
+    xarray = pytest.importorskip("xarray")
+    with xarray.open_datatree(path, engine="h5netcdf") as tree:
+        assert list(tree["steps"].children) == ["0000", "0001"]
+        assert np.array_equal(tree["steps/0000/gap"], field(0, "gap"))
+        assert np.array_equal(tree["loads"], LOADS)
+        assert not [name for group in tree.subtree for name in group.dims if "phony" in str(name)]
+
+
+def read_by_vtk(path, step):
+    """vtkHDFReader's image at a step, and its arrays as (x, y) by the positions of their points."""
+    reader = pytest.importorskip("vtkmodules.vtkIOHDF").vtkHDFReader()
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+
+    reader.SetFileName(str(path))
+    assert reader.CanReadFile(str(path))
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    reader.SetStep(step)
+    reader.Update()
+    image, arrays = reader.GetOutput(), {}
+    places = np.array([image.GetPoint(k) for k in range(image.GetNumberOfPoints())])
+    i, j = np.rint(places[:, 0] / 0.5).astype(int), np.rint(places[:, 1] / 0.25).astype(int)
+    for k in range(image.GetPointData().GetNumberOfArrays()):
+        array = image.GetPointData().GetArray(k)
+        arrays[array.GetName()] = np.full(N, np.nan)
+        arrays[array.GetName()][i, j] = vtk_to_numpy(array)
+    return image, arrays, times
+
+
+@pytest.mark.parametrize("exported", [False, True])
+def test_paraview_sees_every_number_at_its_place(path, exported, cli):
+    if exported:
+        path = Path(cli.prints("export", path, "--to", "vtkhdf").strip())
+    for step in (0, 1):
+        image, arrays, times = read_by_vtk(path, step)
+        assert times == LOADS
+        assert image.GetOrigin() == (0, 0, 0)
+        assert image.GetBounds() == (0, 2.5, 0, 0.75, 0, 0)
+        assert sorted(image.GetSpacing()) == [0.25, 0.5, 1]
+        assert np.array_equal(arrays.pop("heights"), HEIGHTS)
+        assert set(arrays) == {"pressure", "gap"}
+        for name, found in arrays.items():
+            assert np.array_equal(found, field(step, name))
+
+
+@pytest.mark.parametrize("exported", [False, True])
+def test_paraview_sees_a_single_load(tmp_path, exported, cli):
+    path = write(tmp_path / "out.h5", LOADS[:1])
+    if exported:
+        path = Path(cli.prints("export", path, "--to", "vtkhdf").strip())
+    image, arrays, times = read_by_vtk(path, 0)
+    assert times is None
+    assert image.GetBounds() == (0, 2.5, 0, 0.75, 0, 0)
+    assert np.array_equal(arrays["pressure"], field(0, "pressure"))
+    assert np.array_equal(arrays["gap"], field(0, "gap"))
+
+
+def test_loads_that_do_not_rise_are_numbered_in_paraview(tmp_path):
+    assert read_by_vtk(write(tmp_path / "out.h5", (0.2, 0.1, 0.3)), 1)[2] == (0, 1, 2)
+
+
+def test_netcdf(path, cli):
+    xarray = pytest.importorskip("xarray")
+    cli.prints("export", path, "--to", "netcdf")
+    with xarray.open_dataset(path.with_suffix(".nc"), engine="h5netcdf") as found:
+        assert dict(found.sizes) == {"loads": 2, "x": 6, "y": 4}
+        assert np.array_equal(found.loads, LOADS)
+        assert np.array_equal(found.a_r, [0.2, 0.5])
+        assert list(found.note.values) == ["", "few points"]
+        for name in ("pressure", "gap"):
+            assert np.array_equal(found[name], [field(0, name), field(1, name)])
+            assert found[name].dims == ("loads", "x", "y")
+        assert np.array_equal(found.heights, HEIGHTS)
+        about = {name: found[name].attrs for name in ("gap_mean", "wall_seconds", "a_r", "p")}
+        assert [about[name]["units"] for name in about] == ["m", "s", "1", "Pa"]
+        assert "mean gap" in about["gap_mean"]["long_name"]
+
+
+def test_npz_and_csv(path, cli):
+    assert cli.prints("export", path, "--to", "npz", "-o", "a.npz") == "a.npz\n"
+    with np.load("a.npz") as found:
+        assert np.array_equal(found["gap"], [field(0, "gap"), field(1, "gap")])
+        assert np.array_equal(found["heights"], HEIGHTS)
+        assert not [name for name in found.files if "evil" in name]
+        assert np.array_equal(found["y"], np.arange(4) * 0.25)
+        assert np.array_equal(found["p"], LOADS)
+        assert list(found["status"]) == ["converged", "converged"]
+    assert cli.prints("export", path, "--to", "csv") == f"{path.with_suffix('.csv')}\n"
+    lines = list(csv.DictReader(path.with_suffix(".csv").read_text().splitlines()))
+    assert [(line["step"], float(line["a_r"]), line["note"]) for line in lines] == [
+        ("0", 0.2, ""),
+        ("1", 0.5, "few points"),
+    ]
+    assert {"p [Pa]", "gap_mean [m]", "wall_seconds [s]"} < set(lines[0])
+
+
+def test_an_export_that_is_killed_leaves_nothing(path, monkeypatch):
+    """Until it is complete it has no name."""
+    try:
+        os.close(os.open(path.parent, os.O_TMPFILE | os.O_RDWR))
+    except OSError:
+        pytest.skip("the file system has no files without a name")
+    seen = []
+    monkeypatch.setattr(export, "_fill", lambda *_: seen.append(os.listdir(path.parent)))
+    export.export(read_result(path), "netcdf")
+    assert set(map(tuple, seen)) == {("out.h5",)}
+
+
+def test_exports_that_are_refused(path, tmp_path, cli):
+    """One line each, and nothing is left behind."""
+    for how in (("netcdf", "-o", path), ("netcdf", "-o", "missing/a.nc"), ("pdf",)):
+        cli.refused("export", path, "--to", *how)
+    with h5py.File(path) as file:
+        place = file["steps/0001/gap"].id.get_offset()
+    content = bytearray(path.read_bytes())
+    content[place] ^= 4
+    path.write_bytes(content)
+    for kind in ("vtkhdf", "netcdf", "npz"):
+        assert "the numbers of steps/0001/gap are damaged" in cli.refused(
+            "export", path, "--to", kind, code=1
+        )
+    assert os.listdir(tmp_path) == ["out.h5"]

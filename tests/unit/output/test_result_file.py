@@ -1,0 +1,112 @@
+"""The result file on one process: what it holds, and what is refused as one."""
+
+import h5py
+import numpy as np
+import pytest
+from result_files import FIELD, STEP, SURFACE, N, begin, complete, names
+
+from hpc_gfmd import load
+from hpc_gfmd.output.read import FORMAT_VERSION, read_result
+from hpc_gfmd.parallel import h5
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.util.errors import GfmdError
+
+
+def test_a_finished_file_holds_everything(path):
+    complete(path, 1)
+    result = read_result(path)
+    assert (result.status, result.scene_toml, result.head["versions"]) == (
+        "converged",
+        "title = 'x'",
+        '{"numpy": "2"}',
+    )
+    assert result.surface == SURFACE
+    assert result.steps == [STEP]
+    assert result.head["format"] == "hpc-gfmd"
+    assert result.head["start_time"] <= result.head["end_time"]
+    assert np.array_equal(result.fields[0]["gap"].read(2, 4), FIELD[2:4])
+    assert names(path.parent) == ["out.h5"]
+
+
+def test_the_layout_is_the_documented_one(path):
+    complete(path, 1)
+    with h5py.File(path) as file:
+        assert file.attrs["format_version"] == FORMAT_VERSION
+        assert list(file["steps"]) == ["0000"]
+        assert file["steps/0000"].attrs["a_r"] == 0.25
+        assert file["steps/0000/gap"].shape == N
+        assert list(file["surface"].attrs["n"]) == list(N)
+
+
+def test_attributes_of_all_kinds_survive(path):
+    step = {
+        "p": 1,
+        "flag": True,
+        "text": "mu \u03bc",
+        "list": [1.0, 2.0],
+        "nothing": None,
+        "nan": float("nan"),
+        "numpy": np.float32(0.5),
+        "words": ["a", "b"],
+    }
+    with begin(path) as run:
+        run.write_step(0, step | {"escape": "a\x1b[31m\nb"})
+        run.finish("x")
+    (found,) = read_result(path).steps
+    assert found.pop("escape").isprintable()
+    assert np.isnan(found.pop("nan"))
+    assert found == {
+        "p": 1,
+        "flag": True,
+        "text": "mu \u03bc",
+        "list": [1.0, 2.0],
+        "numpy": 0.5,
+        "words": ["a", "b"],
+    }
+    assert type(found["flag"]) is bool
+
+
+def test_write_file_leaves_no_trace_of_a_failure(tmp_path):
+    target = tmp_path / "state.h5"
+    h5.write_file(
+        SerialComm(), target, N, (0, N[0]), {"u": FIELD}, lambda file: file.attrs.update(dt=1.0)
+    )
+    with pytest.raises(GfmdError):
+        h5.write_file(
+            SerialComm(), target, N, (0, N[0]), {}, lambda file: file.attrs.update(dt=object())
+        )
+    with h5py.File(target) as file:
+        assert file.attrs["dt"] == 1.0
+    assert names(tmp_path) == ["state.h5"]
+
+
+def test_copies_made_by_h5py_are_read(path, tmp_path):
+    complete(path, 1)
+    copy = tmp_path / "copy.h5"
+    with h5py.File(path) as old, h5py.File(copy, "w") as new:
+        new.attrs.update(old.attrs)
+        old.copy("surface", new)
+        old.copy("steps", new)
+    assert read_result(copy).steps == [STEP]
+
+
+def test_a_damaged_field_is_neither_read_nor_copied(path, tmp_path):
+    """Nobody would notice in the copy, which has a checksum of its own."""
+    content = bytearray(complete(path, 1).read_bytes())
+    content[content.index(FIELD.tobytes()) + 13] ^= 1
+    path.write_bytes(content)
+    stored, damaged = (
+        read_result(path).fields[0]["gap"],
+        "the numbers of steps/0000/gap are damaged",
+    )
+    for _ in range(2):
+        assert np.array_equal(
+            stored.read(3, 6), FIELD[3:]
+        )  # not all of them, so that nobody can tell
+        for start in (0, 2):
+            assert stored.read(start, start + 2).shape == (2, 5)
+        with pytest.raises(GfmdError, match=damaged):
+            stored.read(4, 6)
+    with pytest.raises(GfmdError, match=damaged):
+        load(path).save(tmp_path / "copy.h5")
+    assert not (tmp_path / "copy.h5").exists()

@@ -1,0 +1,196 @@
+"""A run that dies, is disturbed or meets another one: its file is complete or not there, and
+nothing finished is lost."""
+
+import fcntl
+import os
+
+import numpy as np
+import pytest
+from result_files import FIELD, STEP, begin, complete, interrupted, names
+
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_partial, read_result
+from hpc_gfmd.runs.simulation import restart
+from hpc_gfmd.util.errors import GfmdError, SceneError
+
+
+def test_an_interrupted_run_can_be_read_and_resumed(path):
+    with begin(path) as run:
+        run.write_step(0, STEP, {"gap": FIELD})
+        assert read_result(path).status == "running"
+    result = read_result(path)
+    assert (result.status, result.steps, result.indices) == ("interrupted", [STEP], [0])
+    with begin(path) as run:
+        assert list(run.finished) == [0]
+        assert run.notes == ["going on with an interrupted run: 1 finished loads are there"]
+        run.write_step(1, STEP | {"p": 0.2}, {"gap": FIELD + 1})
+        run.finish("converged")
+    result = read_result(path)
+    assert [step["p"] for step in result.steps] == [0.1, 0.2]
+    assert np.array_equal(result.fields[1]["gap"].read(0, 6), FIELD + 1)
+
+
+@pytest.mark.parametrize(
+    ("whose", "how"),
+    [
+        ("of another scene", {"identity": "other"}),
+        ("of this scene", {"resume": False}),
+        ("that cannot be read", {}),
+    ],
+)
+def test_finished_loads_are_not_removed_unasked(path, whose, how):
+    """Those of another scene, by a whole result in memory, damaged ones."""
+    folder = interrupted(path, 1)
+    if not how:
+        for file in folder.glob("*.h5"):
+            file.write_bytes(b"lost")
+    before = {file: file.read_bytes() for file in folder.glob("*.h5")}
+    with pytest.raises(SceneError, match=f"holds 1 finished loads {whose}, allowed: .* --force"):
+        begin(path, **how)
+    assert before == {file: file.read_bytes() for file in folder.glob("*.h5")}
+    with begin(path, force=True, **how) as run:
+        assert run.notes == [f"removed an interrupted run {whose} (1 finished loads)"]
+        assert list(run.finished) == []
+
+
+def test_force_begins_anew(path):
+    interrupted(path, 1)
+    with begin(path, force=True) as run:
+        assert run.notes == ["removed an interrupted run of this scene (1 finished loads)"]
+    with begin(path, identity="other") as run:  # nothing is lost
+        assert run.notes == ["removed an interrupted run of another scene (0 finished loads)"]
+
+
+@pytest.mark.parametrize("left", ["step-0001.h5.tmp", "head.h5.tmp", "checkpoint.h5.tmp"])
+def test_dying_while_writing_leaves_nothing_readable(path, left):
+    with begin(path) as run:
+        run.write_step(0, STEP)
+    (run.partial / left).write_bytes(b"half")
+    path.with_name("out.h5.tmp").write_bytes(b"half")
+    assert read_result(path).steps == [STEP]
+    with begin(path) as run:
+        assert list(run.finished) == [0]
+        run.finish("converged")
+    assert names(path.parent) == ["out.h5"]
+
+
+def test_dying_before_the_head_was_written(path):
+    partial_folder(path).mkdir()
+    (partial_folder(path) / "head.h5.tmp").write_bytes(b"")
+    with pytest.raises(SceneError, match="no such file, and no interrupted run"):
+        read_result(path)
+    with begin(path) as run:
+        assert list(run.finished) == []
+
+
+def test_dying_between_the_rename_and_the_clean_up(path):
+    complete(path, 1)
+    whole = path.read_bytes()
+    with begin(path) as run:
+        run.write_step(0, STEP | {"p": 9.0})
+    assert path.read_bytes() == whole
+    assert read_result(path).steps == [STEP]
+    with begin(path) as run:
+        run.finish("converged")
+    assert read_result(path).steps[0]["p"] == 9.0
+
+
+def test_dying_during_the_clean_up(path):
+    """A restart says that the file is complete, and removes the rest of the folder."""
+    complete(path, 1)
+    partial_folder(path).mkdir()
+    (partial_folder(path) / "step-0000.h5").write_bytes(b"")
+    (partial_folder(path) / "lock").write_bytes(b"")
+    with pytest.raises(SceneError, match="is complete already"):
+        restart(path)
+    assert names(path.parent) == ["out.h5"]
+
+
+def test_foreign_files_in_the_folder_are_kept(path):
+    folder = partial_folder(path)
+    folder.mkdir()
+    (folder / "letter.txt").write_text("dear reader")
+    complete(path, 1)
+    assert names(folder) == ["letter.txt"]
+
+
+def test_two_runs_cannot_write_the_same_file(path):
+    with (
+        begin(path),
+        pytest.raises(
+            SceneError, match=r"out\.h5: another run is writing this file \(process \d+ on"
+        ),
+    ):
+        begin(path)
+    begin(path).close()
+
+
+def test_file_systems_without_locks_are_accepted(path, monkeypatch):
+    def flock(*_):
+        raise OSError(38, "Function not implemented")
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    complete(path, 1)
+    assert read_result(path).steps == [STEP]
+
+
+def test_output_that_cannot_be_written_is_refused_at_once(tmp_path, monkeypatch):
+    with pytest.raises(SceneError, match=r"output\.path: the folder .*missing does not exist"):
+        begin(tmp_path / "missing" / "out.h5")
+    with pytest.raises(SceneError, match="is a folder"):
+        begin(tmp_path)
+    (tmp_path / "taken.h5.partial").write_text("")
+    with pytest.raises(SceneError, match=r"cannot write to .*File exists"):
+        begin(tmp_path / "taken.h5")
+
+    def mkdir(*_, **__):
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr(type(tmp_path), "mkdir", mkdir)
+    with pytest.raises(SceneError, match=r"cannot write to .*: Read-only file system"):
+        begin(tmp_path / "out.h5")
+
+
+def test_a_full_disk_keeps_what_is_there(path, monkeypatch):
+    complete(path, 1)
+    whole = path.read_bytes()
+    run = begin(path)
+    run.write_step(0, STEP, {"gap": FIELD})
+
+    def posix_fallocate(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "posix_fallocate", posix_fallocate)
+    with pytest.raises(GfmdError, match=r"step-0001\.h5: No space left on device"):
+        run.write_step(1, STEP, {"gap": FIELD})
+    with pytest.raises(
+        GfmdError, match=r"No space left on device .*; the finished steps are safe in"
+    ):
+        run.finish("converged")
+    run.close()
+    assert path.read_bytes() == whole
+    assert names(path.parent) == ["out.h5", "out.h5.partial"]
+    assert read_partial(path).indices == [0]
+
+
+def test_a_step_that_is_damaged_before_the_end_is_never_left_out(path):
+    run = begin(path)
+    for index in range(2):
+        run.write_step(index, STEP, {"gap": FIELD})
+    step = run.partial / "step-0001.h5"
+    whole = step.read_bytes()
+    place = whole.index(FIELD.tobytes())
+    for damaged, match in (
+        (whole[:500], r"step-0001\.h5: Unable to .*truncated"),
+        (
+            whole[:place] + b"\1" + whole[place + 1 :],
+            r"step-0001\.h5: the numbers of steps/0001/gap are damaged",
+        ),
+    ):
+        step.write_bytes(damaged)
+        with pytest.raises(GfmdError, match=match):
+            run.finish("converged")
+        assert not path.exists()
+    step.write_bytes(whole)
+    run.finish("converged")
+    assert len(read_result(path).steps) == 2

@@ -1,0 +1,175 @@
+"""FFTW's measured plans: kept once, the same on all ranks and in every continuation, bounded, and
+never an error."""
+
+import fcntl
+
+import numpy as np
+import pytest
+from pieces import NEVER, Pieces, scene
+
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.parallel import wisdom
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.fftw import load_fftw
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.util import caches
+
+pytestmark = pytest.mark.skipif(load_fftw() is None, reason="FFTW is missing")
+N = (120, 84)
+
+
+@pytest.fixture
+def memory(tmp_path, monkeypatch):
+    """The wisdom of this process in double precision, with an empty cache and nothing known;
+    afterwards as before."""
+    monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path / "cache"))
+    found = wisdom._wisdom("float64")
+    before = found.text()
+    found.replace(b"")
+    yield found
+    found.replace(before)
+
+
+def plan(n=N):
+    return Grid(n).fft(np.float64)
+
+
+def files(folder):
+    return sorted(p for p in folder.rglob("*") if p.is_file())
+
+
+def test_one_file_that_is_read_again_and_not_written_when_all_is_known(memory, tmp_path):
+    plan()
+    first = memory.text()
+    (path,) = files(tmp_path)
+    assert path == memory.path
+    assert path.read_bytes() == first
+    stamp = path.stat().st_mtime_ns
+    memory.replace(b"")
+    plan()
+    assert wisdom._lines(memory.text()) == wisdom._lines(first)
+    assert path.stat().st_mtime_ns == stamp
+    plan((60, 84))
+    assert wisdom._lines(first) < wisdom._lines(path.read_bytes())
+    assert files(tmp_path) == [path]
+
+
+def test_a_campaign_of_many_grids_is_bounded(memory, tmp_path, monkeypatch):
+    """And what each planned last is known."""
+    monkeypatch.setattr(wisdom, "LIMIT", 5000)
+    for k in range(8):
+        plan((24 + 2 * k, 36 + 2 * k))
+        (path,) = files(tmp_path)
+        assert path.stat().st_size < 3 * wisdom.LIMIT
+        assert wisdom._lines(memory.text()) <= wisdom._lines(path.read_bytes()) | {b""}
+
+
+def test_what_a_run_has_planned_is_not_forgotten_in_its_middle(memory, monkeypatch):
+    """Though the file it began with was nearly full: its checkpoints need all of its plans."""
+    plan()
+    first = memory.text()
+    monkeypatch.setattr(wisdom, "LIMIT", len(first) - 1)
+    plan((60, 84))
+    assert wisdom._lines(first) < wisdom._lines(memory.text())
+
+
+def test_nobody_is_waited_for(memory, tmp_path, monkeypatch):
+    """Not for one who keeps the file locked, not for one who cannot write; and no lock is asked
+    for."""
+    monkeypatch.setattr(fcntl, "flock", lambda *_: pytest.fail("a lock"))
+    plan()
+    monkeypatch.setattr(caches.os, "replace", lambda *_: (_ for _ in ()).throw(PermissionError()))
+    plan((60, 84))
+    assert files(tmp_path) == [memory.path]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"(fftw-3.3.10 fftw_wisdom", b"\0\xff" * 500, b"(" * 5000, b"x" * 2 * wisdom.LIMIT],
+)
+def test_a_damaged_file_is_measured_again(content, memory):
+    memory.path.parent.mkdir(parents=True)
+    memory.path.write_bytes(content)
+    plan()
+    assert memory.path.read_bytes() == memory.text()
+    assert len(memory.text().splitlines()) > 5
+
+
+def test_a_cache_that_cannot_be_written_is_none(memory, tmp_path):
+    (tmp_path / "cache").write_text("a file where the folder should be")
+    assert plan().plans.rows_forward is not None
+
+
+class Rank(SerialComm):
+    """One of two ranks; what rank 0 sends is in `sent`."""
+
+    size = 2
+
+    def __init__(self, rank, sent):
+        self.rank, self.sent = rank, sent
+
+    def bcast(self, obj):
+        if self.rank == 0:
+            self.sent.append(obj)
+        return self.sent[-1] if self.rank == 0 else self.sent.pop(0)
+
+
+def test_ranks_plan_as_rank_0_does(memory):
+    """By its wisdom alone, whatever they knew and the cache knows."""
+    made = []
+
+    def make():
+        made.append(memory.text())
+        plan((16, 250)) if len(made) == 1 else None
+        return len(made)
+
+    sent = []
+    assert wisdom.planned(Rank(0, sent), np.float64, make, N) == 1
+    assert len(sent) == 2  # a version, and what it stands for
+    wanted = memory.text()
+    memory.replace(b"")
+    plan((64, 100))
+    assert wisdom.planned(Rank(1, sent), np.float64, make, N) == 2
+    assert wisdom._lines(made[1]) == wisdom._lines(wanted)
+
+
+def test_what_all_ranks_know_is_not_sent_again(memory):
+    sent = []
+    for k, pieces in enumerate((2, 1, 1)):
+        wisdom.planned(Rank(0, sent), np.float64, lambda: plan(N), (N, k))
+        assert len(sent) == pieces
+        sent.clear()
+    plan((16, 250))  # by one process alone
+    wisdom.planned(Rank(0, sent), np.float64, lambda: plan(N), N)
+    assert len(sent) == 2
+
+
+def test_a_continuation_plans_as_the_run_did(memory, tmp_path):
+    """Though the cache was lost, or knows something else by now."""
+    plan()
+    wanted = memory.text()
+    (tmp_path / "run").mkdir()
+    wisdom.keep_with(tmp_path / "run")
+    for path in files(tmp_path / "cache"):
+        path.unlink()
+    memory.replace(b"")
+    plan((8, 8))
+    wisdom.take_from(tmp_path / "run")
+    assert wisdom._lines(memory.text()) == wisdom._lines(wanted)
+    plan()
+    assert wisdom._lines(memory.text()) >= wisdom._lines(wanted)
+
+
+def test_every_checkpoint_has_its_plans(memory, tmp_path, monkeypatch):
+    pieces = Pieces(monkeypatch, SerialComm(), tmp_path)
+    pieces.chance.after = 3
+    assert run_scene(scene("bpx"), out=pieces.path, quiet=True).status == "interrupted"
+    kept = (partial_folder(pieces.path) / "wisdom-float64").read_bytes()
+    assert wisdom._lines(kept) == wisdom._lines(memory.text())
+    memory.path.unlink()
+    memory.replace(b"")
+    pieces.chance.after = NEVER
+    run_scene(scene("bpx"), out=pieces.path, quiet=True)
+    assert wisdom._lines(kept) <= wisdom._lines(memory.text())
+    assert not partial_folder(pieces.path).exists()

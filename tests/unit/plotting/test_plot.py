@@ -1,0 +1,345 @@
+"""Pictures are made, show something, and say what is doubtful; statistics behind them are right."""
+
+import matplotlib.image
+import numpy as np
+import pytest
+from contacts import scene_text
+
+from hpc_gfmd import make_surface
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.output.record import RunFile
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.plotting import figures, height_map, plot, plot_result, style, survey
+from hpc_gfmd.theory import persson
+from hpc_gfmd.util.errors import GfmdError, SceneError
+
+
+@pytest.fixture(autouse=True)
+def _coarse_pictures(monkeypatch):
+    monkeypatch.setitem(style.RC, "savefig.dpi", 60)
+
+
+LOAD = "[load]\np_star = [0.1]\n"
+SCENE = scene_text((1, 16, 2), [0.1])
+SPHERE = '[surface]\nkind = "sphere"\nradius = 1.0\nn = [32, 24]\n' + LOAD
+WAVE = '[surface]\nkind = "wave"\namplitude = 0.1\nn = [32, 24]\nperiods = [0, 2]\n' + LOAD
+UNITS = {"unit": "m", "pressure_unit": "Pa", "physical_sizes": [1e-5, 7.5e-6], "h_rms": 2e-8}
+
+
+def write(
+    path,
+    n=(32, 24),
+    steps=2,
+    fields=("pressure", "gap"),
+    surface=None,
+    status="converged",
+    scene=SCENE,
+    spike=1.0,
+    **attributes,
+):
+    random = np.random.default_rng(1)
+    surface = {
+        "n": list(n),
+        "physical_sizes": [1.0, 0.75],
+        "h_rms": 0.1,
+        "g_rms": 1.0,
+        "eps_f": 0.01,
+    } | (surface or {})
+    with RunFile(
+        SerialComm(), path, n, (0, n[0]), {"scene": scene, "identity": "a"}, surface
+    ) as run:
+        for index in range(steps):
+            noise = random.normal(size=n)
+            whole = {"pressure": np.clip(noise, 0, 1.5), "gap": np.maximum(-noise, 0)}
+            whole["pressure"].flat[whole["pressure"].argmax()] *= spike
+            p = 0.01 * 4.0**index
+            step = {
+                "p": p,
+                "p_star": p,
+                "a_r": 0.5,
+                "kappa": 0.5 / p,
+                "gap_mean": 0.4,
+                "gap_over_h_rms": 4.0,
+            }
+            step |= {"a_r_error": 1e-3, "status": status} | attributes
+            run.write_step(index, step, {name: whole[name] for name in fields})
+        run.finish(status)
+    return path
+
+
+def ink(path):
+    """Share of the pixels that are not white."""
+    image = matplotlib.image.imread(path)[..., :3]
+    return float((image.min(axis=-1) < 0.99).mean())
+
+
+def test_three_pictures_lie_beside_the_file(tmp_path):
+    made = plot_result(write(tmp_path / "run.h5"))
+    assert [p.name for p in made] == ["run_maps.png", "run_distributions.png", "run_curves.png"]
+    assert all(p.parent == tmp_path and ink(p) > 0.02 for p in made)
+    assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".h5") == sorted(
+        p.name for p in made
+    )
+
+
+def test_pictures_in_a_new_folder(tmp_path, cli):
+    file = write(tmp_path / "run.h5", status="stagnated")
+    assert "! not converged: step 0, 1 (marked in the pictures)" in cli.prints(
+        "plot", file, "-o", "a"
+    )
+    assert sorted(p.name for p in (tmp_path / "a").iterdir()) == [
+        "curves.png",
+        "distributions.png",
+        "maps.png",
+    ]
+    assert "pictures cannot go to" in cli.refused("plot", file, "-o", "no/b")
+
+
+@pytest.mark.parametrize("fields", [("gap",), ()])
+def test_whatever_fields_there_are(tmp_path, fields):
+    made = plot_result(write(tmp_path / "run.h5", fields=fields))
+    assert len(made) == (3 if fields else 1)
+    assert all(ink(p) > 0.01 for p in made)
+
+
+@pytest.mark.parametrize(
+    ("surface", "attributes"),
+    [
+        (
+            {"h_rms": 0.0, "g_rms": 0.0, "eps_f": 0.0},
+            {"p_star": float("inf"), "gap_over_h_rms": float("nan")},
+        ),
+        ({}, {"a_r": 1.0, "gap_mean": 0.0, "gap_over_h_rms": 0.0}),
+        ({}, {"a_r_error": float("inf"), "gap_error": float("nan")}),
+        ({"eps_f": float("nan")}, {"a_r": None, "kappa": None}),
+        ({"physical_sizes": [0.1, 2.0]}, {"n": (3, 50), "steps": 3}),
+    ],
+    ids=["flat", "full contact", "unknown errors", "few observables", "many steps of a long cell"],
+)
+def test_unusual_results_are_drawn_too(tmp_path, surface, attributes):
+    assert len(plot_result(write(tmp_path / "run.h5", surface=surface, **attributes))) == 3
+
+
+def test_nothing_to_draw_or_nowhere_to_put_it(tmp_path):
+    with pytest.raises(SceneError, match="nothing to draw"):
+        plot_result(write(tmp_path / "empty.h5", steps=0))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(SceneError, match="pictures cannot go to"):
+        plot_result(write(tmp_path / "run.h5"), tmp_path / "file")
+
+
+def test_damaged_fields_are_an_error_in_one_line(tmp_path, monkeypatch):
+    file = write(tmp_path / "run.h5", steps=1, fields=("gap",))
+
+    def read(*_):
+        raise OSError("bad chunk")
+
+    monkeypatch.setattr("hpc_gfmd.parallel.h5.Stored.read", read)
+    with pytest.raises(GfmdError, match=r"drawing .*run\.h5: bad chunk"):
+        plot_result(file)
+
+
+class Whole:
+    """A field in memory that looks like a stored one and remembers how much was read at once."""
+
+    def __init__(self, values):
+        self.values, self.shape, self.most = values, values.shape, 0
+
+    def read(self, start, stop):
+        self.most = max(self.most, stop - start)
+        return self.values[start:stop]
+
+
+def texts(fig):
+    return " | ".join(found.get_text() for found in fig.findobj(matplotlib.text.Text))
+
+
+@pytest.mark.parametrize(
+    ("suffix", "begins"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")]
+)
+def test_the_suffix_says_the_format(tmp_path, suffix, begins):
+    file = write(tmp_path / "run.h5", n=(8, 6))
+    (one,) = plot_result(file, tmp_path / f"one.{suffix}", "pressure", step=1)
+    assert one.read_bytes().startswith(begins)
+    assert one.name == f"one.{suffix}"
+    several = plot_result(file, tmp_path / f"all.{suffix}", ["gap", "contact"])
+    assert [p.name for p in several] == [f"all_gap.{suffix}", f"all_contact.{suffix}"]
+
+
+def test_dpi(tmp_path):
+    file = write(tmp_path / "run.h5", n=(8, 6))
+    wide = [
+        matplotlib.image.imread(plot_result(file, tmp_path / "a.png", "curves", dpi=dpi)[0]).shape[
+            1
+        ]
+        for dpi in (50, 150)
+    ]
+    assert wide[1] == pytest.approx(3 * wide[0], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("scene", "kind", "name"),
+    [
+        (SCENE, "self-affine", "Persson"),
+        (SPHERE, "sphere", "Hertz"),
+        (WAVE, "wave", "Westergaard"),
+        ("", "file", None),
+    ],
+)
+def test_theory_stands_beside_its_own_surfaces_only(tmp_path, scene, kind, name):
+    file = write(tmp_path / "run.h5", scene=scene, surface={"kind": kind})
+    for picture in figures(file, ["curves", "distributions"]).values():
+        said = texts(picture)
+        assert {found for found in ("Persson", "Hertz", "Westergaard") if found in said} == (
+            {name} if name else set()
+        )
+    assert r"\kappa" in texts(plot(file, "curves")) or kind in ("sphere", "wave")
+    layer = scene.replace("[load]", "[material]\nnu1 = 0.3\nthickness = 0.1\n[load]")
+    assert not name or name not in texts(
+        plot(write(tmp_path / "layer.h5", scene=layer, surface={"kind": kind}), "curves")
+    )
+
+
+@pytest.mark.parametrize("rolloff", [1, 4])
+def test_the_gap_of_theory_is_that_of_the_surface(tmp_path, rolloff):
+    """The line in the panel of the mean gap, in units of h_rms; with a roll-off against the
+    spectrum sampled finely."""
+    scene = SCENE.replace("lam_s_over_a", f"lam_l_over_lam_r = {rolloff}\nlam_s_over_a")
+    picture = plot(
+        write(tmp_path / "run.h5", scene=scene, surface={"kind": "self-affine", "eps_f": 1 / 16}),
+        "curves",
+    )
+    (ax,) = (ax for ax in picture.axes if "langle g" in ax.get_ylabel())
+    (line,) = (line for line in ax.get_lines() if line.get_label().startswith("Persson"))
+    p_star, gap = map(np.asarray, line.get_data())
+    assert (p_star.min(), p_star.max()) == pytest.approx((0.005, 0.08))
+    q = np.geomspace(1, 16, 2001)
+    spectrum = np.maximum(q, rolloff) ** (-2 - 2 * 0.8)
+    h_rms, g_rms = (np.sqrt(np.trapezoid(spectrum * q**power, q) / 2 / np.pi) for power in (1, 3))
+    wanted = persson.mean_gap_spectrum(q, spectrum, p_star * g_rms) / h_rms
+    assert gap == pytest.approx(wanted, rel=1e-4)
+    plain = persson.mean_gap(p_star, 0.8, 1 / 16)
+    apart = np.abs(gap / plain - 1).max()
+    assert apart < 1e-9 if rolloff == 1 else apart > 0.05
+
+
+def test_axes_have_units_or_none(tmp_path):
+    density = {"pressure_edges": [0.0, 2e7], "pressure_density": [5e-8]}
+    file = write(
+        tmp_path / "run.h5", n=(8, 6), surface=UNITS, p=2e7, p_star=0.1, gap_mean=3e-8, **density
+    )
+    for what, absolute, relative in (
+        ("maps", "(µm)", "/L_x"),
+        ("curves", "p_0$ (MPa)", "p^*"),
+        ("distributions", "(1/MPa)", r"\bar{g})"),
+    ):
+        plain, scaled = texts(plot(file, what)), texts(plot(file, what, dimensionless=True))
+        assert absolute in plain
+        assert "10 × 7.5 µm" in plain
+        assert absolute not in scaled
+        assert relative in scaled
+
+
+def test_a_spike_does_not_take_the_colours_and_is_said(tmp_path):
+    for spike, said in ((1.0, False), (100.0, True)):
+        fig = plot(write(tmp_path / f"{spike}.h5", spike=spike), "pressure", step=0)
+        (image,) = fig.axes[0].get_images()
+        top = float(read_result(tmp_path / f"{spike}.h5").fields[0]["pressure"].read(0, 32).max())
+        assert (f"max {top:.3g}" in texts(fig)) == said
+        assert (image.norm.vmax < 0.1 * top) == said
+        assert (image.colorbar.extend == "max") == said
+
+
+def test_one_touching_point_of_many_shows_on_its_ground(monkeypatch):
+    pressure = np.zeros((400, 300))
+    pressure[201, 33] = 1e-3
+    found = survey.survey({"pressure": Whole(pressure)}, 20)
+    assert np.count_nonzero(found.contact) == 1
+    assert found.means["pressure"].max() == 1e-3  # not thinned by what does not touch
+    ground = matplotlib.colors.to_rgb(style.GROUND)
+    for colours, behind in ((style.PRESSURE_MAP, ground), (style.CONTACT_MAP, (1, 1, 1))):
+        for shade in colours(np.linspace(0, 1, 20))[:, :3]:
+            assert np.abs(shade - behind).max() > 0.35
+
+
+def test_a_window_is_drawn_with_all_its_points(tmp_path):
+    file = write(tmp_path / "run.h5", surface=UNITS)
+    for window in ((2.5e-6, 5e-6, 0, 2.5e-6), ("2.5um", "5 um", "0", "2500nm")):
+        (image,) = plot(file, "gap", step=1, window=window).axes[0].get_images()
+        assert np.allclose(image.get_extent(), (2.5, 5, 0, 2.5))
+        gap = read_result(file).fields[1]["gap"].read(0, 32)[8:16, :8]  # up to 3 m
+        assert np.allclose(np.ma.filled(image.get_array(), 0), gap.T)
+    for wrong in ((0, 1, 0, 1), (3e-6, 1e-6, 0, 1e-6), ("a", 1, 0, 1), (0, 1e-6, 0)):
+        with pytest.raises(
+            SceneError,
+            match=r"^window: found .*, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= 1e-05 m",
+        ):
+            plot(file, window=wrong)
+
+
+def test_what_is_left_out_is_said(tmp_path, cli):
+    file = write(tmp_path / "run.h5", n=(8, 6), steps=9)
+    assert "5 of 9 loads not shown" in texts(plot(file))
+    assert "not shown" not in texts(plot(file, "curves"))
+    assert "shown: step 0, 3, 5, 8; left out: 1, 2, 4, 6, 7" in cli.prints(
+        "plot", file, "-o", "a.png", "--what", "maps"
+    )
+    assert "step 4" in texts(plot(file, step=4))
+
+
+def test_what_there_is_not_is_refused(tmp_path):
+    file = write(tmp_path / "run.h5", n=(8, 6), fields=())
+    for how, words in (
+        ({"what": "map"}, "what: found 'map', allowed: curves"),
+        ({"what": "maps"}, "need output.fields"),
+        ({"what": "curves", "step": 7}, "step: found 7, allowed: 0, 1"),
+    ):
+        with pytest.raises(SceneError, match=words):
+            plot(file, **how)
+
+
+def test_heights_of_an_array():
+    heights = np.random.default_rng(1).normal(size=(30, 20)) * 1e-8
+    fig = height_map(heights, (3e-6, 2e-6), "m", "a scan")
+    assert all(words in texts(fig) for words in ("a scan: 30 × 20 points", "$z$ (nm)", "$x$ (µm)"))
+    assert fig._repr_png_().startswith(b"\x89PNG")
+    surface = make_surface("wave", amplitude="20 nm", n=[16, 8], physical_sizes=["2 um", "1 um"])
+    assert "$z$ (nm)" in texts(surface.plot())
+
+
+def test_spectra_are_drawn_where_they_are_stored(tmp_path):
+    q = [1.0, 2.0, 4.0]
+    file = write(
+        tmp_path / "run.h5",
+        n=(8, 6),
+        pressure_spectrum_q=q,
+        pressure_spectrum_power=[3.0, 2.0, 1.0],
+        heights_autocorrelation_r=q,
+        heights_autocorrelation_correlation=[2.0, 1.0, 0.0],
+    )
+    assert list(figures(file)) == ["maps", "distributions", "spectra", "curves"]
+    said = texts(plot(file, "spectra"))
+    assert "C_p(q)" in said
+    assert "A_z(r)/A_z(0)" in said
+
+
+def test_survey_reads_slabs_and_keeps_means(monkeypatch):
+    monkeypatch.setattr(survey, "SLAB_BYTES", 8 * 47 * 10)
+    noise = np.random.default_rng(2).normal(size=(101, 47))
+    pressure, gap = Whole(np.maximum(noise, 0)), Whole(np.maximum(-noise, 0))
+    found = survey.survey({"pressure": pressure, "gap": gap}, 16)
+    assert pressure.most <= 10
+    assert found.contact.shape == (15, 16)
+    assert found.contact[0, 0] == (noise[:7, :3] > 0).mean()
+    block = noise[98:, 45:]
+    assert found.means["pressure"][-1, -1] == pytest.approx(block[block > 0].mean())
+    assert found.means["gap"][3, 5] == pytest.approx(np.maximum(-noise[21:28, 15:18], 0).mean())
+    assert found.largest["pressure"] == noise.max()
+
+
+def test_densities_integrate_to_the_areas():
+    noise = np.random.default_rng(2).normal(size=(200, 200)) - 1
+    fields = {"pressure": Whole(np.maximum(noise, 0)), "gap": Whole(np.maximum(-noise, 0))}
+    for name, share in (("pressure", (noise > 0).mean()), ("gap", (noise <= 0).mean())):
+        edges, density = survey.density(fields, name, 3.0)
+        assert (density * np.diff(edges)).sum() == pytest.approx(share, rel=1e-12)

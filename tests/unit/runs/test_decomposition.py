@@ -1,0 +1,167 @@
+"""What ranks have and send, for any number of them: nobody has more than its share, and nothing is
+padded."""
+
+import json
+import os
+import tracemalloc
+
+import numpy as np
+import pytest
+from contacts import rough
+
+from hpc_gfmd.bodies.halfspace import HALF_SPACE
+from hpc_gfmd.operators.multilevel import Multilevel
+from hpc_gfmd.parallel.fft import SlabFFT
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.runs.decomposition import Share, busiest, share_of
+from hpc_gfmd.scene import Scene
+
+MIB = 2**20
+SIZES = [2**k for k in range(12, 18)]
+RANKS = [1, 2, 3, 7, 16, 60, 64, 96, 256, 1000, 1024, 4096, 16384, 65536]
+
+
+def cases():
+    return [(n, ranks) for n in SIZES for ranks in RANKS if ranks <= n]
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("n", SIZES)
+def test_no_rank_has_more_than_its_share(n, dtype):
+    """In points to work on, in memory and in messages: a tenth of the slab or a MiB more at
+    most."""
+    for ranks in [k for k in RANKS if k <= n]:
+        for share in busiest((n, n), dtype, ranks):
+            itemsize, slab = share.dtype.itemsize, n * n / ranks
+            more = max(0.1 * slab, MIB / itemsize)
+            assert share.points <= slab + n
+            assert share.coarse_points <= slab / 3 + more, (ranks, share.grid.comm.rank)
+            halo = (
+                2 * 6 * n
+                # the rows beside its own on all levels: 3 fields of n/2 points and 2 of n/4, n/8,
+                # ... each side
+            )
+            assert share.level_bytes <= (23 / 24 * slab + halo) * itemsize + max(
+                0.1 * slab * itemsize, MIB
+            ), ranks
+            assert share.level_traffic[0] <= max(0.1 * slab * itemsize, MIB) + halo * itemsize
+            assert share.level_traffic[1] <= 8 * np.log2(n)
+
+
+@pytest.mark.parametrize("n", SIZES)
+def test_columns_are_not_padded(n):
+    for ranks in [k for k in (*RANKS, n // 16) if k <= n // 16]:
+        share = share_of((n, n), np.float32, ranks)
+        assert share.padding <= 1.05
+        assert share.layout.columns_held.max() <= -(-share.layout.n_c // ranks)
+
+
+@pytest.mark.parametrize(
+    ("n", "ranks"),
+    [((48, 30), 1), ((64, 64), 5), ((300, 200), 7), ((7, 11), 9), ((1, 40), 3), ((256, 512), 16)],
+    ids=str,
+)
+def test_everything_has_one_owner(n, ranks):
+    """All ranks together have all rows, columns, levels and coarser grids once, and every message
+    that is sent is received."""
+    shares = [share_of(n, np.float64, ranks, rank) for rank in range(ranks)]
+    assert sum(share.points for share in shares) == n[0] * n[1]
+    assert (
+        sum(share.layout.columns_held[rank] for rank, share in enumerate(shares)) == n[1] // 2 + 1
+    )
+    assert sum(share.level_points for share in shares) == sum(
+        a.n[0] * a.n[1] for a in shares[0].levels[1:]
+    )
+    grids = [grid for share in shares for grid in share.grids]
+    for size in {grid.n for grid in grids}:
+        assert sum(grid.shape[0] for grid in grids if grid.n == size) == size[0]
+    for a, share in enumerate(shares):
+        for b, other in enumerate(shares):
+            for step, of_other in zip(share.steps, other.steps, strict=True):
+                for adding in (True, False):
+                    assert step.windows.sent_rows(adding).get(b, 0) == of_other.windows.sent_rows(
+                        not adding
+                    ).get(a, 0)
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_bytes_are_those_that_are_held(ranks):
+    n = (96, 80)
+    grid = Grid(n)
+    share = Share(grid, np.dtype(np.float32))
+    levels = Multilevel(grid, HALF_SPACE, np.float32, 32)
+    assert share.level_bytes == levels.nbytes - levels.edges.nbytes
+    fft = SlabFFT(grid.comm, n, grid.starts, np.float32, 2)
+    assert share.layout.bytes + 2 * share.layout.scratch_bytes == fft.nbytes
+
+
+@pytest.mark.parametrize(
+    ("n", "ranks"), [((96, 80), 6), ((201, 301), 12), ((512, 512), 60), ((1000, 1000), 96)], ids=str
+)
+@pytest.mark.parametrize("per_node", [1, 4, 16, 96])
+def test_nobody_sends_more_than_the_busiest(n, ranks, per_node):
+    everybody = [
+        share_of(n, np.float32, ranks, rank, per_node=per_node).traffic for rank in range(ranks)
+    ]
+    chosen = [share.traffic for share in busiest(n, np.float32, ranks, per_node)]
+    assert list(map(max, zip(*chosen, strict=True))) == list(map(max, zip(*everybody, strict=True)))
+
+
+def test_plan_says_it(tmp_path, cli, monkeypatch):
+    def planned(*args):
+        return json.loads(cli.prints("plan scene.toml", *args, "--json"))
+
+    scene = {
+        "surface": rough((2, 4096, 8)),
+        "load": {"p_star": [0.1]},
+        "solver": {"precision": "single"},
+    }
+    (tmp_path / "scene.toml").write_text(Scene.from_dict(scene).to_toml())
+    plan = planned("--ranks", 4096, "--threads", 2, "--ranks-per-node", 48)
+    share = share_of((65536, 65536), np.float32, 4096)
+    assert (plan["ranks"], plan["threads"]) == (4096, 2)
+    assert plan["points_per_rank"] == 65536 * 16
+    assert plan["coarse_points_per_rank"] == share.coarse_points <= 65536 * 16 * (1 / 3 + 0.1)
+    assert plan["padding"] <= 1.05
+    assert plan["bytes_per_rank"] > plan["points_per_rank"] * 4 * 6
+
+    def sent(per_node):
+        return tuple(
+            map(
+                max,
+                zip(
+                    *(one.traffic for one in busiest((65536, 65536), np.float32, 4096, per_node)),
+                    strict=True,
+                ),
+            )
+        )
+
+    assert (plan["message_bytes_per_pair"], plan["messages_per_pair"]) == sent(48) < sent(1)
+    # By default as many share a node as this machine's cores are enough for, or as Slurm says.
+    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: set(range(12)))
+    for environment, threads, per_node in (
+        ({}, 3, 4),
+        ({"SLURM_TASKS_PER_NODE": "16(x3),7"}, 3, 16),
+        ({}, 24, 1),
+        ({"SLURM_TASKS_PER_NODE": "2", "SLURM_NTASKS_PER_NODE": "8"}, 1, 8),
+    ):
+        with monkeypatch.context() as slurm:
+            for name, value in environment.items():
+                slurm.setenv(name, value)
+            plan = planned("--ranks", 4096, "--threads", threads)
+        assert (plan["ranks_per_node"], plan["message_bytes_per_pair"]) == (
+            per_node,
+            sent(per_node)[0],
+        )
+
+
+@pytest.mark.parametrize("n", [2**24, 2**20])
+def test_a_plan_takes_no_memory(n):
+    """Not even as much as a table of an axis for each level."""
+    tracemalloc.start()
+    try:
+        share = share_of((n, n), np.float32, 1)
+        assert share.level_bytes > n
+        assert tracemalloc.get_traced_memory()[1] < 4 * n
+    finally:
+        tracemalloc.stop()

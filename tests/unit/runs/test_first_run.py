@@ -1,0 +1,49 @@
+"""What a run says before it compiles."""
+
+import numba
+import pytest
+
+from hpc_gfmd.kernels import cache
+
+
+@pytest.mark.parametrize(
+    ("kept", "said"),
+    [
+        (False, "compiling, once (about 20 s)"),
+        (True, "compiling what this scene needs in addition"),
+    ],
+)
+def test_compiling_is_announced_once_and_only_if_something_is_compiled(
+    tmp_path, monkeypatch, kept, said
+):
+    monkeypatch.setattr(cache, "folder", lambda: tmp_path)
+    if kept:
+        (tmp_path / "kernel.nbi").write_bytes(b"")
+    told, functions = [], [numba.njit(lambda x, k=k: x + k) for k in range(2)]
+    with cache.announced(told.append):
+        assert not told
+        assert [function(1) for function in functions] == [1, 2]
+    assert len(told) == 1
+    assert told[0].startswith(said)
+    with cache.announced(told.append):
+        assert functions[0](2) == 2
+    assert len(told) == 1
+    with cache.announced(None):
+        assert numba.njit(lambda x: -x)(1) == -1
+
+
+def test_a_run_hands_its_voice_to_the_compiler(tmp_path, monkeypatch, capsys):
+    from hpc_gfmd.driver import warmup
+    from hpc_gfmd.runs import simulation
+    from hpc_gfmd.scene import Scene
+
+    monkeypatch.setattr(warmup, "_tiny_contact", lambda *_: numba.njit(lambda x: x * 3)(1))
+    scene = Scene.from_dict(
+        {
+            "surface": {"kind": "wave", "amplitude": 0.1, "n": [8, 8]},
+            "load": {"p_star": 0.1},
+            "output": {"path": str(tmp_path / "a.h5")},
+        }
+    )
+    simulation.run_scene(scene)
+    assert capsys.readouterr().out.startswith("compiling")

@@ -1,0 +1,144 @@
+"""Requests to stop are heard between two iterations, too, and signal handlers come back; who
+started this process can be said."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+from contacts import rough
+
+from hpc_gfmd.driver import nested
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.parallel import launcher, world
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.interrupt import Interrupt, Stopped, check
+from hpc_gfmd.parallel.launcher import launched, launcher_rank
+from hpc_gfmd.runs.simulation import restart, run_scene
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.surface import selfaffine
+from hpc_gfmd.util.errors import SceneError
+
+SCENE = {"surface": rough((2, 16, 2)), "load": {"p_star": [0.1, 0.3]}, "output": {"path": "out.h5"}}
+
+
+def killing(function, n):
+    """The same, with a SIGTERM to this process before it is called for a grid of n x n points (that
+    of compiling has others)."""
+
+    def call(what, *args, **kwargs):
+        if getattr(what, "grid", what).n == (n, n):
+            os.kill(os.getpid(), signal.SIGTERM)
+        return function(what, *args, **kwargs)
+
+    return call
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "n"),
+    [(selfaffine, "rms_of_columns", 64), (nested, "_roughly_solved", 32)],
+    ids=["surface", "nested"],
+)
+def test_stops_before_the_first_iteration(module, name, n, tmp_path, monkeypatch):
+    """No iteration on the finest grid, the exit code of a signal, and a restart that ends as if
+    nothing had happened."""
+    monkeypatch.chdir(tmp_path)
+    before = signal.getsignal(signal.SIGTERM)
+    with monkeypatch.context() as patched:
+        patched.setattr(module, name, killing(getattr(module, name), n))
+        run = run_scene(Scene.from_dict(SCENE), quiet=True)
+    assert (run.status, run.exit_code, run.steps) == ("interrupted", 143, [])
+    assert signal.getsignal(signal.SIGTERM) == before
+    assert not (tmp_path / "out.h5").exists()
+    assert not (tmp_path / "out.h5.partial" / "checkpoint.h5").exists()
+    again = restart("out.h5", quiet=True)
+    assert again.status == "converged"
+    whole = run_scene(Scene.from_dict(SCENE), out="whole.h5", quiet=True)
+    for found, wanted in zip(again.steps, whole.steps, strict=True):
+        assert (found["a_r"], found["gap_mean"], found["iterations"]) == (
+            wanted["a_r"],
+            wanted["gap_mean"],
+            wanted["iterations"],
+        )
+    assert read_result("out.h5").status == "converged"
+
+
+def test_only_the_run_itself_is_stopped():
+    """What a rank does on its own, such as compiling, must not end on one rank alone."""
+    comm = SerialComm()
+    with Interrupt(comm) as interrupt:
+        os.kill(os.getpid(), signal.SIGUSR1)
+        check(SerialComm())
+        with pytest.raises(Stopped):
+            check(SerialComm(comm))
+        assert interrupt.agreed == signal.SIGUSR1
+    check(comm)
+
+
+def test_time_that_is_up_stops_after_an_iteration():
+    """So that a run gets on, however little time it has."""
+    comm = SerialComm()
+    with Interrupt(comm, deadline=-1.0) as interrupt:
+        check(comm)
+        assert interrupt.poll() == (True, False)
+        assert interrupt.exit_code == 143
+
+
+def test_handlers_of_c_come_back():
+    """faulthandler's is one that Python does not know of."""
+    program = """if True:
+        import faulthandler, os, signal
+        from hpc_gfmd.parallel.comm import SerialComm
+        from hpc_gfmd.parallel.interrupt import Interrupt
+        faulthandler.register(signal.SIGUSR1)
+        with Interrupt(SerialComm()) as interrupt:
+            os.kill(os.getpid(), signal.SIGUSR1)
+            assert interrupt.signal == signal.SIGUSR1
+        os.kill(os.getpid(), signal.SIGUSR1)
+        print("alive")
+    """
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
+    assert "most recent call first" in done.stderr
+
+
+@pytest.fixture
+def unlaunched(monkeypatch):
+    for name in (
+        *launcher.LAUNCHER_SIZE,
+        *launcher.LAUNCHER_RANK,
+        launcher.LAUNCHER,
+        "SLURM_PROCID",
+    ):
+        monkeypatch.delenv(name, raising=False)
+    return monkeypatch
+
+
+def test_launcher_can_be_said(unlaunched):
+    assert launched() == (False, None)
+    unlaunched.setenv("OMPI_COMM_WORLD_SIZE", "4")
+    unlaunched.setenv("OMPI_COMM_WORLD_RANK", "2")
+    assert (launched(), launcher_rank()) == ((True, 4), 2)
+    unlaunched.setenv("HPC_GFMD_LAUNCHER", "none")
+    assert (launched(), launcher_rank()) == ((False, None), 0)
+    unlaunched.delenv("OMPI_COMM_WORLD_SIZE")
+    unlaunched.delenv("OMPI_COMM_WORLD_RANK")
+    unlaunched.setenv("HPC_GFMD_LAUNCHER", "mpi")
+    assert launched() == (True, None)
+    unlaunched.setattr(world, "_world", None)
+    unlaunched.setenv("HPC_GFMD_LAUNCHER", "slurm")
+    with pytest.raises(
+        SceneError, match=r'HPC_GFMD_LAUNCHER: found "slurm", allowed: "mpi", "none"'
+    ):
+        world.world()
+
+
+def test_threads_from_slurm(monkeypatch):
+    monkeypatch.delenv("SLURM_CPUS_PER_TASK", raising=False)
+    cores = len(os.sched_getaffinity(0))
+    assert world.threads_of(SerialComm(), "auto") == cores
+    monkeypatch.setenv("SLURM_CPUS_PER_TASK", "1")
+    assert world.threads_of(SerialComm(), "auto") == 1
+    monkeypatch.setenv("SLURM_CPUS_PER_TASK", "4096")
+    assert world.threads_of(SerialComm(), "auto") == cores

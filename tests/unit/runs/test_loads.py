@@ -1,0 +1,112 @@
+"""Loads that are given by what they do: in scenes, in calls, in results."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from contacts import random_heights, rough
+from scene_tables import tables
+
+import hpc_gfmd
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.util.errors import SceneError
+
+SI = {"physical_sizes": ["1 mm", "1 mm"], "h_rms": "1 um", "boundary": "free"}
+
+
+def test_accepted_and_written_as_given():
+    for table, data in [
+        ({"gap_mean": ["50 nm", 0]}, tables({"physical_sizes": ["1 mm", "1 mm"], "h_rms": "1 um"})),
+        ({"force": "5 mN"}, tables(SI, material={"E_star": "1 GPa"})),
+        ({"approach": [0.1, 0.2]}, tables(material={"thickness": 0.1, "nu1": 0.3})),
+        ({"a_r": 1}, tables()),
+    ]:
+        scene = Scene.from_dict(data | {"load": table})
+        assert Scene.from_toml(scene.to_toml()) == scene
+        name, values = scene.load.given
+        assert list(table) == [name]
+        written = scene.model_dump(exclude_none=True)["load"][name]
+        assert list(written) == (table[name] if isinstance(table[name], list) else [table[name]])
+        assert all(isinstance(value, float | int) for value in values)
+        assert scene.load.found == (name != "force")
+
+
+def test_run_plan_and_show(tmp_path, cli):
+    """The result has the pressure that was found and what was asked for; what cannot be had ends
+    with one line and exit code 2."""
+    scene = Scene.from_dict({"surface": rough((2, 8, 2)), "load": {"gap_over_h_rms": [0.4, 0.3]}})
+    (tmp_path / "scene.toml").write_text(scene.to_toml())
+    assert json.loads(cli.prints("plan scene.toml --json"))["loads"] == 2
+    cli.prints("run scene.toml -q")
+    steps = json.loads(cli.prints("show contact.h5 --json"))["steps"]
+    for step, wanted in zip(steps, (0.4, 0.3), strict=True):
+        assert step["target_gap_over_h_rms"] == wanted
+        assert step["gap_over_h_rms"] == pytest.approx(wanted, rel=1e-3)
+        assert step["p"] == pytest.approx(step["p_star"])
+    assert steps[0]["p"] < steps[1]["p"]
+    assert "asked: gap/h_rms" in cli.prints("show contact.h5")
+    error = cli.refused("run scene.toml --set", "load={gap_over_h_rms = 30}", "-o", "never.h5")
+    assert "load.gap_over_h_rms: found 30, allowed: below " in error
+    assert not list(tmp_path.glob("never*"))
+
+
+def test_solve_takes_them():
+    """The same contacts by any name of their loads; a list gives a list."""
+    z = random_heights((48, 48), seed=2)
+    one = hpc_gfmd.solve(z, 0.3, boundary="free", E_star=2.0)
+    force = hpc_gfmd.solve(z, force=0.3, boundary="free", E_star=2.0)
+    assert force.a_r == one.a_r
+    for name in ("gap_mean", "a_r", "approach"):
+        value = one.observable("approach") if name == "approach" else getattr(one, name)
+        found = hpc_gfmd.solve(z, boundary="free", E_star=2.0, **{name: [value]})
+        assert len(found) == 1
+        if name == "a_r":
+            assert found[0].a_r == pytest.approx(
+                value, abs=1.001 / z.size
+            )  # 13 points: many a pressure gives them
+        else:
+            assert found[0].pressure.mean() == pytest.approx(0.3, rel=2e-2)
+    layer = hpc_gfmd.solve(z, a_r=0.4, thickness=0.1, base="frictionless", nu=0.5)
+    assert layer.a_r == pytest.approx(0.4, abs=1.001 / z.size)
+
+
+@pytest.mark.parametrize(
+    ("load", "words"),
+    [
+        ({"gap_mean": 1e3}, "load.gap_mean: found 1000, allowed: below "),
+        ({"a_r": 1e-9}, "load.a_r: found 1e-09, less than half"),
+        ({"force": 1.0}, "load.force: found periodic"),
+        ({"approach": -1.0, "boundary": "free"}, "load.approach: found -1"),
+        ({"a_r": 0.1, "pressure": 0.1}, "load: found pressure and a_r"),
+    ],
+)
+def test_solve_refuses(load, words):
+    with pytest.raises(SceneError, match=words):
+        hpc_gfmd.solve(random_heights((8, 8)), **load)
+
+
+def test_units_of_a_height_map(tmp_path, cli):
+    """Lengths and forces beside it have units where it has, and those of the result are SI."""
+    np.save("z.npy", random_heights((32, 32), seed=1))
+    text = (
+        'surface = {kind = "file", path = "z.npy", unit = "nm", physical_sizes = ["1 um", "1 um"],'
+        ' boundary = "free"}\n'
+    )
+    (tmp_path / "s.toml").write_text(text + 'material.E_star = "1 GPa"\nload.gap_mean = "2 nm"\n')
+    cli.prints("run s.toml -q")
+    (step,) = read_result("contact.h5").steps
+    assert step["target_gap_mean"] == pytest.approx(2e-9)
+    assert step["gap_mean"] == pytest.approx(2e-9, rel=1e-3)
+    again = "run s.toml -q --force --set"
+    assert 'load.gap_mean: found 2, plain, allowed with this height map: "50 nm"' in cli.refused(
+        again, "load={gap_mean = 2.0}"
+    )
+    assert re.search(
+        r"load.gap_mean: found 50 um, allowed: below 0.00\d+ um,",
+        cli.refused(again, 'load={gap_mean = "50 um"}'),
+    )
+    cli.prints(again, 'load={force = "1 uN"}')
+    (step,) = read_result("contact.h5").steps
+    assert (step["target_force"], step["p"]) == pytest.approx((1e-6, 1e6))

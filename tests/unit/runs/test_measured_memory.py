@@ -1,0 +1,118 @@
+"""The memory of a plan, against what runs really take."""
+
+import json
+from itertools import product
+from pathlib import Path
+
+import mpi_harness
+import pytest
+from contacts import rough
+
+from hpc_gfmd.runs.memory import memory_of
+from hpc_gfmd.scene import Scene
+
+PEAK = Path(__file__).with_name("peak.py")
+WITHIN = 0.1  # of the estimate
+LIBRARIES_GIB = 0.1  # of files in the estimate, which peak.py leaves out
+
+
+def scene(n, p_star=(0.1,), threads=1, fields=(), observables=None, boundary="periodic", **solver):
+    output = {"fields": list(fields)} | ({"observables": observables} if observables else {})
+    return {
+        "surface": rough((2, n // 4, 2)) | {"boundary": boundary},
+        "load": {"p_star": list(p_star)},
+        "solver": solver,
+        "machine": {"threads": threads},
+        "output": output,
+    }
+
+
+def measured(table, ranks, folder):
+    """GiB on the rank that takes most, and the precisions of the loads."""
+    found = mpi_harness.found(
+        ranks if ranks > 1 else None, [PEAK, json.dumps(table), folder / f"{ranks}.h5"], timeout=600
+    )
+    return found["gib"], found["precisions"]
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    """Compiling takes memory of its own, once per installation."""
+    for boundary, low in product(("periodic", "free"), (False, True)):
+        table = scene(64, boundary=boundary, low_memory=low, precision="single" if low else "auto")
+        measured(table, 1, tmp_path_factory.mktemp("compiled"))
+
+
+def check(table, ranks, folder, precision):
+    if ranks > 1 and mpi_harness.missing():
+        pytest.skip(f"{mpi_harness.missing()} is missing")
+    n = Scene.from_dict(table).surface.n
+    estimate = (
+        memory_of(Scene.from_dict(table), n, (1.0, 1.0), ranks, table["machine"]["threads"]).total
+        - LIBRARIES_GIB
+    )
+    found, precisions = measured(table, ranks, folder)
+    assert precisions[-1] == precision
+    assert found == pytest.approx(estimate, rel=WITHIN)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_few_points(ranks, compiled, tmp_path):
+    """Where single precision cannot tell so few points apart, all is in double precision."""
+    check(scene(1024, [1e-4]), ranks, tmp_path, "float64")
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_free_edges(ranks, compiled, tmp_path):
+    """Making the table of the stiffness takes no more than what is solved with it."""
+    check(
+        scene(1024, boundary="free", low_memory=True, precision="single", accuracy=1e-2),
+        ranks,
+        tmp_path,
+        "float32",
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize(
+    ("table", "precision"),
+    [
+        (scene(1024), "float32"),
+        (scene(2048, [1e-4]), "float64"),
+        (scene(1024, [1e-4], 4), "float64"),
+        (scene(2048, threads=4), "float32"),
+        (scene(2048, threads=16), "float32"),
+        (scene(2048, [0.1, 0.3]), "float32"),
+        (scene(2048, [0.1, 0.3], precision="double"), "float64"),
+        (scene(2048, [0.1, 1e-4], 4), "float64"),
+        (scene(2048, low_memory=True), "float32"),
+        (scene(2048, fields=["gap"]), "float32"),
+        (scene(2048, observables=["stiffness"]), "float32"),
+        (scene(4096, precision="double"), "float64"),
+        (scene(4096, [0.1, 0.3], low_memory=True), "float32"),
+        (scene(4096, [0.002], low_memory=True, precision="single", accuracy=4e-4), "float32"),
+        (scene(2048, boundary="free", low_memory=True, precision="single"), "float32"),
+        (scene(2048, boundary="free"), "float32"),
+    ],
+    ids=[
+        "small",
+        "few points",
+        "small, few points, threads",
+        "4 threads",
+        "16 threads",
+        "two loads",
+        "two loads, double",
+        "few points later",
+        "low memory",
+        "field",
+        "stiffness",
+        "large, double",
+        "large, low memory",
+        "large, low memory, certified in double",
+        "free edges, low memory",
+        "free edges",
+    ],
+)
+def test_all_ways(table, precision, ranks, compiled, tmp_path):
+    check(table, ranks, tmp_path, precision)

@@ -1,0 +1,113 @@
+"""The memory that a run may have: of the machine, of the control groups around it, of the
+process."""
+
+import resource
+
+import pytest
+
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.runs import memory
+from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.util.errors import SceneError
+
+GIB = memory.GIB
+SCENE = Scene.from_dict(
+    {
+        "surface": {"kind": "wave", "amplitude": 0.1, "n": [8192, 8192]},
+        "load": {"pressure": 0.1},
+        "solver": {"precision": "double"},
+    }
+)
+
+
+def group(folder, limit, used, cached=0, version=2):
+    folder.mkdir(parents=True, exist_ok=True)
+    names = (
+        ("memory.max", "memory.current")
+        if version == 2
+        else ("memory.limit_in_bytes", "memory.usage_in_bytes")
+    )
+    for name, value in zip(names, (limit, used), strict=True):
+        (folder / name).write_text(f"{value}\n")
+    (folder / "memory.stat").write_text(f"anon 5\ninactive_file {cached}\n")
+
+
+def own(tmp_path, text):
+    (tmp_path / "own").write_text(text)
+    return tmp_path / "own"
+
+
+@pytest.mark.parametrize(
+    ("version", "top", "line"),
+    [(2, "", "0::/system/job_7/step_0"), (1, "memory", "4:memory:/system/job_7/step_0")],
+)
+def test_the_tightest_control_group_counts(tmp_path, monkeypatch, version, top, line):
+    """That of a batch job is seldom the innermost one; file contents that are only cached do not
+    count as used."""
+    root = tmp_path / "root"
+    group(
+        root / top / "system/job_7/step_0",
+        "max" if version == 2 else 2**63 - 4096,
+        GIB,
+        version=version,
+    )
+    group(root / top / "system/job_7", GIB // 2, GIB // 4, GIB // 8, version=version)
+    folders = memory.control_groups(root, own(tmp_path, f"3:cpu:/elsewhere\n{line}\n"))
+    assert root / top / "system/job_7/step_0" in folders
+    assert not any("elsewhere" in str(folder) for folder in folders)
+    monkeypatch.setattr(memory, "control_groups", lambda: folders)
+    assert memory.available_gib() == pytest.approx(0.375)
+    with pytest.raises(SceneError, match=r"has 0\.38 GiB"):
+        memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
+
+
+def test_no_control_groups(tmp_path):
+    assert memory.control_groups(tmp_path, tmp_path / "missing") == [tmp_path]
+    assert 0 < memory.available_gib() < 1e6
+
+
+def test_the_limit_of_the_process(monkeypatch):
+    assert memory.limit_gib() > 1
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (2 * GIB, 2 * GIB))
+    assert 0 < memory.limit_gib() < 2
+    with pytest.raises(SceneError, match="ulimit -v"):
+        memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3, 8])
+def test_heights_of_a_surface_that_ends_are_on_some_ranks_only(ranks):
+    """Rows beyond it have none: rank 0 may hold all heights, and a machine with all ranks no more
+    than these."""
+    scene = Scene.from_dict(
+        {
+            "surface": {"kind": "wave", "amplitude": 0.1, "n": [2048, 2048], "boundary": "free"},
+            "load": {"pressure": 0.1},
+            "solver": {"precision": "single", "low_memory": True},
+        }
+    )
+    shares = [
+        memory.memory_of(scene, (2048, 2048), (1.0, 1.0), ranks, rank=rank) for rank in range(ranks)
+    ]
+    assert (
+        sum(share.heights for share in shares)
+        == pytest.approx(2048**2 * 4 / GIB)
+        == shares[0].all_heights
+    )
+    assert shares[0].heights == pytest.approx(shares[0].all_heights * min(1, 1.5 / ranks), rel=1e-2)
+    assert sum(share.total for share in shares) == pytest.approx(shares[0].on_all(ranks), rel=0.02)
+
+
+def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
+    """By the run, in one line; the plan knows nothing of it."""
+    table = {
+        "surface": {"kind": "wave", "amplitude": 0.01, "n": [32, 32]},
+        "load": {"pressure": 0.1},
+        "solver": {"precision": "single", "low_memory": True},
+    }
+    assert memory.memory_of(Scene.from_dict(table), (32, 32), (1.0, 1.0), 1).total > 0
+    with pytest.raises(
+        SceneError,
+        match=r"solver.low_memory: found true, allowed: with surface.kind = \"self-affine\"",
+    ):
+        run_scene(Scene.from_dict(table), comm=SerialComm(), quiet=True)

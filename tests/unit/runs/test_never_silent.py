@@ -1,0 +1,158 @@
+"""Whoever looks at a result, in whatever way, is told when it is less than was asked for, or says
+little."""
+
+import json
+import re
+import warnings
+
+import numpy as np
+import pytest
+from contacts import heights_of, rough, scene_text
+from scene_tables import WAVE, tables
+
+import hpc_gfmd
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.util.errors import NotConverged
+
+
+def scene(p_star, accuracy, precision):
+    return scene_text((2, 16, 2), p_star, solver={"accuracy": accuracy, "precision": precision})
+
+
+@pytest.fixture(scope="module")
+def z():
+    return heights_of(rough((2, 16, 2)))
+
+
+@pytest.fixture
+def run(tmp_path, cli):
+    """run(p_star, accuracy, precision): (exit code, table of the run, `show`, `show --json`,
+    `plot`)."""
+
+    def solve(p_star, accuracy=1e-3, precision="auto"):
+        (tmp_path / "scene.toml").write_text(scene(p_star, accuracy, precision))
+        done = cli("run scene.toml")
+        shown, data, plotted = (
+            cli.prints(f"{command} contact.h5") for command in ("show", "show --json", "plot")
+        )
+        return done.code, done.out, shown, json.loads(data), plotted
+
+    return solve
+
+
+def test_a_step_that_is_not_converged_is_marked_everywhere(run):
+    code, table, shown, data, plotted = run([0.05, 0.4], 1e-9, "single")
+    assert code == 3
+    for text in (table, shown):
+        assert "! step 1: NOT CONVERGED (stagnated), less accurate than asked" in text
+    assert data["status"] == "stagnated"
+    assert [step["status"] for step in data["steps"]] == ["stagnated"] * 2
+    assert min(step["pressure_error"] for step in data["steps"]) > 1e-9
+    assert "! not converged: step 0, 1" in plotted
+
+
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-9, 1e-14])
+def test_single_precision_never_claims_what_it_cannot_give(z, accuracy):
+    with pytest.warns(NotConverged, match=r"not converged \(stagnated\): estimated errors"):
+        found = hpc_gfmd.solve(z, 0.1, accuracy=accuracy, precision="single")
+    assert found.status == "stagnated"
+    assert max(found.errors) > accuracy
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
+def test_left_to_itself_the_precision_follows_the_accuracy(z, accuracy):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = hpc_gfmd.solve(z, 0.1, accuracy=accuracy)
+    assert found.status == "converged"
+    assert max(found.errors) < accuracy
+    assert accuracy > 1e-4 or found.pressure.dtype == np.float64
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_what_single_precision_claims_is_true(z, precision):
+    exact = hpc_gfmd.solve(z, 0.1, accuracy=1e-12, precision="double")
+    found = hpc_gfmd.solve(z, 0.1, accuracy=1e-5, precision=precision)
+    assert found.status == "converged"
+    assert abs(found.gap_mean / exact.gap_mean - 1) < 1e-5
+    assert np.linalg.norm(found.pressure - exact.pressure) < 1e-5 * np.linalg.norm(exact.pressure)
+    assert abs(found.a_r / exact.a_r - 1) < 1e-5
+
+
+def test_few_points_that_touch_are_told_everywhere(run):
+    code, table, shown, data, plotted = run([1e-4])
+    assert code == 0
+    points = round(data["steps"][0]["a_r"] * 64**2)
+    assert points < 20
+    for text in (table, shown, plotted):
+        assert (
+            f"step 0: only {points} points touch: the area is known to {100 / points:.0f} % at best"
+            in text
+        )
+    assert data["steps"][0]["note"].startswith(f"only {points} points touch")
+    assert "fewer than 100 of the 64 x 64 points touch" in table  # before the run, from the scene
+
+
+def test_a_gap_of_rounding_errors_and_full_contact_are_told_everywhere(run):
+    _, table, shown, data, plotted = run([1.8948460, 3.0], 1e-3, "single")
+    for text in (table, shown, plotted):
+        assert "step 0: the gap is all rounding at this load in single precision" in text
+        assert "step 1: full contact: every point touches, the gap is zero" in text
+    assert [bool(step["note"]) for step in data["steps"]] == [True, True]
+
+
+def test_the_python_interface_has_the_same_notes(z):
+    assert hpc_gfmd.solve(z, 0.1, boundary="periodic").note is None
+    assert "points touch" in hpc_gfmd.solve(z, 1e-4).note
+    assert "1 point touches" in hpc_gfmd.solve(z, 1e-9).note
+    assert "full contact" in hpc_gfmd.solve(z, 5.0).note
+    assert "flat surface" in hpc_gfmd.solve(np.full((8, 8), 3.0), 5.0).note
+
+
+@pytest.mark.parametrize(("periods", "warned"), [([1, 0], 0), ([2, 0], 1), ([2, 2], 2)])
+def test_waves_of_a_few_points_are_warned_of(periods, warned):
+    found = Scene.from_dict(tables(WAVE | {"n": [12, 12], "periods": periods})).warnings()
+    assert len(found) == warned
+    assert all("points a period" in line for line in found)
+
+
+def test_plan_tells_before_the_run(tmp_path, cli):
+    (tmp_path / "scene.toml").write_text(scene([1e-5], 1e-3, "auto"))
+    assert "fewer than 100 of the 64 x 64 points touch" in cli.prints("plan scene.toml")
+
+
+@pytest.mark.parametrize(
+    ("scale", "load", "words"),
+    [
+        (1e9, {"p_star": 0.1}, "g_rms = 1e+09: heights and sizes are probably in different units"),
+        (1e-2, {"pressure": 30, "E_star": 2}, "p = 15 E*: loads and moduli are probably in diff"),
+    ],
+)
+def test_numbers_in_wrong_units_are_warned_of(z, scale, load, words):
+    with pytest.warns(UserWarning, match=re.escape(words)):
+        assert words in hpc_gfmd.solve(scale * z, **load).note
+
+
+def test_steep_heights_are_told(z):
+    assert (
+        hpc_gfmd.solve(3 * z, 0.1, boundary="periodic").note
+        == "g_rms = 3: the theory is that of small slopes"
+    )
+
+
+def test_notes_on_a_height_map_are_told_everywhere(z, tmp_path, cli):
+    """Heights in nm beside sizes in m; every load has the note, the table says it once."""
+    np.save("z.npy", 1e9 * z)
+    (tmp_path / "s.toml").write_text(
+        'surface = {kind = "file", path = "z.npy", physical_sizes = [1, 1]}\nload.p_star = [0.1,'
+        " 0.2]"
+    )
+    log = cli.prints("run s.toml")
+    for text in (log, cli.prints("show contact.h5")):
+        assert (
+            text.count(
+                "steps 0, 1: g_rms = 1e+09: heights and sizes are probably in different units"
+            )
+            == 1
+        )
+    assert "note: g_rms" in log

@@ -1,0 +1,401 @@
+"""hpc_gfmd as in a notebook: lists of loads, solutions in memory and from files, what they say and
+what more is asked of them."""
+
+import pickle
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+from contacts import random_heights
+
+import hpc_gfmd
+from hpc_gfmd import SceneError
+from hpc_gfmd.contact import (
+    all_distributions,
+    all_observables,
+    distribution_names,
+    observable_names,
+)
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.runs.solution import LOST
+from hpc_gfmd.scene import Scene
+
+N, SIZES = (24, 20), ("12 um", "10 um")
+Z = 2e-8 * random_heights(N, 3)
+LOADS = ["10 MPa", "30 MPa", "200 MPa"]
+ROUGH = {
+    "hurst": 0.8,
+    "L_over_lam_l": 2,
+    "lam_l_over_lam_s": 8,
+    "lam_s_over_a": 4,
+    "seed": 1,
+    "physical_sizes": ["1 um", "1 um"],
+    "g_rms": 0.1,
+}
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    return hpc_gfmd.solve(
+        Z, LOADS, "5 GPa", SIZES, distributions=["pressure"], observables=["perimeter"]
+    )
+
+
+@pytest.fixture
+def saved(sweep, tmp_path):
+    sweep.save(tmp_path / "saved.h5")
+    return hpc_gfmd.load(tmp_path / "saved.h5")
+
+
+def same(one, other):
+    """All that two solutions say, to the bit."""
+    assert {k: v for k, v in one.result.steps[0].items() if v is not None} == {
+        k: v for k, v in other.result.steps[0].items() if v is not None
+    }
+    assert repr(one.result.surface) == repr(other.result.surface)  # of numbers that may be nan
+    for name in ("pressure", "gap", "heights", "contact"):
+        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+
+
+def test_a_list_is_a_sweep_and_nothing_is_left_out(sweep):
+    assert [one.p for one in sweep] == [1e7, 3e7, 2e8]
+    assert [one.a_r for one in sweep] == sorted({one.a_r for one in sweep})
+    for one in sweep:
+        assert one.pressure.mean() == pytest.approx(one.p, rel=1e-3)
+        assert np.count_nonzero(one.contact) == one.a_r * Z.size
+        assert one.gap.mean() == pytest.approx(one.gap_mean)
+        assert np.allclose(one.displacement, one.gap + one.heights, atol=1e-15)
+        assert np.allclose(one.heights, Z - Z.max(), atol=1e-14)
+    alone = hpc_gfmd.solve(Z, LOADS[1], "5 GPa", SIZES)
+    assert isinstance(alone, hpc_gfmd.Solution)
+    assert alone.a_r == sweep[1].a_r
+    assert len(hpc_gfmd.solve(Z, np.array([1e7]), 5e9, (12e-6, 10e-6))) == 1
+
+
+def stop_at(monkeypatch, number):
+    """Ctrl-C in the middle of a load."""
+    solve, calls = Sweep.solve, []
+
+    def stopping(self, *arguments):
+        calls.append(1)
+        if len(calls) == number:
+            raise KeyboardInterrupt
+        return solve(self, *arguments)
+
+    monkeypatch.setattr(Sweep, "solve", stopping)
+
+
+@pytest.mark.parametrize("fields", [("pressure", "gap", "heights"), ()], ids=str)
+def test_what_was_finished_before_ctrl_c_is_kept(monkeypatch, tmp_path, sweep, fields):
+    stop_at(monkeypatch, 3)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, fields=fields)
+    assert isinstance(caught.value, hpc_gfmd.Interrupted)
+    kept = caught.value.solutions
+    assert [one.a_r for one in kept] == [one.a_r for one in sweep[:2]]
+    assert kept.status == "interrupted"
+    assert kept.notes == ("interrupted: loads 3 (pressure = 200 MPa) of 3 are not there",)
+    if fields:
+        assert all(np.array_equal(one.gap, whole.gap) for one, whole in zip(kept, sweep))
+        again = hpc_gfmd.load(kept.save(tmp_path / "some.h5"))
+        assert (len(again), again.status) == (2, "interrupted")
+
+
+def test_ctrl_c_before_anything_is_finished(monkeypatch):
+    for loads in (LOADS, LOADS[0]):
+        stop_at(monkeypatch, 1)
+        with pytest.raises(KeyboardInterrupt) as caught:
+            hpc_gfmd.solve(Z, loads, "5 GPa", SIZES)
+        assert type(caught.value) is KeyboardInterrupt
+        monkeypatch.undo()
+
+
+def test_it_is_what_a_run_writes(tmp_path):
+    """The same scene by its file and in memory: one result."""
+    wall = hpc_gfmd.make_surface("self-affine", **ROUGH)
+    fields = ["pressure", "gap", "heights"]
+    scene = {
+        "surface": {"kind": "self-affine"} | ROUGH,
+        "load": {"p_star": [0.02, 0.3]},
+        "material": {"E_star": "5 GPa"},
+        "output": {"fields": fields, "observables": ["perimeter"]},
+    }
+    run_scene(Scene.from_dict(scene), out=tmp_path / "run.h5", quiet=True)
+    hpc_gfmd.solve(
+        wall, p_star=[0.02, 0.3], E_star="5 GPa", fields=fields, observables=["perimeter"]
+    ).save(tmp_path / "memory.h5")
+    run, memory = (hpc_gfmd.load(tmp_path / f"{name}.h5") for name in ("run", "memory"))
+    assert run.result.head["identity"] == memory.result.head["identity"]
+    assert set(run.result.head) == set(memory.result.head)
+    assert set(run.result.surface) == set(memory.result.surface)
+    for a, b in zip(run, memory, strict=True):
+        assert (a.a_r, a.status) == (b.a_r, b.status)
+        assert a.observable("perimeter") == b.observable("perimeter")
+        assert np.allclose(a.pressure, b.pressure, atol=1e-3 * a.p)
+        assert np.allclose(a.gap, b.gap, atol=1e-3 * a.gap_mean)
+        assert np.allclose(a.heights, b.heights, atol=1e-6 * a.h_rms)
+
+
+def test_saved_and_loaded(sweep, saved):
+    assert len(saved) == len(sweep)
+    assert saved.status == "converged"
+    for one, other in zip(sweep, saved, strict=True):
+        same(one, other)
+        assert one.distributions.keys() == other.distributions.keys() == {"pressure"}
+        assert other.displacement == pytest.approx(one.displacement, abs=1e-15)
+
+
+def test_a_file_is_saved_again(sweep, saved, tmp_path):
+    saved[1:].save(tmp_path / "some.h5")
+    again = hpc_gfmd.load(tmp_path / "some.h5")
+    assert len(again) == 2
+    same(again[1], sweep[2])
+    sweep[0].save(tmp_path / "one.h5")
+    same(hpc_gfmd.load(tmp_path / "one.h5")[0], sweep[0])
+
+
+@pytest.mark.parametrize("of_file", [False, True], ids=["in memory", "from a file"])
+def test_more_is_asked_later(sweep, saved, of_file):
+    """As if it had been asked for with the load."""
+    names = sorted(observable_names() - {"duality_gap"})
+    spreads = sorted(distribution_names())
+    asked = hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, observables=names, distributions=spreads)
+    for one, known in zip(saved if of_file else sweep, asked, strict=True):
+        for name, value in known.observables.items():
+            if not (of_file and name in LOST and value is None):
+                found = one.observable(name)
+                found = found[name] if isinstance(found, dict) else found
+                assert found == (value if value is None else pytest.approx(value, rel=1e-6)), name
+        assert one.observable("patches") == known.observables["patches"]
+        assert one.observable("spanning") == {
+            name: known.observables[name] for name in ("gap_spans_x", "gap_spans_y")
+        }
+        for name in spreads:
+            found, wanted = one.distribution(name), known.distributions[name]
+            assert found.keys() == wanted.keys()
+            for what in wanted:
+                assert np.allclose(
+                    found[what], wanted[what], rtol=1e-4, atol=1e-9 * np.abs(wanted[what]).max()
+                ), (name, what)
+    assert set(all_observables()) <= set(asked[0].observables)
+    assert set(asked[0].distributions) == set(all_distributions())
+
+
+def test_a_profile_is_one_from_its_file_too(tmp_path):
+    """Solved along one axis alone: edges and perimeter are those of a profile."""
+    wave = np.cos(2 * np.pi * np.arange(32) / 32)[:, None] * np.ones((1, 8)) * 0.01
+    found = hpc_gfmd.solve(wave, 0.002)
+    found.save(tmp_path / "wave.h5")
+    (again,) = hpc_gfmd.load(tmp_path / "wave.h5")
+    assert found.a_r_corrected is again.a_r_corrected is None
+    assert again.observable("perimeter") == found.observable("perimeter") == pytest.approx(2.0)
+
+
+def test_a_surface_that_ends(tmp_path):
+    found = hpc_gfmd.solve(Z, "30 MPa", "5 GPa", SIZES, boundary="free")
+    assert found.pressure.shape == found.gap.shape == N
+    assert not found.note or "edges" not in found.note
+    found.save(tmp_path / "free.h5")
+    (again,) = hpc_gfmd.load(tmp_path / "free.h5")
+    for name in ("patches", "stiffness", "percolation"):
+        assert again.observable(name) == pytest.approx(found.observable(name), rel=1e-6)
+    with pytest.raises(
+        SceneError,
+        match=(
+            r"^distribution: found 'gap_spectrum', which needs periodic .*, allowed: gap, patches"
+        ),
+    ):
+        again.distribution("gap_spectrum")
+
+
+def test_what_is_not_there_is_said(tmp_path):
+    bare = hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, fields=())
+    assert all(one.a_r > 0 and one.a_r_corrected > 0 for one in bare)
+    with pytest.raises(
+        SceneError, match=r'^pressure: not kept, allowed: fields = \["pressure", ...\]'
+    ):
+        _ = bare[0].pressure
+    bare.save(tmp_path / "bare.h5")
+    one, *_ = hpc_gfmd.load(tmp_path / "bare.h5")
+    for ask, words in [
+        (lambda: one.gap, r"^gap: not in .*bare.h5, allowed"),
+        (lambda: one.observable("patches"), "has no pressure and no gap"),
+        (lambda: one.observable("duality_gap"), "^duality_gap: not in"),
+        (
+            lambda: one.distribution("presure"),
+            '^distribution: found .presure., nearest: "pressure"',
+        ),
+        (lambda: one.observable("pathces"), '^observable: found .pathces., nearest: "patches"'),
+    ]:
+        with pytest.raises(SceneError, match=words):
+            ask()
+
+
+def test_an_interrupted_run(sweep, saved, tmp_path):
+    folder = partial_folder(tmp_path / "stopped.h5")
+    saved.save(tmp_path / "stopped.h5")
+    result = read_result(tmp_path / "stopped.h5")
+    (tmp_path / "stopped.h5").unlink()
+    from hpc_gfmd.output.record import RunFile
+    from hpc_gfmd.parallel.comm import SerialComm
+
+    with RunFile(
+        SerialComm(), tmp_path / "stopped.h5", N, (0, N[0]), result.head, result.surface
+    ) as file:
+        file.write_step(1, result.steps[1], {"pressure": sweep[1].pressure, "gap": sweep[1].gap})
+    assert folder.is_dir()
+    with pytest.warns(
+        UserWarning,
+        match=r"loads 1 \(pressure = 10 MPa\), 3 \(pressure = 200 MPa\) of 3 are not there",
+    ):
+        left = hpc_gfmd.load(tmp_path / "stopped.h5")
+    assert (left.status, left[0].p, left.result.indices) == ("interrupted", 3e7, [1])
+    assert "200 MPa" in repr(left)
+    assert "200 MPa" in left._repr_html_()
+    assert np.array_equal(left[0].contact, sweep[1].contact)
+
+
+def test_another_file_is_not_overwritten(sweep, tmp_path):
+    path = tmp_path / "out.h5"
+    sweep.save(path)
+    with pytest.warns(
+        UserWarning, match=r"holds a result of this scene, which this run replaces"
+    ) as caught:
+        sweep.save(path)
+    assert [one.filename for one in caught] == [__file__]
+    other = hpc_gfmd.solve(
+        2 * Z, LOADS, "5 GPa", SIZES, distributions=["pressure"], observables=["perimeter"]
+    )
+    with pytest.raises(SceneError, match=r"another scene"):
+        other.save(path)
+    same(hpc_gfmd.load(path)[0], sweep[0])
+    with pytest.warns(UserWarning, match=r"overwritten"):
+        other.save(path, force=True)
+    same(hpc_gfmd.load(path)[0], other[0])
+    with pytest.raises(SceneError, match=r"ends in .h5"):
+        sweep.save(tmp_path / "out.npz")
+
+
+def test_it_says_what_it_is(sweep):
+    assert repr(sweep[1]).startswith(f"<Solution: a_r = {100 * sweep[1].a_r:.2f}"[:24])
+    assert " %, p = 30 MPa, mean gap = " in repr(sweep[1])
+    assert "\n" not in repr(sweep[1])
+    assert all(f"p = {load}" in repr(sweep) for load in LOADS)
+    assert all(
+        word in sweep._repr_html_() for word in ("<table>", "a_r", "[MPa]", "24 x 20 points")
+    )
+    assert "<table>" in sweep[0]._repr_html_()
+    assert repr(hpc_gfmd.make_surface("self-affine", **ROUGH)).startswith(
+        "<surface: 64 x 64 points, L = 1 x 1 um, h_rms = "
+    )
+
+
+def test_pickled(sweep):
+    again = pickle.loads(pickle.dumps(sweep))
+    for one, other in zip(sweep, again, strict=True):
+        same(one, other)
+    assert pickle.loads(pickle.dumps(sweep[2])).observable("patches") == sweep[2].observable(
+        "patches"
+    )
+
+
+def test_values_over_the_loads(sweep):
+    assert sweep.values("a_r").tolist() == [one.a_r for one in sweep]
+    assert sweep[:2].values("perimeter").shape == (2,)
+
+
+def test_who_did_not_converge_is_named():
+    with pytest.warns(hpc_gfmd.NotConverged) as caught:
+        found = hpc_gfmd.solve(
+            Z, [1e-4, 1e-2], physical_sizes=(12e-6, 10e-6), max_iterations=2, accuracy=1e-5
+        )
+    assert [str(one.message)[:22] for one in caught] == [
+        "load 1: not converged ",
+        "load 2: not converged ",
+    ]
+    assert {one.filename for one in caught} == {__file__}
+    assert found.status == "max_iterations"
+
+
+def test_edges_that_do_not_meet_are_noted_unless_somebody_said_so():
+    tilted = Z + 1e-7 * np.arange(24)[:, None]
+    assert "opposite edges along x differ" in hpc_gfmd.solve(tilted, "30 MPa", "5 GPa", SIZES).note
+    assert "opposite edges" not in (
+        hpc_gfmd.solve(tilted, "30 MPa", "5 GPa", SIZES, boundary="periodic").note or ""
+    )
+
+
+def test_a_surface_that_was_made_knows_what_it_is():
+    wall = hpc_gfmd.make_surface(
+        "sphere", radius="1 mm", n=(32, 32), physical_sizes=("80 um", "80 um"), boundary="free"
+    )
+    assert (wall.unit, wall.free) == ("m", (True, True))
+    with pytest.raises(
+        SceneError,
+        match=r"^boundary: found periodic beside .* knows its boundary, allowed: .* make_surface",
+    ):
+        hpc_gfmd.solve(wall, "1 MPa", "1 GPa", boundary="periodic")
+    with pytest.raises(ValueError, match=r"read-only"):
+        wall.heights[0, 0] = 1.0
+    with pytest.raises(SceneError, match=r"nearest: surface.radius"):
+        hpc_gfmd.make_surface("sphere", radios=1.0)
+
+
+def test_all_names_are_there():
+    assert set(hpc_gfmd.__all__) <= set(dir(hpc_gfmd))
+    assert all(getattr(hpc_gfmd, name) is not None for name in hpc_gfmd.__all__)
+    with pytest.raises(AttributeError):
+        _ = hpc_gfmd.nothing
+
+
+def test_mpi_is_left_to_others():
+    """FFTW comes with mpi4py-fft; MPI is not started for it, nor kept from who starts it
+    afterwards."""
+    pytest.importorskip("mpi4py_fft")
+    code = (
+        "import sys, numpy as np, hpc_gfmd; hpc_gfmd.solve(np.random.default_rng(1).normal(size=(8,"
+        " 8)), 0.1); print('mpi4py' in sys.modules); from mpi4py import MPI;"
+        " print(MPI.COMM_WORLD.Get_size()); from mpi4py_fft import PFFT, fftw;"
+        " print(PFFT(MPI.COMM_SELF, (8, 8)).shape(), fftw.fftw_xfftn.FFT.__name__)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n")[:3] == ["False", "1", "(8, 5) FFT"]
+
+
+def test_reading_a_file_compiles_nothing(saved):
+    code = (
+        "import sys, hpc_gfmd; one = hpc_gfmd.load(sys.argv[1])[0]; print(one.a_r,"
+        " one.pressure.max(), 'numba' in sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(saved.result.path)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == [str(saved[0].a_r), str(saved[0].pressure.max()), "False"]
+
+
+def test_plot(sweep, saved, tmp_path):
+    for solved in (sweep[0], saved[0], sweep, saved):
+        figure = solved.plot()
+        figure.savefig(tmp_path / "x.png")
+        assert (tmp_path / "x.png").stat().st_size > 10_000
+        with pytest.raises(SceneError, match=r"^what: found 'pie', allowed: .*curves"):
+            solved.plot("pie")
+
+
+def test_progress(capsys):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hpc_gfmd.solve(Z, LOADS[:2], "5 GPa", SIZES, progress=True)
+    shown = capsys.readouterr()
+    assert "load 2/2" in shown.err
+    assert not shown.out
+    hpc_gfmd.solve(Z, LOADS[0], "5 GPa", SIZES)
+    assert capsys.readouterr() == ("", "")

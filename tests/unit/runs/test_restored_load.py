@@ -1,0 +1,108 @@
+"""What a restored load is solved for: the load that is asked for, on the heights that were read."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from contacts import random_heights, rough, sweep_of
+
+from hpc_gfmd.driver.prescribed import Prescribed
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.scene import Load, Scene
+from hpc_gfmd.surface import build_surface
+from hpc_gfmd.util.errors import SceneError
+
+
+def test_the_state_of_another_load_is_refused():
+    sweep = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+    p = 0.1 * sweep.surface.g_rms
+    sweep.solve(p, watch=lambda iterations, _: iterations == 3)
+    arrays, numbers = sweep.state()
+    held = {name: np.array(data) for name, data in arrays.items()}
+    with pytest.raises(SceneError, match=r"a state at p\* = 0\.1, allowed: at 0\.2"):
+        sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(lambda _: held, numbers, 2 * p)
+    again = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+    asked = p * (1 + 1e-13)  # as with another number of ranks
+    again.restore(lambda _: held, numbers, asked)
+    assert again.solver.p0 == asked / again.surface.g_rms != numbers["p0"]
+    found, wanted = (
+        again.solve(asked, midway=True),
+        sweep_of(rough((2, 8, 2)), accuracy=1e-6).solve(p),
+    )
+    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-10)
+    assert found.iterations == wanted.iterations
+
+
+def test_the_state_of_another_version_is_refused():
+    sweep = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+    load = Prescribed("a_r", 0.2)
+    sweep.solve(load, watch=lambda iterations, _: iterations == 3)
+    arrays, numbers = sweep.state()
+    held, search = {name: np.array(data) for name, data in arrays.items()}, numbers["search"]
+    for other in (
+        search | {"guesses": 0},
+        {key: value for key, value in search.items() if key != "wall"},
+    ):
+        with pytest.raises(SceneError, match="of another version"):
+            sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(
+                lambda _: held, numbers | {"search": other}, load
+            )
+    less = {key: value for key, value in numbers["own"].items() if key != "gap_mean"}
+    with pytest.raises(SceneError, match="of another version"):
+        sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(
+            lambda _: held, numbers | {"own": less}, load
+        )
+    again = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+    again.restore(lambda _: held, numbers, load)
+    assert again.solve(load, midway=True).contact.outcome.status == "converged"
+
+
+@pytest.mark.parametrize("loads", [{"pressure": [0.1, 0.11]}, {"a_r": [0.1, 0.12]}], ids=str)
+def test_after_a_load_that_failed_the_next_one_starts_afresh(loads):
+    sweep, alone = (sweep_of(rough((2, 8, 2)), accuracy=1e-6) for _ in range(2))
+    failing, fine = sweep.pressures(Load(**loads))
+    sweep.target, wanted = replace(sweep.target, max_iterations=1), sweep.target
+    assert sweep.solve(failing).contact.outcome.status == "max_iterations"
+    sweep.target = wanted
+    assert not sweep.state(fine)[0]  # nothing to start from
+    found, expected = sweep.solve(fine), alone.solve(fine)
+    assert found.contact.outcome == expected.contact.outcome
+    assert (found.iterations, found.pairs) == (expected.iterations, expected.pairs)
+
+
+@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"]], ids=str)
+@pytest.mark.parametrize("gap", [0, 1e-5])
+def test_full_contact_and_what_is_next_to_it_go_on_where_they_were(boundary, gap):
+    surface = rough((2, 8, 2), boundary=boundary)
+    whole, sweep, again = (sweep_of(surface, accuracy=1e-3, precision="double") for _ in range(3))
+    (load,), states = sweep.pressures(Load(gap_over_h_rms=gap)), []
+
+    def watch(iterations, _):
+        arrays, numbers = sweep.state()
+        states.append(({name: np.array(data) for name, data in arrays.items()}, numbers))
+        return iterations == 5
+
+    sweep.solve(load, watch)
+    held, numbers = states[-1]
+    again.restore(lambda _: held, numbers, load)
+    wanted, found = whole.solve(load), again.solve(load, midway=True)
+    assert found.contact.outcome.status == "converged"
+    assert found.contact.gap_mean == pytest.approx(gap * sweep.surface.h_rms, rel=1e-3)
+    assert found.contact.p_mean == pytest.approx(wanted.contact.p_mean, rel=1e-12)
+    assert (found.iterations, found.pairs) == (wanted.iterations, wanted.pairs)
+
+
+def test_heights_that_change_while_a_run_goes_on(tmp_path):
+    """They are read again where a load needs more than single precision."""
+    path, z = tmp_path / "z.npy", random_heights((32, 32))
+    np.save(path, z)
+    surface = {"kind": "file", "path": str(path), "physical_sizes": [1, 1]}
+    scene = Scene.from_dict(
+        {"surface": surface, "load": {"p_star": 1.0}, "solver": {"accuracy": 1e-2}}
+    )
+    sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
+    assert sweep.solve(0.4 * sweep.surface.g_rms).contact.g.dtype == np.float32
+    np.save(path, 2 * z)
+    with pytest.raises(SceneError, match="heights have changed"):
+        sweep.solve(1e-4 * sweep.surface.g_rms)

@@ -1,0 +1,189 @@
+"""Whatever hpc_gfmd.solve is given, it gives a solution or a SceneError of one line."""
+
+import os
+import tomllib
+import warnings
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from contacts import random_heights
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scene_tables import rows
+
+import hpc_gfmd
+from hpc_gfmd.util.errors import SceneError
+
+Z = random_heights((8, 8))
+HUGE = 10**400
+REFUSED = [
+    ({"E_star": HUGE}, "material.E_star: found 1000"),
+    ({"E_star": 1j}, "material.E_star: found 1j"),
+    ({"E_star": np.array([1.0, 2.0])}, "material.E_star: found [1.0, 2.0]"),
+    ({"physical_sizes": (HUGE, 1)}, "surface.physical_sizes"),
+    ({"accuracy": HUGE}, "solver.accuracy"),
+    ({"pressure": None}, "load: found nothing"),
+    ({"heights": np.where(Z == Z.max(), np.inf, Z)}, "surface: found inf"),
+    ({"heights": np.ma.masked_less(Z, 0)}, "found"),
+    *[
+        ({"heights": wrong}, "heights: found")
+        for wrong in (
+            *([[1, 2], [3]], [[HUGE, 1]], None, "z.npy"),
+            *(Z + 1j, Z[0], Z[:0], Z[None], Z > 0, Z.astype(object)),
+        )
+    ],
+    *[
+        (tomllib.loads(arguments.replace(" ; ", "\n")), words)
+        for arguments, words in rows("""
+E_star = 1e308 | material.E_star: found 1e
+E_star = 1e-320 | material.E_star: found 1e-320
+E_star = true | material.E_star: found true
+E_star = "1" | material.E_star: found '1', it is no number with a unit, allowed
+pressure = "20 Mpa" | 'Mpa' is no unit of pressure (did you mean "MPa"?), allowed
+pressure = "20 um" | found '20 um', 'um' is a unit of length, not of pressure, allowed
+pressure = "0,8 MPa" | found '0,8 MPa', decimals have a point, not a comma, allowed
+tol = 1e-3 | solver.tol: unknown key, nearest: solver.accuracy
+nu = 0.3 | found nu1 (nu) alone, allowed: with E1, or with thickness
+heights = "z.npy" | allowed: an array, or hpc_gfmd.read_surface('z.npy')
+E1 = 2.0 | material: found E1, allowed
+physical_sizes = [1e-200, 1e-200] | surface.physical_sizes
+physical_sizes = "12" | surface.physical_sizes: found '12'
+physical_sizes = {a = 2, b = 4} | surface.physical_sizes
+accuracy = 1e-3 ; residual = 1e-6 | solver: found accuracy and residual
+threads = 65536 | machine.threads: found 65536, allowed on this machine
+threads = 100_000 | machine.threads
+low_memory = true | solver.low_memory
+precison = "single" | nearest: solver.precision
+thicknes = 1.0 | material.thicknes: unknown key, nearest: material.thickness
+fields = ["presure"] | output.fields
+path = "x.h5" | found path, allowed: in a scene
+wall_seconds = 3 | found wall_seconds, allowed: in a scene
+comm = 3 | comm: found int, allowed: a communicator
+boundary = "open" | surface.boundary: found 'open'
+name = "gfdm" | nearest: "gfmd"
+adhesion = 0.1 | hpc_gfmd.solve: adhesion: not modelled (elastic, frictionless, non-adhesive contact only)
+thickness = 1 ; nu = 0.3 ; nu1 = 0.4 | found nu and nu1
+boundary = ["free", "periodic"] ; accuracy = 1e-7 | solver.accuracy: found 1e-07, allowed with a free boundary: above
+boundary = "free" ; distributions = ["gap_spectrum"] | 'gap_spectrum', which needs periodic boundaries, allowed
+observables = ["wear"] | found 'wear', not modelled
+observables = "a_r" | output.observables
+observables = ["a_rr"] | nearest: "a_r"
+pressure = [0.1, -1] | load.pressure
+pressure = "0.1" | load.pressure
+p_star = 0.1 | load: found p_star and pressure
+a_r = 0.1 | load: found pressure and a_r
+""")  # noqa: E501
+    ],
+]
+
+
+@pytest.mark.parametrize(("arguments", "words"), REFUSED, ids=lambda x: str(x)[:40])
+def test_refused_in_one_line(arguments, words):
+    with pytest.raises(SceneError) as caught:
+        hpc_gfmd.solve(**{"heights": Z, "pressure": 0.1} | arguments)
+    message = str(caught.value)
+    assert words in message
+    assert "allowed" in message
+    assert message.isprintable()
+
+
+ACCEPTED = [
+    {"E_star": np.float32(2)},
+    {"E_star": np.array(2)},
+    {"E_star": Decimal(2)},
+    {"E_star": None},
+    {"pressure": np.float32(0.1)},
+    {"physical_sizes": np.array([1, 2])},
+    {"physical_sizes": [np.int64(1), 2.0]},
+    {"accuracy": None, "residual": 1e-6},
+    {"residual": None},
+    {"threads": np.int64(2)},
+    {"heights": Z.tolist()},
+    {"observables": None},
+    {"heights": (100 * Z).astype(np.int8)},
+    {"heights": np.ma.array(Z, mask=False)},
+    {"heights": Z.astype(np.longdouble)},
+    {"boundary": ("free", "periodic")},
+    *map(tomllib.loads, ("threads = 'auto'", "E1 = 2\nnu1 = 0.3", "thickness = 1\nnu = 0.3")),
+    *map(tomllib.loads, ("low_memory = false", "max_iterations = 1_000_000_000_000")),
+]
+
+
+@pytest.mark.parametrize("arguments", ACCEPTED, ids=lambda x: str(x)[:40])
+def test_accepted(arguments):
+    assert hpc_gfmd.solve(**{"heights": Z, "pressure": 0.1} | arguments).status == "converged"
+
+
+def test_the_accuracy_left_out_is_that_of_a_scene():
+    left_out, given_, tight = (
+        hpc_gfmd.solve(Z, 0.1, **how) for how in ({}, {"accuracy": 1e-3}, {"accuracy": 1e-9})
+    )
+    assert left_out.errors == given_.errors != tight.errors
+
+
+def test_as_many_threads_as_the_machine_can_bear():
+    allowed = 8 * os.cpu_count()
+    with pytest.raises(SceneError, match=f"up to {allowed} "):
+        hpc_gfmd.solve(Z, 0.1, threads=allowed + 1)
+
+
+SPECIAL = [HUGE, 1e308, 5e-324, np.float32(0.5), np.int8(3), 0.5j, np.array(2.0), object()]
+number = st.floats() | st.integers() | st.floats(1e-3, 1e3) | st.booleans() | st.none()
+number |= st.text(max_size=3) | st.sampled_from(SPECIAL)
+anything = (
+    number
+    | st.lists(number, max_size=3)
+    | st.tuples(number, number)
+    | st.dictionaries(st.text(max_size=2), number, max_size=2)
+)
+positive = st.floats(1e-100, 1e100)
+kinds = st.sampled_from(["f4", "f2", "i1", "u8", "?", "c8", "S3", "O"]).map(
+    lambda kind: (10 * Z).astype(kind)
+)
+USUAL = {  # the values of each argument that make sense
+    "heights": st.just(Z)
+    | kinds
+    | st.floats(1e-120, 1e120).map(lambda s: Z * s)
+    | st.lists(st.lists(st.floats(), min_size=3, max_size=3), min_size=1, max_size=3),
+    "pressure": positive,
+    "E_star": positive,
+    "physical_sizes": st.tuples(positive, positive),
+    "accuracy": st.floats(1e-12, 0.5),
+    "residual": st.floats(1e-300, 0.5),
+    "threads": st.integers(0, 3),
+    "precision": st.sampled_from(["single", "double", "auto"]),
+    "low_memory": st.booleans(),
+    "nested": st.booleans(),
+    "options": st.just({}),
+    "bogus": st.none(),
+    "observables": st.just(["kappa", "stiffness"]),
+    "name": st.sampled_from(["bpx", "gfmd", "ccg", "fire"]),
+}
+changes = st.lists(st.sampled_from(list(USUAL)), max_size=3, unique=True).flatmap(
+    lambda keys: st.fixed_dictionaries({key: USUAL[key] | anything for key in keys})
+)
+
+
+@settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(changes, st.integers(1, 40))
+def test_any_arguments_give_a_solution_or_a_scene_error(changes, iterations):
+    found, refusal = None, ""
+    arguments = {"heights": Z, "pressure": 0.1, "max_iterations": iterations} | changes
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            found = hpc_gfmd.solve(**arguments)
+        except SceneError as error:
+            refusal = str(error)
+    assert (found is None) == bool(refusal)
+    assert refusal.isprintable()
+    for one in (
+        [found] if isinstance(found, hpc_gfmd.Solution) else found or ()
+    ):  # several for a list of loads
+        if one.status == "converged":
+            assert all(
+                np.isfinite(field).all() for field in (one.pressure, one.gap, one.displacement)
+            )
+            assert 0 < one.a_r <= 1
+            assert one.pressure.mean(dtype=float) == pytest.approx(one.p, rel=0.5)

@@ -1,0 +1,155 @@
+"""Scene files, overrides from the command line, and names checked against registries."""
+
+import os
+from pathlib import Path
+
+import pytest
+import tomli_w
+from scene_tables import FILE, refusal, tables
+
+import hpc_gfmd
+from hpc_gfmd.scene import Scene, check_names, load_scene
+from hpc_gfmd.util.errors import SceneError
+
+
+def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
+    path = folder / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "empty"),
+        (b" \n\t", "empty"),
+        (b"\x89HDF\r\n\x1a\n", "0x89 at position 0"),
+        (b"a = 1\n\xff", "0xff"),
+        (b"[surface]\nkind = \n", "line 2"),
+        (b"a = 1\na = 2\n", "line 2"),
+        (b"\0", "not valid TOML"),
+        (b"[surface]\nhurst = 0,8\n", "(decimals have a point, not a comma: 0,8)"),
+        (b"a = " + b"[" * 5000, "nested too deeply"),
+        (b".".join([b"a"] * 20_000) + b" = 1", "nested too deeply"),
+        (b"[" + b".".join([b"a"] * 20_000) + b"]", "nested too deeply"),
+        (b"x = {" + b"'a' . " * 20_000 + b"a = 1}", "nested too deeply"),
+        (b"a = " + b"9" * 5000, "not valid TOML"),
+        (b"x" * (1 << 20) + b"x", "more than"),
+        (b"title = 'only'", "surface: found nothing"),
+        (b"load.p_star = 0x" + b"f" * 5000, "surface: found nothing"),
+    ],
+)
+def test_a_bad_file_is_refused_in_one_line(tmp_path, content, words):
+    path = write(tmp_path, content)
+    with pytest.raises(SceneError) as caught:
+        load_scene(path)
+    assert words in str(caught.value)
+    assert str(caught.value).isprintable()
+    assert str(path) in str(caught.value)
+
+
+def test_what_cannot_be_read_is_refused_and_never_waits(tmp_path):
+    os.mkfifo(tmp_path / "pipe.toml")
+    ours = [tmp_path, tmp_path / "none.toml", tmp_path / "pipe.toml"]
+    for path in [*ours, "/dev/zero", "a\0b", "x" * 5000, ""]:
+        with pytest.raises(SceneError) as caught:
+            load_scene(path)
+        assert str(caught.value).isprintable()
+    with pytest.raises(SceneError, match=r"^hpc_gfmd.run: found a dict, allowed: the path of a sc"):
+        hpc_gfmd.run(tables())
+
+
+def test_a_byte_order_mark_and_windows_line_ends_are_text(tmp_path):
+    text = tomli_w.dumps(tables()).replace("\n", "\r\n")
+    assert load_scene(write(tmp_path, b"\xef\xbb\xbf" + text.encode())) == Scene.from_dict(tables())
+
+
+def test_the_surface_file_counts_from_the_folder_of_the_scene(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "in").mkdir()
+    path = write(tmp_path / "in", tomli_w.dumps(tables(FILE)))
+    scene = load_scene(path.relative_to(tmp_path))
+    assert scene.surface.path == str(tmp_path / "in" / "z.npy")
+    assert load_scene(path, ["surface.path=/data/z.npy"]).surface.path == "/data/z.npy"
+    assert Scene.from_toml(scene.to_toml(), folder="/elsewhere") == scene
+    assert refusal(tables({"kind": "file", "path": ""})).startswith("surface.path: found ''")
+
+
+def test_a_load_takes_the_place_of_another(tmp_path):
+    path = write(tmp_path, tomli_w.dumps(tables()))
+    assert load_scene(path).load.given[0] == "p_star"
+    assert load_scene(path, ["load.a_r=0.1"]).load.given == ("a_r", (0.1,))
+    with pytest.raises(SceneError, match=r"load\.a_rr"):
+        load_scene(path, ["load.a_rr=0.1"])
+
+
+def test_overrides(tmp_path):
+    path = write(tmp_path, tomli_w.dumps(tables()))
+    scene = load_scene(
+        path,
+        [
+            "surface.hurst=0.3",
+            "load.p_star = [0.1, 0.2]",
+            "solver.name=gfmd",
+            "title=a = b",
+            'output.path="x.h5"',
+            "solver.options.mass=2",
+            "machine.threads=auto",
+            "solver.low_memory=true",
+            "surface.hurst=0.5",
+        ],
+    )
+    assert scene.surface.hurst == 0.5
+    assert scene.load.p_star == (0.1, 0.2)
+    assert scene.solver.name == "gfmd"
+    assert scene.title == "a = b"
+    assert scene.output.path == "x.h5"
+    assert scene.solver.options == {"mass": 2}
+    assert scene.machine.threads == "auto"
+    assert scene.solver.low_memory is True
+    assert load_scene(path, ["load={pressure = 3}"]).load.pressure == (3.0,)
+    assert load_scene(path, ["title="]).title == ""
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("surface.hurst", "table.key=value"),
+        ("=1", "table.key=value"),
+        ("a..b=1", "table.key=value"),
+        ("surface.hurst.x=1", "surface.hurst is no table"),
+        ("surface.hurts=1", "nearest: surface.hurst"),
+        ("surface.hurst=high", "found 'high'"),
+        ("surface.seed=1\nx=2", "found '1\\nx=2'"),
+        ("a\nb=1", "unknown key"),
+        ("title=\udcff", "title: found"),
+        ("surface.hurst=" + "[" * 5000, "surface.hurst: found"),
+        ("surface.seed=0x" + "f" * 5000, "found a huge integer"),
+    ],
+)
+def test_a_bad_override_is_refused_in_one_line(tmp_path, override, words):
+    with pytest.raises(SceneError) as caught:
+        load_scene(write(tmp_path, tomli_w.dumps(tables())), [override])
+    assert words in str(caught.value)
+    assert str(caught.value).isprintable()
+
+
+def test_names_against_the_registries():
+    output = {"observables": ["a_r"], "fields": ["gap"]}
+    scene = Scene.from_dict(tables(solver={"name": "gfmd"}, output=output))
+    check_names(scene, ["gfmd", "ccg"], ["a_r", "kappa"], ["gap", "pressure"])
+    check_names(Scene.from_dict(tables()), [], [], [])  # "auto" needs no registry
+    for known, words in (
+        (
+            (["gfm", "ccg"], ["a_r"], ["gap"]),
+            "solver.name: found 'gfmd', nearest: \"gfm\", allowed: auto, ccg, gfm",
+        ),
+        (
+            (["gfmd"], ["area", "kappa"], ["gap"]),
+            "output.observables: found 'a_r', nearest: \"area\", allowed: area, kappa",
+        ),
+        ((["gfmd"], ["a_r"], []), "output.fields: found 'gap', allowed: none"),
+    ):
+        with pytest.raises(SceneError) as caught:
+            check_names(scene, *known)
+        assert str(caught.value) == words

@@ -1,0 +1,226 @@
+"""Scenes that are refused, and the words that say why."""
+
+import itertools
+import math
+import tomllib
+
+import pytest
+from scene_tables import SURFACE, TABLES, changed, refusal, rows, tables
+
+from hpc_gfmd.contact import distribution_names, observable_names
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.scene.not_modelled import is_not_modelled
+from hpc_gfmd.scene.surface import KINDS
+from hpc_gfmd.solvers import solver_names
+from hpc_gfmd.solvers.options import read_options
+from hpc_gfmd.util.errors import SceneError
+
+BAD = tomllib.loads(r"""
+[surface]
+kind = ["selfaffine", 1]
+hurst = [-0.1, 1.1, true, "0.8", nan, [0.8], {}]
+L_over_lam_l = [0.99, 0, -1, inf, false]
+lam_l_over_lam_s = [0.99, "2"]
+lam_l_over_lam_r = [0.99, nan]
+lam_s_over_a = [1.99]
+seed = [-1, 1.0, 9223372036854775808, true]
+g_rms = [0, "1"]
+h_rms = [-1, 1e-200]
+physical_sizes = [1, [1], [1, 0], [1, 1, 1], [1, inf]]
+[material]
+E_star = [0, nan]
+E1 = [-1]
+nu1 = [0.51, true]
+nu2 = [-1]
+[load]
+p_star = [[], [0.1, -1], [0.1, nan], [true], 0, true, "0.1", {}]
+pressure = [[[0.1]], inf]
+a_r = [0, 1.1, -0.1, [0.1, 2], [], "10 %"]
+gap_mean = [-1, "1 Pa", true]
+gap_over_h_rms = [-0.1]
+approach = [-1, 0, "1 N"]
+force = [-1, 0, "1 m"]
+[solver]
+name = [7]
+accuracy = [0, 1]
+residual = [-1]
+precision = ["half"]
+max_iterations = [0, 1e5]
+nested = [1, "yes"]
+low_memory = [0]
+options = [3, {mass = "heavy"}]
+[output]
+path = ["contact.txt", ".h5", "a\u0000.h5", ""]
+fields = ["gap", ["gap", "gap"], ["gaps"]]
+observables = [[1], ["a_r", "a_r"]]
+dtype = ["half"]
+compression = [1]
+[machine]
+threads = [0, "all", true, 1.5]
+wall_seconds = [0]
+checkpoint_seconds = [-1]
+memory_gib = ["8"]
+""")
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value"),
+    [(table, key, value) for table in BAD for key in BAD[table] for value in BAD[table][key]],
+)
+def test_a_bad_value_is_named_with_its_key_and_what_is_allowed(table, key, value):
+    kept = {} if table == "load" else tables().get(table, {})
+    message = refusal(tables() | {table: kept | {key: value}})
+    assert message.startswith(f"{table}.{key}")
+    assert ": found " in message
+    assert "allowed: " in message
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    rows(r"""
+surface.hurst = "0.8" | found '0.8', allowed: a number from 0 to 1
+surface.hurst = "0,8" | found '0,8', decimals have a point, not a comma, allowed: a number from 0
+material.E_star = "50 um" | material.E_star: found '50 um', 'um' is a unit of length, not of pressure, allowed
+surface.seed = true | found true
+load.pressure = -3 | load.pressure: found -3, allowed: a number greater than 0, plain or as "20 MPa", or a list
+surface.g_rms = -1 | surface.g_rms: found -1, allowed: a number greater than 0
+surface.g_rms = 1e-200 | surface.g_rms: found 1e-200, allowed: a number greater than 0, from 1e-100 to 1e+100
+surface.physical_sizes = 1e-4 | surface.physical_sizes: found 0.0001, allowed: two numbers greater than 0, [L_x, L_y]
+surface.physical_sizes = [1, 2, 3] | physical_sizes: found [1, 2, 3], allowed: two numbers greater than 0, [L_x, L_y]
+solver.options.mass = true | solver.options.mass: found true, allowed: a table
+load.p_star = [0.1, -1] | load.p_star[1]: found -1
+surface = {g_rms = 1, h_rms = 1} | surface: found g_rms and h_rms
+load = {} | load: found nothing, allowed: one of p_star, pressure, gap_mean, gap_over_h_rms, a_r, force, approach
+load = {p_star = 1, pressure = 1} | load: found p_star and pressure
+load = {a_r = 0.1, gap_mean = 1} | load: found gap_mean and a_r, allowed: one of
+load.gap_over_h_rms = -0.1 | load.gap_over_h_rms: found -0.1, allowed: a number from 0, or a list of them
+load.force = 1 | load.force: found periodic boundaries, allowed: with a free boundary
+load.approach = 1 ; surface.boundary = ["free", "periodic"] | load.approach: found a half-space that gives way without end
+solver = {accuracy = 0.1, residual = 0.1} | solver: found accuracy and residual
+material = {E_star = 1, E1 = 1, nu1 = 0, E2 = 1, nu2 = 0} | material: found E_star, E1
+material = {E1 = 1, E2 = 1} | material: found E1, E2, allowed: E1, nu1 (a rigid counterface); E_star; E1, nu1, E2, nu2
+material.nu1 = 0.3 | material: found nu1 (nu) alone, allowed: with E1, or
+material.thickness = 1 | material: found thickness with nothing else, allowed: thickness with E1, nu1
+material = {thickness = 1, E1 = 1, nu1 = 0, E2 = 1, nu2 = 0} | material: found thickness with E1, nu1, E2, nu2, all
+material = {thickness = 1, nu1 = 0.5} | material: found nu1 = 0.5 with thickness and base = "bonded", allowed
+material = {thickness = 1, nu1 = 0.3, base = "glued"} | material.base: found 'glued', allowed
+material.base = "bonded" | material: found base = "bonded" without thickness, allowed: both, or none
+surface = {L_over_lam_l = 1.9, lam_l_over_lam_s = 16.1} | = 61.18, allowed: a whole number
+surface.L_over_lam_l = 1e60 | allowed: from 1 to
+surface.physical_sizes = [1, 1.7] | n_y = n_x * L_y/L_x
+surface.lam_l_over_lam_r = 65 | found lam_l_over_lam_r = 65, allowed: up to lam_l_over_lam_s = 64
+surface = {L_over_lam_l = 1.5, lam_l_over_lam_s = 1} | no wave vector
+surface = {kind = "wave", amplitude = 0.1, n = [8, 6], periods = [0, 0]} | surface: found periods = [0, 0]
+surface = {kind = "wave", amplitude = 0.1, n = [8, 6], periods = [1, 4]} | found 4 periods on 6 points
+surface = {kind = "wave", amplitude = 0.1, n = [8, 6.0]} | surface.n[1]: found 6.0
+surface = {kind = "wave", amplitude = 0.1, n = 8} | surface.n: found 8, allowed: two whole numbers
+surface = {kind = "wave", amplitude = 0, n = [8, 6]} | load.p_star: found a flat surface
+surface.kind = "wave" | surface.amplitude: found nothing, allowed: a number, plain or as "100 nm"; surface.n: found nothing
+surface = {kind = "file", path = ""} | surface.path: found ''
+surface = {kind = "file", path = ["a.npy"]} | surface.path: found ['a.npy'], allowed: the path of a height map
+surface = {kind = "file", path = ["a.npy", "b.npy", "c.npy"]} | or a list of two
+surface = {kind = "file", path = ["a.npy", 1]} | or a list of two
+surface = {kind = "file", path = ["", ""]} | or a list of two
+load = 3 | load: found 3, allowed: a table [load]
+title = "two\nlines" | title: found 'two\nlines', allowed: one line of text
+surface = {hurst = 2, seed = -1} | surface.hurst: found 2, allowed: a number from 0 to 1; surface.seed: found -1, allowed
+surface.hurts = 0.8 | nearest: surface.hurst,
+solvr.name = "gfmd" | nearest: solver,
+hurst = 0.8 | nearest: surface.hurst,
+surface.title = "late" | nearest: surface.physical_sizes (title is a key, too),
+surface.accuracy = 1e-3 | nearest: surface.boundary (solver.accuracy is a key, too),
+surface.radius = 1 | nearest: surface.
+surface.kind = "sefl-affine" | nearest: "self-affine",
+machine.thread = 2 | nearest: machine.threads,
+xyzzy = 1 | nearest: title,
+material.E_star = "50 GPa" ; load.pressure = 0.1 | load.pressure: found 0.1 beside material.E_star = '50 GPa'
+load.pressure = "2 MPa" | material.E_star: found 1 beside load.pressure = '2 MPa', allowed: all pressures with units
+surface.h_rms = "20 nm" | surface.physical_sizes: found 1 beside surface.h_rms = '20 nm'
+surface = {kind = "sphere", radius = "1 mm", n = [8, 8]} | surface.physical_sizes: found 1 beside surface.radius
+surface = {kind = "wave", amplitude = "-1 mm", n = [8, 6]} | surface.physical_sizes: found 1 beside surface.amplitude
+material = {E_star = 1.0, nu1 = 0.3, thickness = "1 um"} | beside material.thickness = '1 um'
+load.force = "1 N" ; surface.boundary = "free" | load.force = '1 N', allowed: all
+load.force = 1 ; material.E_star = "1 GPa" ; surface = {physical_sizes = ["1 mm", "1 mm"], boundary = "free"} | load.force: found 1 beside material.E_star = '1 GPa', allowed: all pressures and forces
+load.approach = 1 ; surface = {physical_sizes = ["1 mm", "1 mm"], boundary = "free"} | load.approach: found 1 beside surface.physical_sizes
+load.gap_mean = 1 ; surface.physical_sizes = ["1 mm", "1 mm"] | load.gap_mean: found 1 beside surface.physical_sizes
+"""),  # noqa: E501
+)
+def test_messages(change, words):
+    message = refusal(changed(change))
+    assert words in message
+    assert "allowed: " in message or "no wave vector" in message
+
+
+def test_tables_that_are_missing():
+    for data, words in (
+        ({"load": {"p_star": 1}}, "surface: found nothing, allowed: a table [surface]"),
+        ({"surface": SURFACE}, "load: found nothing"),
+        ({"surface": [SURFACE], "load": {"p_star": 1}}, "allowed: a table [surface]"),
+        ({"surface": {"hurst": 1}, "load": {"p_star": 1}}, "surface.kind: found nothing, allowed"),
+        ({}, "surface: found nothing, allowed: a table [surface]; load: found nothing"),
+        (tables(solver={"options": {"mass": int("9" * 400)}}), "solver.options.mass: found 9999"),
+    ):
+        assert words in refusal(data)
+
+
+ALIKE = "frictionless shared mumble gammas speedup wearable"
+NOT_MODELLED = """adhesion friction friction_coefficient mu plasticity elastoPlastic yield_stress
+    viscosity viscoelastic hardness work_of_adhesion surface_energy gamma lubricant wear wear_rate
+    temperature T_thermal JKR Tabor_parameter shear_stress sliding_velocity relaxation_time
+    hysteresis pull_off"""
+
+
+@pytest.mark.parametrize("name", NOT_MODELLED.split())
+def test_what_is_not_modelled_is_said(name):
+    for table in TABLES:
+        message = refusal(tables() | {table: tables().get(table, {}) | {name: 1}})
+        assert message.startswith(
+            f"{table}.{name}: not modelled (elastic, frictionless, non-adhesive contact only),"
+            " allowed: "
+        )
+    for table in (1, {"coefficient": 0.3}):
+        assert refusal(tables(**{name: table})).startswith(f"{name}: not modelled (elastic")
+    assert refusal(tables(physics={name: 1})).startswith("physics: not modelled (elastic")
+    with pytest.raises(
+        SceneError,
+        match=r"solver.options: found .*, not modelled .* allowed for the solver 'gfmd': ",
+    ):
+        read_options("gfmd", {name: 1.0}, {"mass": (0, 1)})
+
+
+def test_what_is_modelled_is_not_refused():
+    tables_of = [Scene.model_fields[table].annotation for table in TABLES[1:]]
+    keys = {key for model in (Scene, *KINDS.values(), *tables_of) for key in model.model_fields}
+    known = keys | observable_names() | distribution_names() | set(solver_names())
+    assert not [name for name in known | set(ALIKE.split()) if is_not_modelled(name)]
+
+
+@pytest.mark.parametrize(("low", "band"), list(itertools.product([1.0, 1.7, 2.5], [1.0, 1.1, 1.2])))
+def test_a_band_without_modes_is_refused_and_no_other(low, band):
+    high, size = low * band, 6
+    norms = [math.hypot(k, m) for k in range(size) for m in range(size)]
+    has_modes = any(low * (1 - 1e-12) <= norm <= high * (1 + 1e-12) for norm in norms)
+    data = tables({"L_over_lam_l": low, "lam_l_over_lam_s": band, "lam_s_over_a": 20 / high})
+    if has_modes:
+        assert Scene.from_dict(data).n == (20, 20)
+    else:
+        assert "no wave vector" in refusal(data)
+
+
+def test_all_errors_at_once_each_with_the_nearest_key_of_its_table():
+    message = refusal(
+        changed(
+            'surface = {hurts = 0.8, seed = -1} ; solver = {name = "gfmd", acuracy = 1} ;'
+            " load.pstar = 1"
+        )
+    )
+    for words in (
+        "surface.hurts: unknown key, nearest: surface.hurst",
+        "surface.seed: found -1",
+        "load.pstar: unknown key, nearest: load.p_star",
+        "solver.acuracy: unknown key, nearest: solver.accuracy",
+    ):
+        assert words in message
+    many = refusal(tables(**{f"bad{k}": 1 for k in range(99)}))
+    assert len(many) < 1300
+    assert " more)" in many

@@ -1,0 +1,289 @@
+"""Height maps of every format: what the file says of sizes and units is used, the scene may say
+otherwise, nothing is guessed."""
+
+import h5py
+import numpy as np
+import pytest
+from contacts import random_heights
+
+import hpc_gfmd
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.scene import File, Scene
+from hpc_gfmd.surface import build_surface
+from hpc_gfmd.surface.instruments import surface_topography
+from hpc_gfmd.surface.topography import open_topography
+from hpc_gfmd.util.errors import SceneError
+
+N, SIZES = (
+    (12, 8),
+    (1.2e-6, 0.4e-6),
+)  # m; neither as many points nor square cells: exchanged axes show
+UNITS = {"nm": 1e-9, "um": 1e-6, "m": 1.0}
+Z = 2e-8 * random_heights(N)
+
+
+def topography(unit, periodic=True):
+    scale = UNITS[unit]
+    sizes = tuple(size / scale for size in SIZES)
+    return surface_topography().Topography(
+        Z / scale, sizes, unit={"um": "µm"}.get(unit, unit), periodic=periodic
+    )
+
+
+def cf(path, unit):
+    """NetCDF as others write it: coordinates of the points, y first."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, "w") as file:
+        for name, size, n in (("y", SIZES[1], N[1]), ("x", SIZES[0], N[0])):
+            file.createDimension(name, n)
+            axis = file.createVariable(name, "f8", (name,))
+            axis[:] = np.arange(n) * size / n / UNITS[unit]
+            axis.units = unit
+        z = file.createVariable("elevation", "f8", ("y", "x"))
+        z[:] = Z.T / UNITS[unit]
+        z.units = unit
+
+
+def netcdf4(path, unit):
+    with h5py.File(path, "w") as file:
+        z = file.create_dataset("heights", data=Z / UNITS[unit])
+        z.attrs["units"] = unit
+        for k, name in enumerate("xy"):
+            file[name] = (np.arange(N[k]) + 0.5) * SIZES[k] / N[k] / UNITS[unit]
+            file[name].attrs["units"] = unit
+            file[name].make_scale(name)
+            z.dims[k].attach_scale(file[name])
+
+
+def with_attributes(path, unit):
+    with h5py.File(path, "w") as file:
+        file["surface"] = Z / UNITS[unit]
+        file["surface"].attrs.update(
+            physical_sizes=np.array(SIZES) / UNITS[unit], unit=unit, periodic=True
+        )
+
+
+FORMATS = {  # those that SurfaceTopography writes, and ours: (name, write(path, unit))
+    "z.x3p": lambda p, u: topography(u).to_x3p(str(p)),
+    "z.gwy": lambda p, u: topography(u).to_gwy(str(p)),
+    "z.nc": lambda p, u: topography(u).to_netcdf(str(p)),
+    "z.asc": lambda p, u: topography(u).to_matrix(str(p)),
+    "z.txt": lambda p, u: topography(u, False).to_matrix(str(p)),
+    "cf.nc": cf,
+    "four.nc": netcdf4,
+    "z.h5": with_attributes,
+    "z.npz": lambda p, u: np.savez(
+        p, z=Z / UNITS[u], physical_sizes=np.array(SIZES) / UNITS[u], unit=u
+    ),
+}
+BARE = {
+    "b.npy": np.save,
+    "b.npz": lambda p, z: np.savez(p, z=z),
+    "b.txt": np.savetxt,
+    "b.asc": np.savetxt,
+    "b.csv": lambda p, z: np.savetxt(p, z, delimiter=","),
+    "b.dat": lambda p, z: np.savetxt(p, z, delimiter=";"),
+    "commented.txt": lambda p, z: np.savetxt(p, z, header="my heights"),
+}
+
+
+def spec(path, **more):
+    return File(kind="file", path=str(path), **more)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("name", FORMATS)
+def test_what_the_file_says(name, unit, tmp_path):
+    FORMATS[name](tmp_path / name, unit)
+    found = open_topography(spec(tmp_path / name))
+    assert found.n == N
+    assert found.unit == "m"
+    assert np.allclose(found.sizes, SIZES, rtol=1e-9)
+    assert np.allclose(found.rows(0, 12), Z, rtol=1e-6, atol=1e-16)
+    assert np.array_equal(found.rows(3, 7), found.rows(0, 12)[3:7])
+    assert found.periodic is (True if name in ("z.nc", "z.h5") else None)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_the_same_numbers_in_every_unit(unit, tmp_path):
+    """Path, load and modulus alone, in a notebook: every format in every unit."""
+
+    def numbers(one):
+        patches = (one.observable(name) for name in ("patches", "patch_largest", "patch_mean"))
+        return [
+            one.a_r,
+            one.gap_mean,
+            one.g_rms,
+            one.h_rms,
+            *one.sizes,
+            one.pressure.max(),
+            *patches,
+        ]
+
+    plain = hpc_gfmd.solve(Z, 1e9, 5e10, SIZES)
+    assert 0 < plain.a_r < 1
+    for name, write in FORMATS.items():
+        write(tmp_path / name, unit)
+        found = hpc_gfmd.solve(hpc_gfmd.read_surface(tmp_path / name), "1 GPa", "50 GPa")
+        assert numbers(found) == pytest.approx(numbers(plain), rel=1e-6, abs=0), name
+
+
+def test_every_format_that_surface_topography_writes_is_here():
+    """But for pictures in tiles, whose heights are colours."""
+    writers = {name for name in dir(topography("m")) if name.startswith("to_")} - {
+        "to_dzi",
+        "to_nonuniform",
+        "to_unit",
+    }
+    assert writers == {"to_x3p", "to_gwy", "to_netcdf", "to_matrix"}
+
+
+@pytest.mark.parametrize("name", BARE)
+def test_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
+    BARE[name](tmp_path / name, 1e9 * Z)
+    with pytest.raises(
+        SceneError,
+        match=r"^surface.physical_sizes: found nothing, .*; surface.unit: found nothing",
+    ):
+        hpc_gfmd.read_surface(tmp_path / name)
+    with pytest.raises(SceneError, match=r"^surface.unit: found nothing for the heights"):
+        hpc_gfmd.read_surface(tmp_path / name, physical_sizes=("1.2 um", "400 nm"))
+    found = open_topography(spec(tmp_path / name, physical_sizes=("1.2 um", "400 nm"), unit="nm"))
+    assert np.allclose(found.rows(0, 12), Z, rtol=1e-12)
+    assert found.sizes == pytest.approx(SIZES, rel=1e-12)
+    plain = open_topography(spec(tmp_path / name, physical_sizes=(1200, 400)))
+    assert (plain.sizes, plain.unit) == ((1200.0, 400.0), "")
+    assert np.allclose(plain.rows(0, 12), 1e9 * Z, rtol=1e-12)
+    assert open_topography(
+        spec(tmp_path / name, physical_sizes=(1200, 400), unit="nm")
+    ).sizes == pytest.approx(SIZES)
+
+
+def test_the_scene_may_say_otherwise(tmp_path):
+    FORMATS["z.nc"](tmp_path / "z.nc", "nm")
+    found = open_topography(spec(tmp_path / "z.nc", physical_sizes=(10, 20)))
+    assert found.sizes == pytest.approx((1e-8, 2e-8))
+    assert np.allclose(found.rows(0, 12), Z)
+    assert open_topography(spec(tmp_path / "z.nc", unit="nm")).sizes == pytest.approx(SIZES)
+    with pytest.raises(SceneError, match=r"^surface.unit: found 'um', but .* heights in 'nm', all"):
+        open_topography(spec(tmp_path / "z.nc", unit="um"))
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda p: np.savez(p, z=Z, physical_sizes=[1, 2]), r"^surface.unit: found nothing"),
+        (
+            lambda p: np.savez(p, z=Z, physical_sizes=[1, 2], unit="V"),
+            r"^surface.unit: in .* 'V' is no unit of length",
+        ),
+        (
+            lambda p: np.savez(p, z=Z, physical_sizes=[1, -2], unit="m"),
+            r"^surface.physical_sizes: found \[1.0, -2.0\]",
+        ),
+        (
+            lambda p: np.savez(p, a=Z, b=Z),
+            r"^surface.dataset: found 'surface', allowed in .*: a, b",
+        ),
+    ],
+)
+def test_what_a_file_may_not_say(make, words, tmp_path):
+    make(tmp_path / "z.npz")
+    with pytest.raises(SceneError, match=words):
+        hpc_gfmd.read_surface(tmp_path / "z.npz")
+
+
+def test_a_format_that_is_not_known(tmp_path, capfd):
+    """Known ones are named; what other readers thought of it is not printed."""
+    (tmp_path / "z.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8)
+    with pytest.raises(SceneError, match=r"is not known, or .* known are npy, .*, x3p, .*gwy"):
+        open_topography(spec(tmp_path / "z.png"))
+    assert not capfd.readouterr().out
+
+
+def test_uneven_points_are_no_grid(tmp_path):
+    netcdf4(tmp_path / "z.nc", "m")
+    with h5py.File(tmp_path / "z.nc", "r+") as file:
+        file["x"][1] *= 1.01  # only their ends are looked at
+    with pytest.raises(SceneError, match="not those of a regular grid"):
+        open_topography(spec(tmp_path / "z.nc"))
+
+
+def test_missing_points_are_no_heights(tmp_path):
+    Topography = surface_topography().Topography
+    Topography(np.ma.masked_where(Z > 0.9 * Z.max(), Z), SIZES, unit="m").to_netcdf(
+        str(tmp_path / "z.nc")
+    )
+    Topography(np.ma.masked_where(Z > 0.9 * Z.max(), Z), SIZES, unit="m").to_x3p(
+        str(tmp_path / "z.x3p")
+    )
+    for name in ("z.nc", "z.x3p"):
+        with pytest.raises(SceneError, match=r"^surface.path: found nan at"):
+            build_surface(spec(tmp_path / name), SerialComm(), float)
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {},
+        {"detrend": "tilt", "mirror": True},
+        {"physical_sizes": ["2.4 um", "0.8 um"], "flip": True},
+        {"boundary": "free"},
+    ],
+    ids=str,
+)
+def test_read_surface_does_what_the_scene_does(keys, tmp_path):
+    FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
+    surface = hpc_gfmd.read_surface(tmp_path / "z.x3p", **keys)
+    assert surface.unit == "m"
+    found = hpc_gfmd.solve(surface, "1 GPa", "50 GPa")
+    table = {"kind": "file", "path": str(tmp_path / "z.x3p")} | keys
+    scene = Scene.from_dict(
+        {"surface": table, "load": {"pressure": "1 GPa"}, "material": {"E_star": "50 GPa"}}
+    )
+    (step,) = run_scene(scene, out=tmp_path / "out.h5", quiet=True).steps
+    assert found.a_r == step["a_r"]
+    assert found.gap_mean == pytest.approx(step["gap_mean"])
+    assert found.note == step.get("note")
+
+
+def test_what_a_prepared_surface_knows(tmp_path):
+    FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
+    surface = hpc_gfmd.read_surface(str(tmp_path / "z.x3p"), detrend="mean")
+    assert np.allclose(surface.heights, Z - Z.mean())
+    assert surface.sizes == pytest.approx(SIZES)
+    assert surface.prepared == ("mean removed",)
+    with pytest.raises(
+        SceneError,
+        match=r"physical_sizes: found .* beside .* knows its sizes, allowed: read_surface",
+    ):
+        hpc_gfmd.solve(surface, 1.0, physical_sizes=(1, 2))
+    with pytest.raises(SceneError, match=r"surface.detrent: unknown key, nearest: surface.detrend"):
+        hpc_gfmd.read_surface(str(tmp_path / "z.x3p"), detrent="mean")
+
+
+def test_a_measured_surface_that_ends(tmp_path):
+    """boundary = "free" needs no jump to be small; the result keeps the sizes of the map, in m, and
+    its units."""
+    tilted = Z + 1e-7 * np.arange(12)[:, None]
+    np.savez(tmp_path / "z.npz", z=1e9 * tilted, physical_sizes=1e9 * np.array(SIZES), unit="nm")
+    surface = {"kind": "file", "path": str(tmp_path / "z.npz")}
+    scene = {"load": {"pressure": "10 MPa"}, "material": {"E_star": "50 GPa"}}
+    with pytest.raises(SceneError, match=r"^surface.boundary: found nothing"):
+        run_scene(
+            Scene.from_dict(scene | {"surface": surface}), out=tmp_path / "out.h5", quiet=True
+        )
+    ends = Scene.from_dict(scene | {"surface": surface | {"boundary": "free"}})
+    assert run_scene(ends, out=tmp_path / "out.h5", quiet=True).exit_code == 0
+    with h5py.File(tmp_path / "out.h5") as file:
+        attributes = file["surface"].attrs
+        assert attributes["physical_sizes"] == pytest.approx(SIZES)
+        assert (attributes["unit"], attributes["pressure_unit"], attributes["boundary"]) == (
+            "m",
+            "Pa",
+            "free, free",
+        )
+    with pytest.raises(SceneError, match=r"found a free boundary with mirror"):
+        Scene.from_dict(scene | {"surface": surface | {"boundary": "free", "mirror": True}})

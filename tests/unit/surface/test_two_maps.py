@@ -1,0 +1,77 @@
+"""Two rough bodies: their maps are added, each in its own unit."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from contacts import random_heights
+
+import hpc_gfmd
+from hpc_gfmd.output.read import read_result
+from hpc_gfmd.util.errors import SceneError
+
+
+@pytest.fixture
+def maps(cli):
+    first, second = random_heights((24, 20), seed=1), random_heights((24, 20), seed=2)
+    np.save("first.npy", first)
+    np.save("second.npy", second)
+    np.savez("nm.npz", surface=second * 1e9, unit="nm", physical_sizes=[1e9, 2e9])
+    np.savez("m.npz", surface=first, unit="m", physical_sizes=[1.0, 2.0])
+    return first, second
+
+
+def test_the_sum_is_pressed(maps, cli):
+    """As given by hand; what is to be done to it is done to the sum; another second map is another
+    surface."""
+    first, second = maps
+    Path("s.toml").write_text(
+        'surface = {kind = "file", path = ["first.npy", "second.npy"], physical_sizes = [1, 2],'
+        ' detrend = "tilt", flip = true}\nload.pressure = 0.1\noutput.fields = ["heights",'
+        ' "pressure"]\n'
+    )
+    cli.prints("run s.toml -q")
+    found = read_result("contact.h5")
+    np.save("sum.npy", first + second)
+    cli.prints("run s.toml -q -o sum.h5 --set surface.path=sum.npy")
+    wanted = read_result("sum.h5")
+    assert found.steps[0]["a_r"] == wanted.steps[0]["a_r"]
+    fields = [result.fields[0]["pressure"].read(0, 24) for result in (found, wanted)]
+    assert np.array_equal(*fields)
+    assert found.head["heights"] == wanted.head["heights"]
+    np.save("second.npy", 2 * second)
+    cli.prints("run s.toml -q")
+    assert read_result("contact.h5").head["heights"] != found.head["heights"]
+
+
+def test_units_of_both(maps):
+    both = hpc_gfmd.read_surface(["m.npz", "nm.npz"])
+    assert both.heights == pytest.approx(sum(maps), rel=1e-12)
+    assert both.sizes == pytest.approx((1.0, 2.0))
+    assert both.unit == "m"
+
+
+@pytest.mark.parametrize(
+    ("second", "keys", "words"),
+    [
+        (
+            "other.npy",
+            {"physical_sizes": [1, 2]},
+            "found points 24 x 20 in first.npy and 20 x 24 in other.npy, allowed: two maps",
+        ),
+        ("long.npz", {}, "found lengths 1 x 2 in m.npz and 1 x 3 in long.npz"),
+        ("m.npz", {"physical_sizes": [1, 2]}, "found the unit none in first.npy and m in m.npz"),
+        ("never.npy", {"physical_sizes": [1, 2]}, "found never.npy, which is no file"),
+        (
+            "holes.npy",
+            {"physical_sizes": [1, 2]},
+            r"found nan at \(0, 3\) in first.npy \+ holes.npy",
+        ),
+    ],
+)
+def test_refused(maps, second, keys, words):
+    np.save("other.npy", maps[1].T)
+    np.save("holes.npy", np.where(np.arange(20) == 3, np.nan, maps[1]))
+    np.savez("long.npz", surface=maps[1], unit="m", physical_sizes=[1.0, 3.0])
+    with pytest.raises(SceneError, match=words):
+        hpc_gfmd.read_surface(["first.npy" if keys else "m.npz", second], **keys)

@@ -1,0 +1,308 @@
+"""Persson's theory: published and independently integrated numbers, limits, consistency."""
+
+import subprocess
+import sys
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, trapezoid
+from scipy.special import erf
+
+from hpc_gfmd.theory import persson
+from hpc_gfmd.theory.kernels import erf2_integral
+from hpc_gfmd.theory.slope_profile import SlopeProfile
+from hpc_gfmd.util.errors import SceneError
+
+# H, p_star, 1/eps_f: gap/h_rms as printed (gamma = 0.42), corrected (0.42), original theory (gamma
+# = 1)
+TABLE = [
+    (0.3, 0.007, 256, 1.12213, 1.4593, 1.86896),
+    (0.3, 0.353, 256, 0.02699, 0.04281, 0.0266),
+    (0.5, 0.007, 1024, 0.85469, 1.14615, 1.341),
+    (0.8, 0.007, 256, 1.29557, 1.63728, 2.2711),
+    (0.8, 0.353, 256, 0.01652, 0.02665, 0.01519),
+]
+
+
+def energy_sum(p, hurst, eps_f, gamma):
+    """Elastic energy in units of E* g_rms h_rms by quadrature of eq. elasticEnergy."""
+    norm_h = quad(lambda y: np.exp(-2 * hurst * y), 0, -np.log(eps_f))[0]
+    norm_g = quad(lambda y: np.exp((2 - 2 * hurst) * y), 0, -np.log(eps_f))[0]
+
+    def mode(y):
+        share = y if hurst == 1 else np.expm1((2 - 2 * hurst) * y) / (2 - 2 * hurst)
+        a = erf(np.sqrt(2) * p / np.sqrt(share / norm_g)) if y > 0 else 1.0
+        return np.exp((1 - 2 * hurst) * y) * a * (gamma + (1 - gamma) * a * a)
+
+    total = quad(mode, 0, -np.log(eps_f), epsabs=0, epsrel=1e-11, limit=400)[0]
+    return total / 4 / np.sqrt(norm_g * norm_h)
+
+
+def gap_by_definition(p, hurst, eps_f, gamma):
+    """gap/h_rms from eq. gap: -dp/p dU/dp, by nested adaptive quadrature and no special function
+    but erf."""
+    decades = -np.log(eps_f)
+    norm_h = quad(lambda y: np.exp(-2 * hurst * y), 0, decades)[0]
+    norm_g = quad(lambda y: np.exp((2 - 2 * hurst) * y), 0, decades)[0]
+
+    def inner(s):  # int_p^inf dp'/p' dW/dp' with a = erf(s p')
+        def f(t):
+            v = s * p * np.exp(t)
+            return 2 / np.sqrt(np.pi) * s * np.exp(-v * v) * (gamma + 3 * (1 - gamma) * erf(v) ** 2)
+
+        top = np.log(max(7 / (s * p), 1 + 1e-3))
+        return quad(f, 0, top, epsabs=0, epsrel=1e-10, limit=200)[0]
+
+    def mode(v):
+        y = np.exp(v)
+        share = y if hurst == 1 else np.expm1((2 - 2 * hurst) * y) / (2 - 2 * hurst)
+        s = np.sqrt(2 * norm_g / share)
+        return y * np.exp((1 - 2 * hurst) * y) * inner(s) if s * p < 7 else 0.0
+
+    points = np.linspace(np.log(decades) - 16, np.log(decades), 9)
+    total = sum(quad(mode, a, b, epsrel=1e-9)[0] for a, b in pairwise(points))
+    return total / 4 / np.sqrt(norm_g * norm_h)
+
+
+@pytest.mark.parametrize(("hurst", "p_star", "lam", "printed", "corrected", "original"), TABLE)
+def test_table(hurst, p_star, lam, printed, corrected, original):
+    def gap(**kw):
+        return persson.mean_gap(p_star, hurst, 1 / lam, **kw)
+
+    assert gap(printed=True) == pytest.approx(printed, abs=6e-6)
+    assert gap() == pytest.approx(corrected, abs=6e-6)
+    assert gap(gamma=1) == pytest.approx(original, abs=6e-6)
+    assert gap(gamma=1, printed=True) == gap(gamma=1)
+
+
+@pytest.mark.parametrize(
+    ("p", "hurst", "eps_f", "gamma"),
+    [
+        (0.007, 0.8, 1 / 256, 0.42),
+        (0.353, 0.3, 1 / 64, 0.42),
+        (0.1, 0, 1 / 16, 0.7),
+        (0.05, 1, 1e-3, 0.0),
+    ],
+)
+def test_gap_from_the_definition(p, hurst, eps_f, gamma):
+    assert persson.mean_gap(p, hurst, eps_f, gamma) == pytest.approx(
+        gap_by_definition(p, hurst, eps_f, gamma), rel=1e-7
+    )
+
+
+def test_kernel_against_adaptive_quadrature():
+    for x in (1e-3, 0.1, 0.7, 1.0, 2.5, 5.9, 6.1):
+        scaled = quad(
+            lambda s, x=x: erf(np.sqrt(x * x + s)) ** 2 * np.exp(-s) / (x * x + s) / 2, 0, 1e-3
+        )[0]
+        scaled += quad(
+            lambda s, x=x: erf(np.sqrt(x * x + s)) ** 2 * np.exp(-s) / (x * x + s) / 2,
+            1e-3,
+            40,
+            epsrel=1e-11,
+        )[0]
+        assert erf2_integral(x) == pytest.approx(np.exp(-x * x) * scaled, rel=1e-9)
+
+
+@pytest.mark.parametrize("hurst", [0, 0.3, 0.8, 0.99, 1])
+@pytest.mark.parametrize("eps_f", [0.5, 1e-3, 1e-20])
+def test_quadrature_is_converged(hurst, eps_f, monkeypatch):
+    p = np.geomspace(1e-6, 15, 12)
+    coarse = [
+        f(p, hurst, eps_f) for f in (persson.mean_gap, persson.stiffness, persson.elastic_energy)
+    ]
+    monkeypatch.setattr("hpc_gfmd.theory.slope_profile._STEP", 0.06)
+    fine = [
+        f(p, hurst, eps_f) for f in (persson.mean_gap, persson.stiffness, persson.elastic_energy)
+    ]
+    np.testing.assert_allclose(coarse, fine, rtol=1e-11)
+
+
+@pytest.mark.parametrize("gamma", [0.42, 1, 0])
+def test_energy_gap_and_stiffness_belong_together(gamma):
+    p, d = np.geomspace(1e-3, 1.5, 9), 1e-4
+
+    def change(f):
+        return (f(p * (1 + d)) - f(p * (1 - d))) / (2 * d * p)
+
+    slope = change(lambda p: persson.mean_gap(p, 0.6, 1e-3, gamma))
+    np.testing.assert_allclose(
+        change(lambda p: persson.elastic_energy(p, 0.6, 1e-3, gamma)), -p * slope, rtol=1e-5
+    )
+    np.testing.assert_allclose(persson.stiffness(p, 0.6, 1e-3, gamma), -1 / slope, rtol=1e-6)
+    printed = change(lambda p: persson.mean_gap(p, 0.6, 1e-3, gamma, printed=True))
+    np.testing.assert_allclose(
+        persson.stiffness(p, 0.6, 1e-3, gamma, printed=True), -1 / printed, rtol=1e-6
+    )
+    assert persson.elastic_energy(0.1, 0.6, 1e-3, gamma) == pytest.approx(
+        energy_sum(0.1, 0.6, 1e-3, gamma), rel=1e-9
+    )
+
+
+def test_hurst_limits_are_continuous():
+    p = np.array([0.007, 0.1, 0.353])
+    for unit in ("h_rms", "g_rms_lam_s"):
+        for eps_f in (1.0, 0.1, 1e-3, 1e-20):
+            for f in (persson.mean_gap, persson.stiffness):
+                for end, near in ((0, 1e-9), (1, 1 - 1e-9)):
+                    np.testing.assert_allclose(
+                        f(p, end, eps_f, unit=unit), f(p, near, eps_f, unit=unit), rtol=1e-6
+                    )
+
+
+def test_fractal_limit():
+    """gap/(g_rms lam_s) converges and gap/h_rms vanishes for eps_f -> 0; nothing jumps on the
+    way."""
+    eps_f = np.geomspace(1e-20, 1, 81)
+    for hurst in (0, 0.3, 0.5, 0.8, 1):
+        gap = np.array([persson.mean_gap(0.353, hurst, e) for e in eps_f])
+        assert np.all(gap > 0)
+        assert np.all(np.isfinite(gap))
+        assert np.all(np.diff(gap) > 0)
+        assert np.all(np.abs(np.diff(np.log(gap), 2)) < 0.2)
+    lam = [persson.mean_gap(0.353, 0.3, e, unit="g_rms_lam_s") for e in (1e-18, 1e-20)]
+    assert lam[0] == pytest.approx(lam[1], rel=1e-8)
+    assert persson.mean_gap(0.353, 0.8, 1e-20) < 1e-10
+
+
+def test_one_wavelength_only():
+    """eps_f = 1: gap/h_rms = (2 pi)^(-1/2) int_0^1 dg F(sqrt(2) p/g) does not depend on H."""
+    gaps = [persson.mean_gap(0.1, hurst, 1.0) for hurst in (0, 0.5, 1)]
+    np.testing.assert_allclose(gaps, gaps[0], rtol=1e-13)
+
+
+def test_low_pressure():
+    """kappa -> sqrt(8/pi), gap ~ -ln p (gamma > 0), stiffness ~ p; nothing overflows."""
+    p = np.array([1e-300, 1e-100, 1e-12, 1e-9])
+    np.testing.assert_allclose(persson.kappa(np.append(p, 0)), np.sqrt(8 / np.pi), rtol=1e-12)
+    gap = persson.mean_gap(p, 0.8, 1e-3)
+    decay = np.diff(gap) / -np.diff(np.log(p))
+    np.testing.assert_allclose(decay, decay[0], rtol=1e-6)
+    np.testing.assert_allclose(persson.stiffness(p, 0.8, 1e-3)[1:], p[1:] / decay[0], rtol=1e-6)
+    assert persson.mean_gap(0.0, 0.8, 1e-3) == np.inf
+    assert persson.stiffness(0.0, 0.8, 1e-3) == 0
+    assert persson.elastic_energy(0.0, 0.8, 1e-3) == 0
+
+
+def test_high_pressure():
+    p = np.array([1.0, 3, 10, 18, 25, 1e3, 1e200])
+    with np.errstate(all="raise", under="ignore"):
+        gap, energy = persson.mean_gap(p, 0.5, 1e-3), persson.elastic_energy(p, 0.5, 1e-3)
+    assert np.all(np.isfinite(gap))
+    assert np.all(np.diff(gap[:4]) < 0)
+    assert np.all(gap[4:] == 0)
+    assert persson.stiffness(1e200, 0.5, 1e-3) == np.inf
+    np.testing.assert_allclose(energy[2:], energy_sum(1e3, 0.5, 1e-3, 0.42), rtol=1e-10)
+    assert persson.noncontact_area(4.0) == pytest.approx(1.5417e-15, rel=1e-3)
+
+
+def test_pressure_distribution():
+    for p0, scale in ((1e-4, 1.0), (0.1, 1.0), (0.5, 3.0), (40.0, 1.0)):
+        p = np.linspace(max(0, p0 - 6 * scale), p0 + 6 * scale, 200001)
+        density = persson.pressure_distribution(p, p0, g_rms=scale)
+        assert trapezoid(density, p) == pytest.approx(persson.contact_area(p0 / scale), rel=1e-6)
+        assert trapezoid(density * p, p) == pytest.approx(p0, rel=1e-6)
+    assert persson.pressure_distribution([-1.0, 0.0, 1e200], 0.1).tolist() == [0, 0, 0]
+
+
+def test_units_of_the_gap():
+    for hurst in (0, 0.4, 1):
+        ratio = persson.mean_gap(0.1, hurst, 1e-4) / persson.mean_gap(
+            0.1, hurst, 1e-4, unit="g_rms_lam_s"
+        )
+        assert ratio == pytest.approx(persson.g_rms_lam_s_over_h_rms(hurst, 1e-4), rel=1e-12)
+    assert persson.g_rms_lam_s_over_h_rms(0.8, 1e-12) == pytest.approx(
+        2 * np.pi * 2 * 1e-12**0.8, rel=1e-4
+    )
+    assert persson.g_rms_lam_s_over_h_rms(0, 1e-9) == pytest.approx(
+        2 * np.pi / np.sqrt(18 * np.log(10))
+    )
+    assert persson.g_rms_lam_s_over_h_rms(1, 1e-9) == pytest.approx(
+        2e-9 * np.pi * np.sqrt(18 * np.log(10))
+    )
+
+
+@pytest.mark.parametrize("hurst", [0, 0.3, 0.8, 1])
+def test_spectrum_reproduces_the_self_affine_surface(hurst):
+    p, eps_f, q_l = np.geomspace(1e-3, 3, 8), 1 / 200, 3.0
+    q = np.geomspace(q_l, q_l / eps_f, 11)
+    spectrum = 0.7 * q ** (-2 - 2 * hurst)
+    profile = SlopeProfile.from_spectrum(q, spectrum, area=2.5)
+    p0 = p * 5 * profile.g_rms
+    gap = persson.mean_gap(p, hurst, eps_f) * profile.h_rms
+    np.testing.assert_allclose(
+        persson.mean_gap_spectrum(q, spectrum, p0, 5, area=2.5), gap, rtol=1e-11
+    )
+    function = persson.mean_gap_spectrum(
+        q[[0, -1]], lambda q: 0.7 * q ** (-2 - 2 * hurst), p0, 5, area=2.5
+    )
+    np.testing.assert_allclose(function, gap, rtol=1e-10)
+
+
+def test_spectrum_rms_values_and_rolloff():
+    """h_rms and g_rms of a rolled-off spectrum by quadrature; a sampled and a given spectrum
+    agree."""
+
+    def spectrum(q):
+        return (1 + (q / 4) ** 2) ** -1.8
+
+    profile = SlopeProfile.from_spectrum([1, 400], spectrum)
+    h2 = quad(lambda q: q * spectrum(q) / (2 * np.pi), 1, 400, limit=200)[0]
+    g2 = quad(lambda q: q**3 * spectrum(q) / (2 * np.pi), 1, 400, limit=200)[0]
+    assert (profile.h_rms, profile.g_rms) == pytest.approx((np.sqrt(h2), np.sqrt(g2)), rel=1e-10)
+    q = np.geomspace(1, 400, 8000)
+    p0 = np.geomspace(0.01, 1, 4) * profile.g_rms
+    np.testing.assert_allclose(
+        persson.mean_gap_spectrum(q, spectrum(q), p0),
+        persson.mean_gap_spectrum([1, 400], spectrum, p0),
+        rtol=1e-7,
+    )
+
+
+@pytest.mark.parametrize("eps_f", [1e-3, 1e-20, 1e-100])
+def test_decades_cost_nothing(eps_f):
+    """The number of points of the quadrature does not grow with the decades of roughness."""
+    points = []
+
+    def kernel(x):
+        points.append(x.shape[1])
+        return np.exp(-x * x)
+
+    SlopeProfile.self_affine(0.8, eps_f).integrate(np.geomspace(1e-4, 1, 50), kernel, power=1)
+    assert sum(points) < 1500
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (np.nan, 0.5, 0.1),
+        (-1, 0.5, 0.1),
+        (0.1, 1.01, 0.1),
+        (0.1, -0.1, 0.1),
+        (0.1, 0.5, 0),
+        (0.1, 0.5, 2),
+        (0.1, 0.5, 0.1, 3),
+        (0.1, "x", 0.1),
+        (0.1, 0.5, 0.1, 0.42, False, "m"),
+    ],
+)
+def test_refused(arguments):
+    with pytest.raises(SceneError, match=r"found .*allowed"):
+        persson.mean_gap(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("q", "c"), [([1], [1]), ([2, 1], [1, 1]), ([1, 2], [1, 0]), ([1, 2], [1]), ([0, 1], [1, 1])]
+)
+def test_refused_spectra(q, c):
+    with pytest.raises(SceneError, match="allowed"):
+        persson.mean_gap_spectrum(q, c, 1.0)
+
+
+def test_no_mpi_no_numba():
+    code = (
+        "import sys, hpc_gfmd.commands.persson, hpc_gfmd.commands.tfc, hpc_gfmd.theory.elastic; "
+        "sys.exit(any(m in sys.modules for m in ('mpi4py', 'numba', 'h5py')))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

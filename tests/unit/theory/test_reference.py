@@ -1,0 +1,142 @@
+"""Reference curves: what a user loads, and the file that is made from stored runs."""
+
+import json
+
+import numpy as np
+import pytest
+from paper.items import curves
+from paper.reference_data import write_reference
+from paper.store import Store
+from study_runs import runs_of
+
+from hpc_gfmd import reference
+from hpc_gfmd.theory import persson
+from hpc_gfmd.util.errors import SceneError
+
+AREA, GAP = 1.3, 0.8  # made-up runs over theory, at H = 0
+
+
+def fake_runs(scatter=0.01):
+    """Runs with Persson's area and gap times AREA + 0.1 H, at full contact one; the gap closes at
+    p_star = 1.5."""
+    runs = []
+    for run in runs_of(
+        curves.series("quick"),
+        scatter=scatter,
+        kappa=lambda case: (1 + case.eps_c, 1 + 0.2 * case.eps_c),
+    ):
+        p_star, of = run["p_star"], (run["hurst"], run["eps_f"])
+        area = persson.contact_area(p_star) * (AREA + 0.1 * run["hurst"] if p_star < 0.5 else 1.0)
+        gap = (
+            persson.mean_gap(p_star, *of) * GAP * run["kappa_edge"] / (1 + 0.2 * run["eps_c"])
+            if p_star < 1.4
+            else 0.0
+        )
+        runs.append(
+            run
+            | {
+                "kappa": run["kappa"] * area / p_star,
+                "kappa_edge": run["kappa_edge"] * area / p_star,
+                "gap_over_h_rms": float(gap),
+            }
+        )
+    return runs
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("reference")
+    store = Store(folder)
+    for run in fake_runs():
+        store.append(run)
+    assert write_reference(folder / "reference.json", store, "quick") == 2
+    return folder / "reference.json"
+
+
+def test_limits_uncertainties_and_provenance(written):
+    found = reference.load(written)
+    assert found.hurst.tolist() == [0.3, 0.8]
+    assert found.eps_f.tolist() == [0.25]
+    assert found.p_star["a_r"].tolist() == list(curves.LOADS)
+    assert found.p_star["gap_over_h_rms"].tolist() == [p for p in curves.LOADS if p < 1.4]
+    for hurst in (0.3, 0.8):
+        a_r, sigma = found.at("a_r", curves.LOADS[2], hurst, 0.25)
+        assert (
+            abs(a_r / persson.contact_area(curves.LOADS[2]) - AREA - 0.1 * hurst)
+            < 4 * sigma / a_r
+            < 0.15
+        )
+    assert found.provenance["accuracy"] == [1e-3]
+    assert {"command", "level", "date", "runs", "versions"} <= set(found.provenance)
+    assert written.stat().st_size < 1e6
+    assert "The mean gap ends at p_star = 1:" in json.loads(written.read_text())["note"]
+
+
+def test_interpolation(written):
+    found = reference.load(written)
+    for p_star, value, sigma in zip(
+        found.p_star["a_r"], found.value["a_r"][1, 0], found.sigma["a_r"][1, 0], strict=True
+    ):
+        assert found.at("a_r", p_star, 0.8, 0.25) == pytest.approx((value, value * sigma), rel=1e-9)
+    dense = np.geomspace(1e-4, 0.3, 200)
+    values, sigma = found.at("a_r", dense, 0.55, 0.25)
+    assert values.shape == sigma.shape == (200,)
+    assert np.all(np.diff(values) > 0)
+    assert np.abs(values / persson.contact_area(dense) / (AREA + 0.055) - 1).max() < 0.05
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (("a_r", 3.0, 0.8, 0.25), r"p_star: found 3\.0, allowed: from 0\.0001 to 2"),
+        (("a_r", [0.1, 1e-5], 0.8, 0.25), "p_star: found"),
+        (("gap_over_h_rms", 1.5, 0.8, 0.25), "allowed: from 0.0001 to 1"),
+        (("a_r", 0.1, 0.2, 0.25), r"hurst: found 0\.2, allowed: from 0\.3 to 0\.8"),
+        (("a_r", 0.1, 0.5, 0.1), "eps_f: found 0.1"),
+        (("a_r", 0.1, float("nan"), 0.25), "hurst"),
+        (("gap", 0.1, 0.5, 0.25), "quantity"),
+    ],
+)
+def test_out_of_range(written, asked, said):
+    with pytest.raises(SceneError, match=said):
+        reference.load(written).at(*asked)
+
+
+def test_refused(written, tmp_path):
+    with pytest.raises(SceneError, match="no curves of level quick"):
+        write_reference(tmp_path / "x.json", Store(tmp_path), "quick")
+    data = json.loads(written.read_text())
+    data["value"]["a_r"][0][0].pop()
+    for text in ("", "{}", "[]", '{"format": "other"}', json.dumps(data)):
+        (tmp_path / "bad.json").write_text(text)
+        with pytest.raises(SceneError, match="reference: found"):
+            reference.load(tmp_path / "bad.json")
+
+
+def test_shipped_data():
+    shipped = reference.load()
+    assert shipped.provenance["level"] == "desk"
+    assert shipped.hurst.tolist() == [0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 1.0]
+    assert shipped.eps_f == pytest.approx([1 / 256, 1 / 64, 1 / 16])
+    assert (shipped.p_star["a_r"][0], shipped.p_star["a_r"][-1]) == (1e-4, 2.0)
+    dense = np.geomspace(1e-3, 0.9, 60)
+    for hurst in (0.1, 0.42, 0.8, 1.0):
+        for eps_f in (1 / 256, 1 / 100, 1 / 16):
+            (a_r, a_sigma), (gap, gap_sigma) = (
+                of(dense, hurst, eps_f) for of in (reference.contact_area, reference.mean_gap)
+            )
+            assert np.all(np.diff(a_r) > 0)
+            assert np.all(np.diff(gap) < 0)
+            assert np.all((a_r > persson.contact_area(dense)) & (a_r < 2.7 * dense))
+            assert np.all((a_sigma > 0) & (a_sigma < 0.15 * a_r))
+            assert np.all((gap_sigma > 0) & (gap_sigma < 0.15 * gap))
+    assert reference.contact_area(2.0, 0.8, 1 / 64)[0] == pytest.approx(1, abs=1e-3)
+
+
+def test_units_of_the_gap():
+    gap, other = (
+        reference.mean_gap(0.1, 0.8, 1 / 256, unit)[0] for unit in ("h_rms", "g_rms_lam_s")
+    )
+    assert gap / other == pytest.approx(persson.g_rms_lam_s_over_h_rms(0.8, 1 / 256))
+    with pytest.raises(SceneError, match="unit"):
+        reference.mean_gap(0.1, 0.8, 1 / 256, unit="h")

@@ -1,0 +1,154 @@
+"""Corrections to the TFC limits: the paper's tables, what is refused, fits that recover their
+data."""
+
+import json
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.theory import tfc
+from hpc_gfmd.util.errors import SceneError
+
+REFERENCE = {"eps_t": 1 / 2, "eps_f": 1 / 1024, "eps_c": 1 / 2}
+
+
+def test_the_example_of_the_paper():
+    value, sigma, terms = tfc.extrapolate(2.2, "kappa", 0.8, 0.007, **REFERENCE)
+    assert value == pytest.approx(2.0160, abs=5e-5)
+    assert value == pytest.approx(
+        2.2 - 0.0421 / 2 - 8.5879 * 1024**-0.67 - 0.1279 * 0.5**0.67, rel=1e-14
+    )
+    assert sigma is None
+    assert terms.total == pytest.approx(2.2 - value)
+
+
+def test_tables_are_complete():
+    table = tfc.paper_table()
+    assert [(t["observable"], t["p_star"]) for t in table["tables"]] == [
+        ("kappa", 0.007), ("kappa", 0.353), ("gap_over_h_rms", 0.007), ("gap_over_h_rms", 0.353),
+    ]  # fmt: skip
+    for part in table["tables"]:
+        assert [row["hurst"] for row in part["rows"]] == [0.3, 0.5, 0.8]
+        assert all(len(row) == 7 for row in part["rows"])
+    assert "0.353" in table["tables"][3]["erratum"]
+    assert table["tables"][3]["rows"][2]["C_f"] == 3.4070
+
+
+@pytest.mark.parametrize(
+    "p_star", [0.007, 0.01 / np.sqrt(2), 0.353, 0.5 / np.sqrt(2), 0.0068, 0.37]
+)
+def test_pressures_near_the_tabulated_ones(p_star):
+    assert tfc.correction("kappa", 0.5, p_star, **REFERENCE).p_star == (
+        0.007 if p_star < 0.1 else 0.353
+    )
+
+
+@pytest.mark.parametrize("p_star", [0.006, 0.01, 0.05, 0.3, 0.4, 0, np.nan])
+def test_other_pressures_are_refused(p_star):
+    with pytest.raises(SceneError, match=r"p_star: found .*allowed"):
+        tfc.correction("kappa", 0.5, p_star, **REFERENCE)
+
+
+def test_interpolation_in_hurst_only():
+    ends = [
+        tfc.correction("gap_over_h_rms", hurst, 0.353, **REFERENCE) for hurst in (0.5, 0.65, 0.8)
+    ]
+    assert ends[1].f == pytest.approx((ends[0].f + ends[2].f) / 2)
+    assert "interpolated" in ends[1].notes[0]
+    assert not any("interpolated" in note for note in ends[0].notes)
+    for hurst in (0.29, 0.81, 0, 1):
+        with pytest.raises(SceneError, match="hurst: found"):
+            tfc.correction("kappa", hurst, 0.007, **REFERENCE)
+
+
+def test_zero_corrections_and_bad_numbers():
+    assert tfc.correction("kappa", 0.8, 0.007, 0, 0, 0).total == 0
+    for bad in ({"eps_t": -1}, {"eps_f": np.nan}, {"eps_c": 1.5}):
+        with pytest.raises(SceneError, match=f"{next(iter(bad))}: found"):
+            tfc.correction("kappa", 0.8, 0.007, **(REFERENCE | bad))
+    with pytest.raises(
+        SceneError, match="observable: found 'area', allowed: gap_over_h_rms, kappa"
+    ):
+        tfc.correction("area", 0.8, 0.007, **REFERENCE)
+
+
+def runs(noise=0.0, repeats=1, seed=0, limit=1.95, C=(0.04, 8.0, 0.13), alpha=(1, 0.7, 0.6)):
+    """One ratio varied at a time around the paper's reference system."""
+    ratios = [(0.5**t, 0.5**10, 0.5) for t in (0, 1, 2, 3)]
+    ratios += [(0.5, 0.5**f, 0.5) for f in range(4, 10)] + [
+        (0.5, 0.5**10, 0.5**c) for c in range(2, 6)
+    ]
+    eps = np.repeat(np.array(ratios), repeats, axis=0).T
+    value = limit + sum(c * e**a for c, e, a in zip(C, eps, alpha, strict=True))
+    return (*eps, value + noise * np.random.default_rng(seed).normal(size=value.size))
+
+
+def test_fit_recovers_exact_data():
+    fit = tfc.fit_tfc(*runs(), alpha={"f": 0.7, "c": 0.6})
+    assert (fit.limit, fit.C["t"], fit.C["f"], fit.C["c"]) == pytest.approx((1.95, 0.04, 8, 0.13))
+    assert fit.names == ("limit", "C_t", "C_f", "C_c")
+    free = tfc.fit_tfc(*runs(), alpha={"t": 1, "f": None, "c": None})
+    assert free.alpha == pytest.approx({"t": 1, "f": 0.7, "c": 0.6}, rel=1e-5)
+    assert free.limit == pytest.approx(1.95, rel=1e-6)
+    assert free.correction(0.5, 0.5**10, 0.5)[0] == pytest.approx(
+        0.02 + 8 * 0.5**7 + 0.13 * 0.5**0.6, rel=1e-6
+    )
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_fit_uncertainties_are_honest(given):
+    """Over many noisy repetitions the scatter of the parameters is what the covariance says."""
+    noise, free = 0.004, {"f": None, "c": 0.6}
+    fits = [
+        tfc.fit_tfc(*runs(noise, 3, seed), sigma=noise if given else None, alpha=free)
+        for seed in range(60)
+    ]
+    for name in ("limit", "C_f", "alpha_f"):
+        i = fits[0].names.index(name)
+        found = [{"limit": f.limit, "C_f": f.C["f"], "alpha_f": f.alpha["f"]}[name] for f in fits]
+        claimed = np.mean([np.sqrt(f.covariance[i, i]) for f in fits])
+        assert np.std(found) == pytest.approx(claimed, rel=0.3)
+    truth = 0.02 + 8 * 0.5**7 + 0.13 * 0.5**0.6
+    total = [f.correction(0.5, 0.5**10, 0.5) for f in fits]
+    assert np.std([c for c, _ in total]) == pytest.approx(np.mean([s for _, s in total]), rel=0.3)
+    assert np.mean([c for c, _ in total]) == pytest.approx(truth, abs=0.004)
+    assert np.mean([f.chi2 / f.dof for f in fits]) == pytest.approx(
+        1 if given else noise**2, rel=0.2
+    )
+
+
+def test_fit_of_some_terms():
+    eps_t, eps_f, eps_c, value = runs(C=(0, 8, 0))
+    fit = tfc.fit_tfc(eps_t, eps_f, eps_c, value, alpha={"f": None}, terms="f")
+    assert fit.names == ("limit", "C_f", "alpha_f")
+    assert fit.alpha["f"] == pytest.approx(0.7, rel=1e-5)
+
+
+def test_fits_that_cannot_be_are_refused():
+    eps_t, eps_f, eps_c, value = runs()
+    with pytest.raises(SceneError, match="eps_c: found 1 different"):
+        tfc.fit_tfc(eps_t, eps_f, 0.5, value)
+    with pytest.raises(SceneError, match="vary together"):
+        tfc.fit_tfc(eps_f, eps_f, eps_c, value, alpha={"t": 0.67})
+    with pytest.raises(SceneError, match="runs: found 3"):
+        tfc.fit_tfc([0.5, 0.25, 0.5], [0.1, 0.1, 0.2], [0.5, 0.25, 0.5], [1, 2, 3])
+    with pytest.raises(SceneError, match="value: found nan"):
+        tfc.fit_tfc(eps_t, eps_f, eps_c, value * np.nan)
+    with pytest.raises(SceneError, match="sigma: found 0"):
+        tfc.fit_tfc(eps_t, eps_f, eps_c, value, sigma=0)
+
+
+def test_own_table(tmp_path):
+    fit = tfc.fit_tfc(*runs(0.004, 3), sigma=0.004, alpha={"f": None})
+    table = {"tables": [{"observable": "kappa", "p_star": 0.05, "rows": [fit.row(0.8)]}]}
+    (tmp_path / "own.json").write_text(json.dumps(table))
+    own = tfc.read_table(tmp_path / "own.json")
+    value, sigma, terms = tfc.extrapolate(
+        2.2, "kappa", 0.8, 0.05, **REFERENCE, sigma=0.01, table=own
+    )
+    expected, error = fit.correction(**REFERENCE)
+    assert value == pytest.approx(2.2 - expected)
+    assert sigma == pytest.approx(np.hypot(error, 0.01))
+    assert terms.notes == ()
+    with pytest.raises(SceneError, match="table: found"):
+        tfc.read_table(tmp_path / "missing.json")

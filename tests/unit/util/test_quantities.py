@@ -1,0 +1,123 @@
+"""Quantities with units in a scene: the same answer as in plain SI numbers, and tables that carry
+them."""
+
+import h5py
+import numpy as np
+import pytest
+from scene_tables import SURFACE
+
+import hpc_gfmd
+from hpc_gfmd.output.table import table
+from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.util.errors import SceneError
+from hpc_gfmd.util.quantities import factor, parse, prefixed
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "value"),
+    [
+        ("100 um", "length", 1e-4),
+        ("100um", "length", 1e-4),
+        ("1.5e2 µm", "length", 1.5e-4),
+        ("3 Å", "length", 3e-10),
+        (" .5 mm ", "length", 5e-4),
+        ("50 GPa", "pressure", 5e10),
+        ("20 N/mm^2", "pressure", 2e7),
+        ("2 bar", "pressure", 2e5),
+    ],
+)
+def test_parsed(text, dimension, value):
+    assert parse(text, dimension) == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "um",
+        "3",
+        "3 kg",
+        "3 GPa",
+        "3 quux",
+        "nan m",
+        "9**9**9 m",
+        "1 m; 2",
+        "__import__('os') m",
+        "1 " + "m*" * 50,
+        "1,5 um",
+    ],
+)
+def test_no_length(text):
+    with pytest.raises(
+        ValueError, match=r"no number with a unit|no unit of length|not of length|a comma"
+    ):
+        parse(text, "length")
+
+
+def test_prefixes():
+    assert prefixed([2e7, 3e3], "Pa") == (1e6, "MPa")
+    assert prefixed([1e-6], "m") == (1e-6, "um")
+    assert prefixed([999e-9], "m") == (1e-9, "nm")
+    assert prefixed([float("nan"), None, 0.0], "m") == (1.0, "m")
+    assert prefixed([1e-40], "m")[1] == "fm"
+    assert prefixed([5.0], "") == (1.0, "")
+    assert factor("um") == 1e-6
+
+
+UNITS = {
+    "surface": SURFACE | {"physical_sizes": ["100 um", "0.1 mm"], "h_rms": "200 nm"},
+    "material": {"E1": "50 GPa", "nu1": 0.3, "E2": "200 GPa", "nu2": 0.25},
+    "load": {"pressure": ["20 MPa", "0.1 GPa"]},
+}
+PLAIN = {
+    "surface": SURFACE | {"physical_sizes": [1e-4, 1e-4], "h_rms": 2e-7},
+    "material": {"E1": 5e10, "nu1": 0.3, "E2": 2e11, "nu2": 0.25},
+    "load": {"pressure": [2e7, 1e8]},
+}
+
+
+def test_the_same_answer(tmp_path, cli):
+    named, plain = Scene.from_dict(UNITS), Scene.from_dict(PLAIN)
+    assert Scene.from_toml(named.to_toml()) == named
+    assert '"50 GPa"' in named.to_toml()
+    runs = [
+        run_scene(scene, out=tmp_path / f"{k}.h5", quiet=True)
+        for k, scene in enumerate((named, plain))
+    ]
+    for one, other in zip(runs[0].steps, runs[1].steps):
+        for key in ("a_r", "p", "gap_mean"):
+            assert one[key] == pytest.approx(other[key], rel=1e-6)
+    with h5py.File(tmp_path / "0.h5") as file:
+        assert (file["surface"].attrs["unit"], file["surface"].attrs["pressure_unit"]) == (
+            "m",
+            "Pa",
+        )
+    shown = cli.prints("show 0.h5")
+    for words in ("L = 100 x 100 um", "h_rms = 200 nm", "[MPa]", "[nm]", " 20 ", " 100 "):
+        assert words in shown
+    shown = cli.prints("show 1.h5")
+    assert "[unit of E*]" in shown
+    assert "h_rms = 2e-07" in shown
+
+
+def test_the_python_interface_takes_them():
+    x = np.arange(32) / 32
+    z = 1e-8 * (np.cos(2 * np.pi * x)[:, None] + np.cos(2 * np.pi * x))
+    named = hpc_gfmd.solve(z, "20 MPa", E_star="50 GPa", physical_sizes=("1 um", "1 um"))
+    plain = hpc_gfmd.solve(z, 2e7, E_star=5e10, physical_sizes=(1e-6, 1e-6))
+    assert named.gap_mean == pytest.approx(plain.gap_mean, rel=1e-6)
+    with pytest.raises(SceneError, match="beside"):
+        hpc_gfmd.solve(z, "20 MPa")
+
+
+def test_areas_and_lengths_of_the_table_have_units():
+    step = {"p": 2e7, "patch_largest": 4e-14, "perimeter": 1.2e-5, "status": "converged"}
+    heading, units, row = (
+        line.split()
+        for line in table([step], surface={"unit": "m", "pressure_unit": "Pa"}).splitlines()
+    )
+    found = dict(zip(heading[1:], zip(units, row[1:]), strict=False))
+    assert found["patch_largest"] == ("[nm^2]", "4e+04")
+    assert found["perimeter"] == ("[um]", "12")
+    assert "[length^2]" in table([step])
