@@ -11,7 +11,7 @@ import numpy as np
 
 from ..certificate.certificate import Certificate, certify
 from ..certificate.criterion import Outcome, Target
-from .load_search import GivenLoad
+from .load import GivenLoad
 
 if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver

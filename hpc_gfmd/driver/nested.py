@@ -30,7 +30,7 @@ from ..parallel.halo import Windows, neighbours, rows_of
 if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..solvers.base import Solver
-    from .load_search import GivenLoad
+    from .load import GivenLoad
 
     MakeSolver = Callable[[Problem], Solver]
 

@@ -20,18 +20,10 @@ from ..solvers import solver_class
 from ..surface.units import require_range, single_solves
 from ..util.errors import SceneError
 from .drive import LoopState, drive
-from .load_search import (
-    ClosingLoad,
-    FullContactSearch,
-    GivenLoad,
-    HeightStatistics,
-    LoadSearch,
-    LoadTarget,
-    load_targets,
-    opening_search,
-    restored,
-    search_for,
-)
+from .load import ClosingLoad, GivenLoad, HeightStatistics
+from .load_quantities import FullContactSearch, OpeningSearch, restored, search_for
+from .load_search import LoadSearch
+from .load_target import LoadTarget, load_targets
 from .nested import Nested, cold_gap
 from .precision import NOISE, counting, few_points, first_precision
 
@@ -186,7 +178,7 @@ class Sweep:
             if self.closes:
                 return ClosingLoad(self._closing_pressure())
             return FullContactSearch(1.0, tolerance / 2, False, heights, heights)
-        counts = self.settings.accuracy is not None
+        known = (tolerance, self.settings.accuracy is not None, heights)
         if load.quantity == "gap_mean":
             single = load.value / self.surface.height_unit * self.surface.grid.N
             opens = single * float(self.body.near(self.surface.grid)[0])  # a single point so far
@@ -197,8 +189,8 @@ class Sweep:
                 self._spent = closed.pairs
                 closes_at = closed.contact.p_mean / closed.contact.pressure_unit
                 target = load.value / self.surface.slope
-                return opening_search(target, tolerance, counts, heights, closes_at, opens)
-        return search_for(load, self.surface, heights, tolerance, counts, self._history)
+                return OpeningSearch.below(closes_at, opens, target, known)
+        return search_for(load, self.surface, known, self._history)
 
     def _too_little(self) -> bool:
         """Whether single precision is too little for the load."""

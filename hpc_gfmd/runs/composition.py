@@ -19,7 +19,7 @@ from ..contact import (
 from ..contact.area import a_r_discretisation
 from ..contact.base import Observable
 from ..contact.contact import Contact
-from ..driver.load_search import LoadTarget
+from ..driver.load_target import LoadTarget
 from ..driver.lowmemory import LowMemorySweep
 from ..driver.sweep import Step, Sweep
 from ..output.fields import STORABLE

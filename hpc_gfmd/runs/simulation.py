@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.contact import heights_of
-from ..driver.load_search import LoadTarget
+from ..driver.load_target import LoadTarget
 from ..driver.precision import first_precision
 from ..driver.sweep import Step, Sweep
 from ..driver.warmup import compile_once
