@@ -8,9 +8,7 @@ from math import copysign, erf, inf, isfinite, log, sqrt
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from .load import HeightStatistics
+from .load import GivenLoad, HeightStatistics
 from .load_search import STEEPEST, STEP, Errors, LoadSearch, Value
 
 if TYPE_CHECKING:
@@ -60,7 +58,11 @@ class AreaSearch(LoadSearch):
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
         """By the load that the points in contact carry: as uncertain as the pressure."""
-        return (progress.predicted[0] / solver.N, errors[1]) if progress.predicted else None
+        return (round(progress.predicted[0]) / solver.N, errors[1]) if progress.predicted else None
+
+    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
+        """By a look at all points."""
+        return GivenLoad.may_be_met(self, solver, progress, room)
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
         """The area of the certificate."""
@@ -94,10 +96,9 @@ class GapSearch(LoadSearch):
         error = max(errors) if progress.contact == solver.N else errors[0]
         return (progress.predicted[1] * solver.grid.a, error) if progress.predicted else None
 
-    def fits(self, solver: Solver, progress: Progress, room: float) -> bool:
+    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
         """By the estimated error of the mean gap."""
-        gap = progress.estimates[0] if progress.estimates else 0.0
-        return gap < room and super().fits(solver, progress, self.tolerance)
+        return not progress.estimates or progress.estimates[0] < room
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
         """The mean gap of the certificate."""
@@ -141,10 +142,10 @@ class ApproachSearch(LoadSearch):
         y += heights.top * share - heights.lowest * (1 - share)
         return y, _error(y, progress.gap_mean * grid.a, *errors)
 
-    def fits(self, solver: Solver, progress: Progress, room: float) -> bool:
+    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
         """By the error of what is predicted."""
         found = self._prediction(solver, progress)
-        return not (found and found[1] >= room) and super().fits(solver, progress, self.tolerance)
+        return not found or found[1] < room
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
         """The approach of the certificate."""
@@ -157,46 +158,8 @@ def _error(y: float, gap: float, gap_error: float, pressure_error: float) -> flo
     return gap_error * gap / y + FIELD * pressure_error if y > 0 else inf
 
 
-class FullContactSearch(LoadSearch):
-    """For the least load that closes the gap. value: share of the points in contact or, where that
-    is all, 1 and the lowest pressure over p0, which is to be from 0 to twice the tolerance."""
-
-    kind, usual, from_full_contact, closes = "full contact", 1.0, True, True
-
-    @property
-    def aim(self) -> float:
-        """The middle of what is allowed."""
-        return 1 + self.tolerance
-
-    def miss(self, y: float) -> float:
-        """Never small with a point that is open."""
-        return max(abs(y - self.aim), 0.0 if y > 1 else 2 * self.tolerance)
-
-    def straight(self, y: float) -> float:
-        """A uniform pressure beside that which closes the gap."""
-        return -log(2 - y) if y < 2 else inf
-
-    def fits(self, solver: Solver, progress: Progress, room: float) -> bool:
-        """A point that is about to open is no error."""
-        return True
-
-    def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """As it is: as uncertain as the pressure."""
-        return self._value(solver, progress.contact, progress.gap_mean), errors[1]
-
-    def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """As it is."""
-        return self._value(solver, certificate.contact, certificate.gap_mean), 0.0
-
-    def _value(self, solver: Solver, contact: float, gap: float) -> float:
-        (rows, points), comm = solver.grid.inside, solver.grid.comm
-        lowest = comm.min([float(solver.p[:rows, :points].min(initial=np.inf))])[0]
-        return contact / solver.N if gap > 0 else 1 + lowest / solver.p0
-
-
 SEARCHES: dict[str, type[LoadSearch]] = {
-    search.kind: search
-    for search in (AreaSearch, GapSearch, ApproachSearch, OpeningSearch, FullContactSearch)
+    search.kind: search for search in (AreaSearch, GapSearch, ApproachSearch, OpeningSearch)
 }
 
 

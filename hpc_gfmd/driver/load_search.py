@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 
 STEP = log(2.0)  # longest change of log p0 by a slope
 STEEPEST = 10.0  # slope of a straightened value that is believed, and 1 over the least
-DUE, TRUST = 0.3, 0.4  # shares of tolerance and error: a predicted miss beyond them is corrected
+SHARE = 0.35  # of tolerance and error: a predicted miss beyond it is corrected
 COARSE = 0.05  # relative: a coarse grid knows the value no better
+JUMP = 1e-3  # of log p0, or the tolerance: where it is half of that between bounds
 TRIALS, MOST = 5, 60  # corrections by predictions on a grid, and in all
 
 Value = tuple[float, float]  # and its relative error
@@ -128,18 +129,30 @@ class LoadSearch(GivenLoad):
     def near(self, solver: Solver, progress: Progress) -> bool:
         """Tell whether the value is as near as this grid knows it: not without the highest peak."""
         blind = self.heights.lowest > self.heights.top
-        return self.known or blind or not self._try(solver, progress, COARSE)
+        return (
+            self.known or blind or self.trials == TRIALS or not self._try(solver, progress, COARSE)
+        )
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
-        """Change the load where more than a share of the tolerance is missed."""
+        """Change the load where more than a share of the tolerance is missed or, in the end, where
+        a value that may jump surely misses the target."""
         if solver.iterations == self.looked or self.note:
             return False
         self.looked = solver.iterations
-        return self._try(solver, progress, DUE * self.tolerance)
+        if self.trials < TRIALS:
+            return self._try(solver, progress, SHARE * self.tolerance)
+        found = self._prediction(solver, progress) if self.steps else None
+        miss = self.miss(found[0]) if found else 0.0
+        if not found or miss < max(found[1], self.tolerance) or self.corrections == MOST:
+            return False
+        if not self.within(solver, progress, miss):
+            return False
+        self._bound(found[0])
+        return self._step(found[0], miss, solver)
 
     def _try(self, solver: Solver, progress: Progress, least: float) -> bool:
-        found = self._prediction(solver, progress) if self.trials < TRIALS else None
-        if found is None or self.miss(found[0]) <= max(least, TRUST * found[1]):
+        found = self._prediction(solver, progress)
+        if found is None or self.miss(found[0]) <= max(least, SHARE * found[1]):
             return False
         x = self.x + self._way(found[0])
         if (self.low and x <= self.low[0]) or (self.high and x >= self.high[0]):
@@ -156,29 +169,34 @@ class LoadSearch(GivenLoad):
         """Tell whether the certificate may find the target met, or has to say what is missed."""
         found = self._prediction(solver, progress) if self.counts and not self.note else None
         missed = self.miss(found[0]) if found else 0.0
-        return self.fits(solver, progress, accuracy - missed if missed < accuracy else accuracy)
+        room = accuracy - missed if missed < accuracy else accuracy
+        area_is_known = self.steps or super().may_be_met(solver, progress, accuracy)
+        return area_is_known and self.within(solver, progress, room)
 
-    def fits(self, solver: Solver, progress: Progress, room: float) -> bool:
+    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
         """Tell whether the certificate may find the error of the value less than room."""
-        return super().may_be_met(solver, progress, room)
+        raise NotImplementedError
 
     # -- once the contact is solved
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """Bound the load by a value that surely misses the target; where bounds meet it jumps."""
+        """Bound the load by a value that surely misses the target."""
         y, error = self.certified(solver, certificate)
-        miss, here = self.miss(y), (self.x, y)
-        if miss > error and not self.note:
-            small = y < self.aim
-            low, high = (here, self.high) if small else (self.low, here)
-            if low and high and low[0] >= high[0]:  # one of them was none
-                low, high = (here, None) if small else (None, here)
-            self.low, self.high = low, high
-            if self.steps and low and high and 2 * (high[0] - low[0]) < self.tolerance:
-                self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g}: the nearer is taken"
+        if self.miss(y) > error and not self.note:
+            self._bound(y)
         if self.note:
             return 0.0 if self.x == self._nearer[0] else inf
-        return (miss + (error if self.counts else 0.0)) / self.tolerance
+        return (self.miss(y) + (error if self.counts else 0.0)) / self.tolerance
+
+    def _bound(self, y: float) -> None:
+        """Where the bounds meet and the target stays between them the value jumps."""
+        small, here = y < self.aim, (self.x, y)
+        low, high = (here, self.high) if small else (self.low, here)
+        if low and high and low[0] >= high[0]:  # one of them was none
+            low, high = (here, None) if small else (None, here)
+        self.low, self.high = low, high
+        if self.steps and low and high and 2 * (high[0] - low[0]) < max(JUMP, self.tolerance):
+            self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g}: the nearer is taken"
 
     @property
     def _nearer(self) -> tuple[float, float]:
@@ -190,6 +208,9 @@ class LoadSearch(GivenLoad):
         y, error = self.certified(solver, certificate)
         if self.corrections == MOST or not (solved or self.miss(y) > error):
             return False
+        return self._step(y, error, solver)
+
+    def _step(self, y: float, error: float, solver: Solver) -> bool:
         if self.note:
             return self._go(self._nearer[0], solver)
         least, way = self._secant(y, error), self._way(y)
@@ -200,14 +221,16 @@ class LoadSearch(GivenLoad):
 
     def _secant(self, y: float, error: float) -> float:
         """Learn the slope from the last two values; returns how far it is to go at least."""
-        (x, f), last = (self.x, self.straight(y)), self.before
-        self.before = (x, f)
-        if last is None or not abs(x - last[0]) * self.slope > error:
+        f, last = self.straight(y), self.before
+        if not isfinite(f):
             return 0.0
-        slope = (f - last[1]) / (x - last[0]) if f != last[1] else 0.0
+        self.before = (self.x, f)
+        if last is None or not abs(self.x - last[0]) * self.slope > error:
+            return 0.0
+        slope = (f - last[1]) / (self.x - last[0])
         if 1 / STEEPEST < slope < STEEPEST:
             self.slope = slope
-        return 2 * abs(x - last[0]) if slope <= 1 / STEEPEST else 0.0
+        return 2 * abs(self.x - last[0]) if slope <= 1 / STEEPEST else 0.0
 
     def _way(self, y: float) -> float:
         """Tell by how much x is to change: not at all where this grid cannot have the target."""

@@ -20,8 +20,9 @@ from ..solvers import solver_class
 from ..surface.units import require_range, single_solves
 from ..util.errors import SceneError
 from .drive import LoopState, drive
+from .full_contact import CLOSED, FullContact
 from .load import ClosingLoad, GivenLoad, HeightStatistics
-from .load_quantities import FullContactSearch, OpeningSearch, restored, search_for
+from .load_quantities import OpeningSearch, restored, search_for
 from .load_search import LoadSearch
 from .load_target import LoadTarget, load_targets
 from .nested import Nested, cold_gap
@@ -48,7 +49,6 @@ SAME_LOAD = (
 )
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
 NEARLY = 0.2  # of E* g_rms: full contact takes 0.3 to 20
-CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
 
@@ -102,6 +102,7 @@ class Sweep:
         )
         self._load = GivenLoad(1.0)
         self._failed = False
+        self._punch: np.ndarray | None = None  # see _flat_solution
         self._history: list[dict[str, float]] = []  # what the last two loads gave
         self._set_precision(first_precision(settings))
 
@@ -177,9 +178,10 @@ class Sweep:
         if load.quantity == "a_r" and load.value == 1:
             if self.closes:
                 return ClosingLoad(self._closing_pressure())
-            return FullContactSearch(1.0, tolerance / 2, False, heights, heights)
+            if self.solver_class.holds_tension:
+                return FullContact(tolerance, self._flat_solution())
         known = (tolerance, self.settings.accuracy is not None, heights)
-        if load.quantity == "gap_mean":
+        if load.quantity == "gap_mean" and self.solver_class.holds_tension:
             single = load.value / self.surface.height_unit * self.surface.grid.N
             opens = single * float(self.body.near(self.surface.grid)[0])  # a single point so far
             if opens < NEARLY:
@@ -237,7 +239,10 @@ class Sweep:
         try:
             self._history = list(numbers["history"])
             found = numbers.get("search")
-            self._load = restored(found) if found else GivenLoad(numbers.get("p0", 1.0))
+            if found and found["kind"] == "full contact":
+                self._load = FullContact(self.settings.tolerance, self._flat_solution())
+            else:
+                self._load = restored(found) if found else GivenLoad(numbers.get("p0", 1.0))
         except (KeyError, TypeError):
             raise SceneError(OTHER_VERSION) from None
         if "p0" in numbers:
@@ -419,13 +424,32 @@ class Sweep:
         )
         return float(problem.p0 + tension + CLOSED * float(np.finfo(p.dtype).eps) * largest)
 
+    def _flat_solution(self) -> np.ndarray | None:
+        """Solve once for what FullContact needs of a surface that ends; None of one that does not.
+        Collective."""
+        surface, (rows, points) = self.surface, self.surface.grid.inside
+        if surface.grid.padded and self._punch is None:
+            self.solver = None  # its memory is needed now
+
+            def flat(dtype: np.dtype) -> Surface:
+                h = np.zeros((rows, points), dtype)
+                return replace(surface, h=h, h_rms=0.0, g_rms=0.0, checksum=None)
+
+            step = type(self)(flat, self.settings, body=self.body).solve(
+                1.0, lambda *_: interrupt.check(surface.grid.comm)
+            )
+            self._punch = step.contact.g
+            self._punch[:rows, :points] = step.contact.p[:rows, :points]
+            self._spent += step.pairs
+        return self._punch
+
     def _full_contact(
         self, problem: Problem
     ) -> tuple[tuple[np.ndarray, np.ndarray, Outcome] | None, float]:
         """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and
         the pairs spent on finding out."""
         pairs = 0.0
-        if isinstance(self._load, LoadSearch):
+        if isinstance(self._load, LoadSearch | FullContact):
             return None, 0.0
         if not self._load.closes:
             if problem.p0 < self.body.full_p_star:

@@ -77,6 +77,8 @@ class Solver:
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
     nests = True  # whether a nested start pays
+    # whether its pressure may be < 0 where the gap is closed, as it is at a load that is too small
+    holds_tension = True
     takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
 

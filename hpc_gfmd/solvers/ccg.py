@@ -49,6 +49,7 @@ class Ccg(Solver):
         "fresh",
         "iterations",
     )
+    holds_tension = False
     allowed = {"preconditioned": (0, 1)}
 
     def __init__(self, problem: Problem, options: dict[str, float] | None = None):
