@@ -108,7 +108,7 @@ def gallery():
     lines = [
         "# Gallery",
         "",
-        "The scripts of `examples/`; each runs in the tests. Pictures are those of a small grid.",
+        "The scripts of `examples/`, and what they draw. The tests run each on a small grid.",
         "",
     ]
     for script in sorted(EXAMPLES.glob("*.py")):

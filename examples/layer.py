@@ -8,7 +8,7 @@ import numpy as np
 
 import hpc_gfmd
 
-n = int(sys.argv[1]) if sys.argv[1:] else 256
+n = int(sys.argv[1]) if sys.argv[1:] else 512
 wall = hpc_gfmd.make_surface(
     "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1
 )
@@ -23,7 +23,7 @@ for base, style in bases.items():
     gap.semilogx(thickness, [one.gap_mean / one.h_rms for one in solved], style, label=base)
 area.axhline(100 * half_space.a_r, color="0.4", linewidth=0.8, label="half-space")
 gap.axhline(half_space.gap_mean / half_space.h_rms, color="0.4", linewidth=0.8)
-area.set(xlabel="thickness / L", ylabel="contact area (%)")
-gap.set(xlabel="thickness / L", ylabel="mean gap / h_rms")
+area.set(xlabel="thickness $t/L$", ylabel="contact area $a_r$ (%)")
+gap.set(xlabel="thickness $t/L$", ylabel=r"mean gap $\langle g \rangle/h_\mathrm{rms}$")
 area.legend(title="base")
 fig.savefig("layer.png", dpi=200)

@@ -34,13 +34,13 @@ print(
     f"a_r = {100 * solution.a_r:.2f} % (edge-corrected {100 * solution.a_r_corrected:.2f} %),"
     f" {solution.observable('patches')}"
 )
-solution.plot("pressure").savefig("measured.png", dpi=200)
+solution.plot().savefig("measured.png")
 solution.save(
     "measured.h5", force=True
 )  # hpc-gfmd show, plot and export read it, and hpc_gfmd.load
 
 sizes = solution.distribution("patches")
 fig, ax = plt.subplots(figsize=(3.6, 3), layout="constrained")
-ax.stairs(sizes["density"] / 1e12, sizes["edges"] * 1e12)  # 1/um^2, um^2
-ax.set(xscale="log", yscale="log", xlabel="patch size (um^2)", ylabel="density (1/um^2)")
+ax.stairs(sizes["density"] / 1e12, sizes["edges"] * 1e12, baseline=None)  # 1/um^2, um^2
+ax.set(xscale="log", yscale="log", xlabel="patch size $A$ (µm$^2$)", ylabel="$P(A)$ (µm$^{-2}$)")
 fig.savefig("measured_patches.png", dpi=200)

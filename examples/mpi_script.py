@@ -44,4 +44,4 @@ for solution in solutions:
         )
 solutions.save("mpi_script.h5", force=True)
 if comm.rank == 0:
-    hpc_gfmd.load("mpi_script.h5")[0].plot().savefig("mpi_script.png", dpi=200)
+    hpc_gfmd.load("mpi_script.h5")[0].plot().savefig("mpi_script.png")

@@ -19,7 +19,7 @@ def load_share(solution, shares):
     return np.interp(shares, np.linspace(0, 1, len(carried)), carried)
 
 
-n = int(sys.argv[1]) if sys.argv[1:] else 512
+n = int(sys.argv[1]) if sys.argv[1:] else 1024
 wall = hpc_gfmd.make_surface(
     "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1
 )
@@ -29,7 +29,7 @@ for solution in hpc_gfmd.solve(wall, p_star=[0.01, 0.1, 1.0]):
     ax.plot(
         100 * shares,
         100 * load_share(solution, shares),
-        label=f"p* = {solution.p_star:.2g}, a_r = {100 * solution.a_r:.0f} %",
+        label=f"$p^*$ = {solution.p_star:.2g}, $a_r$ = {100 * solution.a_r:.0f} %",
     )
     print(
         f"p* = {solution.p_star:.3g}: a tenth of the contact carries"

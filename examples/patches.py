@@ -8,7 +8,7 @@ import numpy as np
 
 import hpc_gfmd
 
-n = int(sys.argv[1]) if sys.argv[1:] else 512
+n = int(sys.argv[1]) if sys.argv[1:] else 1024
 wall = hpc_gfmd.make_surface(
     "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1
 )
@@ -19,12 +19,11 @@ fig, axes = plt.subplots(2, 2, figsize=(7.2, 6.4), layout="constrained")
 for k, (ax, solution) in enumerate(zip(maps, solutions)):
     patches, largest = solution.observable("patches"), solution.observable("patch_largest")
     percolates = solution.observable("percolation")
-    ax.imshow(solution.contact.T, origin="lower", extent=(0, 1, 0, 1), cmap="Greys")
-    ax.set(title=f"a_r = {100 * solution.a_r:.1f} %\n{patches} patches", xlabel="x / L")
+    solution.plot("contact", ax=ax)
+    ax.set_title(f"$a_r$ = {100 * solution.a_r:.1f} %, {patches} patches", loc="left")
     spread = solution.distribution("patches")
-    sizes.stairs(
-        spread["density"], spread["edges"], color=f"C{k}", label=f"p* = {solution.p_star:.2g}"
-    )
+    label = f"$p^*$ = {solution.p_star:.2g}"
+    sizes.stairs(spread["density"], spread["edges"], baseline=None, color=f"C{k}", label=label)
     print(
         f"p* = {solution.p_star:.3g}: largest {largest:.3g} L^2, perimeter"
         f" {solution.observable('perimeter'):.3g} L, contact percolates along x:"
@@ -36,8 +35,8 @@ sizes.plot(
     3 * spread["density"][0] * (a / a[0]) ** -(2 - 0.8 / 2),
     "0.4",
     linewidth=0.8,
-    label="a^-(2 - H/2)",
+    label="$A^{-(2 - H/2)}$",
 )
-sizes.set(xscale="log", yscale="log", xlabel="patch size / L^2", ylabel="density")
+sizes.set(xscale="log", yscale="log", xlabel="patch size $A/L^2$", ylabel="$P(A) L^2$")
 sizes.legend()
 fig.savefig("patches.png", dpi=200)

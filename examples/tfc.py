@@ -13,7 +13,7 @@ import numpy as np
 import hpc_gfmd
 from hpc_gfmd.theory import tfc
 
-n = int(sys.argv[1]) if sys.argv[1:] else 1024
+n = int(sys.argv[1]) if sys.argv[1:] else 4096
 points = [2, 4, 8]  # lam_s/a, on the same wall
 p_star, ratio = 0.00707, n // 16
 found = []
@@ -42,7 +42,7 @@ limits = [
     for one, eps in zip(found, eps_c)
 ]  # (value, its uncertainty, the terms); fitted around eps_f = 1/1024
 
-fig, ax = plt.subplots(figsize=(3.6, 3), layout="constrained")
+fig, ax = plt.subplots(figsize=(3.6, 3.6), layout="constrained")
 ax.plot(eps_c, [one.kappa for one in found], "o-", label="as counted")
 ax.plot(eps_c, [one.observable("kappa_corrected") for one in found], "s-", label="edge-corrected")
 ax.errorbar(
@@ -52,6 +52,6 @@ ax.errorbar(
     fmt="^-",
     label="taken to the TFC limit",
 )
-ax.set(xlabel="eps_c = a / lam_s", ylabel="kappa = a_r / p*", xlim=(0, 0.55), ylim=(1.5, 2.9))
-ax.legend()
+ax.set(xlabel=r"$\epsilon_c = a/\lambda_s$", ylabel=r"$\kappa = a_r/p^*$", xlim=(0, 0.55))
+fig.legend(loc="outside upper center")
 fig.savefig("tfc.png", dpi=200)

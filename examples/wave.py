@@ -31,12 +31,17 @@ for k, solution in enumerate(solutions[1:6:2]):
         label=f"{solution.p / p_full:.2g}",
     )
     profile.plot(x, exact.pressure(x - L / 2) / p_full, "0.4", linewidth=0.8)
-curve.plot(pressures / p_full, solutions.values("a_r"), "o", label="contact area")
-curve.plot(pressures / p_full, solutions.values("gap_mean") / A, "s", label="mean gap / A")
+curve.plot(pressures / p_full, solutions.values("a_r"), "o", label="contact area $a_r$")
+curve.plot(
+    pressures / p_full,
+    solutions.values("gap_mean") / A,
+    "s",
+    label=r"mean gap $\langle g \rangle/A$",
+)
 for exact in (Westergaard(fine, A, L).a_r, Westergaard(fine, A, L).gap_mean / A):
     curve.plot(fine / p_full, exact, "0.4", linewidth=0.8)
-profile.set(xlabel="x / L", ylabel="p / p_full", ylim=(-0.1, 2.6))
-curve.set(xlabel="mean pressure / p_full")
-profile.legend(title="mean pressure / p_full", ncols=3, markerscale=3)
+profile.set(xlabel="$x/L$", ylabel=r"$p/p_\mathrm{full}$", ylim=(-0.1, 2.6))
+curve.set(xlabel=r"mean pressure $p_0/p_\mathrm{full}$")
+profile.legend(title=r"mean pressure $p_0/p_\mathrm{full}$", ncols=3, markerscale=3)
 curve.legend()
 fig.savefig("wave.png", dpi=200)

@@ -18,11 +18,13 @@ __version__ = "1.0.0"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .runs.prepared import PreparedSurface, make_surface, read_surface
+    from .parallel.guard import on_rank_0
+    from .parallel.world import world
+    from .plotting import plot
+    from .runs.prepared import PreparedSurface, make_surface, prepare_surface, read_surface
     from .runs.simulation import RunResult
     from .runs.simulation import run_scene as run
-    from .runs.solution import Solution
-    from .runs.solutions import Interrupted, Solutions, load
+    from .runs.solution import Interrupted, Solution, Solutions, load
     from .runs.solve import solve
     from .theory import reference
     from .util.errors import GfmdError, NotConverged, SceneError
@@ -38,25 +40,33 @@ __all__ = [
     "Solutions",
     "load",
     "make_surface",
+    "on_rank_0",
+    "plot",
+    "prepare_surface",
     "read_surface",
     "reference",
     "run",
     "solve",
+    "world",
 ]
 _PLACES = {
     "GfmdError": "util.errors",
-    "Interrupted": "runs.solutions",
+    "Interrupted": "runs.solution",
     "NotConverged": "util.errors",
     "PreparedSurface": "runs.prepared",
     "RunResult": "runs.simulation",
     "SceneError": "util.errors",
     "Solution": "runs.solution",
-    "Solutions": "runs.solutions",
-    "load": "runs.solutions",
+    "Solutions": "runs.solution",
+    "load": "runs.solution",
     "make_surface": "runs.prepared",
+    "on_rank_0": "parallel.guard",
+    "plot": "plotting",
+    "prepare_surface": "runs.prepared",
     "read_surface": "runs.prepared",
     "run": "runs.simulation:run_scene",
     "solve": "runs.solve",
+    "world": "parallel.world",
 }
 
 

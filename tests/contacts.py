@@ -6,7 +6,7 @@ import tomli_w
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.runs import composition
+from hpc_gfmd.runs import loads
 from hpc_gfmd.scene import Material, Scene, Solver
 from hpc_gfmd.surface import build_surface
 from hpc_gfmd.surface.build import surface_from_rows
@@ -41,7 +41,7 @@ def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver
             "output": {"observables": ["duality_gap"]} if duality else {},
         }
     )
-    return composition.sweep_of(
+    return loads.sweep_of(
         scene, lambda dtype: build_surface(scene.surface, comm or SerialComm(), dtype)
     )
 
@@ -73,7 +73,7 @@ def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):
 
 def field(step, name):
     """A field of a solved load as an array that the next load does not overwrite."""
-    return np.array(step.contact.field(name))
+    return np.array(step.field(name))
 
 
 def heights_of(surface):

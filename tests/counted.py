@@ -23,15 +23,17 @@ def contact_of(g, p=None, sizes=(1.0, 1.0), comm=None, h=None, units=(1.0, 1.0),
         slope=1.0,
         h_rms=0.3 * units[1],
         height_unit=units[1],
+        add_spectrum=None,
     )
-    outcome = SimpleNamespace(certificate=SimpleNamespace(contact=int(np.sum((g <= 0) & (p > 0)))))
+    certificate = SimpleNamespace(contact=int(np.sum((g <= 0) & (p > 0))))
     return Contact(
         surface,
         units[0],
         1.0,
         np.ascontiguousarray(g[mine]),
         np.ascontiguousarray(p[mine]),
-        outcome,
+        "converged",
+        certificate,
         1e-3,
     )
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..util.errors import SceneError
 from ..util.plugins import class_in, names_in
-from ..util.quantities import said
+from ..util.quantities import format_quantity
 
 if TYPE_CHECKING:
     from ..scene import Material
@@ -30,7 +30,7 @@ def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Bod
     wanted = material.thickness, material.nu1, material.base, tuple(free)
     bodies_ = [body for cls in body_classes().values() if (body := cls.of(*wanted)) is not None]
     if not bodies_:
-        thickness = said(material.thickness)
+        thickness = format_quantity(material.thickness or 0.0)
         raise SceneError(
             f"material.thickness: found {thickness} with a free boundary, allowed: with periodic"
             " boundaries"

@@ -28,14 +28,12 @@ from numpy.typing import DTypeLike
 
 from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
-from ..operators.multilevel import EQUIVALENCE, Multilevel
+from ..operators.multilevel import Multilevel
 from .error_estimates import (
     State,
     error_pattern,
-    gap_error,
+    estimate,
     misclassified_points,
-    off_edges,
-    pressure_error,
     relative_area,
 )
 
@@ -49,7 +47,7 @@ class Certificate:
     points over p0; complementarity: mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact -
     p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for; residual: rms of p out of contact
     over p0. errors: relative, estimated, of (area, mean gap, pressure field), nan if not asked for;
-    unseen: of the mean gap, what no iteration makes smaller.
+    attainable: of the mean gap and the pressure field, what no iteration makes smaller.
     energy: elastic energy per area, and approach: how far the bodies have come together since they
     touched, without any deformation, both in the problem's unit; a half-space that is periodic
     gives way to a uniform pressure without end: it has no approach (nan), nor, periodic along one
@@ -64,7 +62,7 @@ class Certificate:
     duality_gap: float | None = None
     residual: float = 0.0
     errors: tuple[float, float, float] = (np.nan, np.nan, np.nan)
-    unseen: float = 0.0
+    attainable: tuple[float, float] = (0.0, 0.0)
     energy: float = 0.0
     approach: float = np.nan
     uKu: float = 0.0
@@ -131,8 +129,8 @@ def certify(
     uniform = elastic.multipliers.uniform
     rest = 0.5 * p0 * problem.p_cell / uniform if uniform else 0.0
     with np.errstate(invalid="ignore", over="ignore"):
-        errors, unseen = (
-            (Certificate.errors, 0.0)
+        errors, attainable = (
+            (Certificate.errors, Certificate.attainable)
             if levels is None
             else _errors(problem, levels, g, p, sums, uKu)
         )
@@ -144,7 +142,7 @@ def certify(
             duality_gap=duality_gap,
             residual=float(np.sqrt(sums.open_pp / N) / p0),
             errors=errors,
-            unseen=unseen,
+            attainable=attainable,
             energy=float(0.5 * uKu / N + rest),
             uKu=float(uKu),
             approach=float(problem.p_cell / uniform - mean - level) if uniform else np.nan,
@@ -157,37 +155,34 @@ def certify(
 
 def _errors(
     problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, sums: KktSums, uKu: float
-) -> tuple[tuple[float, float, float], float]:
-    """Relative errors of area, mean gap and pressure field, and `unseen`; sums: KktSums of all
-    ranks."""
-    grid, N, p0 = problem.grid, problem.grid.N, float(problem.p0)
-    contact, gap, closed_pp = sums.contact, sums.gap, sums.closed_pp
-    if not (contact > 0 and np.isfinite([sums.open_pp, closed_pp, gap, uKu]).all()):
-        return (np.inf, np.inf, np.inf), 0.0
-    compliance = 1.0 / problem.body.scale(grid)
-    closed_p = N * p0 - sums.open_p  # K u has no mean: a sum over the open points has no rounding
-    excess = -sums.open_p / closed_p  # p - p^ is p out of contact, and so much of it in contact
-    levels.restrict(g, p, excess)
+) -> tuple[tuple[float, float, float], tuple[float, float]]:
+    """Relative errors of area, mean gap and pressure field, and what no iteration makes smaller of
+    the last two; sums: KktSums of all ranks."""
+    grid, contact = problem.grid, sums.contact
+    levels.restrict(g, p)
     rr, tt, rt, _, ts, rs = grid.comm.sum(levels.sweep()[2:])
-    share = contact / N
-    energy = EQUIVALENCE * compliance * (sums.open_pp + excess**2 * closed_pp + rr)
-    norm, product = levels.response(contact, tt, ts, excess * closed_p + rt, rs, 0.0)
-    response, aligned = np.sqrt(compliance * norm) / share, compliance * product / share
-    inner = off_edges(grid, g, response, contact)
-    state = State(np.sqrt(energy), np.sqrt(max(uKu, 0.0)), p0, contact, N, problem, inner)
-    mean_gap, unseen = gap_error(state, gap, response, aligned)
-    pressure = pressure_error(state, 1.0 / problem.body.typical(grid), closed_pp)
-
-    pattern = error_pattern(sums.open_p, sums.open_pp, sums.open_p4, contact, N)
-    wrong = misclassified_points(problem, g, p, compliance, pressure**2 * closed_pp, pattern)
-    if contact == N and wrong == 0:
-        mean_gap = unseen = 0.0  # nothing is open, nor could be
-    pressure = np.hypot(pressure, unseen_error(problem, contact, np.sqrt(closed_pp / contact)))
-    return (relative_area(wrong, contact), float(mean_gap), float(pressure)), float(unseen)
-
-
-def unseen_error(problem: Problem, contact: float, p_rms: float) -> float:
-    """Relative error of the pressure field from S and from storing heights and pressures in the
-    working precision; p_rms: of those in contact."""
-    stored = float(np.finfo(problem.dtype).eps)
-    return float(np.linalg.norm([problem.rounding / p_rms, stored, problem.body.error]))
+    found = estimate(
+        problem,
+        levels,
+        State(
+            float(problem.p0),
+            sums.open_p,
+            sums.open_pp,
+            sums.closed_pp,
+            contact,
+            sums.gap,
+            uKu,
+            rr,
+            tt,
+            rt,
+            ts,
+            rs,
+        ),
+    )
+    if not np.isfinite(found.squares):
+        return (np.inf, np.inf, np.inf), (0.0, 0.0)
+    pattern = error_pattern(sums.open_p, sums.open_pp, sums.open_p4, contact, grid.N)
+    wrong = misclassified_points(problem, g, p, found.squares, pattern)
+    # the one point that may be open is a gap that is not known
+    gap = found.gap if wrong == 0 or contact < grid.N else np.inf
+    return (relative_area(wrong, contact), gap, found.pressure), found.attainable

@@ -1,4 +1,4 @@
-"""What a solve has to reach, and what it came to."""
+"""What a solve has to reach."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import DTypeLike
-
-from .certificate import Certificate
 
 
 @dataclass(frozen=True)
@@ -30,18 +28,3 @@ class Target:
     def tolerance(self) -> float:
         """The accuracy, or else the residual."""
         return self.accuracy or self.residual or 0.0
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """status: converged, stagnated, max_iterations, nonfinite, interrupted; check_pairs: FFT pairs
-    that certificates took."""
-
-    status: str
-    certificate: Certificate
-    check_pairs: float
-
-    @property
-    def errors(self) -> tuple[float, float, float]:
-        """Estimated relative errors of (area, mean gap, pressure)."""
-        return self.certificate.errors

@@ -33,12 +33,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain
+from ..operators.multilevel import EQUIVALENCE
 from ..operators.problem import ROUNDING
 from ..parallel.halo import next_row
 
 if TYPE_CHECKING:
+    from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
-    from ..parallel.grid import Grid
 
 # The error of the pressure over the bound with the compliance in place of 1/K_max; more on small
 # grids, by TINY over the root of their points, and with few points in contact, by LONE over their
@@ -48,7 +49,6 @@ PRESSURE, TINY, LONE = 0.55, 5.0, 1.0
 # (0.04 was seen)
 LOADED = 0.05
 CORNER = 0.3  # of the norm of that error: where the last points are open (0.22 was seen)
-MOST = 0.5  # share of the surface in contact from which on it counts whether all of its edges are
 # times the root of m: the compliance of m points with contact all around them, 8/(3 pi^1.5) for a
 # disc; of one it is 1
 POCKET = 0.5
@@ -77,67 +77,81 @@ SURE = (
 
 
 class State(NamedTuple):
-    """What is known of a state. e: |e|_K = sqrt(2 G), how far the solution is; norm: |u|_K; p0:
-    mean pressure; contact: points in contact; N: all points; inner: |v|_S^2 of the open points
-    alone, where none of them is at an edge, else inf."""
+    """Sums over all points, and all ranks, of a state at the mean pressure p0.
 
-    e: float
-    norm: float
-    p0: float
-    contact: float
-    N: int
-    problem: Problem
-    inner: float
-
-
-def gap_error(state: State, gap: float, response: float, aligned: float) -> tuple[float, float]:
-    """Relative error of the mean gap, and of it what no iteration makes smaller, from S and from
-    rounding.
-
-    gap: sum over all points; response: |v|_S, aligned: <v, S (p - p^)>, both by sums over levels.
-    Rounding errors of the working precision are those of the heights, which are independent from
-    point to point, and of the pressure, as a load that is wrong by as much.
+    open_p, open_pp: of p and p^2 out of contact; closed_pp: of p^2 in contact; contact: points;
+    uKu: <u, K u>; rr, tt, rt, ts, rs: what Multilevel.sweep returns of p out of contact.
     """
-    e, p0, problem = state.e, state.p0, state.problem
-    eps, points_open = ROUNDING * float(np.finfo(problem.dtype).eps), state.N - state.contact
-    shift = min(
-        e * ((state.norm + e) / p0 + problem.self_energy),
-        UNKNOWN * response * e + ALIGNED * abs(aligned),
+
+    p0: float
+    open_p: float
+    open_pp: float
+    closed_pp: float
+    contact: float
+    gap: float
+    uKu: float
+    rr: float
+    tt: float
+    rt: float
+    ts: float
+    rs: float
+
+
+class Estimate(NamedTuple):
+    """Relative errors of the mean gap and of the pressure field; attainable: of both, where most of
+    it is what no iteration makes smaller, that part, else 0; squares: of the pressure's error,
+    summed over points; shift: of the sum of gaps, by the load that is missing or misplaced."""
+
+    gap: float = np.inf
+    pressure: float = np.inf
+    attainable: tuple[float, float] = (0.0, 0.0)
+    squares: float = np.inf
+    shift: float = np.nan
+
+
+def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
+    """The Estimate of a state, for solver and certificate alike.
+
+    p^ is the pressure in contact, more by as much at each point as makes up for what is left out of
+    contact. Rounding errors of the working precision are those of the heights, which are
+    independent from point to point, and those of the pressure, as a load that is wrong by as much.
+    """
+    p0, N, body = state.p0, problem.grid.N, problem.body
+    contact, gap, closed_pp = state.contact, state.gap, state.closed_pp
+    if not (contact > 0 and closed_pp > 0 and np.isfinite([state.open_pp, gap, state.uKu]).all()):
+        return Estimate()
+    compliance, share = 1.0 / body.scale(problem.grid), contact / N
+    residual, test, product = levels.test_products(
+        state.open_p, state.open_pp, contact, *state[-5:]
     )
-    wide = np.sqrt(points_open)
-    last = CORNER * np.sqrt(state.N) * wide * max(1, POCKET * wide)
-    many = state.N / problem.body.scale(problem.grid)
-    unseen = problem.body.error * p0 * min(LOADED * (response**2 + many), state.inner, last)
-    unseen += eps * (p0 * response**2 + gap) + problem.rounding * points_open
-    return _relative(shift + unseen, gap), _relative(unseen, gap)
+    e, response = np.sqrt(EQUIVALENCE * compliance * residual), np.sqrt(compliance * test) / share
+    squares = (PRESSURE * (1 + TINY / np.sqrt(N) + LONE / contact) * e) ** 2 * body.typical(
+        problem.grid
+    )
 
-
-def off_edges(grid: Grid, g: np.ndarray, response: float, contact: float) -> float:
-    """State.inner. Collective."""
-    if not grid.padded or contact < MOST * grid.N:
-        return np.inf
-    (rows, points), start = grid.inside, grid.nominal_rows[0]
-    along_y, along_x = (m != n for m, n in zip(grid.nominal, grid.n))
-    ends = [
-        g[i, :points]
-        for i in {0, rows - 1}
-        if along_y and rows and start + i in (0, grid.nominal[0] - 1)
-    ]
-    ends += [g[:rows, 0], g[:rows, points - 1]] if along_x else []
-    if grid.comm.max([any((x > 0).any() for x in ends)])[0]:
-        return np.inf
-    return response**2
+    eps = ROUNDING * float(np.finfo(problem.dtype).eps)
+    relative = float(np.sqrt(squares / closed_pp))
+    floor = float(
+        np.linalg.norm([problem.rounding / np.sqrt(closed_pp / contact), eps, body.error])
+    )
+    pressure, floor = float(np.hypot(relative, floor)), floor if relative < floor else 0.0
+    if contact == N:  # nothing is open
+        return Estimate(0.0, pressure, (0.0, floor), squares, 0.0)
+    shift = compliance * product / share
+    norm = np.sqrt(max(state.uKu, 0.0))
+    wrong = min(
+        e * ((norm + e) / p0 + problem.self_energy), UNKNOWN * response * e + ALIGNED * abs(shift)
+    )
+    wide = np.sqrt(N - contact)
+    last = CORNER * np.sqrt(N) * wide * max(1, POCKET * wide)
+    least = body.error * p0 * min(LOADED * (response**2 + compliance * N), last)
+    least += eps * (p0 * response**2 + gap) + problem.rounding * (N - contact)
+    attainable = _relative(least, gap) if wrong < least else 0.0, floor
+    return Estimate(_relative(wrong + least, gap), pressure, attainable, squares, shift)
 
 
 def _relative(shift: float, gap: float) -> float:
     return float(shift / (gap - shift)) if shift < gap else (0.0 if shift == 0 else np.inf)
-
-
-def pressure_error(state: State, compliance: float, closed: float) -> float:
-    """Relative error of the pressure field (L2). compliance: 1/Body.typical; closed: sum of p^2
-    over the points in contact."""
-    share = PRESSURE * (1 + TINY / np.sqrt(state.N) + LONE / state.contact)
-    return float(share * state.e / np.sqrt(compliance * closed))
 
 
 class Pattern(NamedTuple):
@@ -160,13 +174,11 @@ def misclassified_points(
     problem: Problem,
     g: np.ndarray,
     p: np.ndarray,
-    compliance: float,
     squares: float,
     pattern: Pattern,
 ) -> float:
     """How many points may be in the wrong set, in contact or out of it; squares: sum of squares of
-    the error of the pressure, pattern: how it is spread; compliance: of the shortest wave.
-    Collective.
+    the error of the pressure, pattern: how it is spread. Collective.
 
     No more than it takes to use `squares` up, the easiest first. Of the points that are near few
     are in the wrong set if they differ; of those that are alike, as in ordered walls, all may be.
@@ -179,7 +191,7 @@ def misclassified_points(
     if largest <= 0:
         return 0.0
     bins = np.zeros((2, BINS))
-    grid = problem.grid
+    grid, compliance = problem.grid, 1.0 / problem.body.scale(problem.grid)
     below = next_row(
         grid.comm, g[: min(grid.inside[0], 1)], np.minimum(grid.starts, grid.nominal[0])
     )
@@ -221,6 +233,13 @@ def _alike(points: np.ndarray, takes: np.ndarray, squares: float) -> float:
     alike, spent = (np.convolve(x, octave)[PER_OCTAVE - 1 :] for x in (points, points * takes))
     easier = np.cumsum(points[::-1])[::-1]
     return float(alike[(alike > ALIKE * easier) & (spent <= squares)].max(initial=0.0))
+
+
+def full_contact_error(problem: Problem) -> float:
+    """Relative error of the pressure field where all points touch: of S and of storing heights and
+    pressures in the working precision."""
+    eps = ROUNDING * float(np.finfo(problem.dtype).eps)
+    return float(np.linalg.norm([problem.rounding / problem.p0, eps, problem.body.error]))
 
 
 def relative_area(wrong: float, contact: float) -> float:

@@ -82,72 +82,47 @@ def compose(
     from ..scene import Scene
     from ..scene.load import apply_override
     from ..scene.surface import KINDS
-    from ..scene.template import template
+    from ..scene.template import Suggestion, template
 
     tables: dict[str, Any] = {}
     for override in overrides:
         apply_override(tables, override)
-    given = {
-        f"{table}.{key}": value
-        for table, keys in tables.items()
-        if isinstance(keys, dict)
-        for key, value in keys.items()
+    tables = {
+        name: keys for name, keys in tables.items() if name == "title" or isinstance(keys, dict)
     }
-    said, why, missing, about, head = (
-        {},
-        {},
-        [],
-        [],
-        [f"hpc-gfmd run {path.name}. Lines that begin with # show defaults and examples."],
-    )
     if what in KINDS and what != "file":
-        kind = what
+        kind, found = what, Suggestion()
     elif Path(what).is_file():
-        kind, (found, values) = "file", _of_map(what, path, given)
-        given = (
-            {"title": Path(what).name}
-            | given
-            | {f"surface.{key}": value for key, value in values.items()}
-        )
-        said, why = (
-            {f"surface.{key}": value for key, value in part.items()}
-            for part in (found.said, found.why)
-        )
-        missing = found.missing
-        about = [f"{what}: {line}" for line in found.about]
-        from ..surface.quality import NO_MODULUS
-
-        if found.unit and not any(key.startswith("material.") for key in given):
-            about.append(f"{what}: {NO_MODULUS}")
+        kind, found = "file", _of_map(what, path, tables)
+        tables = {"title": Path(what).name} | tables
     else:
         kinds = ", ".join(kind for kind in KINDS if kind != "file")
         raise SceneError(
             f"init: found {what}, allowed: a kind of surface ({kinds}) or the path of a height map"
         )
-    text = template(kind, given, said, why, [*head, *about])
-    if not missing:
+    head = f"hpc-gfmd run {path.name}. Lines that begin with # show defaults and examples."
+    text = template(kind, tables, found, head)
+    if not found.missing:
         data = tomllib.loads(text)
         for override in overrides:
             apply_override(data, override)  # a key that no scene has is in no template
         Scene.from_dict(data, "init", path.parent)
-    return text, missing, about
+    return text, found.missing, found.about
 
 
-def _of_map(what: str, path: Path, given: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """(Suggestion, values of [surface]) for a height map; its path counts from the folder of the
-    scene."""
+def _of_map(what: str, path: Path, tables: dict[str, Any]) -> Any:
+    """The Suggestion for a height map; its path counts from the folder of the scene."""
     from ..scene import Scene
+    from ..surface.quality import NO_MODULUS
     from ..surface.suggest import suggestion
-
-    chosen = {
-        key.removeprefix("surface."): value
-        for key, value in given.items()
-        if key.startswith("surface.")
-    }
 
     def make(values: dict[str, Any]) -> Any:
         surface = {"kind": "file", "path": os.path.abspath(what)} | values
         return Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}}, "init").surface
 
-    found = suggestion(make, chosen)
-    return found, {"path": os.path.relpath(what, path.parent)} | found.values
+    found = suggestion(make, tables.get("surface", {}))
+    found.values = {"path": os.path.relpath(what, path.parent)} | found.values
+    if found.unit and "material" not in tables:
+        found.about.append(NO_MODULUS)
+    found.about = [f"{what}: {line}" for line in found.about]
+    return found

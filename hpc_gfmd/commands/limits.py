@@ -5,7 +5,7 @@ from math import isfinite
 from typing import Any
 
 from ..output.read import Result
-from ..output.table import converged
+from ..output.summary import converged
 from ..theory import tfc
 from ..util.errors import SceneError
 

@@ -4,11 +4,12 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from ..output.read import read_result
-from ..output.table import converged
+from ..output.summary import converged
 from ..util.errors import GfmdError, SceneError
 
 WHAT = (
-    "maps, distributions, spectra, curves; one field: contact, pressure, gap, heights, displacement"
+    "maps, distributions, spectra, curves; one field: contact, pressure, gap, heights,"
+    " displacement; one curve: a_r, kappa, gap_mean, approach"
 )
 
 
@@ -52,7 +53,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
         metavar=("X0", "X1", "Y0", "Y1"),
         help='part of the cell that maps show, plain in the unit of its sizes or as "2um"',
     )
-    parser.add_argument("--dpi", type=int, help="dots per inch of maps and of .png (default: 200)")
+    parser.add_argument("--dpi", type=int, help="dots per inch of maps and of .png (default: 300)")
     parser.add_argument(
         "--dimensionless",
         action="store_true",

@@ -7,7 +7,8 @@ from math import isfinite
 from typing import Any
 
 from ..output.read import Result, read_result
-from ..output.table import surface_line, table
+from ..output.summary import surface_line
+from ..runs.table import table
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:

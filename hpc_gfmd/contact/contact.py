@@ -19,7 +19,6 @@ from ..util.errors import SceneError
 if TYPE_CHECKING:
     from ..bodies.base import Body
     from ..certificate.certificate import Certificate
-    from ..certificate.criterion import Outcome
     from ..operators.spectra import Spectra
     from ..operators.tangent import Tangent
     from ..parallel.clusters import Clusters
@@ -37,7 +36,7 @@ class Contact:
     Attributes
     ----------
     surface : Surface
-        The wall, and the grid it was solved on.
+        The rigid surface, and the grid it was solved on.
     E_star : float
         Effective modulus; pressures are in its unit.
     p_mean : float
@@ -45,16 +44,22 @@ class Contact:
     g, p : array, local slabs of the grid
         Gap and pressure of the solution, in the program's units (operators/problem.py); the next
         load of a sweep overwrites them.
-    outcome : Outcome
-        Status, certificate and errors.
+    status : str
+        "converged", "stagnated", "max_iterations", "nonfinite" or "interrupted".
+    certificate : Certificate
+        The independent check of this solution, with its errors.
     accuracy : float
         Relative, of what observables still have to solve for.
     lam_s : float or None
-        Shortest wavelength of the wall, where that is known.
+        Shortest wavelength of the surface, where that is known.
     body : Body
         What is pressed.
     remark : str or None
         On how the load was found, where it was not given.
+    iterations : int
+        On the fine grid.
+    pairs : float
+        FFT pairs of the solve, as many of the fine grid.
     """
 
     surface: Surface
@@ -62,16 +67,14 @@ class Contact:
     p_mean: float
     g: np.ndarray
     p: np.ndarray
-    outcome: Outcome
+    status: str
+    certificate: Certificate
     accuracy: float
     lam_s: float | None = None
     body: Body = HALF_SPACE
     remark: str | None = None
-
-    @property
-    def certificate(self) -> Certificate:
-        """The independent check of this solution."""
-        return self.outcome.certificate
+    iterations: int = 0
+    pairs: float = 0.0
 
     @property
     def N(self) -> int:
@@ -145,10 +148,10 @@ class Contact:
         if self.gap_is_rounding:
             precision = "single" if self.g.dtype == np.float32 else "double"
             return f"the gap is all rounding at this load in {precision} precision"
-        if self.accuracy < self.certificate.unseen < np.inf:
+        best = self.certificate.attainable[0]
+        if self.accuracy < best < np.inf:
             return (
-                f"the mean gap is known to {self.certificate.unseen:.1g} at best: rounding errors,"
-                " and of free edges"
+                f"the mean gap is known to {best:.1g} at best: rounding errors, and of free edges"
             )
         return None
 
@@ -185,9 +188,10 @@ class Contact:
         return Spectra(surface.grid, self.g.dtype, fields, units, surface.add_spectrum)
 
     @property
-    def pairs(self) -> float:
-        """FFT pairs that observables of this contact took so far."""
-        return sum(vars(self)[name].pairs for name in ("tangent", "spectra") if name in vars(self))
+    def fft_pairs(self) -> float:
+        """Everything counted: `pairs`, and those of the observables that were asked for so far."""
+        asked = [vars(self)[name].pairs for name in ("tangent", "spectra") if name in vars(self)]
+        return self.pairs + sum(asked)
 
     @property
     def periodic(self) -> tuple[bool, bool]:
@@ -271,7 +275,7 @@ class Contact:
         It refers to the solver's own arrays: the next load of a sweep overwrites them.
 
         pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: u >= -h, positive away from
-        the wall. Raises SceneError for an unknown name.
+        the rigid surface. Raises SceneError for an unknown name.
         """
         if name not in FIELDS:
             raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")

@@ -1,7 +1,7 @@
 """Whether the contact percolates, and whether the gap does: an open channel for a fluid. True or
 false, along x and along y.
 
-Periodic walls have no edges to connect: a cluster percolates along x where it holds a closed way
+Periodic surfaces have no edges to connect: a cluster percolates along x where it holds a closed way
 that goes around the cell along x (wrapping, Newman and Ziff 2001), that is where it has no end
 along x if the cell is repeated. Reaching from one edge of the cell to the other (spanning) is
 neither needed nor enough. Points are connected where they share a side, as those of patches.py: a

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..certificate.certificate import Certificate, certify
-from ..certificate.criterion import Outcome, Target
+from ..certificate.criterion import Target
 from .load import GivenLoad
 
 if TYPE_CHECKING:
@@ -35,9 +35,6 @@ FLOOR = (
 )
 DRIFT = 0.01  # of the residual, relative: above, the solver goes on from the fresh pressure
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
-ATTAINED = (
-    1.5  # of the mean gap's error that no iteration makes smaller: there it is no use to go on
-)
 UNKNOWN = 1.0
 
 
@@ -70,9 +67,10 @@ def drive(
     watch: Watch | None = None,
     loop: LoopState | None = None,
     load: GivenLoad | None = None,
-) -> Outcome:
-    """Iterate. watch(iterations, progress), if given, is called after every step and returns a true
-    value to stop.
+) -> tuple[str, Certificate, float]:
+    """Iterate; returns the status of the load, see contact.Contact, its certificate, and the FFT
+    pairs that certificates took. watch(iterations, progress), if given, is called after every step
+    and returns a true value to stop.
 
     load: a search for it, where it is not given; loop: the LoopState of this load where its
     beginning was before a checkpoint, which is kept up to date. On return solver.p is the fresh
@@ -88,7 +86,7 @@ def drive(
             loop.begin_again(done)
             progress = solver.progress()
         measure = _measure(progress, target)
-        unknown = progress.estimates is None and target.residual is None
+        unknown = progress.estimate is None and target.residual is None
         falling = progress.residual if measure == UNKNOWN else measure
         if falling < IMPROVEMENT * loop.best:
             loop.best, loop.best_at = falling, done
@@ -103,17 +101,17 @@ def drive(
             solved = _left(target, certificate)
             left = max(solved, load.learn(solver, certificate))
             if left < 1:
-                return Outcome(_status(target, certificate), certificate, loop.checks)
+                return _status(target, certificate), certificate, loop.checks
             if not left < 1 and measure < loop.threshold:
                 error = certificate.errors[2] if target.residual is None else certificate.residual
                 loop.refusals = loop.refusals + 1 if not error < IMPROVEMENT * loop.refused else 0
                 if loop.refusals > REFUSALS:
-                    return Outcome("stagnated", certificate, loop.checks)
+                    return "stagnated", certificate, loop.checks
                 loop.threshold = AGAIN * measure / left if np.isfinite(left) else AGAIN * measure
                 loop.refused = min(error, loop.refused)
             if (
                 abs(progress.residual - certificate.residual) > DRIFT * certificate.residual
-                and progress.estimates is not None
+                and progress.estimate is not None
             ):
                 solver.refresh(certificate.uKu)
             else:
@@ -132,7 +130,7 @@ def drive(
             met = max(_left(target, certificate), load.learn(solver, certificate)) < 1
             if met and status not in ("nonfinite", "interrupted"):
                 status = _status(target, certificate)
-            return Outcome(status, certificate, loop.checks + certificate.pairs)
+            return status, certificate, loop.checks + certificate.pairs
         solver.step()
         progress = solver.progress()
 
@@ -162,12 +160,10 @@ def _measure(progress: Progress, target: Target) -> float:
     UNKNOWN without estimates."""
     if target.residual is not None:
         return progress.residual / target.residual
-    if progress.estimates is None:
+    if progress.estimate is None:
         return UNKNOWN
-    gap, pressure = progress.estimates
-    unseen = progress.unseen
-    gap = min(gap, 1.0)
-    return max((gap - unseen) / (_attainable(target, unseen) - unseen), pressure / target.tolerance)
+    gap, pressure, attainable, *_ = progress.estimate
+    return _beyond(target, (0.0, min(gap, 1.0), pressure), attainable)
 
 
 def _left(target: Target, certificate: Certificate) -> float:
@@ -176,17 +172,16 @@ def _left(target: Target, certificate: Certificate) -> float:
         return np.inf
     if target.residual is not None:
         return certificate.residual / target.residual
-    area, gap, pressure = certificate.errors
-    return max(
-        area / target.tolerance,
-        gap / _attainable(target, certificate.unseen),
-        pressure / target.tolerance,
-    )
+    return _beyond(target, certificate.errors, certificate.attainable)
 
 
-def _attainable(target: Target, unseen: float) -> float:
-    """The error of the mean gap that is asked for, or that can be had."""
-    return target.tolerance if unseen < target.tolerance else ATTAINED * unseen
+def _beyond(
+    target: Target, errors: tuple[float, float, float], attainable: tuple[float, float]
+) -> float:
+    """The largest over what is asked for of the errors that iterations make smaller."""
+    best = (0.0, *attainable)
+    left = [e for e, least in zip(errors, best, strict=True) if least < target.tolerance]
+    return max(left, default=0.0) / target.tolerance
 
 
 def _status(target: Target, certificate: Certificate) -> str:

@@ -84,9 +84,8 @@ class GivenLoad:
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
         """Whether the certificate may find the area as accurate as asked: a look at all points."""
-        return (
-            solver.expected_area(progress.estimates[1]) < accuracy if progress.estimates else True
-        )
+        found = progress.estimate
+        return found is None or solver.expected_area(found.squares) < accuracy
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
         """Learn what the certificate finds; returns what is missed, and its error, over the

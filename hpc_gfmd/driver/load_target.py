@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..util.errors import SceneError
-from ..util.quantities import like, said
+from ..util.quantities import format_quantity
 
 if TYPE_CHECKING:
     from ..surface import Surface
@@ -41,11 +41,13 @@ def load_targets(
     for value in values:
         allowed = None
         if quantity == "gap_mean" and not value < largest:
-            allowed = f"below {like(value, largest)}, where the highest peak touches"
+            allowed = f"below {format_quantity(largest, value)}, where the highest peak touches"
         elif 0 < value < resolution * largest:
-            allowed = f"above {like(value, resolution * largest)}, what rounding errors leave"
+            allowed = (
+                f"above {format_quantity(resolution * largest, value)}, what rounding errors leave"
+            )
         if allowed:
-            raise SceneError(f"load.{name}: found {said(value)}, allowed: {allowed}")
+            raise SceneError(f"load.{name}: found {format_quantity(value)}, allowed: {allowed}")
     return tuple(
         LoadTarget(quantity, float(value) * unit) if value else LoadTarget("a_r", 1.0)
         for value in values

@@ -107,7 +107,7 @@ class Decimation:
         ranks = np.flatnonzero(np.diff(starts)).tolist()
         comm = grid.comm.subcomm(ranks)
         coarse = (
-            Grid(n, grid.sizes, comm, grid.threads, np.append(starts[ranks], n[0]), (n_x, n_y))
+            Grid.kept(n, grid.sizes, comm, grid.threads, np.append(starts[ranks], n[0]), (n_x, n_y))
             if comm is not None
             else None
         )

@@ -1,18 +1,27 @@
-"""Where single precision is enough, and where the certificate has to be in double."""
+"""Where single precision is enough, and where the certificate has to be in double: what runs follow
+and plans read."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..operators.problem import ROUNDING
+from ..parallel.comm import SerialComm
+from ..surface import build_surface
+from ..surface.units import single_solves
+
 if TYPE_CHECKING:
     from ..certificate.criterion import Target
+    from ..scene import Scene
     from ..scene import Solver as Settings
 
 # the finest accuracy that is tried in single precision; below, points too close to tell spoil the
 # area
 SINGLE_ACCURACY = 2e-4
+COARSE = 512  # points along an axis, or wave numbers, that tell heights and slopes
 FEW_POINTS = 6  # points on the wrong side that single precision may have
 NOISE, NOISE_IN_TURN = (
     0.2,
@@ -33,6 +42,64 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     cannot give the area to an accuracy (None where a residual is asked for)."""
     expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
     return accuracy is not None and FEW_POINTS / expected > accuracy
+
+
+def too_little(settings: Settings, N: int, p_star: float) -> bool:
+    """Whether single precision is too little for a load on N points."""
+    return few_points(N, p_star, settings.accuracy) or not single_solves(p_star, N)
+
+
+def precisions(scene: Scene, n: tuple[int, int]) -> list[np.dtype | None]:
+    """The precision of each load, as far as it is known beforehand; None: the first one, unless
+    few points turn out to touch, or rounding errors to count. Once a load is in double precision
+    all others are."""
+    settings, found = scene.solver, first_precision(scene.solver)
+    out: list[np.dtype | None] = []
+    g_rms, h_rms = known_heights(scene, n)
+    rounding = ROUNDING * float(np.finfo(np.float32).eps) * (h_rms or np.inf)
+    for p_star in known_p_stars(scene, g_rms):
+        if settings.precision == "auto" and found == np.float32:
+            if p_star is None:
+                out.append(None)
+                continue
+            if too_little(settings, math.prod(n), p_star):
+                found = np.dtype(np.float64)
+            elif rounding > counting(settings, p_star):
+                out.append(None)
+                continue
+        out.append(found)
+    return out
+
+
+def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
+    """p* of each load, as far as it is known beforehand."""
+    name, values = scene.load.given
+    if name == "p_star":
+        return list(values)
+    if name == "a_r":
+        return [value / 2 for value in values]
+    if scene.load.found or not g_rms:
+        return [None] * len(values)
+    unit = scene.material.E_star * g_rms
+    area = math.prod(scene.surface.physical_sizes or ())
+    return [p / unit for p in scene.load.p0(unit, 1.0, area)]
+
+
+def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float | None]:
+    """g_rms, and h_rms over g_rms times the grid spacing, of a surface of n points, as far as they
+    are known beforehand: from the spectrum, or a coarse grid; None of a map."""
+    surface = scene.surface
+    if surface.kind == "file":
+        return None, None
+    if surface.kind != "self-affine":
+        coarse = surface.model_copy(update={"n": tuple(min(k, COARSE) for k in surface.n or ())})
+        made = build_surface(coarse, SerialComm(), np.float64)
+        a = math.sqrt(math.prod(surface.physical_sizes) / math.prod(n))
+        return made.g_rms, made.h_rms / (made.g_rms * a) if made.g_rms else None
+    longest = surface.lam_l_over_lam_s * surface.lam_s_over_a / (2 * np.pi)
+    q = np.geomspace(1, max(surface.lam_l_over_lam_s, 1 + 1e-9), COARSE)
+    squares, slopes = (np.trapezoid(q ** (k - 2 * surface.hurst), q) for k in (-1, 1))
+    return surface.g_rms, longest * math.sqrt(squares / slopes)
 
 
 def counting(asked: Target | Settings, p_star: float) -> float:

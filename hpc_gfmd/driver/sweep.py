@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..bodies.halfspace import HALF_SPACE
-from ..certificate.certificate import Certificate, certify, unseen_error
-from ..certificate.criterion import Outcome, Target
+from ..certificate.certificate import Certificate, certify
+from ..certificate.criterion import Target
+from ..certificate.error_estimates import full_contact_error
 from ..contact.contact import Contact
 from ..operators.problem import Problem
 from ..parallel import interrupt
@@ -26,7 +27,7 @@ from .load_quantities import OpeningSearch, restored, search_for
 from .load_search import LoadSearch
 from .load_target import LoadTarget, load_targets
 from .nested import Nested, cold_gap
-from .precision import NOISE, counting, few_points, first_precision
+from .precision import NOISE, counting, few_points, first_precision, too_little
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
@@ -55,23 +56,7 @@ OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
 
 def _needs_double(contact: Contact) -> bool:
     """Whether single precision turned out to be too little for a load."""
-    return contact.outcome.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
-
-
-@dataclass(frozen=True)
-class Step:
-    """A solved load. contact: its fields; iterations on the fine grid; pairs: FFT pairs of the
-    solve, in fine-grid pairs."""
-
-    contact: Contact
-    iterations: int
-    pairs: float
-
-    @property
-    def fft_pairs(self) -> float:
-        """Everything counted, in fine-grid pairs: the solve, and the observables that were asked
-        for so far."""
-        return self.pairs + self.contact.pairs
+    return contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
 
 
 class Sweep:
@@ -139,7 +124,7 @@ class Sweep:
 
     def solve(
         self, load: float | LoadTarget, watch: Watch | None = None, midway: bool = False
-    ) -> Step:
+    ) -> Contact:
         """The contact at a load: a mean pressure (unit of E_star), or LoadTarget.
 
         watch(iterations, progress) is called after every iteration, a true value stops. midway: go
@@ -156,14 +141,15 @@ class Sweep:
         if promote and not midway and self._too_little():
             self._set_precision(np.float64)
             promote = False
-        step = self._solve(watch, midway, promote)
-        if promote and (step is None or _needs_double(step.contact)):
+        contact = self._solve(watch, midway, promote)
+        if promote and (contact is None or _needs_double(contact)):
+            self._spent = self._spent if contact is None else contact.fft_pairs
+            contact = None  # its fields make room
             self._set_precision(np.float64)
-            self._spent = self._spent if step is None else step.fft_pairs
-            step = self._solve(watch, False)
-        assert step is not None  # without `promote` there is one
-        self._failed = step.contact.outcome.status not in ("converged", "interrupted")
-        return step
+            contact = self._solve(watch, False)
+        assert contact is not None  # without `promote` there is one
+        self._failed = contact.status not in ("converged", "interrupted")
+        return contact
 
     def _forget_failure(self) -> None:
         """After a load that failed the next one starts afresh."""
@@ -189,17 +175,14 @@ class Sweep:
                     LoadTarget("a_r", 1.0), lambda *_: interrupt.check(self.surface.grid.comm)
                 )
                 self._spent = closed.pairs
-                closes_at = closed.contact.p_mean / closed.contact.pressure_unit
+                closes_at = closed.p_mean / closed.pressure_unit
                 target = load.value / self.surface.slope
                 return OpeningSearch.below(closes_at, opens, target, known)
         return search_for(load, self.surface, known, self._history)
 
     def _too_little(self) -> bool:
         """Whether single precision is too little for the load."""
-        N, half_area = self.surface.grid.N, self._load.half_area
-        return few_points(N, half_area, self.settings.accuracy) or not single_solves(
-            self._load.p0, N
-        )
+        return too_little(self.settings, self.surface.grid.N, self._load.half_area)
 
     def state(
         self, upcoming: float | LoadTarget | None = None
@@ -273,7 +256,7 @@ class Sweep:
     def _p_star(self, load: float) -> float:
         return load / (self.E_star * self.surface.slope)
 
-    def _solve(self, watch: Watch | None, midway: bool, promote: bool = False) -> Step | None:
+    def _solve(self, watch: Watch | None, midway: bool, promote: bool = False) -> Contact | None:
         """promote: give None back where the search on coarser grids finds that single precision is
         too little."""
         unit = self.E_star * self.surface.slope
@@ -282,45 +265,51 @@ class Sweep:
             full, pairs = self._full_contact(problem)
             self._spent += pairs
             if full is not None:
-                return self._step(self._load.p0 * unit, *full, iterations=0, pairs=self._spent)
+                return self._contact(self._load.p0 * unit, *full, pairs=self._spent)
             self._begin(problem)
             if promote and self._too_little():
                 return None
         solver = self.solver
-        outcome = drive(solver, self.target, watch, self.loop, self._load)
-        pairs = self._spent + (solver.pairs - self._first_pairs) + outcome.check_pairs
-        return self._step(solver.p0 * unit, solver.g, solver.p, outcome, solver.iterations, pairs)
+        status, certificate, pairs = drive(solver, self.target, watch, self.loop, self._load)
+        pairs = self._spent + (solver.pairs - self._first_pairs) + pairs
+        return self._contact(
+            solver.p0 * unit, solver.g, solver.p, status, certificate, solver.iterations, pairs
+        )
 
-    def _step(
+    def _contact(
         self,
         p_mean: float,
         g: np.ndarray,
         p: np.ndarray,
-        outcome: Outcome,
-        iterations: int,
-        pairs: float,
-    ) -> Step:
+        status: str,
+        certificate: Certificate,
+        iterations: int = 0,
+        pairs: float = 0.0,
+    ) -> Contact:
         contact = Contact(
             self.surface,
             self.E_star,
             p_mean,
             g,
             p,
-            outcome,
+            status,
+            certificate,
             self.settings.tolerance,
             self.lam_s,
             self.body,
             self._load.note,
+            iterations,
+            float(pairs),
         )
-        if outcome.status == "converged":
+        if status == "converged":
             known = {
                 "x": float(np.log(p_mean / (self.E_star * self.surface.slope))),
                 "a_r": contact.contact_points / contact.N,
-                "gap_mean": outcome.certificate.gap_mean * self.surface.grid.a,
-                "approach": outcome.certificate.approach * self.surface.grid.a,
+                "gap_mean": certificate.gap_mean * self.surface.grid.a,
+                "approach": certificate.approach * self.surface.grid.a,
             }
             self._history = [*self._history[-1:], known]
-        return Step(contact, iterations, float(pairs))
+        return contact
 
     def _begin(
         self, problem: Problem, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None
@@ -438,16 +427,16 @@ class Sweep:
             step = type(self)(flat, self.settings, body=self.body).solve(
                 1.0, lambda *_: interrupt.check(surface.grid.comm)
             )
-            self._punch = step.contact.g
-            self._punch[:rows, :points] = step.contact.p[:rows, :points]
+            self._punch = step.g
+            self._punch[:rows, :points] = step.p[:rows, :points]
             self._spent += step.pairs
         return self._punch
 
     def _full_contact(
         self, problem: Problem
-    ) -> tuple[tuple[np.ndarray, np.ndarray, Outcome] | None, float]:
-        """Whether u = -h is the solution, which needs no iteration; (g, p, outcome) or None, and
-        the pairs spent on finding out."""
+    ) -> tuple[tuple[np.ndarray, np.ndarray, str, Certificate] | None, float]:
+        """Whether u = -h is the solution, which needs no iteration; (g, p, status, certificate) or
+        None, and the pairs spent on finding out."""
         pairs = 0.0
         if isinstance(self._load, LoadSearch | FullContact):
             return None, 0.0
@@ -462,18 +451,18 @@ class Sweep:
         pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
             return None, pairs
-        exact = replace(
-            certificate, errors=(0.0, 0.0, unseen_error(problem, certificate.contact, problem.p0))
-        )
-        return (g, p, Outcome("converged", exact, 0.0)), pairs
+        exact = replace(certificate, errors=(0.0, 0.0, full_contact_error(problem)))
+        return (g, p, "converged", exact), pairs
 
     def _set_precision(self, dtype: DTypeLike) -> None:
         """Make the surface in this precision and plan all transforms that its contacts need."""
         self.dtype = dtype = np.dtype(dtype)
-        self.solver = None
-        known = getattr(self, "surface", None)
+        self.solver = self.nested = None
+        before = self.__dict__.pop("surface", None)
+        known = before and before.checksum
+        del before  # with its transforms
         self.surface = self.make_surface(dtype)
-        if known is not None and known.checksum not in (None, self.surface.checksum):
+        if known not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
         self.__dict__.pop("_heights", None)
         if not self._is_flat:
@@ -495,17 +484,12 @@ class Sweep:
         """Whether all points touch at any load: at its end a flat surface is a punch."""
         return self.surface.g_rms == 0 and not self.surface.grid.padded
 
-    def _flat(self, p_mean: float) -> Step:
+    def _flat(self, p_mean: float) -> Contact:
         """A flat wall: full contact at any load, nothing to compute."""
         g = np.zeros_like(self.surface.h)
         certificate = Certificate(
             contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0
         )
-        return self._step(
-            p_mean,
-            g,
-            np.full_like(g, p_mean / self.E_star),
-            Outcome("converged", certificate, 0.0),
-            0,
-            0.0,
+        return self._contact(
+            p_mean, g, np.full_like(g, p_mean / self.E_star), "converged", certificate
         )

@@ -95,11 +95,11 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, inside, scratch):
 
 
 @kernel
-def update_state(state, x, s, excess, rows, coarse, edges, transfer, inside, scratch):
+def update_state(state, x, s, rows, coarse, edges, transfer, inside, scratch):
     """g += s d, p += s x, and everything that the next step needs of the new state = (g, p, d);
     returns UpdateSums. d begins with row i0, as x.
 
-    Restricts p on F and excess p on A, the indicator of A, and x on F to the coarser grid: coarse
+    Restricts p on F, the indicator of A, and x on F to the coarser grid: coarse
     (3, coarse rows + 2, m) with halo gets the rows that belong to this pass alone, edges (2, 3, m)
     the first and the last, which it shares. scratch: (6, n_y).
     """
@@ -129,7 +129,7 @@ def update_state(state, x, s, excess, rows, coarse, edges, transfer, inside, scr
         CONTACT += contact
         OPENING += opening
         CLOSING += closing
-        _gather_rows(g, p, x, excess, i0, i, end, f_x, inside, scratch)
+        _gather_rows(g, p, x, i0, i, end, f_x, inside, scratch)
         _scatter_row(scratch, 0, g.shape[1], K, ends, edges, coarse, transfer)
         i = end
     _scatter_row(scratch, 3, g.shape[1], ends[1], ends, edges, coarse, transfer)
@@ -181,8 +181,8 @@ def _update_rows(state, x, s, i0, start, end, inside):
 
 
 @inline
-def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows):
-    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F and excess p on A,
+def _gather_rows(g, p, x, i0, start, end, f_x, inside, rows):
+    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F,
     the indicator of A, x on F.
 
     A loop of its own, and rows of one array: with more pointers than this the compiler gives up on
@@ -199,7 +199,7 @@ def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows):
         for j in range(inner):
             t0 = one if (g[start, j] <= zero and p[start, j] > zero) else zero
             t1 = one if (g[k, j] <= zero and p[k, j] > zero) else zero
-            a0, a1 = (excess * t0 + (one - t0)) * p[start, j], (excess * t1 + (one - t1)) * p[k, j]
+            a0, a1 = (one - t0) * p[start, j], (one - t1) * p[k, j]
             b0, b1 = (one - t0) * x[start - i0, j], (one - t1) * x[k - i0, j]
             rows[0, j] = rows[3, j] + (one - f0) * a0 + (one - f1) * a1
             rows[1, j] = rows[4, j] + (one - f0) * t0 + (one - f1) * t1
@@ -224,7 +224,7 @@ def _gather_rows(g, p, x, excess, i0, start, end, f_x, inside, rows):
         inner = points_inside(i, inside)
         for j in range(inner):
             t = one if (g[i, j] <= zero and p[i, j] > zero) else zero
-            a = (excess * t + (one - t)) * p[i, j]
+            a = (one - t) * p[i, j]
             b = (one - t) * x[i - i0, j]
             rows[0, j] += (one - fi) * a
             rows[1, j] += (one - fi) * t

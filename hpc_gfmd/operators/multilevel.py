@@ -225,7 +225,6 @@ class Multilevel:
         x: np.ndarray,
         s: float,
         scratch: np.ndarray,
-        excess: float = 0.0,
     ) -> tuple[float, ...]:
         """Pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of the
         pass. Returns its UpdateSums as a plain tuple."""
@@ -234,7 +233,6 @@ class Multilevel:
             (g, p, d),
             x,
             s,
-            self.dtype.type(excess),
             self.passes[k],
             self.fields[0],
             edges,
@@ -281,8 +279,8 @@ class Multilevel:
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times
         N/N_1: M' is M without the finest level; of the sums over these levels of softness times <r,
         r>, <t, t> and <r, t>, r and t being p on F and the indicator of A restricted to the level,
-        times N/N_l; of the mean of p on F; and, where the surface ends, of the sums over these
-        levels of softness times <t, s> and <r, s>, s being 1 on the surface and 0 beyond.
+        times N/N_l; of the mean of p on F; and of the sums over these levels of softness times <t,
+        s> and <r, s>, s being 1 on the surface and 0 beyond.
         """
         if not self.passes:
             self.fields[0][...] = 0
@@ -317,37 +315,41 @@ class Multilevel:
         """z on this rank's rows of level k + 1, (1, rows, m), into all windows."""
         self.steps[k].windows.fill(self.comm, z, self.fields[k][:1])
 
-    def without_mean(self, squares: float, mean2: float) -> float:
-        """sum over levels of softness <r, t> for r and t less their means; squares: that of r and t
-        themselves, of all levels and ranks; mean2: product of the means."""
-        return float(squares - self.grid.cell_points * mean2 * np.sum(self.softness))
+    def test_products(
+        self,
+        open_p: float,
+        open_pp: float,
+        contact: float,
+        rr: float,
+        tt: float,
+        rt: float,
+        ts: float,
+        rs: float,
+    ) -> tuple[float, float, float]:
+        """|w|_S^2, share^2 |v|_S^2 and share <v, S w>, over the compliance of the shortest wave, by
+        sums over levels.
 
-    def response(
-        self, contact: float, tt: float, ts: float, rt: float, rs: float, mean: float
-    ) -> tuple[float, float]:
-        """share^2 |v|_S^2 and share <v, S r> over the compliance of the shortest wave, by sums over
-        levels: v = t/share - s is the test pressure of certificate/error_estimates.py, share that
-        of the surface in contact. contact: points; the others: sums over all ranks of what `sweep`
-        returned."""
-        share, norm = contact / self.grid.N, self.surface.norm
+        w = r - missing t is the pressure r that is out of contact less that load in contact; v =
+        t/share - s the test pressure of certificate/error_estimates.py, share that of the surface
+        in contact, s the indicator of the surface. contact: points; open_p, open_pp: sums of r and
+        r^2; the others as `sweep` returns them.
+        """
+        share, missing, norm = contact / self.grid.N, open_p / contact, self.surface.norm
         finest = contact * (1 - share)  # by itself: what is added may be rounding errors
-        if not self.grid.padded:
-            return finest + max(tt - share**2 * norm, 0.0), self.without_mean(rt, mean * share)
-        return finest + max(tt - 2 * share * ts + share**2 * norm, 0.0), rt - share * rs
+        residual = max(rr - 2 * missing * rt + missing**2 * tt, 0.0)
+        product = rt - share * (open_p + rs) - missing * (finest + tt - share * ts)
+        test = max(tt - 2 * share * ts + share**2 * norm, 0.0)
+        return open_pp + missing**2 * contact + residual, finest + test, product
 
-    def restrict(
-        self, g: np.ndarray, p: np.ndarray, excess: float, d: np.ndarray | None = None
-    ) -> UpdateSums:
+    def restrict(self, g: np.ndarray, p: np.ndarray, d: np.ndarray | None = None) -> UpdateSums:
         """From a state that no step has led to, what the update passes restrict; returns
-        UpdateSums, with <p, d> on F where there is a d. excess: see kernels/bpx.py."""
+        UpdateSums, with <p, d> on F where there is a d."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
         scratch = zeros_aligned((6, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
         none, nowhere = self.dtype.type(0), np.zeros(still.shape, half(self.dtype))
         sums = [
-            self.update_rows(
-                k, g, p, nowhere if d is None else d[i0:i1], still, none, scratch, excess
-            )
+            self.update_rows(k, g, p, nowhere if d is None else d[i0:i1], still, none, scratch)
             for k, (i0, i1) in enumerate(self.passes)
         ]
         return UpdateSums.total(sums)
@@ -362,10 +364,7 @@ class Multilevel:
         if not self.coarsest:
             self._hand_out(last, rows[:1])
             return (0.0,) * 8
-        r_s, t_s = (
-            self.surface.products_of_coarsest(field) if self.grid.padded else 0.0
-            for field in rows[:2]
-        )
+        r_s, t_s = (self.surface.products_of_coarsest(field) for field in rows[:2])
         if anew:
             self._find_mode(self.coarsest, rows[1])
         z, squares, mean = self.coarsest.sweep(rows[0], rows[1])

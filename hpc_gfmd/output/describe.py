@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 Attributes = Mapping[str, Any]
 
 SIGNS = (
-    "lengths count away from the wall: gap = displacement + initial gap >= 0, initial gap ="
-    " -heights; pressures push"
+    "lengths count away from the rigid surface: gap = displacement + initial gap >= 0, initial gap"
+    " = -heights; pressures push"
 )
 LENGTH, PRESSURE = (
     ("unit", "unit of physical_sizes"),
@@ -19,11 +19,14 @@ LENGTH, PRESSURE = (
 )  # attribute of the surface; or else
 FIELDS = {  # what it is measured in, long_name
     "pressure": (PRESSURE, "contact pressure, 0 where the gap is open"),
-    "gap": (LENGTH, "gap between the deformed surface and the wall, displacement + initial gap"),
-    "displacement": (LENGTH, "displacement of the elastic surface away from the wall"),
+    "gap": (
+        LENGTH,
+        "gap between the deformed surface and the rigid one, displacement + initial gap",
+    ),
+    "displacement": (LENGTH, "displacement of the elastic surface away from the rigid surface"),
     "heights": (
         LENGTH,
-        "heights of the rigid wall, peaks up, measured from the highest; initial gap = -heights",
+        "heights of the rigid surface, peaks up, measured from the highest; initial gap = -heights",
     ),
     "x": (LENGTH, "position along the first axis"),
     "y": (LENGTH, "position along the second axis"),

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -63,11 +63,12 @@ def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
     return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
 
+@lru_cache(maxsize=256)
 def axis_tables(
-    n: int, m: int, dtype: DTypeLike, start: int = 0, stop: int | None = None
+    n: int, m: int, dtype: np.dtype, start: int = 0, stop: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """J0 and f of the fine points start <= i < stop (default: all) of one axis (see
-    kernels/multilevel.py)."""
+    kernels/multilevel.py), not to be written to."""
     i = np.arange(start, n if stop is None else stop, dtype=np.int64)
     return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
 

@@ -11,8 +11,9 @@ sqrt(a_x a_y), so that |q| <= pi on a square grid whatever the physical size of 
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +25,10 @@ from .layout import row_starts
 
 if TYPE_CHECKING:
     from .comm import Comm
+
+
+KEPT = 16  # grids of one process that are kept for the next contact of their size
+SMALL = 2**24  # bytes of transforms below which making them anew costs more than keeping them
 
 
 class Grid:
@@ -55,6 +60,27 @@ class Grid:
         )
         self.nominal = self.n if nominal is None else (int(nominal[0]), int(nominal[1]))
         self._fft: dict[np.dtype, SlabFFT] = {}
+
+    @classmethod
+    def kept(
+        cls,
+        n: Sequence[int],
+        sizes: Sequence[float],
+        comm: Comm,
+        threads: int = 1,
+        starts: ArrayLike | None = None,
+        nominal: Sequence[int] | None = None,
+    ) -> Grid:
+        """The grid, with its transforms and tables, that this thread has used before where it is of
+        one process; otherwise a new one."""
+        if comm.size > 1 or comm.parent is not None:
+            return cls(n, sizes, comm, threads, starts, nominal)
+        ends = None if nominal is None else (int(nominal[0]), int(nominal[1]))
+        grid = _kept.grid((int(n[0]), int(n[1])), tuple(map(float, sizes)), threads, ends)
+        grid.comm = comm  # by which a request to stop knows its run
+        for fft in grid.planned():
+            fft.comm = comm
+        return grid
 
     @property
     def cell_points(self) -> int:
@@ -144,8 +170,10 @@ class Grid:
         return list(self._fft.values())
 
     def forget_fft(self, dtype: DTypeLike) -> None:
-        """Give back the memory of the transforms in one precision."""
-        self._fft.pop(np.dtype(dtype), None)
+        """Give back the memory of the transforms in one precision, if it is worth it."""
+        fft = self._fft.get(np.dtype(dtype))
+        if fft is not None and fft.blocks.nbytes > SMALL:
+            del self._fft[fft.dtype]
 
     def empty(self, dtype: DTypeLike) -> np.ndarray:
         """An uninitialised local slab."""
@@ -158,3 +186,19 @@ class Grid:
         weight = np.where(j < fft.edges[1:, None], self.multiplicity(j), 0)
         q_y = np.where(weight > 0, self.q_y[np.minimum(j, self.n[1] // 2)], 0.0)
         return q_y.astype(fft.dtype), weight.astype(fft.dtype)
+
+
+class _Kept(threading.local):
+    """The grids that a thread has used last: two threads never share scratch memory."""
+
+    def __init__(self) -> None:
+        from .comm import SerialComm
+
+        @lru_cache(maxsize=KEPT)
+        def grid(n: tuple, sizes: tuple[float, ...], threads: int, nominal: tuple | None) -> Grid:
+            return Grid(n, sizes, SerialComm(), threads, nominal=nominal)
+
+        self.grid = grid
+
+
+_kept = _Kept()

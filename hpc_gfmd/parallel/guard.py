@@ -33,8 +33,27 @@ def guarded(comm: Comm, doing: str) -> Iterator[None]:
 
 
 def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
-    """What work() gives on rank 0, for all ranks; where it fails, every rank leaves with its error,
-    as of `guarded`. Collective."""
+    """Call a function on rank 0 alone; every rank gets what it returns, or its error. Collective.
+
+    Parameters
+    ----------
+    comm
+        A communicator, as `world` gives it.
+    doing : str
+        What the message of an error begins with: "writing contact.h5".
+    work : function
+        Takes no arguments.
+
+    Returns
+    -------
+    object
+        What work() returns, broadcast.
+
+    Raises
+    ------
+    GfmdError
+        On every rank, as `guarded` does.
+    """
     found = None
     with guarded(comm, doing):
         if comm.rank == 0:

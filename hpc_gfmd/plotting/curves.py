@@ -1,138 +1,148 @@
 """Contact area, mean gap and what else was asked for over the load, with the theory of the
 surface."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
+from functools import partial
 from math import hypot, isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..output.table import converged
-from .drawn import Drawn
-from .style import COLOURS, THEORY, WARNING, WIDTH, legend_below, ticks
+from ..output.summary import converged
+from ..util.errors import SceneError
+from .context import FigureContext
+from .page import Page
+from .style import COLOURS, THEORY, WARNING, log_axis
+from .theories import Theory
 from .units import Scale, good
 
 COLUMNS = 3
+BEYOND = 2  # of the loads: how far the axis goes on
 
 
-def curves(fig: Any, drawn: Drawn) -> None:
-    """A panel for every quantity that the loads have. drawn: drawn.Drawn."""
-    steps = [step for step in (drawn.result.steps[k] for k in drawn.chosen) if good(step.get("p"))]
-    panels = [
-        panel
-        for panel in _panels(drawn, steps)
-        if any(good(step.get(key)) for step in steps for key, *_ in panel[1])
-    ]
-    columns = min(COLUMNS, max(1, len(panels)))
-    rows = max(1, -(-len(panels) // columns))
-    fig.set_size_inches(WIDTH, 2.35 * rows + 0.35)
-    axes = fig.subplots(rows, columns, squeeze=False)
-    x = drawn.units.pressures([step["p"] for step in steps])
-    for ax, (label, series, theory) in zip(axes.flat, panels, strict=False):
-        for key, error_keys, scale, colour, marker, name in series:
-            _points(ax, steps, x, key, error_keys, scale, colour, marker, name)
-        if theory is not None and steps:
-            _line(ax, steps, x, series[0][2], *theory)
-        _axes(ax, x, label)
-    for ax in axes.flat[len(panels) :]:
-        ax.set_axis_off()
-    legend_below(fig)
+class Quantity(NamedTuple):
+    """What a panel shows: a symbol, the keys of its relative errors in a load step, the name in
+    theories.Theory, whether it is measured in the unit of heights."""
+
+    symbol: str
+    errors: tuple[str, ...] = ()
+    theory: str = ""
+    length: bool = False
 
 
-def _panels(drawn: Drawn, steps: list[dict]) -> Iterator[Any]:
-    """(label, [(key, keys of its errors, scale, colour, marker, name)], (name, function of p) or
-    None) of every panel."""
-    theory: Any = drawn.theory
-    one = Scale(1.0)
-    heights = drawn.units.heights([step.get("gap_mean") for step in steps])
-    depths = drawn.units.heights([step.get("approach") for step in steps])
-    area = ("a_r_error", "a_r_discretisation")
+AREA = ("a_r_error", "a_r_discretisation")
+QUANTITIES = {
+    "a_r": Quantity("a_r", AREA, "area"),
+    "kappa": Quantity(r"\kappa = a_r/p^*", AREA),
+    "gap_mean": Quantity(r"\langle g \rangle", ("gap_error",), "gap", True),
+    "approach": Quantity(r"\delta", (), "approach", True),
+}
 
-    def of(name: str) -> Any:
-        function = theory and getattr(theory, name)
-        return (theory.name, function) if function else None
 
-    simulated = ("simulation (bars: solver and grid)", "edge-corrected")
-    yield "$a_r$", [("a_r", area, one, COLOURS[0], "o", simulated[0])], of("area")
-    if drawn.units.rough:
-        unit = next((step["p"] / step["p_star"] for step in steps if good(step.get("p_star"))), 1.0)
-        kappa = of("area") and (theory.name, lambda p: unit * theory.area(p) / p)
-        yield (
-            r"$\kappa = a_r/p^*$",
-            [
-                ("kappa", area, one, COLOURS[0], "o", simulated[0]),
-                ("kappa_corrected", (), one, COLOURS[1], "s", simulated[1]),
-            ],
-            kappa,
+def curves(contexts: Sequence[FigureContext], names: Sequence[str]) -> Page:
+    """A panel for each quantity that the loads have, of one result or of several together. Raises
+    SceneError where they are not measured in the same units."""
+    units = {(one.units.pressures([1.0]).name, one.units.heights([1.0]).name) for one in contexts}
+    if len(units) > 1:
+        raise SceneError(
+            "results: found different units, allowed: the same for all, or dimensionless = True"
         )
-    yield (
-        heights.label(r"\langle g \rangle"),
-        [("gap_mean", ("gap_error",), heights, COLOURS[0], "o", simulated[0])],
-        of("gap"),
-    )
-    yield (
-        depths.label(r"\delta"),
-        [("approach", (), depths, COLOURS[0], "o", simulated[0])],
-        of("approach"),
-    )
+    panels = [
+        partial(_panel, contexts=contexts, key=key)
+        for key in names
+        if any(good(step.get(key)) for one in contexts for step in _steps(one))
+        and (key != "kappa" or all(one.units.rough for one in contexts))
+    ]
+    columns = 2 if len(panels) == 4 else COLUMNS
+    return Page([panels[i : i + columns] for i in range(0, len(panels), columns)], height=2.2)
+
+
+def _steps(context: FigureContext) -> list[dict]:
+    return [step for step in context.steps if good(step.get("p"))]
+
+
+def _panel(ax: Any, contexts: Sequence[FigureContext], key: str) -> None:
+    quantity, units = QUANTITIES[key], contexts[0].units
+    every = [step for one in contexts for step in _steps(one)]
+    x = units.pressures([step["p"] for step in every])
+    y = units.heights([step.get(key) for step in every]) if quantity.length else Scale(1.0)
+    for k, context in enumerate(contexts):
+        x_k = context.units.pressures([]) if x.relative else x
+        y_k = context.units.heights([]) if y.relative else y
+        _result(ax, context, key, (x_k, y_k), COLOURS[k % len(COLOURS)], len(contexts) == 1)
+    p_star = x.relative and units.rough
+    ax.set_xlabel(r"$p^* = p_0/(E^* g_\mathrm{rms})$" if p_star else x.label("p_0"))
+    ax.set_ylabel(y.label(quantity.symbol))
+    log_axis(ax, "x")
+    _limits(ax)
+
+
+def _result(
+    ax: Any,
+    context: FigureContext,
+    key: str,
+    scales: tuple[Scale, Scale],
+    colour: str,
+    alone: bool,
+) -> None:
+    quantity, steps = QUANTITIES[key], _steps(context)
+    good_ones = [step for step in steps if converged(step)]
+    others = [step for step in steps if not converged(step)]
+    name = "simulation (bars: solver and grid)" if alone else context.name
+    how = {"color": colour, "marker": "o", "label": name}
+    _points(ax, good_ones, key, quantity.errors, scales, how)
+    if key == "kappa" and alone:
+        how = {"color": COLOURS[1], "marker": "s", "label": "edge-corrected"}
+        _points(ax, good_ones, "kappa_corrected", (), scales, how)
+    how = {"color": WARNING, "marker": "x", "label": "not converged"}
+    _points(ax, others, key, quantity.errors, scales, how)
+    loads, theory = [step["p"] for step in steps], context.theory
+    function = theory and _theory(theory, context.units.p_star, key)
+    if theory and function and loads:
+        p = np.geomspace(min(loads) / BEYOND, max(loads) * BEYOND, 80)
+        line = THEORY | ({} if alone else {"color": colour})
+        x, y = scales
+        ax.plot(p / x.unit, function(p) / y.unit, label=theory.name, zorder=1, **line)
+
+
+def _theory(theory: Theory, p_star: float | None, key: str) -> Callable | None:
+    """What theory says of a quantity, as a function of the pressure; p_star: the unit of p*."""
+    area = theory.area
+    if key == "kappa":
+        return (lambda p: p_star * area(p) / p) if area and p_star else None
+    return getattr(theory, QUANTITIES[key].theory)
 
 
 def _points(
     ax: Any,
     steps: list[dict],
-    scale_x: Scale,
-    key: Any,
-    error_keys: Any,
-    scale: Scale,
-    colour: str,
-    marker: str,
-    name: str,
+    key: str,
+    errors: tuple[str, ...],
+    scales: tuple[Scale, Scale],
+    how: dict[str, Any],
 ) -> None:
-    for good_ones in (True, False):
-        chosen = [
-            s
-            for s in steps
-            if isinstance(s.get(key), int | float)
-            and isfinite(s[key])
-            and converged(s) == good_ones
-        ]
-        if not chosen:
-            continue
-        x, y = np.array([[step["p"] / scale_x.unit, step[key] / scale.unit] for step in chosen]).T
-        relative = np.array(
-            [hypot(*(step.get(error) or 0.0 for error in error_keys)) for step in chosen]
-        )
-        how = {"color": colour, "marker": marker, "label": name}
-        if not good_ones:
-            how = {"color": WARNING, "marker": "x", "label": "not converged"}
-        bars = np.abs(y) * np.where(np.isfinite(relative), relative, 0) if error_keys else None
-        ax.errorbar(x, y, bars, linestyle="", capsize=1.5, elinewidth=0.8, **how)
+    steps = [s for s in steps if isinstance(s.get(key), int | float) and isfinite(s[key])]
+    if not steps:
+        return
+    x, y = np.array([[s["p"] / scales[0].unit, s[key] / scales[1].unit] for s in steps]).T
+    relative = np.array([hypot(*(s.get(error) or 0.0 for error in errors)) for s in steps])
+    bars = np.abs(y) * np.where(np.isfinite(relative), relative, 0)
+    ax.errorbar(x, y, bars if errors else None, linestyle="", capsize=1.5, elinewidth=0.8, **how)
 
 
-def _line(ax: Any, steps: list[dict], x: Any, scale: Scale, name: Any, function: Callable) -> None:
-    loads = [step["p"] for step in steps]
-    p = np.geomspace(min(loads) / 2, max(loads) * 2, 80)
-    low, high = ax.get_ylim()
-    shown = ax.dataLim.intervaly
-    ax.plot(p / x.unit, function(p) / scale.unit, label=name, zorder=1, **THEORY)
-    ax.set_ylim(min(low, shown[0] / 2), max(high, shown[1] * 2))
-
-
-def _axes(ax: Any, x: Any, y_label: str) -> None:
-    ax.set_xlabel(
-        x.label("p_0") if not x.relative or " " not in x.name else r"$p^* = p_0/(E^* \bar{g})$"
-    )
-    ax.set_ylabel(y_label)
-    ax.set_xscale("log")
-    ticks(ax.xaxis)
-    values = np.concatenate(
-        [line.get_ydata() for line in ax.get_lines() if line.get_linestyle() == "None"] or [[1.0]]
-    ).astype(float)
-    positive = values[values > 0]
-    if len(positive) and positive.max() > 10 * positive.min() and positive.min() == values.min():
-        ax.set_yscale("log")
-        ticks(ax.yaxis)
-        ax.set_ylim(positive.min() / 2.5, positive.max() * 2.5)
+def _limits(ax: Any) -> None:
+    """Frame what was computed: a theory may leave the panel, a load with its error may not."""
+    marks = [bar.lines[0].get_xydata() for bar in ax.containers]
+    tips = [
+        np.concatenate(segments.get_segments())
+        for bar in ax.containers
+        for segments in bar.lines[2]
+    ]
+    x, y = np.concatenate([*marks, *tips]).T
+    ax.set_xlim(x.min() / BEYOND, x.max() * BEYOND)
+    if y.min() > 0 and y.max() > 10 * y.min():
+        log_axis(ax, "y")
+        ax.set_ylim(y.min() / 2.5, y.max() * 2.5)
     else:
-        span = values.max() - min(values.min(), 0)
-        ax.set_ylim(min(0, values.min()), values.max() + 0.15 * (span or 1.0))
+        span = y.max() - min(y.min(), 0)
+        ax.set_ylim(min(0, y.min()), y.max() + 0.15 * (span or 1.0))

@@ -1,176 +1,128 @@
 """Distributions of pressure, gap and patch sizes, with what theory says of the pressure."""
 
+from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..output.table import converged
-from .drawn import Drawn
-from .style import COLOURS, THEORY, WIDTH, legend_below
-from .survey import density
+from .context import FigureContext
+from .page import Page
+from .style import COLOURS, THEORY, log_axis
+from .survey import histogram
+from .units import good, label
 
-BINS = 48  # of pressure
-HEIGHT = 3.0
-
-
-def distributions(fig: Any, drawn: Drawn) -> None:
-    """A panel for each of them that the result has, stored or in its fields. drawn: drawn.Drawn."""
-    there = set().union(*(_has(drawn, k) for k in range(len(drawn.chosen))))
-    panels = [panel for name, panel in PANELS.items() if name in there]
-    fig.set_size_inches(WIDTH, HEIGHT)
-    for ax, panel in zip(fig.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
-        panel(ax, drawn)
-    legend_below(fig)
+DECADES = 5  # of the gap, below the largest one; smaller ones are rounding
+NAMES = {  # symbol, density, title; how many of the smallest count a bin has at least
+    "pressure": ("p", "P(p)", "pressure in the contact", 4),
+    "gap": ("g", "P(g)", "gap outside", 4),
+    "patches": ("A", "P(A)", "contact patches", 1),
+}
 
 
-def stored(step: Any, name: str) -> bool:
-    """Whether a load step has a distribution of this name."""
-    return f"{name}_edges" in step
+def distributions(context: FigureContext) -> Page:
+    """A panel for each of them that the result has, stored or in its fields."""
+    names = [
+        name
+        for name in NAMES
+        if any(has_distribution(context.result, k, name) for k in context.chosen)
+    ]
+    return Page([[partial(_panel, context=context, name=name) for name in names]], height=2.45)
 
 
-def _has(drawn: Drawn, k: int) -> set[str]:
-    step, fields = drawn.result.steps[drawn.chosen[k]], drawn.result.fields[drawn.chosen[k]]
-    return {name for name in PANELS if stored(step, name) or (name in fields)}
+def has_distribution(result: Any, k: int, name: str) -> bool:
+    """Whether the k-th load step has a distribution of this name, or the field for it."""
+    return f"{name}_edges" in result.steps[k] or name in result.fields[k]
 
 
-def _of(drawn: Drawn, k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """(edges, density), which integrates to the share of the area; empty where there is none."""
-    step = drawn.result.steps[drawn.chosen[k]]
-    if stored(step, name):
-        share = {"pressure": step.get("a_r", 1.0), "gap": 1 - step.get("a_r", 0.0)}.get(name, 1.0)
-        return np.array(step[f"{name}_edges"], dtype=float), share * np.array(
-            step[f"{name}_density"], dtype=float
-        )
-    fields = drawn.fields(k)
-    if name not in fields:
-        return np.zeros(1), np.zeros(0)
-    return density(
-        {n: fields[n] for n in ("pressure", "gap") if n in fields},
-        name,
-        drawn.units.of(name, [step["p"]]).unit,
-    )
-
-
-def _pressures(ax: Any, drawn: Drawn) -> None:
-    found = [_of(drawn, k, "pressure") for k in range(len(drawn.chosen))]
-    scale = drawn.units.pressures([edges[-1] for edges, _ in found])
-    lowest, highest = np.inf, 0.0
+def _panel(ax: Any, context: FigureContext, name: str) -> None:
+    symbol, density_symbol, title, _ = NAMES[name]
+    found = [_density(context, k, name) for k in range(len(context.chosen))]
+    largest = [edges[-1] for edges, _ in found if len(edges)]
+    power = 2 if name == "patches" else 1
+    scale = context.units.lengths() if power == 2 else context.units.of(name, largest)
+    unit = scale.unit**power
     for k, (edges, values) in enumerate(found):
-        if not len(values):
-            continue
-        edges, values = _coarser(edges, values, np.linspace(0, edges[-1], BINS + 1))
-        lowest, highest = (
-            min(lowest, values[values > 0].min() * scale.unit),
-            max(highest, values.max() * scale.unit),
-        )
-        some = values > 0
-        ax.plot(
-            (edges[1:] + edges[:-1])[some] / 2 / scale.unit,
-            values[some] * scale.unit,
-            "o",
-            markersize=2.5,
-            color=COLOURS[k],
-            label=_label(drawn, k),
-        )
-        if drawn.theory and drawn.theory.density:
+        if len(values):
+            ax.stairs(
+                values * unit,
+                edges / unit,
+                baseline=None,
+                color=COLOURS[k],
+                linewidth=1.1,
+                label=context.name_of(k),
+            )
+    ax.set(
+        xlabel=scale.label(symbol, power),
+        ylabel=label(density_symbol, (scale, -power)),
+        title=title,
+    )
+    drawn = np.concatenate([values[values > 0] for _, values in found] or [np.zeros(0)]) * unit
+    log_axis(ax, "y")
+    if len(drawn):
+        ax.set_ylim(drawn.min() / 2, drawn.max() * 3)
+    if name == "pressure":
+        ax.set_xlim(0, 1.03 * max(largest, default=scale.unit) / unit)
+        _theory(ax, context, found, unit)
+    elif drawn.size:
+        log_axis(ax, "x")
+        lowest = min(edges[edges > 0][0] for edges, _ in found if len(edges)) / unit
+        highest = max(largest) / unit
+        below = highest / 10**DECADES if name == "gap" else 0.0
+        ax.set_xlim(max(lowest, below) / 1.5, highest * 1.5)
+
+
+def _theory(ax: Any, context: FigureContext, found: list[Any], unit: float) -> None:
+    theory = context.theory
+    if theory is None or theory.density is None:
+        return
+    for k, (edges, _) in enumerate(found):
+        if len(edges):
             x = np.linspace(0, edges[-1], 301)[1:]
-            expected = drawn.theory.density(x, drawn.result.steps[drawn.chosen[k]]["p"])
-            ax.plot(
-                x / scale.unit,
-                expected * scale.unit,
-                label=f"{drawn.theory.name} (lines)",
-                **THEORY | {"color": COLOURS[k]},
-            )
-    ax.set(
-        xlabel=scale.label("p"),
-        ylabel=scale.density_label("P(p)"),
-        yscale="log",
-        xlim=(0, None),
-        title="pressure in the contact",
-    )
-    if highest:
-        ax.set_ylim(lowest / 2, highest * 3)
+            y = theory.density(x, context.steps[k]["p"])
+            ax.plot(x / unit, y * unit, **THEORY | {"color": COLOURS[k]})
+    ax.plot([], [], label=theory.name, **THEORY)
 
 
-def _gaps(ax: Any, drawn: Drawn) -> None:
-    found = [_of(drawn, k, "gap") for k in range(len(drawn.chosen))]
-    scale = drawn.units.heights([edges[-1] for edges, _ in found])
-    for k, (edges, values) in enumerate(found):
-        edges = (
-            edges[1:] if len(edges) and edges[0] == 0 else edges
-        )  # all smaller gaps together have no place on this axis
-        values = values[len(values) - len(edges) + 1 :]
-        if len(values):
-            edges, values = _coarser(
-                edges,
-                values,
-                np.geomspace(edges[0], edges[-1], int(10 * np.log10(edges[-1] / edges[0])) + 2),
-            )
-            some = values > 0
-            ax.plot(
-                np.sqrt(edges[1:] * edges[:-1])[some] / scale.unit,
-                values[some] * scale.unit,
-                "o-",
-                markersize=2,
-                linewidth=0.8,
-                color=COLOURS[k],
-                label=_label(drawn, k),
-            )
-    ax.set(
-        xlabel=scale.label("g"),
-        ylabel=scale.density_label("P(g)"),
-        xscale="log",
-        yscale="log",
-        title="gap outside",
-    )
-    _no_more_than(ax, 5)
+def _density(context: FigureContext, k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """(edges, density), which integrates to the share of the area, that of patches to 1; empty
+    where there is none."""
+    step, fewest = context.steps[k], NAMES[name][-1]
+    if f"{name}_edges" in step:
+        edges, density = (np.array(step[f"{name}_{x}"], float) for x in ("edges", "density"))
+        shares = density * np.diff(edges) * _share(step, name, edges, density)
+        return _joined(edges, shares, fewest)
+    if name in context.fields(k):
+        return _joined(*histogram(context.fields(k), name), fewest)
+    return np.zeros(0), np.zeros(0)
 
 
-def _patches(ax: Any, drawn: Drawn) -> None:
-    scale = drawn.units.lengths()
-    for k in range(len(drawn.chosen)):
-        edges, values = _of(drawn, k, "patches")
-        if len(values):
-            some = values > 0
-            area = np.sqrt(edges[1:] * edges[:-1])[some] / scale.unit**2
-            ax.plot(
-                area,
-                values[some] * scale.unit**2,
-                "o-",
-                markersize=2.5,
-                linewidth=0.8,
-                color=COLOURS[k],
-                label=_label(drawn, k),
-            )
-    ax.set(
-        xlabel=scale.label("A", 2),
-        ylabel=scale.density_label("P(A)", 2),
-        xscale="log",
-        yscale="log",
-        title="contact patches",
-    )
+def _share(step: Mapping[str, Any], name: str, edges: np.ndarray, density: np.ndarray) -> float:
+    """The share of the area that a stored distribution is of.
+
+    It is the contact area, or what is left of it; where a result does not know it, the mean over
+    the whole area over the mean of the distribution.
+    """
+    a_r, whole = step.get("a_r"), step.get({"pressure": "p", "gap": "gap_mean"}.get(name, ""))
+    if name == "patches":
+        return 1.0
+    if a_r is not None:
+        return a_r if name == "pressure" else 1 - a_r
+    mean = (density * np.diff(edges**2) / 2).sum()
+    return whole / mean if good(whole) and mean > 0 else 1.0
 
 
-PANELS = {"pressure": _pressures, "gap": _gaps, "patches": _patches}
-
-
-def _no_more_than(ax: Any, decades: float) -> None:
-    """Of the largest values; what lies below is rounding."""
-    low, high = ax.dataLim.intervalx
-    if high > low * 10**decades > 0:
-        ax.set_xlim(high / 10**decades, high * 1.5)
-
-
-def _coarser(edges: np.ndarray, values: Any, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same density in fewer bins, whose edges are those that are nearest to `wanted`."""
-    chosen = np.unique(np.abs(edges[:, None] - wanted).argmin(axis=0))
-    if len(chosen) < 2:
-        return edges, values
-    return edges[chosen], np.add.reduceat(values * np.diff(edges), chosen[:-1])[
-        : len(chosen) - 1
-    ] / np.diff(edges[chosen])
-
-
-def _label(drawn: Drawn, k: int) -> str:
-    step = drawn.result.steps[drawn.chosen[k]]
-    return drawn.name_of(k) + ("" if converged(step) else ", not converged")
+def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:
+    """(edges, density) of the same histogram without empty ends, in bins that are joined until each
+    has `fewest` times the smallest count of all."""
+    filled = np.flatnonzero(shares)
+    if not len(filled):
+        return np.zeros(0), np.zeros(0)
+    first, last = filled[0], filled[-1] + 1
+    total, chosen = np.append(0.0, shares.cumsum()), [first]
+    least = fewest * shares[filled].min() * (1 - 1e-9)
+    for k in range(first + 1, last + 1):
+        if total[k] - total[chosen[-1]] >= least:
+            chosen.append(k)
+    chosen = [*chosen[: max(1, len(chosen) - 1)], last]
+    return edges[chosen], np.diff(total[chosen]) / np.diff(edges[chosen])

@@ -1,13 +1,15 @@
 """Contact, pressure, gap and other fields over the cell or a window of it, one row of panels per
 load step."""
 
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 from matplotlib.colors import Normalize, PowerNorm
 
-from ..output.table import converged
-from .drawn import Drawn
+from ..output.summary import converged
+from .context import FigureContext
+from .page import Page
 from .style import (
     CONTACT_MAP,
     DPI,
@@ -19,7 +21,7 @@ from .style import (
     WARNING,
     WIDTH,
 )
-from .survey import survey
+from .survey import Survey, survey
 from .units import good
 
 SYMBOLS = {"pressure": "p", "gap": "g", "heights": "z", "displacement": "u"}
@@ -29,83 +31,71 @@ SPIKY = 1.25
 TALL, FLAT = 2.4, 0.4  # of panels, height over width
 
 
-def maps(fig: Any, drawn: Drawn, names: list[str]) -> None:
-    """A row for each load, a column for each of `names`: "contact" or a field. drawn:
-    drawn.Drawn."""
-    width, height = (window[1] - window[0] for window in (drawn.window[:2], drawn.window[2:]))
-    single = len(names) == 1
-    columns = min(2, len(drawn.chosen)) if single else len(names)
-    rows = -(-len(drawn.chosen) // columns) if single else len(drawn.chosen)
-    panel = 0.245 * WIDTH * 3 / max(columns, 2)
-    fig.set_size_inches(
-        WIDTH if columns > 1 else WIDTH / 2,
-        rows * (panel * min(TALL, max(FLAT, height / width)) + 0.34) + 0.85,
-    )
-    fig.get_layout_engine().set(hspace=0.01, wspace=0.01, h_pad=0.03)
-    axes = fig.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    pixels = max(16, int(panel * (drawn.dpi or DPI)))
-    for k in range(len(drawn.chosen)):
-        needed = {n for n in names if n != "contact"} | (
-            {"pressure", "gap"} if {"contact", "pressure", "gap"} & set(names) else set()
-        )
-        fields = {name: field for name, field in drawn.fields(k).items() if name in needed}
-        found = survey(fields, pixels, drawn.points)
-        row = axes.flat[k : k + 1] if single else axes[k]
-        for ax, name in zip(row, names, strict=True):
-            _panel(fig, ax, name, found, drawn)
-            if k == 0 and name != names[0]:
-                ax.set_title(name)
-        if names != ["heights"]:
-            _heading(row[0], drawn, k)
-    for ax in axes.flat[len(drawn.chosen) * (1 if single else columns) :]:
-        ax.set_axis_off()
-    for ax in axes[-1]:
-        ax.set_xlabel(drawn.lengths.label("x"))
-    for ax in axes[:, 0]:
-        ax.set_ylabel(drawn.lengths.label("y"))
+def maps(context: FigureContext, names: list[str]) -> Page:
+    """A row for each load, a column for each of `names`: "contact" or a field."""
+    x0, x1, y0, y1 = context.window
+    loads, single = range(len(context.chosen)), len(names) == 1
+    columns = min(2, len(loads)) if single else len(names)
+    width = 0.245 * WIDTH * 3 / max(columns, 2)
+    pixels = max(16, int(width * (context.dpi or DPI)))
 
+    @cache
+    def found(k: int) -> Survey:
+        fields = context.fields(k)
+        needed = {*names, "pressure", "gap"} if {*names} - {"heights", "displacement"} else {*names}
+        return survey({n: fields[n] for n in needed & {*fields}}, pixels, context.points)
 
-def _heading(ax: Any, drawn: Drawn, k: int) -> None:
-    step = drawn.result.steps[drawn.chosen[k]]
-    ax.annotate(
-        drawn.name_of(k)
-        + (f", $a_r = {step['a_r']:.3g}$" if good(step.get("a_r")) else "")
-        + ("" if converged(step) else f", NOT CONVERGED ({step.get('status', 'unknown')})"),
-        (0, 1),
-        (0, 4),
-        xycoords="axes fraction",
-        textcoords="offset points",
-        color="black" if converged(step) else WARNING,
-        annotation_clip=False,
+    panels = [
+        partial(_panel, context=context, found=found, k=k, name=name, first=names[0])
+        for k in loads
+        for name in names
+    ]
+    return Page(
+        [panels[i : i + columns] for i in range(0, len(panels), columns)],
+        height=width * min(TALL, max(FLAT, (y1 - y0) / (x1 - x0))) + 0.34,
+        width=WIDTH if columns > 1 else WIDTH / 2,
+        images=True,
     )
 
 
-def _panel(fig: Any, ax: Any, name: str, found: Any, drawn: Drawn) -> None:
-    extent = [edge / drawn.lengths.unit for edge in drawn.window]
+def _panel(ax: Any, context: FigureContext, found: Any, k: int, name: str, first: str) -> None:
     ax.set_aspect("equal")
     ax.tick_params(color="0.5")
     if name == "contact":
-        _show(ax, np.ma.masked_equal(found.contact, 0), extent, CONTACT_MAP, Normalize(0, 1))
-        return
+        _show(ax, context, np.ma.masked_equal(found(k).contact, 0), CONTACT_MAP, Normalize(0, 1))
+    else:
+        _field(ax, context, found(k), name)
+    ax.set_xlabel(context.lengths.label("x"))
+    ax.set_ylabel(context.lengths.label("y"))
+    if name != first:
+        ax.set_title(name if k == 0 else "", loc="right")
+    elif name != "heights":
+        step = context.steps[k]
+        area = f", $a_r = {step['a_r']:.3g}$" if good(step.get("a_r")) else ""
+        colour = "black" if converged(step) else WARNING
+        ax.set_title(context.name_of(k) + area, loc="left", color=colour)
+
+
+def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
     values, largest = found.means[name], found.largest[name]
-    scale = drawn.units.of(name, [largest, float(values.min())])
+    scale = context.units.of(name, [largest, float(values.min())])
     values, largest = values / scale.unit, largest / scale.unit
-    clipped = False
+    clipped, contact = False, np.asarray(found.contact)
     if name == "pressure":
         ax.set_facecolor(GROUND)
-        values = np.ma.masked_where(found.contact == 0, values)
+        values = np.ma.masked_where(contact == 0, values)
         top = np.percentile(values.compressed(), 99.5) if values.count() else 1.0
         clipped = largest > SPIKY * top > 0
         norm = Normalize(0, top if clipped else largest if largest > 0 else 1.0)
     elif name == "gap":  # square root: most of what matters happens at small gaps
-        values = np.ma.masked_where(found.contact >= 0.5, values)
+        values = np.ma.masked_where(contact >= 0.5, values)
         norm = PowerNorm(0.5, vmin=0, vmax=max(largest, 1e-300))
     else:
         norm = Normalize(values.min(), values.max())
-    image = _show(ax, values, extent, COLOURS.get(name, OTHER_MAP), norm)
-    bar = fig.colorbar(
+    image = _show(ax, context, values, COLOURS.get(name, OTHER_MAP), norm)
+    bar = ax.figure.colorbar(
         image,
-        cax=ax.inset_axes([1.04, 0, 0.06, 1 if not clipped else 0.95]),
+        cax=ax.inset_axes([1.04, 0, 0.06, 0.95 if clipped else 1]),
         extend="max" if clipped else "neither",
     )
     bar.set_label(scale.label(SYMBOLS[name]))
@@ -113,7 +103,8 @@ def _panel(fig: Any, ax: Any, name: str, found: Any, drawn: Drawn) -> None:
         bar.ax.set_title(f"max {largest:.3g}", fontsize=6.5, pad=2, loc="left")
 
 
-def _show(ax: Any, values: np.ndarray, extent: Any, colours: Any, norm: Any) -> Any:
+def _show(ax: Any, context: FigureContext, values: Any, colours: Any, norm: Any) -> Any:
+    extent = [edge / context.lengths.unit for edge in context.window]
     return ax.imshow(
         values.T, origin="lower", extent=extent, interpolation="nearest", cmap=colours, norm=norm
     )

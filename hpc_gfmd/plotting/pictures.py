@@ -2,6 +2,7 @@
 
 import textwrap
 import tomllib
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -9,26 +10,24 @@ from typing import Any
 import numpy as np
 
 from ..output.read import Result, read_result
-from ..output.table import surface_line
+from ..output.summary import surface_line
 from ..parallel.guard import one_line
 from ..util.errors import GfmdError, SceneError
-from .curves import curves
-from .distributions import distributions, stored
-from .drawn import Drawn
+from .context import FigureContext
+from .curves import QUANTITIES, curves
+from .distributions import NAMES, distributions, has_distribution
 from .maps import SYMBOLS, maps
+from .page import Page
 from .spectra import has_spectra, spectra
-from .style import Picture, save, styled
+from .style import Picture, legend_below, save, styled
+from .units import good
 
 MAX_STEPS = 4  # in maps, distributions and spectra where nobody says which
 PANELS = ("contact", "pressure", "gap")
-WHAT = ("maps", "distributions", "spectra", "curves", "contact", *SYMBOLS)
+PAGES = ("maps", "distributions", "spectra", "curves")
+WHAT = (*PAGES, "contact", *SYMBOLS, *QUANTITIES)
 CHARACTERS = 19  # of a title, per inch
 SUFFIXES = (".png", ".pdf", ".svg")
-DRAWN = {
-    "distributions": distributions,
-    "spectra": spectra,
-    "curves": curves,
-}  # all others are maps
 
 
 def plot(
@@ -38,16 +37,19 @@ def plot(
     window: Any = None,
     dpi: float | None = None,
     dimensionless: bool = False,
+    ax: Any = None,
 ) -> Picture:
-    """One picture of a result.
+    """Draw one picture of a result, or the curves of several.
 
     Parameters
     ----------
-    result : Result or path
-        What `output.read.read_result` gives, or its file.
+    result : Solutions, Solution or path, or several
+        Solved loads, or the file with them. Of several, a list or a dict by the names in the
+        legend, only curves are drawn.
     what : str, optional
         "maps" (contact, pressure, gap), one of these or "heights", "displacement"; "distributions",
-        "spectra", "curves" over the load; by default the first of them that there is.
+        "spectra"; "curves" over the load or one of them: "a_r", "kappa", "gap_mean", "approach". By
+        default the first of them that there is.
     step : int or list of int, optional
         The numbers of load steps; by default all for curves, otherwise at most four, first and last
         among them.
@@ -57,46 +59,75 @@ def plot(
         Of the print, for which maps have enough pixels.
     dimensionless : bool
         Pressures over E* g_rms and lengths over h_rms though the result has units.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw what is one panel; a legend is left to you.
 
     Returns
     -------
     matplotlib.figure.Figure
+        It is saved at print resolution unless savefig is told otherwise.
 
-    Raises SceneError for what the result does not have, GfmdError where its fields cannot be read.
+    Raises
+    ------
+    SceneError
+        For what the result does not have.
+    GfmdError
+        Where its fields cannot be read.
     """
-    result = result if isinstance(result, Result) else read_result(result)
-    there = _there(result)
+    results = _results(result)
+    there = [name for name in WHAT if all(_steps(one, name) for one in results.values())]
+    if len(results) > 1:
+        there = [name for name in there if name in ("curves", *QUANTITIES)]
     what = what or next(iter(there), "maps")
     if what not in there:
         allowed = ", ".join(there) or "nothing, it has no finished load step"
+        lacking = " (maps and distributions need output.fields, spectra output.distributions)"
         raise SceneError(
-            f"what: found {what!r}, allowed: {allowed}"
-            + (
-                ""
-                if len(there) > 1
-                else " (maps and distributions need output.fields, spectra output.distributions)"
-            )
+            f"what: found {what!r}, allowed: {allowed}" + ("" if {*PANELS} & {*there} else lacking)
         )
     with styled():
-        fig = Picture(layout="constrained" if what in DRAWN else "compressed")
+        contexts = [
+            FigureContext(one, chosen_steps(one, what, step), window, dpi, dimensionless, name)
+            for name, one in results.items()
+        ]
+        page = _page(contexts, what, there)
+        fig = ax.figure if ax is not None else Picture(layout=page.layout)
         try:
-            drawn = Drawn(result, chosen_steps(result, what, step), window, dpi, dimensionless)
-            if what in DRAWN:
-                DRAWN[what](fig, drawn)
+            if ax is None:
+                page.draw(fig)
+                legend_below(fig)
+                title = _title(contexts[0], what) if len(contexts) == 1 else ""
+                width = int(CHARACTERS * fig.get_figwidth())
+                fig.suptitle(textwrap.fill(title, width), x=0.01, ha="left")
+            elif len(page.panels) == 1:
+                page.panels[0](ax)
             else:
-                maps(
-                    fig,
-                    drawn,
-                    [name for name in PANELS if name in there] if what == "maps" else [what],
+                raise SceneError(
+                    f"ax: found {what!r} of {len(page.panels)} panels, allowed: one panel, such as"
+                    ' "pressure" of one load, or "a_r"'
                 )
         except (OSError, ValueError, TypeError, KeyError) as error:
-            raise GfmdError(f"drawing {result.path}: {one_line(error)}") from error
-        fig.suptitle(
-            textwrap.fill(_title(result, drawn, what), int(CHARACTERS * fig.get_figwidth())),
-            x=0.01,
-            ha="left",
-        )
+            raise GfmdError(f"drawing {contexts[0].result.path}: {one_line(error)}") from error
     return fig
+
+
+def _results(given: Any) -> dict[str, Result]:
+    """{name: Result} of what plot is given."""
+    if isinstance(given, Mapping):
+        return {str(name): _result(one) for name, one in given.items()}
+    if not isinstance(given, list | tuple):
+        return {"": _result(given)}
+    found = [_result(one) for one in given]
+    names = [_name(one) for one in found]
+    same = len({*names}) < len(names)
+    return {
+        f"{k + 1}: {name}" if same else name: one for k, (name, one) in enumerate(zip(names, found))
+    }
+
+
+def _result(given: Any) -> Result:
+    found = getattr(given, "result", given)  # of a Solution
+    return found if isinstance(found, Result) else read_result(found)
 
 
 def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
@@ -107,7 +138,7 @@ def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
     wanted = [what] if isinstance(what, str) else what
     if not wanted:
-        there = [name for name in _there(result) if name in WHAT[:4]]
+        there = [name for name in PAGES if _steps(result, name)]
         alone = len(result.steps) == 1 and len(there) > 1
         wanted = (
             ["maps"]
@@ -161,47 +192,59 @@ def chosen_steps(result: Result, what: Any, step: Any = None) -> list[int]:
                 f"step: found {unknown[0]}, allowed: {', '.join(map(str, result.indices))}"
             )
         return [result.indices.index(number) for number in numbers]
-    able = [k for k in range(len(result.steps)) if _shows(result, k, what)]
+    able = _steps(result, what)
     if what == "heights":
         return able[:1]  # the same under all loads
-    if what == "curves" or len(able) <= MAX_STEPS:
+    if what in ("curves", *QUANTITIES) or len(able) <= MAX_STEPS:
         return able
     return [able[k] for k in np.linspace(0, len(able) - 1, MAX_STEPS).round().astype(int)]
 
 
-def _shows(result: Result, k: int, what: Any) -> bool:
-    """Whether a picture can show the k-th step."""
+def _steps(result: Result, what: str) -> list[int]:
+    """Places of the load steps that a picture can show."""
+    return [k for k in range(len(result.steps)) if _shows(result, k, what)]
+
+
+def _shows(result: Result, k: int, what: str) -> bool:
     step, fields = result.steps[k], result.fields[k]
-    contact = {"pressure", "gap"} & set(fields)
+    if what in SYMBOLS:
+        return what in fields
+    if what in QUANTITIES:
+        return good(step.get(what))
+    if what == "curves":
+        return any(good(step.get(name)) for name in QUANTITIES)
     if what == "spectra":
         return has_spectra(step)
     if what == "distributions":
-        return bool(contact) or any(stored(step, name) for name in ("pressure", "gap", "patches"))
-    return (
-        what == "curves" or bool(contact)
-        if what in ("maps", "contact", "curves")
-        else what in fields
-    )
+        return any(has_distribution(result, k, name) for name in NAMES)
+    return bool({"pressure", "gap"} & {*fields})
 
 
-def _there(result: Result) -> list[str]:
-    """Names of the pictures that this result has."""
-    return [what for what in WHAT if any(_shows(result, k, what) for k in range(len(result.steps)))]
+def _page(contexts: list[FigureContext], what: str, there: list[str]) -> Page:
+    if what in ("curves", *QUANTITIES):
+        return curves(contexts, list(QUANTITIES) if what == "curves" else [what])
+    if what == "distributions":
+        return distributions(contexts[0])
+    if what == "spectra":
+        return spectra(contexts[0])
+    names = [name for name in PANELS if name in there] if what == "maps" else [what]
+    return maps(contexts[0], names)
 
 
-def _title(result: Result, drawn: Drawn, what: Any) -> str:
-    title = result.path.stem if result.path else "contact"
+def _name(result: Result) -> str:
+    """The title of its scene, or the name of its file."""
+    title = ""
     with suppress(tomllib.TOMLDecodeError):
-        title = tomllib.loads(result.scene_toml).get("title") or title
-    left = len(result.steps) - len(drawn.chosen) if what != "heights" else 0
+        title = tomllib.loads(result.scene_toml).get("title", "")
+    return title or (result.path.stem if result.path else "contact")
+
+
+def _title(context: FigureContext, what: str) -> str:
+    result = context.result
+    left = len(result.steps) - len(context.chosen) if what != "heights" else 0
     out = f"; {left} of {len(result.steps)} loads not shown" if left else ""
-    surface = surface_line(
-        {
-            key: value
-            for key, value in result.surface.items()
-            if key in ("n", "physical_sizes", "h_rms", "unit")
-        }
-    )
-    for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$\bar{h}$")):
+    said = {"n", "physical_sizes", "h_rms", "unit"}
+    surface = surface_line({key: result.surface[key] for key in said & {*result.surface}})
+    for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
         surface = surface.replace(plain, printed)
-    return f"{title}: {surface}{out}"
+    return f"{_name(result)}: {surface}{out}"

@@ -8,18 +8,20 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
 from ..util.atomic import aside
+from .units import tex_number
 
 # Okabe and Ito; the last one is kept for warnings
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 WARNING = "#D55E00"
 THEORY: dict[str, Any] = {"color": "0.35", "linewidth": 1.2}
 WIDTH = 7.2  # inches across two columns
-DPI = 200
+DPI, SCREEN_DPI = 300, 150
 
 
 def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
@@ -58,11 +60,16 @@ RC: Any = {
 
 
 class Picture(Figure):
-    """A figure that a notebook shows, without pyplot."""
+    """A figure that a notebook shows, without pyplot, and that is saved at print resolution."""
+
+    def savefig(self, *args: Any, **how: Any) -> None:
+        """Save it in the style of all pictures, at print resolution unless `dpi` is given."""
+        with styled():
+            super().savefig(*args, **how)
 
     def _repr_png_(self) -> bytes:
-        with io.BytesIO() as png, styled():
-            self.savefig(png, format="png")
+        with io.BytesIO() as png:
+            self.savefig(png, format="png", dpi=SCREEN_DPI)
             return png.getvalue()
 
 
@@ -71,12 +78,35 @@ def shade(x: float) -> Any:
     return matplotlib.colormaps["viridis"](x)
 
 
-def ticks(axis: Any) -> None:
-    """Of a logarithmic axis: a label for every decade; of hardly two decades, for 1, 2 and 5."""
-    low, high = axis.get_view_interval()
-    if high < 200 * low:
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+class LogTicks(LogLocator):
+    """Decades, or 1 and 3, or 1, 2 and 5, ...: the first of them that gives three labels."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        for subs in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), tuple(map(float, range(1, 10)))):
+            self.set_params(subs=subs)
+            found = np.asarray(super().tick_values(vmin, vmax))
+            if np.count_nonzero((found >= vmin) & (found <= vmax)) >= 3:
+                break
+        return found
+
+
+class LogLabels(Formatter):
+    """Plain numbers where none of them is long, otherwise powers of ten."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return self.format_ticks([x])[0]
+
+    def format_ticks(self, values: Any) -> list[str]:
+        plain = all(1e-3 <= x <= 1e4 for x in values)
+        return [f"{x:g}" if plain else f"${tex_number(x, '.0e')}$" for x in values]
+
+
+def log_axis(ax: Any, which: str) -> None:
+    """Make the "x" or "y" axis logarithmic, with labels that do not overlap."""
+    ax.set(**{f"{which}scale": "log"})
+    axis = getattr(ax, f"{which}axis")
+    axis.set_major_locator(LogTicks())
+    axis.set_major_formatter(LogLabels())
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -86,9 +116,8 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
     for ax in fig.axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
-    fig.legend(
-        list(handles.values()), list(handles), loc=loc, ncols=min(columns, max(1, len(handles)))
-    )
+    if handles:
+        fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(columns, len(handles)))
 
 
 def legend_below(fig: Any) -> None:
@@ -114,5 +143,5 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
 
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:
     """Under path in one move, in the format that its suffix names; dpi: default that of RC."""
-    with styled(), aside(path) as tmp:
+    with aside(path) as tmp:
         fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi or RC["savefig.dpi"])

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 SLAB_BYTES = 2**25
-PER_DECADE = 100
-_DECADES = (-12, 8)  # of the distributions, relative to their unit
+BINS = 48  # of pressure
+GAP_DECADES, PER_DECADE = 6, 10  # of the gap, below the largest one; its bins
 
 
 @dataclass(frozen=True)
@@ -61,22 +61,23 @@ def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
     return Survey(None if count is None else count / points, means, largest)
 
 
-def density(fields: dict, name: str, unit: float) -> tuple[np.ndarray, np.ndarray]:
-    """(edges, density) of "pressure" over the points that touch, or of "gap" over the others; it
-    integrates to their share of the area.
+def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """(edges, shares of all points) of "pressure" over the points that touch, in even bins from 0,
+    or of "gap" over the others, in logarithmic bins with all that is smaller in the first one."""
+    points = fields[name].shape[0] * fields[name].shape[1]
 
-    Logarithmic bins, PER_DECADE in a decade, without empty ones at the ends; unit: any magnitude of
-    the values.
-    """
-    edges = unit * np.logspace(*_DECADES, (_DECADES[1] - _DECADES[0]) * PER_DECADE + 1)
-    counts, shape = np.zeros(len(edges) - 1), fields[name].shape
-    for slab in _slabs(fields, 0, shape[0], 1, slice(None)):
-        touching = _touching(slab)
-        counts += np.histogram(slab[name][touching if name == "pressure" else ~touching], edges)[0]
-    filled = np.flatnonzero(counts)
-    some = slice(filled[0], filled[-1] + 1) if len(filled) else slice(0, 0)
-    edges = edges[some.start : some.stop + 1]
-    return edges, counts[some] / np.diff(edges) / (shape[0] * shape[1])
+    def values() -> Iterator[np.ndarray]:
+        for slab in _slabs(fields, 0, fields[name].shape[0], 1, slice(None)):
+            touching = _touching(slab)
+            yield slab[name][touching if name == "pressure" else ~touching]
+
+    top = max(found.max(initial=0.0) for found in values()) or 1.0
+    edges = np.linspace(0, top, BINS + 1)
+    if name == "gap":
+        edges = np.append(
+            0.0, np.geomspace(top / 10**GAP_DECADES, top, GAP_DECADES * PER_DECADE + 1)
+        )
+    return edges, sum(np.histogram(found, edges)[0] for found in values()) / points
 
 
 def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Iterator[Any]:

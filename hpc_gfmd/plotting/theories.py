@@ -1,7 +1,7 @@
 """What theory says of a surface, where there is one: Persson's of self-affine surfaces, Hertz' of
 spheres, Westergaard's of waves."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -31,20 +31,26 @@ class Theory:
     height: Scale | None = None
 
 
-def theory_of(result: Result) -> Theory | None:
-    """The theory of a Result's surface; None for measured ones, layers, and where a theory is only
-    of periodic or of free ones."""
+def scene_of(result: Result) -> Scene | None:
+    """Read its scene; None for heights of an array, and for a scene of another version."""
     try:
-        scene = Scene.from_toml(result.scene_toml)
+        return Scene.from_toml(result.scene_toml)
     except SceneError:
-        return None  # heights of an array, or a scene of another version
+        return None
+
+
+def theory_of(scene: Scene | None, found: Mapping[str, Any]) -> Theory | None:
+    """Find the theory of a surface, of which a result says `found`; None for measured ones, layers,
+    and where a theory is only of periodic or of free ones."""
+    if scene is None:
+        return None
     surface, E_star = scene.surface, float(scene.material.E_star)
     if scene.material.thickness is not None:
         return None
     if any(surface.free) and surface.kind != "sphere":
         return None
     known = {"self-affine": _persson, "wave": _westergaard, "sphere": _hertz}.get(surface.kind)
-    return known and known(surface, E_star, result.surface)
+    return known and known(surface, E_star, found)
 
 
 def _persson(surface: Any, E_star: float, found: Any) -> Theory | None:

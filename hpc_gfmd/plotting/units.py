@@ -1,6 +1,7 @@
 """What pictures are scaled with: units with SI prefixes where a result knows them, otherwise what
 makes numbers dimensionless."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
@@ -10,46 +11,52 @@ from ..util.quantities import prefixed
 
 
 def good(value: Any) -> bool:
-    """A finite positive number."""
+    """Tell whether this is a finite positive number."""
     return isinstance(value, int | float) and isfinite(value) and value > 0
+
+
+def tex_number(x: float, form: str = ".3g") -> str:
+    """Write a number in TeX, with a power of ten for an exponent."""
+    mantissa, _, exponent = f"{x:{form}}".partition("e")
+    factor = "" if mantissa == "1" else rf"{mantissa} \cdot "
+    return f"{factor}10^{{{int(exponent)}}}" if exponent else mantissa
 
 
 @dataclass(frozen=True)
 class Scale:
     """Numbers over `unit`; name: of an absolute unit ("MPa"), or the formula of a relative one
-    ("E^* \\bar{g}"), or "" for neither."""
+    ("E^* g"), or "" for neither."""
 
     unit: float
     name: str = ""
     relative: bool = False
 
-    @property
-    def _formula(self) -> str:
-        return f"({self.name})" if " " in self.name else self.name
-
     def label(self, symbol: str, power: int = 1) -> str:
-        """Of an axis: "$p$ (MPa)" or "$p/(E^* \\bar{g})$"; power: of the unit, not below 1."""
-        if not self.name:
-            return f"${symbol}$"
-        raised = "" if power == 1 else f"^{{{power}}}"
-        if not self.relative:
-            return f"${symbol}$ ({self.name}{f'${raised}$' if raised else ''})"
-        return f"${symbol}/{self._formula}{raised}$"
-
-    def density_label(self, symbol: str, power: int = 1) -> str:
-        """Of a density over it: "$P(p)$ (1/MPa)" or "$P(p) \\cdot E^*$"."""
-        raised = f"^{power}" if power > 1 else ""
-        if not self.relative:
-            return f"${symbol}$" + (
-                f" (1/{self.name}{f'${raised}$' if raised else ''})" if self.name else ""
-            )
-        return f"${symbol} \\cdot {self._formula}{raised}$"
+        """Label an axis: "$p$ (MPa)" or "$p/E^*$"; power: of the unit."""
+        return label(symbol, (self, power))
 
     def value(self, symbol: str, number: float) -> str:
-        """ "$p = 20$ MPa"."""
-        over = f"/{self._formula}" if self.relative else ""
+        """Write an equation: "$p = 20$ MPa"."""
         name = "" if self.relative else self.name
-        return f"${symbol}{over} = {number / self.unit:.3g}$ {name}".rstrip()
+        left = label(symbol, (self, 1)).split("$")[1]
+        return f"${left} = {tex_number(number / self.unit)}$ {name}".rstrip()
+
+
+def label(symbol: str, *scales: tuple[Scale, int]) -> str:
+    """Label an axis whose unit is a product of powers: "$P(p)$ (MPa$^{-1}$)", "$q L_x$"."""
+    above: list[str] = []
+    below: list[str] = []
+    units: list[str] = []
+    for scale, power in scales:
+        formula = f"({scale.name})" if " " in scale.name else f"{{{scale.name}}}"
+        if scale.relative:
+            raised = formula + (f"^{{{abs(power)}}}" if abs(power) > 1 else "")
+            (below if power > 0 else above).append(raised)
+        elif scale.name:
+            units.append(scale.name + (f"$^{{{power}}}$" if power != 1 else ""))
+    divisor = " ".join(below) if len(below) < 2 else f"({' '.join(below)})"
+    formula = r" \, ".join([symbol, *above]) + (f"/{divisor}" if below else "")
+    return f"${formula}$" + (f" ({' '.join(units)})" if units else "")
 
 
 class Units:
@@ -64,7 +71,7 @@ class Units:
         self.height_scale = (
             theory.height
             if theory and theory.height
-            else Scale(surface.get("h_rms") or 0.0, r"\bar{h}", True)
+            else Scale(surface.get("h_rms") or 0.0, r"h_\mathrm{rms}", True)
         )
         slope = surface.get("g_rms")
         moduli = [
@@ -72,33 +79,34 @@ class Units:
             for step in result.steps
             if good(slope) and good(step.get("p_star")) and good(step.get("p"))
         ]
+        self.p_star = moduli[0] * slope if moduli else None  # the pressure at p* = 1
         self.rough = surface.get("kind", "self-affine") not in ("wave", "sphere")
-        name, factor = (r"E^* \bar{g}", slope) if self.rough else ("E^*", 1.0)
+        name, factor = (r"E^* g_\mathrm{rms}", slope) if self.rough else ("E^*", 1.0)
         self.pressure_scale = Scale(moduli[0] * factor, name, True) if moduli else Scale(1.0)
 
     def lengths(self, values: Any = ()) -> Scale:
-        """Of positions."""
+        """Scale positions."""
         return (
             _absolute(values or [self.size], self.length_unit)
             if self.length_unit
             else Scale(self.size, "L_x", True)
         )
 
-    def heights(self, values: Any) -> Scale:
-        """Of gaps and heights."""
+    def heights(self, values: Iterable[Any]) -> Scale:
+        """Scale gaps and heights."""
         if self.length_unit:
             return _absolute(values, self.length_unit)
         return self.height_scale if good(self.height_scale.unit) else Scale(1.0)
 
-    def pressures(self, values: Any) -> Scale:
-        """Of pressures."""
+    def pressures(self, values: Iterable[Any]) -> Scale:
+        """Scale pressures."""
         return _absolute(values, self.pressure_unit) if self.pressure_unit else self.pressure_scale
 
-    def of(self, name: str, values: Any) -> Scale:
-        """Of a field by its name."""
+    def of(self, name: str, values: Iterable[Any]) -> Scale:
+        """Scale a field by its name."""
         return self.pressures(values) if name == "pressure" else self.heights(values)
 
 
-def _absolute(values: Any, unit: str) -> Scale:
+def _absolute(values: Iterable[Any], unit: str) -> Scale:
     factor, name = prefixed(values, unit)
     return Scale(factor, name.replace("u", "µ", 1) if name.startswith("u") else name)

@@ -5,35 +5,21 @@ from typing import Any
 
 import numpy as np
 
-from ..scene import ArrayScene, Load, Machine, Material, Output, Scene, Solver
+from ..scene import ArrayScene, Load, Scene
 from ..scene.explain import nearest
 from ..scene.not_modelled import ONLY, is_not_modelled
-from ..scene.surface import Surface
 from ..scene.table import Table
 from ..util.errors import SceneError
 from .prepared import PreparedSurface, plain
 
 CALLER = "hpc_gfmd.solve"
-TABLES: dict[str, type[Table]] = {
-    "surface": Surface,
-    "material": Material,
-    "load": Load,
-    "solver": Solver,
-    "output": Output,
-    "machine": Machine,
-}
-OF_RUNS = (
-    "path",
-    "dtype",
-    "compression",
-    "wall_seconds",
-    "checkpoint_seconds",
-    "memory_gib",
-)  # without a result file they do nothing
-HOMES = {
+# without a result file these do nothing
+OF_RUNS = "path", "dtype", "compression", "wall_seconds", "checkpoint_seconds", "memory_gib"
+HOMES = {  # key: its table
     key: table
-    for table, model in TABLES.items()
-    for key in model.model_fields
+    for table, model in ArrayScene.model_fields.items()
+    if isinstance(model.annotation, type) and issubclass(model.annotation, Table)
+    for key in model.annotation.model_fields
     if key not in OF_RUNS
 }
 
@@ -68,8 +54,8 @@ def scene_of_keywords(
         key = next(iter(said))
         raise SceneError(
             f"{key}: found {said[key]} beside a surface that knows its"
-            f" {'sizes' if key == 'physical_sizes' else key}, allowed: read_surface or"
-            f" make_surface(..., {key}=...)"
+            f" {'sizes' if key == 'physical_sizes' else key}, allowed: read_surface,"
+            f" prepare_surface or make_surface(..., {key}=...)"
         )
     if surface.table is not None:
         return Scene.from_dict(tables | {"surface": surface.table}, CALLER)
@@ -80,10 +66,7 @@ def scene_of_keywords(
     )
 
 
-def loads_of(given: dict[str, Any]) -> bool:
+def several_loads(given: dict[str, Any]) -> bool:
     """Whether the load that was given is a list of loads."""
-    return any(
-        isinstance(value, list | tuple) or np.ndim(value) > 0
-        for value in given.values()
-        if not isinstance(value, str | None)
-    )
+    values = (given.get(key) for key in Load.model_fields)
+    return any(np.ndim(value) > 0 for value in values if value is not None)

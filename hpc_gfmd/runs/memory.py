@@ -11,7 +11,14 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..bodies import body_of
-from ..driver.precision import NOISE_IN_TURN, counting, few_points, first_precision
+from ..driver.precision import (
+    NOISE_IN_TURN,
+    counting,
+    first_precision,
+    known_heights,
+    known_p_stars,
+    precisions,
+)
 from ..operators.problem import TRANSFORMED
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
@@ -31,7 +38,6 @@ SOLVER = (
     4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
 )
 TANGENT = 4
-SAMPLES = 200  # wave numbers of a spectrum
 PIECE_GIB = 1 / 16  # of a field that is written at a time
 MODES_GIB = 0.025  # while the modes are made that free edges couple
 PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
@@ -77,10 +83,15 @@ def memory_of(
     threads: int = 1,
     rank: int = 0,
     per_node: int = 1,
+    unknown: DTypeLike | None = None,
 ) -> Memory:
     """The Memory of a scene, whose surface has n points and these sizes, on one of a number of
-    ranks with so many threads each, so many on each node; rank 0 has a part in everything."""
-    dtype = largest_precision(scene, n)
+    ranks with so many threads each, so many on each node; rank 0 has a part in everything.
+    unknown: precision of the loads of which it is not known beforehand, without it the first one.
+    """
+    other = np.dtype(unknown or first_precision(scene.solver))
+    each = [dtype or other for dtype in precisions(scene, n)]
+    dtype = max(each, key=lambda dtype: dtype.itemsize)
     itemsize, free = dtype.itemsize, scene.surface.free
     cell = cell_of(n, free, sizes)
     if max(cell) > LONGEST_AXIS:
@@ -96,9 +107,7 @@ def memory_of(
     share = share_of(cell, dtype, ranks, rank, nominal=n, nested=nested, per_node=per_node)
     field, step = share.points * itemsize / GIB, STEP * share.points * itemsize / GIB
     kept = itemsize if any(free) or not low else 0  # of a height
-    loads = len(scene.load.given[1]) - (
-        _few_from(scene, n) or 0
-    )  # in the largest precision: before it nothing is kept
+    loads = each.count(dtype)  # in the largest precision: before it nothing is kept
 
     levels, coarse = share.level_bytes / GIB, share.nested_points * itemsize / GIB
     first = (
@@ -151,56 +160,16 @@ def _closes(scene: Scene) -> bool:
     return any(value == (name == "a_r") for value in values)
 
 
-def largest_precision(scene: Scene, n: tuple[int, int]) -> np.dtype:
-    """The largest precision that a scene's loads are solved in, as far as it is known beforehand:
-    without p* the first one."""
-    return first_precision(scene.solver) if _few_from(scene, n) is None else np.dtype(np.float64)
-
-
-def _few_from(scene: Scene, n: tuple[int, int]) -> int | None:
-    """The first load at which single precision cannot tell so few points apart: from there on all
-    is in double. None: there is none."""
-    settings, N = scene.solver, n[0] * n[1]
-    few = (
-        k for k, p_star in enumerate(_p_stars(scene)) if few_points(N, p_star, settings.accuracy)
-    )
-    return next(few, None) if settings.precision == "auto" else None
-
-
-def _p_stars(scene: Scene) -> list[float]:
-    """Those of the loads, as far as they are known beforehand."""
-    g_rms = getattr(scene.surface, "g_rms", None)
-    unit = scene.material.E_star * g_rms if g_rms else 1.0
-    known = g_rms or scene.load.p_star
-    area = math.prod(
-        scene.surface.physical_sizes or ()
-    )  # which a map may tell later: then only p_star is known
-    found = [p / unit for p in scene.load.p0(unit, 1.0, area)] if known else []
-    return found + [a_r / 2 for a_r in scene.load.a_r or ()]
-
-
 def _in_double(scene: Scene, n: tuple[int, int], cell: tuple[int, int]) -> bool:
     """Whether a surface in low memory may be certified in double precision, see lowmemory.py."""
-    surface, p_star = scene.surface, min(_p_stars(scene), default=0.0)
-    if surface.kind != "self-affine":
-        return True
-    if surface.lam_l_over_lam_s == 1:
-        return False
-    q = (
-        np.geomspace(1, surface.lam_l_over_lam_s, SAMPLES)
-        * 2
-        * np.pi
-        / (surface.lam_l_over_lam_s * surface.lam_s_over_a)
-    )
-    h_rms = np.sqrt(
-        np.trapezoid(q ** (-1 - 2 * surface.hurst), q)
-        / np.trapezoid(q ** (1 - 2 * surface.hurst), q)
-    )
+    g_rms, h_rms = known_heights(scene, n)
+    known = [p_star for p_star in known_p_stars(scene, g_rms) if p_star is not None]
+    p_star = min(known, default=0.0)
     varies = p_star * math.prod(n) / math.sqrt(math.prod(cell)) if n != cell else h_rms
-    return bool(
-        TRANSFORMED * float(np.finfo(np.float32).eps) * varies
-        > NOISE_IN_TURN * counting(scene.solver, p_star)
-    )
+    if varies is None:
+        return True
+    noise = TRANSFORMED * float(np.finfo(np.float32).eps) * varies
+    return noise > NOISE_IN_TURN * counting(scene.solver, p_star)
 
 
 def available_gib() -> float:

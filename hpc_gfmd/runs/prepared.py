@@ -13,17 +13,21 @@ from ..contact.contact import heights_of
 from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..surface import build_surface
+from ..surface.arrays import ArrayMap, is_topography, of_topography
 from ..surface.prepare import prepare
-from ..surface.topography import open_topography
+from ..surface.topography import Topography, open_topography, topography_of
 from ..util.quantities import prefixed
 
 if TYPE_CHECKING:
     from ..plotting.style import Figure
 
 
+PERIODIC = {"boundary", "mirror", "window", "refine", "downsample"}  # keys that settle the edges
+
+
 @dataclass(frozen=True, eq=False)
 class PreparedSurface:
-    """A rough wall with its sizes and units, which `hpc_gfmd.solve` takes.
+    """A rough surface with its sizes and units, which `hpc_gfmd.solve` takes.
 
     Attributes
     ----------
@@ -110,16 +114,51 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
     """
     path = [str(one) for one in path] if isinstance(path, list | tuple) else str(path)
     scene, table = _scene({"kind": "file", "path": path} | keys, "hpc_gfmd.read_surface")
-    spec = scene.surface
-    found, done, notes = prepare(open_topography(spec), spec, SerialComm())
-    return _known(
-        PreparedSurface(found.rows(0, found.n[0]), found.sizes, found.unit, done, notes, spec.free),
-        table,
+    return _known(_prepared(open_topography(scene.surface), scene.surface), table)
+
+
+def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
+    """Prepare heights that are in memory as `read_surface` does those of a file.
+
+    Parameters
+    ----------
+    heights
+        An array (n_x, n_y), peaks up; a masked array, or nan, where points have no height; or a
+        Topography of SurfaceTopography, and what its `.detrend()`, `.to_unit()`, `.scale()` and
+        filters give, whose sizes, unit and periodicity hold.
+    **keys
+        Those of `read_surface`. physical_sizes of an array: default (1, 1), in its unit.
+
+    Returns
+    -------
+    PreparedSurface
+        As `read_surface`; a Topography that is not periodic ends, unless `boundary` says otherwise.
+
+    Raises
+    ------
+    SceneError
+        As `read_surface`.
+    """
+    said = None
+    if is_topography(heights):
+        heights, said = of_topography(heights)
+        if not said.periodic and not keys.keys() & PERIODIC:
+            keys["boundary"] = "free"
+    elif not keys.keys() & {"physical_sizes", "unit"}:
+        keys["physical_sizes"] = 1.0, 1.0
+    scene, _ = _scene({"kind": "file", "path": "heights"} | keys, "hpc_gfmd.prepare_surface")
+    return _prepared(topography_of(ArrayMap(heights, said), scene.surface), scene.surface)
+
+
+def _prepared(found: Topography, spec: Any) -> PreparedSurface:
+    found, done, notes = prepare(found, spec, SerialComm())
+    return PreparedSurface(
+        found.rows(0, found.n[0]), found.sizes, found.unit, done, notes, spec.free
     )
 
 
 def make_surface(kind: str, **keys: Any) -> PreparedSurface:
-    """Make a rough wall as a scene would, on one process.
+    """Make a rough surface as a scene would, on one process.
 
     Parameters
     ----------

@@ -1,11 +1,12 @@
 """A solved contact again from what a result says of it, so that more observables can be asked for
 than the run was."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..bodies import body_of
 from ..certificate.certificate import Certificate
-from ..certificate.criterion import Outcome
 from ..contact.contact import Contact
 from ..output.read import Result
 from ..parallel.comm import SerialComm
@@ -39,14 +40,7 @@ def restored_contact(result: Result) -> Contact:
     heights = fields.get("heights")
     surface = Surface(grid, None, tuple(said["n"]), said["h_rms"], said["g_rms"], (0, said["n"][0]))
     if heights is not None:
-        surface = Surface(
-            grid,
-            heights / -surface.height_unit,
-            surface.n,
-            surface.h_rms,
-            surface.g_rms,
-            surface.rows,
-        )
+        surface = replace(surface, h=heights / -surface.height_unit)
     touching = int(np.count_nonzero(fields["pressure"] > 0))
     certificate = Certificate(
         contact=touching,
@@ -64,7 +58,8 @@ def restored_contact(result: Result) -> Contact:
         step["p"],
         g,
         p,
-        Outcome(step["status"], certificate, 0.0),
+        step["status"],
+        certificate,
         scene.solver.tolerance,
         getattr(scene.surface, "lam_s", None),
         body_of(scene.material, free),

@@ -1,8 +1,9 @@
-"""From a scene to its result file: the composition, top to bottom."""
+"""A scene with files: read, solved load by load, written as the loads finish, gone on with where a
+run was interrupted."""
 
 import json
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -10,38 +11,29 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.contact import heights_of
+from ..contact.contact import Contact, heights_of
 from ..driver.load_target import LoadTarget
 from ..driver.precision import first_precision
-from ..driver.sweep import Step, Sweep
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import HEAD, clear, is_held, partial_folder
 from ..output.read import read_partial
 from ..output.record import RunFile
-from ..output.table import GrowingTable, surface_line
+from ..output.summary import surface_line
 from ..parallel import wisdom
 from ..parallel.comm import Comm
 from ..parallel.guard import guarded, on_rank_0
 from ..parallel.interrupt import Interrupt, Stopped
 from ..parallel.world import threads_of, world
-from ..scene import Output, Scene, Solver, load_scene, with_overrides
-from ..solvers.base import Progress
-from ..surface import Surface, build_surface, grid_of, surface_size
+from ..scene import Scene, load_scene, with_overrides
+from ..surface import build_surface, grid_of, surface_size
 from ..surface.units import field_dtype
 from ..util.errors import GfmdError, SceneError
 from ..util.versions import versions
-from .composition import (
-    asked,
-    check,
-    load_shown,
-    step_attributes,
-    surface_attributes,
-    sweep_of,
-    worst,
-)
+from .loads import asked, check, solved, step_attributes, surface_attributes, sweep_of, worst
 from .memory import require_memory
 from .progress import Reporter
+from .table import GrowingTable
 
 OTHER_HEIGHTS = (
     "{}: of other heights than surface.path has now (content, shape or size), allowed: the same;"
@@ -109,76 +101,199 @@ def run_scene(
     require_memory(comm, scene, n, sizes, threads)
     rows = grid_of(n, sizes, comm, free=scene.surface.free).nominal_rows
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
-
+    how: dict[str, Any] = {
+        "compressed": scene.output.compression,
+        "dtype": scene.output.dtype,
+    }
     with (
         Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt,
-        RunFile(
-            comm,
-            scene.output.path,
-            n,
-            rows,
-            head,
-            {},
-            force=force,
-            compressed=scene.output.compression,
-            dtype=scene.output.dtype,
-        ) as file,
+        RunFile(comm, scene.output.path, n, rows, head, {}, force=force, **how) as file,
     ):
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
         try:
-            return _solve(comm, scene, n, threads, file, say, interrupt, begun)
-        except Stopped:  # between two iterations: the last checkpoint is what a restart begins from
-            return _stopped(file, say, interrupt)
+            run = _Run(comm, scene, file, say, interrupt)
+            run.start(threads, begun)
+            run.all_loads()
+        except Stopped:  # between two iterations: a restart begins from the last checkpoint
+            say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
+            steps = [*file.finished.values()]
+            return RunResult(file.path, steps, "interrupted", interrupt.exit_code)
+        steps = [*file.finished.values()]
+        status = worst(steps)
+        return RunResult(file.path, steps, status, 0 if status == "converged" else 3)
 
 
-def _solve(
-    comm: Comm,
-    scene: Scene,
-    n: tuple[int, int],
-    threads: int,
-    file: RunFile,
-    say: Reporter,
-    interrupt: Interrupt,
-    begun: float,
-) -> RunResult:
-    """Surface, sweep and all steps; n: size of the surface, begun: time at which the run began."""
-    if file.resumed and comm.rank == 0:
-        wisdom.take_from(file.partial)
-    compile_once(
-        comm,
-        scene.solver,
-        scene.surface.boundary or "periodic",
-        scene.material,
-        asked(scene.output),
-        say.say,
-    )
-    low = scene.solver.low_memory
-    sweep = sweep_of(scene, lambda dtype: build_surface(scene.surface, comm, dtype, threads, low))
-    loads = sweep.pressures(scene.load)
-    _require_same_heights(file, sweep.surface)
-    _require_storable(
-        scene.output, sweep.surface, [p for p in loads if not isinstance(p, LoadTarget)]
-    )
-    attributes = surface_attributes(scene, sweep.surface)
-    stored = heights_of(sweep.surface) if "heights" in scene.output.fields else None
-    file.update(
-        attributes,
-        stored,
-        heights=sweep.surface.checksum or "",
-        setup_seconds=time.monotonic() - begun,
-    )
-    for line in sweep.surface.notes:
-        say.say(f"note: {line}")
-    say.say(_headline(scene, sweep.surface, n, comm, time.monotonic() - begun))
-    run = _Run(comm, scene, file, sweep, say, interrupt, attributes)
-    return run.all_steps(loads)
+@dataclass(eq=False)
+class _Run:
+    """The loads of one run: what is missing is solved, and written at once."""
 
+    comm: Comm
+    scene: Scene
+    file: RunFile
+    say: Reporter
+    interrupt: Interrupt
 
-def _stopped(file: RunFile, say: Reporter, interrupt: Interrupt) -> RunResult:
-    """What a run ends with that was asked to stop."""
-    say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
-    return RunResult(file.path, [*file.finished.values()], "interrupted", interrupt.exit_code)
+    def start(self, threads: int, begun: float) -> None:
+        """Make the surface and the sweep; begun: time at which the run began."""
+        comm, scene, file, say = self.comm, self.scene, self.file, self.say
+        if file.resumed and comm.rank == 0:
+            wisdom.take_from(file.partial)
+        spec, low = scene.surface, scene.solver.low_memory
+        observed = asked(scene.output)
+        compile_once(
+            comm, scene.solver, spec.boundary or "periodic", scene.material, observed, say.say
+        )
+        self.sweep = sweep_of(scene, lambda dtype: build_surface(spec, comm, dtype, threads, low))
+        surface = self.sweep.surface
+        self.loads = self.sweep.pressures(scene.load)
+        known = file.earlier.get("heights")
+        if (known is not None or file.finished) and (known or None) != surface.checksum:
+            raise SceneError(OTHER_HEIGHTS.format(file.partial))
+        self._require_storable(*(load for load in self.loads if not isinstance(load, LoadTarget)))
+        attributes = surface_attributes(scene, surface)
+        self.table = GrowingTable(attributes)
+        file.update(
+            attributes,
+            heights_of(surface) if "heights" in scene.output.fields else None,
+            heights=surface.checksum or "",
+            setup_seconds=time.monotonic() - begun,
+        )
+        for line in surface.notes:
+            say.say(f"note: {line}")
+        say.say(self._headline(time.monotonic() - begun))
+
+    def all_loads(self) -> None:
+        """Solve what is not finished, and complete the file. Raises Stopped."""
+        finished = self.file.finished
+        if finished:
+            self.say.say(self.table.add(finished))
+        unfinished = [index for index in range(len(self.loads)) if index not in finished]
+        if unfinished:
+            first, spent = self._go_back(unfinished[0])
+            self.interrupt.require_time()
+            for index, contact, seconds in solved(
+                self.scene, self.sweep, self.loads, self.say, self._watch, first, spent
+            ):
+                self._after(index, contact, seconds)
+                if index == unfinished[-1]:
+                    break
+        self.file.finish(worst([*self.file.finished.values()]))
+        for line in self.table.end():
+            self.say.say(line)
+
+    def _watch(self, index: int, seconds: float) -> bool:
+        """After an iteration: a checkpoint where one is due; whether to stop."""
+        stop, due = self.interrupt.poll()
+        if stop or due:
+            self._save(index, self.sweep.state, seconds)
+        return stop
+
+    def _after(self, index: int, contact: Contact, seconds: float) -> None:
+        """After a load: write it if it is new, and go on, or raise Stopped."""
+        stop = contact.status == "interrupted"
+        if not stop:
+            if index not in self.file.finished:
+                self._write(index, contact, seconds)
+            stop, _ = self.interrupt.poll()
+            if index + 1 < len(self.loads) and (stop or self.interrupt.cheap()):
+                self._save(index + 1, lambda: self.sweep.state(self.loads[index + 1]))
+        if stop:
+            raise Stopped(self.interrupt.agreed)
+
+    def _write(self, index: int, contact: Contact, seconds: float) -> None:
+        self._require_storable(contact.p_mean)
+        attributes = step_attributes(self.scene, index, contact, seconds)
+        names = self.scene.output.fields
+        self.file.write_step(
+            index, attributes, {name: contact.field(name) for name in names if name in FIELDS}
+        )
+        self.say.say(self.table.add({index: attributes}))
+
+    def _save(
+        self, index: int, state: Callable[[], tuple[dict, dict]], seconds: float | None = None
+    ) -> None:
+        """A checkpoint in the middle of a load (seconds: spent on it so far) or at its
+        beginning."""
+        surface, begun = self.sweep.surface, time.monotonic()
+        if surface.reduced_axis is None and (surface.g_rms > 0 or surface.grid.padded):
+            if self.comm.rank == 0:
+                wisdom.keep_with(self.file.partial)
+            solver = self.sweep.solver_class.name
+            self.file.write_checkpoint(surface.grid, solver, index, state(), seconds)
+            self.interrupt.saved(begun)
+
+    def _go_back(self, unfinished: int) -> tuple[int, float | None]:
+        """To the last checkpoint, so that all goes on as if nothing had happened: loads finished
+        since then are repeated, not written again. unfinished: the first load to be solved. Returns
+        the load to begin with and, in the middle of it, the seconds spent on it.
+        """
+        other, first, seconds = False, 0, None  # died before its first checkpoint
+        try:
+            found = self.file.checkpoint(self.sweep.solver_class.name)
+            if found is not None:
+                (first,), (step,), (stored,) = found.indices, found.steps, found.fields
+                numbers, seconds = json.loads(step["numbers"]), step.get("seconds")
+                if first > unfinished:
+                    raise SceneError(
+                        f"{found.path}: later than load {unfinished + 1}, which has to be solved"
+                        " again"
+                    )
+                other = numbers.get("heights") != self.sweep.surface.checksum
+                if not other:
+                    self.sweep.restore(
+                        lambda grid: {
+                            name: field.slab(grid.comm, grid.rows) for name, field in stored.items()
+                        },
+                        numbers,
+                        self.loads[first],
+                    )
+        except GfmdError as error:
+            self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
+            self.sweep.solver = None
+            return unfinished, None
+        if found is not None and other:
+            raise SceneError(OTHER_HEIGHTS.format(found.path))
+        if first < unfinished:
+            self.say.say(
+                f"note: repeating from load {first + 1}, where the last checkpoint is; finished"
+                " loads stay as they are"
+            )
+        return first, seconds
+
+    def _require_storable(self, *pressures: float) -> None:
+        """Raise SceneError where a field that is asked for in single precision does not fit into
+        it at one of these mean pressures."""
+        output, surface = self.scene.output, self.sweep.surface
+        for name in output.fields if output.dtype == "single" else ():
+            for p_mean in pressures:
+                if field_dtype(name, np.float32, p_mean, surface) != np.float32:
+                    raise SceneError(
+                        f'output.dtype: found "single", which cannot hold the {name} at a mean'
+                        f" pressure of {p_mean:g} (one unit of height: {surface.height_unit:g}),"
+                        ' allowed: "double"'
+                    )
+
+    def _headline(self, seconds: float) -> str:
+        scene, surface, ranks = self.scene, self.sweep.surface, self.comm.size
+        settings = scene.solver
+        precision = first_precision(settings).name
+        if settings.precision == "auto" and precision == "float32":
+            precision += " until a load needs float64"
+        known = {
+            "n": surface.n,
+            "physical_sizes": surface.sizes,
+            "h_rms": surface.h_rms,
+            "g_rms": surface.g_rms,
+            "unit": surface.unit or scene.length_unit,
+        }
+        return (
+            f"{scene.title or scene.surface.kind}: {surface_line(known)}"
+            f"{'' if surface.reduced_axis is None else ', varies along one axis only'};"
+            f" {ranks} rank{'s' * (ranks > 1)}, {precision},"
+            f" {'accuracy' if settings.accuracy else 'residual'} {settings.tolerance:g}; ready"
+            f" after {seconds:.1f} s"
+        )
 
 
 def restart(
@@ -224,200 +339,5 @@ def _read_scene(
     if not isinstance(scene, Scene):
         scene = load_scene(scene, overrides)
     if out is not None:
-        output = scene.output.model_dump() | {"path": str(out)}
-        scene = Scene.from_dict(
-            scene.model_dump(exclude_none=True)
-            | {"output": {k: v for k, v in output.items() if v is not None}},
-            "-o",
-        )
+        scene = with_overrides(scene, [f"output.path={json.dumps(str(out))}"], "output")
     return scene
-
-
-def _require_same_heights(file: RunFile, surface: Surface) -> None:
-    """Raise SceneError where the run that is resumed was that of another height map; synthetic
-    surfaces are known by their scene."""
-    known = file.earlier.get("heights")
-    if (known is not None or file.finished) and (known or None) != surface.checksum:
-        raise SceneError(OTHER_HEIGHTS.format(file.partial))
-
-
-def _require_storable(output: Output, surface: Surface, pressures: Iterable[float]) -> None:
-    """Raise SceneError where a field that is asked for in single precision does not fit into it."""
-    for name in output.fields if output.dtype == "single" else ():
-        for p_mean in pressures:
-            if field_dtype(name, np.float32, p_mean, surface) != np.float32:
-                raise SceneError(
-                    f'output.dtype: found "single", which cannot hold the {name} at a mean pressure'
-                    f" of {p_mean:g} (one unit of height: {surface.height_unit:g}), allowed:"
-                    ' "double"'
-                )
-
-
-def _headline(
-    scene: Scene, surface: Surface, n: tuple[int, int], comm: Comm, seconds: float
-) -> str:
-    wanted = (
-        f"accuracy {scene.solver.accuracy:g}"
-        if scene.solver.accuracy
-        else f"residual {scene.solver.residual:g}"
-    )
-    one_d = "" if surface.reduced_axis is None else ", varies along one axis only"
-    known = {
-        "n": n,
-        "physical_sizes": surface.sizes,
-        "h_rms": surface.h_rms,
-        "g_rms": surface.g_rms,
-        "unit": surface.unit or scene.length_unit,
-    }
-    return (
-        f"{scene.title or scene.surface.kind}: {surface_line(known)}{one_d}; {comm.size}"
-        f" rank{'s' * (comm.size > 1)}, {_precision(scene.solver)}, {wanted}; ready after"
-        f" {seconds:.1f} s"
-    )
-
-
-def _precision(settings: Solver) -> str:
-    first = first_precision(settings).name
-    return (
-        f"{first} until a load needs float64"
-        if settings.precision == "auto" and first == "float32"
-        else first
-    )
-
-
-class _Run:
-    """The load steps of one run."""
-
-    def __init__(
-        self,
-        comm: Comm,
-        scene: Scene,
-        file: RunFile,
-        sweep: Sweep,
-        say: Reporter,
-        interrupt: Interrupt,
-        surface: dict[str, Any],
-    ):
-        self.comm, self.scene, self.file, self.sweep, self.surface = (
-            comm,
-            scene,
-            file,
-            sweep,
-            surface,
-        )
-        self.say, self.interrupt, self.table = say, interrupt, GrowingTable(surface)
-        self.checkpointable = sweep.surface.reduced_axis is None and (
-            sweep.surface.g_rms > 0 or sweep.surface.grid.padded
-        )
-
-    def all_steps(self, loads: Sequence[float | LoadTarget]) -> RunResult:
-        """Solve what is not finished; returns a RunResult."""
-        if self.file.finished:
-            self.say.say(self.table.add(self.file.finished))
-        unfinished = [index for index in range(len(loads)) if index not in self.file.finished]
-        first, midway = self._go_back(unfinished[0], loads) if unfinished else (0, None)
-        if unfinished:
-            self.interrupt.require_time()
-        for index in range(first, max(unfinished, default=-1) + 1):
-            status = self._one_step(index, loads, midway if index == first else None)
-            if status == "interrupted":
-                return _stopped(self.file, self.say, self.interrupt)
-        steps = [*self.file.finished.values()]
-        status = worst(steps)
-        self.file.finish(status)
-        for line in self.table.end():
-            self.say.say(line)
-        return RunResult(self.file.path, steps, status, 0 if status == "converged" else 3)
-
-    def _go_back(
-        self, unfinished: int, loads: Sequence[float | LoadTarget]
-    ) -> tuple[int, float | None]:
-        """To the last checkpoint, so that all goes on as if nothing had happened: loads finished
-        since then are repeated, not written again. unfinished: the first load to be solved. Returns
-        the load to begin with and, in the middle of it, the seconds spent on it.
-        """
-        other, first, seconds = False, 0, None  # died before its first checkpoint
-        try:
-            found = self.file.checkpoint(self.sweep.solver_class.name)
-            if found is not None:
-                (first,), (step,), (stored,) = found.indices, found.steps, found.fields
-                numbers, seconds = json.loads(step["numbers"]), step.get("seconds")
-                if first > unfinished:
-                    raise SceneError(
-                        f"{found.path}: later than load {unfinished + 1}, which has to be solved"
-                        " again"
-                    )
-                other = numbers.get("heights") != self.sweep.surface.checksum
-                if not other:
-                    self.sweep.restore(
-                        lambda grid: {
-                            name: field.slab(grid.comm, grid.rows) for name, field in stored.items()
-                        },
-                        numbers,
-                        loads[first],
-                    )
-        except GfmdError as error:
-            self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
-            self.sweep.solver = None
-            return unfinished, None
-        if found is not None and other:
-            raise SceneError(OTHER_HEIGHTS.format(found.path))
-        if first < unfinished:
-            self.say.say(
-                f"note: repeating from load {first + 1}, where the last checkpoint is; finished"
-                " loads stay as they are"
-            )
-        return first, seconds
-
-    def _one_step(
-        self, index: int, loads: Sequence[float | LoadTarget], midway: float | None
-    ) -> str:
-        begun = time.monotonic() - (midway or 0.0)
-        load = loads[index]
-        self.say.step(index, len(loads), *load_shown(self.scene.load, index, self.sweep, load))
-
-        def watch(iterations: int, progress: Progress) -> bool:
-            self.say.watch(iterations, progress)
-            stop, due = self.interrupt.poll()
-            if stop or due:
-                self._save(index, self.sweep.state, seconds=time.monotonic() - begun)
-            return stop
-
-        try:
-            step = self.sweep.solve(load, watch, midway is not None)
-        finally:
-            self.say.done()
-        status = step.contact.outcome.status
-        if status == "interrupted":
-            return status
-        if index not in self.file.finished:
-            if isinstance(load, LoadTarget):
-                _require_storable(self.scene.output, self.sweep.surface, [step.contact.p_mean])
-            self._write(index, step, time.monotonic() - begun)
-        stop, _ = self.interrupt.poll()
-        if index + 1 < len(loads) and (stop or self.interrupt.cheap()):
-            self._save(index + 1, lambda: self.sweep.state(loads[index + 1]))
-        return "interrupted" if stop else status
-
-    def _save(
-        self, index: int, state: Callable[[], tuple[dict, dict]], seconds: float | None = None
-    ) -> None:
-        """A checkpoint in the middle of a load (seconds: spent on it so far) or at its
-        beginning."""
-        if self.checkpointable:
-            begun, sweep = time.monotonic(), self.sweep
-            if self.comm.rank == 0:
-                wisdom.keep_with(self.file.partial)
-            self.file.write_checkpoint(
-                sweep.surface.grid, sweep.solver_class.name, index, state(), seconds
-            )
-            self.interrupt.saved(begun)
-
-    def _write(self, index: int, step: Step, seconds: float) -> None:
-        """A finished load into the file."""
-        attributes = step_attributes(self.scene, index, step, seconds)
-        fields: dict[str, Any] = {
-            name: step.contact.field(name) for name in self.scene.output.fields if name in FIELDS
-        }
-        self.file.write_step(index, attributes, fields)
-        self.say.say(self.table.add({index: attributes}))

@@ -1,9 +1,12 @@
-"""What a solved load says, in memory or from a result file: numbers, fields, and what else is asked
-of it."""
+"""What solved loads say, in memory or from a result file: numbers, fields, and what else is asked
+of them."""
 
+import warnings
+from collections.abc import Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -16,30 +19,19 @@ from ..contact import (
     require_periodic,
 )
 from ..output.fields import FIELDS
-from ..output.read import Result
+from ..output.read import Result, read_result
 from ..output.save import in_memory, save
-from ..output.table import html_table, summary
+from ..output.summary import summary, surface_line
 from ..parallel.comm import SerialComm
 from ..scene.explain import nearest
 from ..util.errors import SceneError
+from .table import html_table
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
     from ..plotting.style import Figure
 
 LOST = ("energy", "approach", "duality_gap")  # observables that the fields do not tell
-
-
-def draw(result: Result, comm: Any, what: str | None, how: dict[str, Any]) -> "Figure":
-    """A figure by plotting.plot. Raises SceneError where fields are spread over ranks."""
-    from ..plotting import plot
-
-    if comm.size > 1:
-        raise SceneError(
-            f"plot: found fields that are spread over {comm.size} ranks, allowed: save, and plot"
-            " the file"
-        )
-    return plot(result, what, **how)
 
 
 def _require_known(what: str, name: str, known: set[str]) -> None:
@@ -50,7 +42,54 @@ def _require_known(what: str, name: str, known: set[str]) -> None:
         )
 
 
-class Solution:
+def _number(name: str, about: str) -> Any:
+    """A property of a Solution: the number of this name in the result file."""
+    return property(lambda solution: solution.value(name), doc=about)
+
+
+def _field(name: str, about: str) -> Any:
+    """A property of a Solution: the field of this name."""
+    return property(lambda solution: solution._field(name), doc=about)
+
+
+class _Solved:
+    """What one solved load and several have in common; rows: of the fields, on this rank."""
+
+    _picture: str | None = None
+
+    def __init__(self, result: Result, rows: tuple[int, int] | None, comm: Any):
+        self.result, self.comm = result, comm or SerialComm()
+        self.rows = rows or (0, int(result.surface["n"][0]))
+
+    def save(self, path: str | PathLike, force: bool = False) -> Path:
+        """Write a result file, as `hpc-gfmd run` does; returns its path.
+
+        path: of the file, which ends in .h5; force: overwrite a file that is not a result of the
+        same surface, loads and settings, or an interrupted run. Collective. Warns of what it
+        replaces. Raises SceneError where it may not be written, GfmdError where writing fails.
+        """
+        return save(self.result, path, force, self.rows, self.comm)
+
+    def plot(self, what: str | None = None, **how: Any) -> "Figure":
+        """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads; default of
+        several), "maps" (default of one whose fields are kept), "distributions", "spectra", one
+        field or one curve, such as "a_r".
+
+        how: step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
+        hpc_gfmd.plot, which also draws several results together. Raises SceneError where there is
+        no such picture, or fields are spread over ranks.
+        """
+        from ..plotting import plot
+
+        if self.comm.size > 1:
+            raise SceneError(
+                f"plot: found fields that are spread over {self.comm.size} ranks, allowed: save,"
+                " and plot the file"
+            )
+        return plot(self.result, what or self._picture, **how)
+
+
+class Solution(_Solved):
     """A solved load.
 
     Pressures are in the unit of E_star (Pa where `pressure_unit` is "Pa"), lengths in that of the
@@ -69,59 +108,51 @@ class Solution:
         rows: tuple[int, int] | None = None,
         comm: Any = None,
     ):
-        self.result, self.comm, self._contact = result, comm or SerialComm(), contact
-        self.rows = rows or (0, int(result.surface["n"][0]))
+        super().__init__(result, rows, comm)
+        self._contact = contact
+        self._step, self._fields = result.steps[0], result.fields[0]
         self._arrays: dict[str, np.ndarray] = {}
 
     # numbers
 
-    @property
-    def p(self) -> float:
-        """Mean pressure over the nominal area, in the unit of E_star."""
-        return self._step["p"]
-
-    @property
-    def p_star(self) -> float:
-        """p/(E* g_rms), dimensionless; nan on a flat surface."""
-        return self._step["p_star"]
-
-    @property
-    def a_r(self) -> float:
-        """Relative contact area: points in contact over all points."""
-        return self.observable("a_r")
-
-    @property
-    def a_r_corrected(self) -> float | None:
-        """a_r less what points on the edge of the contact count too much; None for profiles and for
-        points that are not square."""
-        return self.observable("a_r_corrected")
-
-    @property
-    def a_r_error(self) -> float:
-        """Estimated relative error of a_r on this grid: the solver's."""
-        return self._step["a_r_error"]
-
-    @property
-    def a_r_discretisation(self) -> float:
-        """Estimated relative error of a_r by the size of a grid point."""
-        return self._step["a_r_discretisation"]
+    p: float = _number("p", "Mean pressure over the nominal area, in the unit of E_star.")
+    p_star: float = _number("p_star", "p/(E* g_rms), dimensionless; nan on a flat surface.")
+    a_r: float = _number("a_r", "Relative contact area: points in contact over all points.")
+    a_r_corrected: float | None = _number(
+        "a_r_corrected",
+        "a_r less what points on the edge of the contact count too much; None for profiles and for"
+        " points that are not square.",
+    )
+    a_r_error: float = _number(
+        "a_r_error", "Estimated relative error of a_r on this grid: the solver's."
+    )
+    a_r_discretisation: float = _number(
+        "a_r_discretisation", "Estimated relative error of a_r by the size of a grid point."
+    )
+    gap_mean: float = _number("gap_mean", "Mean gap, in the unit of the heights.")
+    status: str = _number(
+        "status", '"converged", "stagnated", "max_iterations", "nonfinite" or "interrupted".'
+    )
+    iterations: int = _number("iterations", "Iterations on the fine grid.")
+    fft_pairs: float = _number("fft_pairs", "FFT pairs of the fine grid, everything counted.")
+    precision: str = _number("precision", '"float32" or "float64": in which it was solved.')
 
     @property
     def kappa(self) -> float:
         """a_r/p_star; nan on a flat surface."""
-        found = self.observable("kappa")
+        found = self.value("kappa")
         return float("nan") if found is None else found
-
-    @property
-    def gap_mean(self) -> float:
-        """Mean gap, in the unit of the heights."""
-        return self.observable("gap_mean")
 
     @property
     def errors(self) -> tuple[float, float, float]:
         """Estimated relative errors, by the solver on this grid, of a_r, of the mean gap and of the
         pressure field (L2)."""
-        return self._step["a_r_error"], self._step["gap_error"], self._step["pressure_error"]
+        return self.a_r_error, self.value("gap_error"), self.value("pressure_error")
+
+    @property
+    def note(self) -> str | None:
+        """What limits the meaning of the numbers, such as too few points that touch."""
+        return self._step.get("note")
 
     @property
     def g_rms(self) -> float:
@@ -132,31 +163,6 @@ class Solution:
     def h_rms(self) -> float:
         """Realised rms of the heights, in their unit."""
         return self.result.surface["h_rms"]
-
-    @property
-    def status(self) -> str:
-        """ "converged", "stagnated", "max_iterations", "nonfinite" or "interrupted"."""
-        return self._step["status"]
-
-    @property
-    def iterations(self) -> int:
-        """Iterations on the fine grid."""
-        return self._step["iterations"]
-
-    @property
-    def fft_pairs(self) -> float:
-        """FFT pairs of the fine grid, everything counted."""
-        return self._step["fft_pairs"]
-
-    @property
-    def precision(self) -> str:
-        """ "float32" or "float64": in which it was solved."""
-        return self._step["precision"]
-
-    @property
-    def note(self) -> str | None:
-        """What limits the meaning of the numbers, such as too few points that touch."""
-        return self._step.get("note")
 
     @property
     def sizes(self) -> tuple[float, float]:
@@ -175,26 +181,21 @@ class Solution:
 
     # fields
 
-    @property
-    def pressure(self) -> np.ndarray:
-        """Contact pressure (n_x, n_y), >= 0, and 0 where the gap is open."""
-        return self._field("pressure")
-
-    @property
-    def gap(self) -> np.ndarray:
-        """Gap between the deformed surface and the wall (n_x, n_y), >= 0: displacement -
-        heights."""
-        return self._field("gap")
-
-    @property
-    def displacement(self) -> np.ndarray:
-        """Displacement of the elastic surface away from the wall (n_x, n_y): gap + heights."""
-        return self._field("displacement")
-
-    @property
-    def heights(self) -> np.ndarray:
-        """Heights of the wall (n_x, n_y), peaks up, measured from the highest: <= 0."""
-        return self._field("heights")
+    pressure: np.ndarray = _field(
+        "pressure", "Contact pressure (n_x, n_y), >= 0, and 0 where the gap is open."
+    )
+    gap: np.ndarray = _field(
+        "gap",
+        "Gap between the deformed and the rigid surface (n_x, n_y), >= 0: displacement - heights.",
+    )
+    displacement: np.ndarray = _field(
+        "displacement",
+        "Displacement of the elastic surface away from the rigid one (n_x, n_y): gap + heights.",
+    )
+    heights: np.ndarray = _field(
+        "heights",
+        "Heights of the rigid surface (n_x, n_y), peaks up, measured from the highest: <= 0.",
+    )
 
     @property
     def contact(self) -> np.ndarray:
@@ -202,6 +203,10 @@ class Solution:
         return self.pressure > 0
 
     # on request
+
+    def value(self, name: str) -> Any:
+        """A number by its name in the result file, an `observable` or another one."""
+        return self._step[name] if name in self._step else self.observable(name)
 
     def observable(self, name: str) -> Any:
         """A number by the name it has in the scene's output.observables, computed now if it was not
@@ -259,19 +264,6 @@ class Solution:
             if (found := self._stored_distribution(name))
         }
 
-    def save(self, path: str | PathLike, force: bool = False) -> Path:
-        """Write a result file, as `hpc-gfmd run` does; see Solutions.save."""
-        return save(self.result, path, force, self.rows, self.comm)
-
-    def plot(self, what: str | None = None, **how: Any) -> "Figure":
-        """A matplotlib figure, as `hpc-gfmd plot` draws it: "maps" (default where fields are kept),
-        "distributions", "spectra", "curves" or one field.
-
-        how: window, dpi, dimensionless; see plotting.plot. Raises SceneError where there is no such
-        picture, or fields are spread over ranks.
-        """
-        return draw(self.result, self.comm, what, how)
-
     def __repr__(self) -> str:
         return f"<Solution: {summary(self._step, self.result.surface)}>"
 
@@ -281,13 +273,9 @@ class Solution:
     def __reduce__(self) -> tuple:
         return Solution, (in_memory(self.result), None, self.rows)
 
-    @property
-    def _step(self) -> dict:
-        return self.result.steps[0]
-
     def _field(self, name: str) -> np.ndarray:
         if name not in self._arrays:
-            stored = self.result.fields[0]
+            stored = self._fields
             if name in stored:
                 self._arrays[name] = stored[name].read()
             elif self._contact is not None and name in FIELDS:
@@ -309,13 +297,127 @@ class Solution:
         return self._contact
 
     def _stored_distribution(self, name: str) -> dict[str, np.ndarray]:
-        named = {
-            key.removeprefix(f"{name}_"): value
-            for key, value in self._step.items()
-            if key.startswith(f"{name}_")
-        }
-        return {
-            what: np.array(value)
-            for what, value in named.items()
-            if isinstance(value, list) and "_" not in what
-        }
+        keys = {what: f"{name}_{what}" for what in all_distributions()[name].units}
+        return {what: np.array(self._step[key]) for what, key in keys.items() if key in self._step}
+
+
+class Solutions(_Solved, Sequence):
+    """The solutions of a sweep of loads, in the order of the loads.
+
+    result : output.read.Result
+        All that is known, by the names of the result file.
+    """
+
+    _picture = "curves"
+
+    def __init__(
+        self,
+        result: Result,
+        contacts: "Sequence[Contact | None]" = (),
+        rows: tuple[int, int] | None = None,
+        comm: Any = None,
+    ):
+        super().__init__(result, rows, comm)
+        contacts = contacts or [None] * len(result.steps)
+        self._all = [
+            Solution(_part(result, slice(k, k + 1), status=step["status"]), contact, rows, comm)
+            for k, (step, contact) in enumerate(zip(result.steps, contacts, strict=True))
+        ]
+
+    @overload
+    def __getitem__(self, index: int) -> Solution: ...
+    @overload
+    def __getitem__(self, index: slice) -> "Solutions": ...
+    def __getitem__(self, index: int | slice) -> "Solution | Solutions":
+        if not isinstance(index, slice):
+            return self._all[index]
+        some = Solutions(_part(self.result, index), (), self.rows, self.comm)
+        some._all = self._all[index]
+        return some
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    @property
+    def status(self) -> str:
+        """The worst of all loads; "interrupted" or "running" of a file that is not finished."""
+        return self.result.status
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know, such as loads that are missing, a line each."""
+        return self.result.notes
+
+    def values(self, name: str) -> np.ndarray:
+        """An observable or another number of all loads, (loads,), by its name in the result file:
+        values("p_star"); nan for none."""
+        found = [one.value(name) for one in self]
+        return np.array([np.nan if value is None else value for value in found])
+
+    def __repr__(self) -> str:
+        lines = [
+            f"<{len(self)} solution{'s' * (len(self) != 1)}: {surface_line(self.result.surface)},"
+            f" {self.status}"
+        ]
+        lines += [
+            f"  {k}: {summary(step, self.result.surface)}"
+            for k, step in zip(self.result.indices, self.result.steps)
+        ]
+        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)]) + ">"
+
+    def _repr_html_(self) -> str:
+        return html_table(self.result.steps, self.result.surface, self.result.indices, self.notes)
+
+    def __reduce__(self) -> tuple:
+        return Solutions, (in_memory(self.result), (), self.rows)
+
+
+def _part(result: Result, some: slice, **other: Any) -> Result:
+    """Some of its loads; other: what is said of them otherwise."""
+    picked = {name: getattr(result, name)[some] for name in ("steps", "indices", "fields")}
+    return replace(result, **picked, **other)
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C in a sweep in memory, after its first load.
+
+    Attributes
+    ----------
+    solutions : Solutions
+        The loads that were finished. Where nobody caught this, in a notebook or at the prompt, it
+        is `sys.last_value`.
+    """
+
+    def __init__(self, solutions: Solutions):
+        super().__init__(
+            f"{solutions.notes[-1]}; those finished are the `solutions` of this exception, "
+            "hpc_gfmd.Interrupted (sys.last_value.solutions)"
+        )
+        self.solutions = solutions
+
+
+def load(path: str | PathLike) -> Solutions:
+    """The solutions in a result file, those of an interrupted run included.
+
+    Parameters
+    ----------
+    path
+        A result file, or where an interrupted (or running) run would write it.
+
+    Returns
+    -------
+    Solutions
+        Also of a single load. Fields are read when they are first asked for; `notes` and a warning
+        tell which loads are missing.
+
+    Raises
+    ------
+    SceneError
+        If there is no result, or the file is damaged, foreign or of another version.
+    """
+    result = read_result(path)
+    if result.folder is not None:
+        note = f"the run is {result.status}: {result.missing_loads}"
+        result = replace(result, notes=(*result.notes, note))
+        warnings.warn(f"{result.path}: {note}", stacklevel=2)
+    return Solutions(result)

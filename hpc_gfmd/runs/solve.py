@@ -1,15 +1,14 @@
-"""Contacts in memory, for notebooks and scripts: the same composition as a run, without files."""
+"""Contacts in memory, for notebooks and scripts: as a run, without files."""
 
 import hashlib
 import json
 import sys
 import time
 import warnings
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
-from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -23,18 +22,18 @@ from ..parallel.comm import Comm
 from ..parallel.guard import guarded
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
+from ..surface.arrays import checked_array, is_topography
 from ..surface.build import Surface, surface_from_rows
 from ..surface.heights import Checksum, checked
 from ..surface.quality import DIFFERENT_UNITS, MapQuality
 from ..surface.topography import Rows, Topography
-from ..util.errors import NotConverged, SceneError, one_line
+from ..util.errors import NotConverged, SceneError
 from ..util.versions import versions
-from .composition import check, load_shown, step_attributes, surface_attributes, sweep_of, worst
-from .keywords import loads_of, scene_of_keywords
-from .prepared import PreparedSurface
+from .keywords import HOMES, scene_of_keywords, several_loads
+from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
+from .prepared import PreparedSurface, prepare_surface
 from .progress import Reporter
-from .solution import Solution
-from .solutions import Interrupted, Solutions, solutions_of
+from .solution import Interrupted, Solution, Solutions
 
 Number = float | str  # plain, or with a unit: "20 MPa"
 Loads = Number | Sequence[Number] | np.ndarray
@@ -65,14 +64,15 @@ def solve(
     comm: Any = None,
     **more: Any,
 ) -> Solution | Solutions:
-    """Press an elastic body against a rigid rough wall: linear elastic, small slopes, frictionless,
-    no adhesion.
+    """Press an elastic body against a rigid rough surface: linear elastic, small slopes,
+    frictionless, no adhesion.
 
     Parameters
     ----------
-    heights : array (n_x, n_y) or PreparedSurface
-        Heights of the wall, peaks up, in the unit of `physical_sizes` (m where these have units);
-        or what `read_surface` and `make_surface` give, which know their sizes, units and boundary.
+    heights : array (n_x, n_y), PreparedSurface or Topography
+        Heights of the rigid surface, peaks up, in the unit of `physical_sizes` (m where these have
+        units); or what `read_surface`, `prepare_surface` and `make_surface` give, or a Topography
+        of SurfaceTopography, which know their sizes, units and boundary.
     pressure, p_star, gap_mean, gap_over_h_rms, a_r, force, approach : number, text with a unit, or
     a list of them
         The load, one of them: the mean pressure in the unit of `E_star`, p_star = p/(E* g_rms), and
@@ -134,38 +134,17 @@ def solve(
     >>> for solution in hpc_gfmd.solve(wall, p_star=[0.01, 0.1]):
     ...     print(solution.a_r, solution.pressure.max())
     """
-    started, begun, comm = (
-        datetime.now(UTC).isoformat(timespec="seconds"),
-        time.monotonic(),
-        comm_of(comm),
-    )
-    loads = {
-        "pressure": pressure,
-        "p_star": p_star,
-        "gap_mean": gap_mean,
-        "gap_over_h_rms": gap_over_h_rms,
-        "a_r": a_r,
-        "force": force,
-        "approach": approach,
-    }
-    given = {
-        "E_star": E_star,
-        "physical_sizes": physical_sizes,
-        "accuracy": accuracy,
-        "nu1": nu,
-        "thickness": thickness,
-        "base": base,
-        "boundary": boundary,
-        "fields": fields,
-        "observables": observables,
-        "distributions": distributions,
-        "threads": threads,
-    }
+    arguments = locals()
+    given = {key: arguments[key] for key in HOMES if key in arguments} | {"nu1": nu}
+    started, begun = datetime.now(UTC).isoformat(timespec="seconds"), time.monotonic()
+    comm = comm_of(comm)
     with guarded(comm, "reading the arguments"):
+        if is_topography(heights):
+            heights = prepare_surface(heights)
         known = heights if isinstance(heights, PreparedSurface) else None
-        scene = scene_of_keywords(loads | given, more, known)
+        scene = scene_of_keywords(given, more, known)
         check(scene)
-        z = _checked(heights if known is None else known.heights)
+        z = _complete(heights if known is None else known.heights)
     _require_the_same(comm, scene, z.shape)
     of_each_rank = threads_of(comm, scene.machine.threads)
     head: dict[str, Any] = {}
@@ -194,21 +173,40 @@ def solve(
             made, prepared=known.prepared if known else (), quality_notes=notes, checksum=checksum
         )
 
-    done, stopped = _Done(), False
+    steps: list[dict] = []
+    contacts: list[Contact | None] = []  # None where no field is kept
+    last: dict[str, Any] = {}
+
+    def solve_all() -> None:
+        steps.clear()
+        contacts.clear()
+        sweep = sweep_of(scene, make_surface)
+        loads = sweep.pressures(scene.load)
+        say = Reporter(comm, scene.solver, quiet=not progress, bar=progress)
+        for index, contact, seconds in solved(scene, sweep, loads, say):
+            attributes = step_attributes(scene, index, contact, seconds)
+            last["surface"], keeps = contact.surface, bool(scene.output.fields)
+            if index + 1 < len(loads) and keeps:  # the next load overwrites these
+                contact = replace(contact, g=contact.g.copy(), p=contact.p.copy())
+            contacts.append(contact if keeps else None)
+            steps.append(attributes)  # last: a load is done with it
+
+    stopped, several = False, several_loads(given)
     try:
         if comm.size > 1:
             compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
-            _press(comm, scene, make_surface, progress, done)
+            solve_all()
         else:
             with announced(partial(print, file=sys.stderr) if progress else None):
-                sound(lambda: _press(comm, scene, make_surface, progress, done))
+                sound(solve_all)
     except KeyboardInterrupt:
-        if comm.size > 1 or not (
-            done.steps and loads_of(loads)
-        ):  # other ranks may not have been interrupted
+        if comm.size > 1 or not (steps and several):  # other ranks may not have been interrupted
             raise
         stopped = True
-    steps, contacts, surface = done.steps, done.contacts[: len(done.steps)], done.surface
+    contacts, surface = contacts[: len(steps)], last["surface"]
+    for contact in filter(None, contacts):
+        for fft in contact.surface.grid.planned():
+            contact.surface.grid.forget_fft(fft.dtype)
     head |= {
         "scene": scene.to_toml(),
         "identity": scene.identity(),
@@ -218,69 +216,17 @@ def solve(
     if known is None or known.table is None:
         head["identity"] += f" of {head['heights']}"
     stored = [_fields(scene.output.fields, contact) for contact in contacts]
-    result = Result(
-        None,
-        surface_attributes(scene, surface),
-        steps,
-        list(range(len(steps))),
-        worst(steps),
-        head,
-        stored,
-    )
+    attributes, indices = surface_attributes(scene, surface), list(range(len(steps)))
+    result = Result(None, attributes, steps, indices, worst(steps), head, stored)
     if stopped:
         result = replace(
             result, status="interrupted", notes=(f"interrupted: {result.missing_loads}",)
         )
-    found = solutions_of(result, contacts, surface.rows, comm)
+    found = Solutions(result, contacts, surface.rows, comm)
     _warn(comm, steps)
     if stopped:
         raise Interrupted(found) from None
-    return found if loads_of(loads) else found[0]
-
-
-@dataclass
-class _Done:
-    """What `_press` has done so far: attributes of the steps, their contacts (None where no field
-    is kept), and the surface."""
-
-    steps: list = field(default_factory=list)
-    contacts: list = field(default_factory=list)
-    surface: Any = None
-
-
-def _press(
-    comm: Comm,
-    scene: Scene,
-    make_surface: Callable[[np.dtype], Surface],
-    progress: bool,
-    done: _Done,
-) -> None:
-    """Solve all loads; `done` is kept up to date. Collective."""
-    done.steps, done.contacts = [], []
-    sweep = sweep_of(scene, make_surface)
-    say = Reporter(comm, scene.solver, quiet=not progress, bar=progress)
-    loads = sweep.pressures(scene.load)
-    try:
-        for index, load in enumerate(loads):
-            begun = time.monotonic()
-            say.step(index, len(loads), *load_shown(scene.load, index, sweep, load))
-            try:
-                step = sweep.solve(load, say.watch)
-            finally:
-                say.done()
-            contact = step.contact
-            attributes = step_attributes(scene, index, step, time.monotonic() - begun)
-            if index + 1 < len(loads) and scene.output.fields:  # the next load overwrites these
-                contact = replace(contact, g=contact.g.copy(), p=contact.p.copy())
-            done.contacts.append(contact if scene.output.fields else None)
-            done.surface = sweep.surface
-            done.steps.append(attributes)  # last: a load is done with it
-    finally:
-        for grid in {
-            id(one.surface.grid): one.surface.grid for one in done.contacts if one is not None
-        }.values():
-            for fft in grid.planned():
-                grid.forget_fft(fft.dtype)
+    return found if several else found[0]
 
 
 def _fields(names: Iterable[str], contact: Contact | None) -> dict[str, Slab]:
@@ -336,22 +282,12 @@ def _require_the_same(comm: Comm, scene: Scene, shape: Sequence[int]) -> None:
         )
 
 
-def _checked(heights: Any) -> np.ndarray:
+def _complete(heights: Any) -> np.ndarray:
     """The array as it is. Raises SceneError for what is no complete height map."""
-    if isinstance(heights, str | PathLike):
-        raise SceneError(
-            f"heights: found {str(heights)!r}, allowed: an array, or"
-            f" hpc_gfmd.read_surface({str(heights)!r})"
-        )
+    heights = checked_array(heights)
     if np.ma.is_masked(heights):
-        raise SceneError("heights: found masked points, allowed: a complete height map")
-    try:
-        heights = np.asanyarray(heights)
-    except (TypeError, ValueError) as error:
         raise SceneError(
-            f"heights: found {one_line(str(error))}, allowed: a real array with two axes, not empty"
-        ) from None
-    if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
-        found = f"shape {heights.shape} of {one_line(str(heights.dtype), 80)}"
-        raise SceneError(f"heights: found {found}, allowed: a real array with two axes, not empty")
+            f"heights: found {np.ma.count_masked(heights)} masked points, allowed: a complete map,"
+            ' as of hpc_gfmd.prepare_surface(heights, fill="harmonic")'
+        )
     return heights

@@ -4,11 +4,12 @@ cache."""
 import json
 import os
 import time
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..driver.precision import first_precision
+from ..driver.precision import first_precision, precisions
 from ..driver.sweep import Sweep
 from ..scene import Scene
 from ..util.caches import cache_folder, keep
@@ -28,20 +29,62 @@ SEARCHING = 1.5  # times as many where the mean pressures have to be found
 BASELINE_PAIRS = {"gfmd": 150.0, "fire": 400.0, "ccg": 150.0}
 
 
-def expected_seconds(scene: Scene, n: tuple[int, int], ranks: int, cores: int) -> float:
-    """Seconds of solving all loads of a scene on `ranks` ranks that share `cores` cores of this
-    machine."""
-    settings = scene.solver
+def expected_pairs(
+    scene: Scene, n: tuple[int, int], unknown: DTypeLike | None = None
+) -> dict[np.dtype, float]:
+    """FFT pairs of all loads of a scene whose surface has n points, by precision; unknown: as
+    memory_of has it."""
+    settings, pairs = scene.solver, dict[np.dtype, float]()
     decades = -np.log10(settings.tolerance) - 3
-    pairs = BASELINE_PAIRS.get(settings.name, PAIRS) * max(
+    each = BASELINE_PAIRS.get(settings.name, PAIRS) * max(
         0.6, 1 + decades * PAIRS_PER_DECADE / PAIRS
     )
-    points = n[0] * n[1]
-    work = points * np.log2(max(points, 2))
-    loads = len(scene.load.given[1]) * (SEARCHING if scene.load.found else 1.0)
+    for found in precisions(scene, n):
+        dtype = np.dtype(found or unknown or first_precision(settings))
+        pairs[dtype] = pairs.get(dtype, 0.0) + each * (SEARCHING if scene.load.found else 1.0)
+    return pairs
+
+
+def expected_seconds(
+    scene: Scene,
+    n: tuple[int, int],
+    ranks: int,
+    cores: int,
+    cell: tuple[int, int] | None = None,
+    unknown: DTypeLike | None = None,
+) -> float:
+    """Seconds of solving all loads of a scene on `ranks` ranks that share `cores` cores of this
+    machine. cell: points that are solved, if more than the n of the surface."""
+    points = float(np.prod(cell or n))
+    work = points * np.log2(max(points, 2)) / min(ranks, cores)
     return float(
-        loads * pairs * work * seconds_per_work(first_precision(settings)) / min(ranks, cores)
+        sum(
+            pairs * work * seconds_per_work(dtype)
+            for dtype, pairs in expected_pairs(scene, n, unknown).items()
+        )
     )
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """Assumed nodes, and what a solve takes on them: a model without waiting, rather fast.
+
+    cores: of a node; together: how many times as fast as one core its memory lets them be (16 cores
+    here: 8); bandwidth: bytes per second of its link, latency: seconds of a message, the work for
+    it included (InfiniBand of 100 Gbit/s as makers tell, and 16 ranks here)."""
+
+    cores: int = 64
+    together: float = 10.0
+    bandwidth: float = 12.5e9
+    latency: float = 40e-6
+
+    def seconds(self, alone: float, pairs: float, traffic: tuple[int, int], ranks: int) -> float:
+        """Of a solve on `ranks` of its cores that takes so many seconds on one core here; traffic:
+        (bytes, messages) that a rank sends in an FFT pair."""
+        nodes = -(-ranks // self.cores)
+        nbytes, messages = traffic
+        sent = nbytes * (ranks / nodes) / self.bandwidth * (nodes > 1) + messages * self.latency
+        return alone / min(ranks, nodes * self.together) + pairs * sent
 
 
 def seconds_per_work(dtype: DTypeLike) -> float:
@@ -76,7 +119,7 @@ def _measure(dtype: DTypeLike) -> float:
     best = np.inf
     for p_star in (0.05, 0.4, 0.01):  # far apart: each starts anew
         begun = time.perf_counter()
-        step = sweep.solve(p_star * sweep.surface.g_rms)
-        best = min(best, (time.perf_counter() - begun) / step.fft_pairs)
+        contact = sweep.solve(p_star * sweep.surface.g_rms)
+        best = min(best, (time.perf_counter() - begun) / contact.fft_pairs)
     N = sweep.surface.grid.N
     return best / (N * np.log2(N))

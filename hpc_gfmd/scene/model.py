@@ -33,7 +33,7 @@ class Scene(Table):
     """What is asked: the surface, the material, the loads, how accurately, and what to keep."""
 
     title: Text = key("what the result is called", "one line of text", "", said="none")
-    surface: AnySurface = key("the rigid rough wall", "a table [surface]")
+    surface: AnySurface = key("the rigid rough surface", "a table [surface]")
     material: Material = key(
         "the elastic solid that is pressed against it", "a table [material]", Material()
     )

@@ -100,7 +100,7 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
                     0,
                     Key(
                         "kind",
-                        "which wall",
+                        "which surface",
                         ", ".join(map(json.dumps, KINDS)),
                         example="self-affine",
                     ),

@@ -69,7 +69,7 @@ class Material(Table):
     )
     nu1: PoissonRatio | None = key("its Poisson ratio", POISSON, None, example=0.3)
     E2: Pressure | None = key(
-        "Young's modulus of the other solid, whose roughness counts to the wall's",
+        "Young's modulus of the other solid, whose roughness counts to the surface's",
         MODULUS,
         None,
         unit="pressure",

@@ -1,4 +1,4 @@
-"""[surface]: the kinds of rough walls, heights z(r) with peaks up on the periodic cell L_x x
+"""[surface]: the kinds of rough surfaces, heights z(r) with peaks up on the periodic cell L_x x
 L_y."""
 
 from pathlib import PurePath
@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from .table import (
     LENGTH,
+    LIST,
     MAX_INT,
     MAX_N,
     POSITIVE,
@@ -24,6 +25,7 @@ from .table import (
     Ratio,
     Sizes,
     Table,
+    Text,
     key,
     not_both,
 )
@@ -39,7 +41,7 @@ ANY = "surface"  # the data set where the scene names none
 
 
 class Surface(Table):
-    """The rigid rough wall. What every kind has: the cell, in the unit of the heights."""
+    """The rigid rough surface. What every kind has: the cell, in the unit of the heights."""
 
     physical_sizes: Sizes = key("lengths of the cell", SIZES, (1.0, 1.0), unit="length")
     boundary: Boundary = key(
@@ -220,6 +222,22 @@ class File(Surface):
         "the name of a data set (HDF5, NetCDF, .npz) or of a channel",
         ANY,
     )
+    skip_lines: Annotated[int, Field(ge=0)] | None = key(
+        "of a text: lines before the numbers",
+        "a whole number from 0",
+        None,
+        example=3,
+        said="those that are no numbers",
+    )
+    decimal: Literal[".", ","] | None = key(
+        "of a text: what decimals begin with", '"." or ","', None, example=",", said="what fits"
+    )
+    missing: Annotated[tuple[Text, ...], LIST] = key(
+        'of a text: what stands for missing points, beside nothing, "***", "BAD", "---", "nan"',
+        "a list of texts",
+        (),
+        example=["9999"],
+    )
     # None, other than in a surface that is made: as the file says
     physical_sizes: Sizes | None = key(  # type: ignore[assignment]
         "lengths of the map",
@@ -312,6 +330,7 @@ FORMATS = {
     ".csv": "text",
     ".asc": "text",
     ".dat": "text",
+    ".xyz": "text",
 }
 KINDS: dict[str, type[Surface]] = {
     "self-affine": SelfAffine,

@@ -1,82 +1,73 @@
 """A scene that runs, with a comment on every key: what the models say of themselves."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
-from .reference import Key, Section, sections, toml
+from .reference import Key, sections, toml
 from .surface import KINDS
 
 COLUMN = 40  # where comments begin
-CHOSEN = {
-    "load.p_star": [0.01, 0.1],
-    "solver.accuracy": 1e-3,
-    "output.path": "contact.h5",
-    "output.fields": ["pressure", "gap"],
-}  # beside what must be given
+CHOSEN: Mapping[str, Mapping[str, Any]] = {  # beside what must be given
+    "load": {"p_star": [0.01, 0.1]},
+    "solver": {"accuracy": 1e-3},
+    "output": {"path": "contact.h5", "fields": ["pressure", "gap"]},
+}
 
 
-def template(
-    kind: str,
-    values: Mapping[str, Any],
-    said: Mapping[str, Any],
-    why: Mapping[str, str],
-    head: list[str],
-) -> str:
-    """TOML of a scene with this kind of surface.
+@dataclass
+class Suggestion:
+    """What a height map says of the keys of [surface].
 
-    values: {"table.key": value} that are set, beside CHOSEN and what must be given; said: values
-    that hold although they are not set, shown as comments; why: comments that stand in place of the
-    meaning; head: the first lines.
+    values: those to be set; said: what the file itself says, shown as comments; why: reasons for
+    both, in place of the meaning; missing: what only a person knows; about: the map, a line each;
+    unit: "m" where lengths have units, else "".
     """
-    loaded = any(path.startswith("load.") for path in values)
-    chosen = {
-        path: value for path, value in CHOSEN.items() if not (loaded and path.startswith("load."))
-    }
-    values = chosen | {"title": kind, "surface.kind": kind} | dict(values)
-    lines, last = [f"# {line}" for line in head], None
+
+    values: dict = field(default_factory=dict)
+    said: dict = field(default_factory=dict)
+    why: dict = field(default_factory=dict)
+    missing: list = field(default_factory=list)
+    about: list = field(default_factory=list)
+    unit: str = ""
+
+
+def template(kind: str, tables: Mapping[str, Any], found: Suggestion, head: str) -> str:
+    """TOML of a scene with this kind of surface; tables: what is set, beside CHOSEN and what must
+    be given; found: of a height map; head: the first line."""
+    surface = {"kind": kind} | tables.get("surface", {}) | found.values
+    values = dict(CHOSEN) | {"": {"title": kind} | dict(tables), "surface": surface}
+    for table in tables.keys() - {"surface", "title"}:
+        values[table] = {**(values.get(table, {}) if table != "load" else {}), **tables[table]}
+    own = {key.name for section in sections() if section.kind == kind for key in section.keys}
+    lines, last = [f"# {line}" for line in (head, *found.about)], None
     for section in sections():
-        if section.kind in ("", kind):
-            if section.table and section.table != last:
-                lines += ["", _beside(f"[{section.table}]", section.title)]
-            last = section.table
-            lines += [
-                _line(section, key, values, said, why)
-                for key in section.keys
-                if not _again(section, key, kind)
-            ]
+        if section.kind not in ("", kind):
+            continue
+        if section.table and section.table != last:
+            lines += ["", _beside(f"[{section.table}]", section.title)]
+        last = section.table
+        common = section.table == "surface" and not section.kind
+        lines += [
+            _line(key, values.get(last, {}), found if last == "surface" else Suggestion())
+            for key in section.keys
+            if not (common and key.name in own)  # the kind says it otherwise
+        ]
     return "\n".join(lines) + "\n"
 
 
-def _again(section: Section, key: Key, kind: str) -> bool:
-    """Whether the section of the kind says it otherwise."""
-    return (
-        section.table == "surface"
-        and not section.kind
-        and any(key.name == other.name for s in sections() if s.kind == kind for other in s.keys)
-    )
-
-
-def _line(
-    section: Section,
-    key: Key,
-    values: Mapping[str, Any],
-    said: Mapping[str, Any],
-    why: Mapping[str, str],
-) -> str:
-    path = f"{section.table}.{key.name}" if section.table else key.name
-    value = values.get(path, key.example if key.default is None else None)
+def _line(key: Key, values: Mapping[str, Any], found: Suggestion) -> str:
+    value = values.get(key.name, key.example if key.default is None else None)
     if key.name == "kind":
         others = ", ".join(toml(other) for other in KINDS if other != value)
         return _beside(f"kind = {toml(value)}", f"or {others}")
-    comment = why.get(path, key.meaning)
+    why = found.why.get(key.name)
     if value is not None:
-        return _beside(f"{key.name} = {toml(value)}", comment)
-    default = (
-        ""
-        if path in why or key.default in ("none", toml(key.example))
-        else f" (default: {key.default})"
-    )
-    return _beside(f"# {key.name} = {toml(said.get(path, key.example))}", comment + default)
+        return _beside(f"{key.name} = {toml(value)}", why or key.meaning)
+    plain = why or key.default in ("none", toml(key.example))
+    default = "" if plain else f" (default: {key.default})"
+    example = toml(found.said.get(key.name, key.example))
+    return _beside(f"# {key.name} = {example}", (why or key.meaning) + default)
 
 
 def _beside(setting: str, comment: str) -> str:

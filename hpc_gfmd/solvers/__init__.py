@@ -14,7 +14,7 @@ COMMON = ("base", "options")  # files that are no solver
 
 def solver_names() -> list[str]:
     """Names of all solvers, without importing them."""
-    return names_in(__name__, COMMON)
+    return list(names_in(__name__, COMMON))
 
 
 def solver_class(name: str) -> type[Solver]:

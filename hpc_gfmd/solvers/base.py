@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
+    from ..certificate.error_estimates import Estimate
     from ..operators.elastic import Elastic
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
@@ -32,25 +33,27 @@ class Progress:
         Points with g <= 0 and p > 0.
     gap_mean : float
         In the problem's units.
-    estimates : pair of float, or None
-        What the certificate is expected to give as relative errors of (mean gap, pressure); None
-        where the solver does not know and it has to be asked now and then.
+    estimate : Estimate, or None
+        What the certificate is expected to find; None where the solver does not know and it has to
+        be asked now and then.
     finite : bool
         Whether all numbers are.
     predicted : pair of float, or None
         The points in contact and the mean gap that the solution at this load is expected to have;
         None where the solver does not know.
-    unseen : float
-        As the certificate has it.
     """
 
     residual: float
     contact: float
     gap_mean: float
-    estimates: tuple[float, float] | None
+    estimate: Estimate | None
     finite: bool = True
     predicted: tuple[float, float] | None = None
-    unseen: float = 0.0
+
+    @property
+    def estimates(self) -> tuple[float, float] | None:
+        """The relative errors of (mean gap, pressure) of `estimate`."""
+        return self.estimate and self.estimate[:2]
 
 
 class Solver:
@@ -153,9 +156,9 @@ class Solver:
         """How far the solver is."""
         raise NotImplementedError
 
-    def expected_area(self, pressure: float) -> float:
-        """What the certificate is expected to give as relative error of the area if that of the
-        pressure is `pressure`."""
+    def expected_area(self, squares: float) -> float:
+        """What the certificate is expected to give as relative error of the area if the squares of
+        the pressure's error add up to `squares`."""
         return 0.0
 
     def state(self) -> tuple[dict[str, Any], ...]:

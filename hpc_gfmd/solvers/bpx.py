@@ -18,12 +18,11 @@ from typing import Any
 import numpy as np
 
 from ..certificate.error_estimates import (
+    Estimate,
     State,
     error_pattern,
-    gap_error,
+    estimate,
     misclassified_points,
-    off_edges,
-    pressure_error,
     relative_area,
 )
 from ..kernels.bpx import UpdateSums, projected_step
@@ -31,7 +30,7 @@ from ..kernels.certify import open_moments
 from ..kernels.halfwidth import Widened, half, narrowed
 from ..operators.coarsest import COUPLING
 from ..operators.elastic import Elastic
-from ..operators.multilevel import EQUIVALENCE, Multilevel
+from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
 from ..util.aligned import LINE, zeros_aligned
 from .base import Progress, Solver
@@ -45,16 +44,8 @@ SHORT = (
     0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
 )
 
-# of the errors from their parts: asked too early the certificate costs a pair, too late an
-# iteration
-EXPECTED = 0.92
-# <v, S p> of the pressure in contact over p0 <v, S v>, v as in certificate/error_estimates.py: 1.1
-# at light, 1.33 at high loads
-ALIKE = 1.35
-# of what the second expression of certificate/error_estimates.py says that the mean gap is wrong by
+# of what certificate/error_estimates.py says that the mean gap is wrong by
 SHIFT = 0.62
-
-NOTHING_KNOWN = (np.inf, np.inf), 0.0
 
 
 class Bpx(Solver):
@@ -75,10 +66,8 @@ class Bpx(Solver):
         "rr",
         "pp",
         "uKu",
-        "r_norm",
-        "t_norm",
         "mean",
-        "aligned",
+        "level_sums",
         "changing",
         "iterations",
     )
@@ -96,7 +85,6 @@ class Bpx(Solver):
         self.p, self.d = grid.empty(dtype), grid.empty(half(dtype))
         self._make_scratch()
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
-        self.typical_compliance = 1.0 / body.typical(grid)
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
 
     @cached_property
@@ -143,7 +131,7 @@ class Bpx(Solver):
     def refresh(self, uKu: float | None = None) -> None:
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
-        self._begin(self.levels.restrict(self.g, self.p, 0.0))
+        self._begin(self.levels.restrict(self.g, self.p))
 
     def correct_load(self, p0: float) -> None:
         """The last step stays what the next one begins with: on F M is about 1/K, so that <z, K d>
@@ -151,11 +139,11 @@ class Bpx(Solver):
         before, self.p0 = self.p_cell, float(p0)
         self.p += self.problem.dtype.type(self.p_cell - before)
         rd, zKd, dKd = self.rd, self.zKd, self.dKd
-        self._measure(self.levels.restrict(self.g, self.p, 0.0, self.d))
+        self._measure(self.levels.restrict(self.g, self.p, self.d))
         self.zKd, self.dKd = zKd + self.rd - rd, dKd
 
     def resume(self) -> None:
-        self.levels.restrict(self.g, self.p, 0.0)
+        self.levels.restrict(self.g, self.p)
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
     def _begin(self, sums: UpdateSums) -> None:
@@ -273,8 +261,7 @@ class Bpx(Solver):
         self.zKd = s * compliance * (sums.px + COUPLING * xz1)
         self.dKd = s * s * sums.dx
         self.rr, self.pp = sums.rr, sums.pp
-        self.r_norm = max(self.levels.without_mean(sums.rr + r1, self.mean**2), 0.0)
-        self.t_norm, self.aligned = self.levels.response(sums.contact, t1, ts1, rt1, rs1, self.mean)
+        self.level_sums = [r1, t1, rt1, ts1, rs1]
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)
 
@@ -284,70 +271,37 @@ class Bpx(Solver):
     def progress(self) -> Progress:
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         residual = np.sqrt(self.rr / self.N) / self.p0
-        estimates, unseen = self._estimates() if finite else NOTHING_KNOWN
-        predicted = self._predicted() if finite else None
-        return Progress(
-            float(residual), self.contact, self.gap_mean, estimates, finite, predicted, unseen
+        found = self._estimate() if finite else Estimate()
+        predicted = self._predicted(found) if finite else None
+        return Progress(float(residual), self.contact, self.gap_mean, found, finite, predicted)
+
+    def _estimate(self) -> Estimate:
+        """What the certificate will say, but for rounding errors that p has gathered."""
+        state = State(
+            self.p0,
+            self.mean * self.grid.cell_points,
+            self.rr,
+            self.pp - self.rr,
+            self.contact,
+            self.gap_mean * self.N,
+            self.uKu,
+            *self.level_sums,
         )
+        return estimate(self.problem, self.levels, state)
 
-    def _estimates(self) -> tuple[tuple[float, float], float]:
-        """What the certificate is expected to say: its bound from p on F alone, whose mean and
-        scale are not yet put right.
-
-        With r = p on F and the contact's load too small by the factor 1 + off: p^ - p = -r + off (p
-        - r), and |p|_S = |u|_K.
-        """
-        closed = self.pp - self.rr
-        load = self.p_cell - self.mean
-        if self.contact == 0 or closed <= 0 or load <= 0:
-            return NOTHING_KNOWN
-        off = self.p_cell / load - 1
-        norm = np.sqrt(max(self.uKu, 0.0))
-        e = EXPECTED * (
-            np.sqrt(EQUIVALENCE * self.compliance * self.r_norm) * (1 + abs(off)) + abs(off) * norm
-        )
-        response, aligned = self._shift(off)
-        inner = off_edges(self.grid, self.g, response, self.contact)
-        state = State(e, norm, self.p0, self.contact, self.N, self.problem, inner)
-        pressure = pressure_error(state, self.typical_compliance, closed)
-        if self.contact == self.N:  # the certificate says whether a point could open
-            return (0.0, pressure), 0.0
-        gap, unseen = gap_error(state, self.gap_mean * self.N, response, aligned)
-        return (gap, pressure), unseen
-
-    def _shift(self, off: float) -> tuple[float, float]:
-        """|v|_S and <v, S (p - p^)>, v as in certificate/error_estimates.py: what the mean gap is
-        wrong by."""
-        share = self.contact / self.N
-        response = np.sqrt(self.compliance * self.t_norm) / share
-        return (
-            response,
-            self.compliance * self.aligned / share * (1 + off)
-            - off * ALIKE * self.p0 * response**2,
-        )
-
-    def _predicted(self) -> tuple[float, float] | None:
+    def _predicted(self, found: Estimate) -> tuple[float, float] | None:
         """The area goes with the load that the contact carries."""
         load, n = self.p_cell - self.mean, self.contact
         if n == 0 or load <= 0:
             return None
         if n == self.N:
             return n, self.gap_mean
-        off = self.p_cell / load - 1
-        rise = SHIFT * self._shift(off)[1] / self.N
-        return min(n * (1 + off), self.N), self.gap_mean + rise
+        gap = self.gap_mean + SHIFT * found.shift / self.N
+        return min(n * self.p_cell / load, self.N), gap
 
-    def expected_area(self, pressure: float) -> float:
-        squares, fourth = self.grid.comm.sum(open_moments(self.g, self.p, self.grid.inside))
-        pattern = error_pattern(
-            self.mean / self.p_cell * self.p0 * self.N, squares, fourth, self.contact, self.N
-        )
-        wrong = misclassified_points(
-            self.problem,
-            self.g,
-            self.p,
-            self.compliance,
-            pressure**2 * (self.pp - self.rr),
-            pattern,
-        )
-        return EXPECTED * relative_area(max(wrong, self.changing), self.contact)
+    def expected_area(self, squares: float) -> float:
+        open_pp, open_p4 = self.grid.comm.sum(open_moments(self.g, self.p, self.grid.inside))
+        open_p = self.mean * self.grid.cell_points
+        pattern = error_pattern(open_p, open_pp, open_p4, self.contact, self.N)
+        wrong = misclassified_points(self.problem, self.g, self.p, squares, pattern)
+        return relative_area(max(wrong, self.changing), self.contact)

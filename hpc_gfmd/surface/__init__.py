@@ -1,4 +1,4 @@
-"""Rough walls: every kind of scene surface becomes the same `Surface`."""
+"""Rough surfaces: every kind of scene surface becomes the same `Surface`."""
 
 from .build import Surface, build_surface, cell_of, grid_of, surface_size
 

@@ -132,7 +132,7 @@ def grid_of(
 ) -> Grid:
     """The grid on which a surface of n points is solved."""
     cell = cell_of(n, free, sizes)
-    return Grid(
+    return Grid.kept(
         cell, tuple(size * m / k for size, m, k in zip(sizes, cell, n)), comm, threads, nominal=n
     )
 
@@ -142,7 +142,7 @@ def _nominal(grid: Grid) -> Grid:
     if not grid.padded:
         return grid
     sizes = [size * m / k for size, m, k in zip(grid.sizes, grid.nominal, grid.n)]
-    return Grid(
+    return Grid.kept(
         grid.nominal, sizes, grid.comm, grid.threads, np.minimum(grid.starts, grid.nominal[0])
     )
 
@@ -282,6 +282,6 @@ def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarra
     if axis is None:
         return grid, z
     if axis == 0:
-        return Grid((1, n[1]), grid.sizes, SerialComm()), first[None].copy()
+        return Grid.kept((1, n[1]), grid.sizes, SerialComm()), first[None].copy()
     column = np.concatenate(comm.allgather(z[:, 0].copy()))
-    return Grid((n[0], 1), grid.sizes, SerialComm()), column[:, None].copy()
+    return Grid.kept((n[0], 1), grid.sizes, SerialComm()), column[:, None].copy()

@@ -192,9 +192,10 @@ class HeightMap:
         return name, vars(variable), ends(variable.data) if variable.shape == (n,) else None, n
 
     def _whole(self, spec: Any) -> Read:
-        heights, self.metadata = (text if spec.format == "text" else instruments).read(
-            self.path, spec.dataset
-        )
+        if spec.format == "text":
+            heights, self.metadata = text.read(self.path, spec)
+        else:
+            heights, self.metadata = instruments.read(self.path, spec.dataset)
         return self._array(heights)
 
     def _array(self, data: np.ndarray) -> Read:

@@ -27,9 +27,12 @@ def checked(
         wrong &= ~np.isnan(z)
     if wrong.any():
         i, j = np.argwhere(wrong)[0]
+        fill = '; hpc_gfmd.prepare_surface(heights, fill="harmonic") fills nan' * bool(
+            np.isnan(z[i, j])
+        )
         raise SceneError(
             f"{where}: found {z[i, j]:g} at ({start + i}, {j}){of}, allowed: finite heights, "
-            f"{-LARGEST_HEIGHT:g} to {LARGEST_HEIGHT:g}"
+            f"{-LARGEST_HEIGHT:g} to {LARGEST_HEIGHT:g}{fill}"
         )
     return z
 

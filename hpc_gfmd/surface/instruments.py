@@ -1,7 +1,8 @@
 """The formats of instruments and their programs, read by SurfaceTopography."""
 
 import sys
-from contextlib import redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..util.errors import SceneError
+from .arrays import of_topography
 from .metadata import Metadata
 
 ANY_CHANNEL = "surface"  # the name that nobody gave
@@ -19,7 +21,10 @@ def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
     whatever is wrong with it."""
     io = surface_topography().IO
     try:
-        with redirect_stdout(StringIO()):  # some readers print what they miss
+        with (
+            redirect_stdout(StringIO()),
+            redirect_stderr(StringIO()),
+        ):  # some readers print what they miss
             reader = io.open_topography(str(path))
     except io.CannotDetectFileFormat:
         known = ", ".join(io.lookup_reader_by_format)
@@ -40,13 +45,9 @@ def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
     topography = info.topography(
         **({} if info.physical_sizes is not None else {"physical_sizes": (1.0, 1.0)})
     )
-    heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
-    unit, sizes_unit = topography.unit, topography.unit
-    if isinstance(unit, tuple | list):
-        sizes_unit, unit = unit
-    sizes = None if info.physical_sizes is None else tuple(map(float, topography.physical_sizes))
-    # Most formats know nothing of periodicity, and are said to be not periodic.
-    return heights, Metadata(sizes, sizes_unit, unit, bool(topography.is_periodic) or None)
+    heights, said = of_topography(topography)
+    sizes = None if info.physical_sizes is None else said.sizes
+    return np.ma.filled(heights, np.nan), replace(said, sizes=sizes)
 
 
 def surface_topography() -> Any:

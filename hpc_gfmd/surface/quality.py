@@ -40,37 +40,33 @@ class MapQuality:
     """
 
     def __init__(self, found: Topography, comm: Any) -> None:
-        n_x, n_y = found.n
         x, y = (np.arange(n) - (n - 1) / 2 for n in found.n)
-        sums, medians = local(comm, lambda: _looked_at(found, comm, x, y))
-        one_x, one_y, two_x, two_y, z, zz, zx, zy = comm.sum(sums)
-        near_x, near_y, edge_y, *local_slopes = np.nan_to_num(
-            [_median(column) for column in np.concatenate(comm.allgather(medians)).T]
+        sums, rows = local(comm, lambda: _looked_at(found, comm, x, y))
+        z, zz, zx, zy = comm.sum(sums)
+        columns = np.concatenate(comm.allgather(rows)).T
+        one_x, two_x, slope_x, one_y, two_y, slope_y, edge_y = np.nan_to_num(
+            [_median(column[~np.isnan(column)]) for column in columns]
         )
-        edge_x = _median(np.abs(np.diff(local(comm, lambda: _ends(found)), axis=0)))
-        N = n_x * n_y
+        ends = local(comm, lambda: found.rows(0, 1) - found.rows(len(x) - 1, len(x)))
+        edge_x = np.nan_to_num(_typical(ends))
+        N = len(x) * len(y)
         variance = zz - z * z / N
         slopes = [
-            part / (N / n * (k @ k)) if n > 1 else 0.0
-            for part, k, n in ((zx, x, n_x), (zy, y, n_y))
+            part / (N / len(k) * (k @ k)) if len(k) > 1 else 0.0 for part, k in ((zx, x), (zy, y))
         ]
         plane = slopes[0] * zx + slopes[1] * zy
-        flat = np.linalg.norm(np.subtract(local_slopes, slopes)) <= FLAT * np.linalg.norm(slopes)
+        rest = np.subtract((slope_x, slope_y), slopes)
         self.plane = float(plane / variance) if variance > 0 else 0.0
-        self.tilt = self.plane if flat else 0.0
-        near_x, near_y = (
-            near or np.sqrt(one / max((n - 1) * N / n, 1))  # steps of heights that are rounded
-            for near, one, n in ((near_x, one_x, n_x), (near_y, one_y, n_y))
-        )
-        self.typical = max(near_x, near_y)
+        self.tilt = self.plane if np.linalg.norm(rest) <= FLAT * np.linalg.norm(slopes) else 0.0
+        self.typical = max(one_x, one_y)
         least = ROUNDING * np.sqrt(zz / N)
         self.jumps = [
-            edge / near if edge > least and near > 0 else 0.0
-            for edge, near in ((edge_x, near_x), (edge_y, near_y))
+            float(edge / one) if edge > least and one > 0 else 0.0
+            for edge, one in ((edge_x, one_x), (edge_y, one_y))
         ]
         self.unresolved = max(
-            _ratio(one_x / max(n_x - 1, 1), two_x / max(n_x - 2, 1) / 4),
-            _ratio(one_y / max(n_y - 1, 1), two_y / max(n_y - 2, 1) / 4),
+            (2 * one / two) ** 2 if two > 0 else 0.0
+            for one, two in ((one_x, two_x), (one_y, two_y))
         )
 
     def notes(self, meet: Sequence[bool]) -> list[str]:
@@ -152,53 +148,42 @@ def load_notes(p_mean: float, E_star: float, g_rms: float, unit: str) -> list[st
     return found
 
 
-def _ends(found: Topography) -> np.ndarray:
-    n_x = found.n[0]
-    return np.concatenate([found.rows(0, 1), found.rows(n_x - 1, n_x)])
-
-
 def _looked_at(
     found: Topography, comm: Any, x: np.ndarray, y: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """This rank's sums, and numbers of each of SAMPLED rows: how much neighbours differ along x and
-    along y, the jump from the row's end to its beginning, slopes along x and along y."""
-    total, rows, n_x, n_y = np.zeros(8), [], *found.n
-    k_x, k_y = (min(LAG, max(n // 8, 1)) for n in found.n)
+    """This rank's sums, and numbers of each of SAMPLED rows: along x, and then along y, how much
+    neighbours and every second point differ, and the slope; the jump from the row's end to its
+    beginning."""
+    total, rows, n_x = np.zeros(4), [], found.n[0]
+    lags = [min(LAG, max(n // 8, 1)) for n in found.n]
     for start, stop in own_slabs(n_x, comm):
-        m = stop - start
-        z = found.rows(start, min(stop + max(2, k_x), n_x))
-        mine = z[:m]
+        z = found.rows(start, min(stop + max(2, lags[0]), n_x))
+        mine = z[: stop - start]
         total += [
-            np.sum((z[1 : m + 1] - z[: len(z[1 : m + 1])]) ** 2),
-            np.sum(np.diff(mine, axis=1) ** 2),
-            np.sum((z[2 : m + 2] - z[: len(z[2 : m + 2])]) ** 2),
-            np.sum((mine[:, 2:] - mine[:, :-2]) ** 2),
             mine.sum(),
             np.sum(mine**2),
             x[start:stop] @ mine.sum(axis=1),
             y @ mine.sum(axis=0),
         ]
         every = -(-n_x // SAMPLED)
-        for i in range(-start % every, m, every):
-            row, end = z[i], np.full(n_y, np.nan)  # nan: beyond the last row
-            next_, later = (z[i + k] if i + k < len(z) else end for k in (1, k_x))
-            rows.append(
-                [
-                    _median(np.abs(next_ - row)),
-                    _median(np.abs(np.diff(row))),
-                    abs(row[0] - row[-1]),
-                    _median(later - row) / k_x,
-                    _median(row[k_y:] - row[:-k_y]) / k_y,
-                ]
+        for i in range(-start % every, len(mine), every):
+            ahead = (
+                lambda k, i=i, z=z: z[i + k] - z[i] if i + k < len(z) else z[:0],
+                lambda k, row=z[i]: row[k:] - row[:-k],
             )
-    return total, np.array(rows).reshape(-1, 5)
+            found_ = [
+                number
+                for of, lag in zip(ahead, lags)
+                for number in (_typical(of(1)), _typical(of(2)), _median(of(lag)) / lag)
+            ]
+            rows.append([*found_, abs(z[i, 0] - z[i, -1]) or np.nan])
+    return total, np.array(rows).reshape(-1, 7)
+
+
+def _typical(differences: np.ndarray) -> float:
+    """Their median without sign, of those that are not 0, as many of rounded heights are."""
+    return _median(np.abs(differences[differences != 0]))
 
 
 def _median(values: np.ndarray) -> float:
-    """Of those that are numbers; nan of none."""
-    known = values[~np.isnan(values)]
-    return float(np.median(known)) if known.size else float("nan")
-
-
-def _ratio(a: float, b: float) -> float:
-    return float(a / b) if b > 0 else 0.0
+    return float(np.median(values)) if values.size else float("nan")

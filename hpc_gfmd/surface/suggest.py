@@ -1,30 +1,16 @@
 """What a scene has to say of a height map beside its path, found by reading it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 from ..parallel.comm import SerialComm
 from ..scene import File
+from ..scene.template import Suggestion
 from ..util.quantities import factor, prefixed
 from .prepare import prepare
 from .quality import JUMP, OUTLYING, TILT, MapQuality, outliers
 from .topography import Topography, open_topography
 
 NEEDED = "TO BE GIVEN, the file does not say it"
-
-
-@dataclass
-class Suggestion:
-    """Of keys of [surface]. values: those to be set; said: what the file itself says; why: reasons
-    for both; missing: what only a person knows; about: the map, a line each; unit: "m" where
-    lengths have units, else ""."""
-
-    values: dict
-    said: dict = field(default_factory=dict)
-    why: dict = field(default_factory=dict)
-    missing: list = field(default_factory=list)
-    about: list = field(default_factory=list)
-    unit: str = ""
 
 
 def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
@@ -63,27 +49,29 @@ def _by_heights(
 ) -> None:
     """What the heights themselves show."""
     values, why = found.values, found.why
-    unknown = {"physical_sizes": (1.0, 1.0), "crop": None} if found.missing else {}
+    plain = {"boundary": "periodic", "refine": 1, "downsample": 1}
+    if found.missing:
+        plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
 
-    def prepared(**more: object) -> Topography:
-        spec = make(values | unknown | {"boundary": "periodic"} | more)
-        return prepare(open_topography(spec), spec, SerialComm())[0]
+    def looked_at(**more: object) -> tuple[Topography, MapQuality]:
+        spec = make(values | plain | more)
+        heights, *_ = prepare(open_topography(spec), spec, SerialComm())
+        return heights, MapQuality(heights, SerialComm())
 
-    missing = prepared(fill="harmonic").filled
-    found.about.append(f"{missing or 'no'} points without a height")
-    if missing and "fill" not in given:
-        values["fill"], why["fill"] = "harmonic", f"{missing} points have no height"
-    quality = MapQuality(prepared(), SerialComm())
+    heights, quality = looked_at(fill="harmonic")
+    found.about.append(f"{heights.filled or 'no'} points without a height")
+    if heights.filled and "fill" not in given:
+        values["fill"], why["fill"] = "harmonic", f"{heights.filled} points have no height"
     said = f"{100 * quality.plane:.0f} % of the variance of the heights is that of a plane"
     step = quality.plane > TILT >= quality.tilt
     found.about.append(said + ", but without it they would not be flat: a step?" * step)
+    out = outliers(heights, quality, SerialComm())
     if quality.tilt > TILT and "detrend" not in given:
         values["detrend"], why["detrend"] = "tilt", said
-    flat = prepared(refine=1, downsample=1)
-    quality = MapQuality(flat, SerialComm())
+        heights, quality = looked_at(fill="harmonic")
     edges = f"opposite edges differ by {max(quality.jumps):.2g} times what neighbours differ by"
     found.about.append(edges)
-    if out := outliers(flat, quality, SerialComm()):
+    if out:
         found.about.append(
             f"{out} points stand out of their neighbours by more than {OUTLYING:g} times what"
             " neighbours differ by: dust or spikes? They are pressed as they are"

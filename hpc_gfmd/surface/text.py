@@ -1,42 +1,142 @@
-"""Heights as text: bare matrices, and what instruments write with a header or as points (x, y,
-z)."""
+"""Heights as text: matrices, or points (x, y, z) of three columns, bare or with what an instrument
+writes before them."""
 
+import re
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from . import instruments
 from .metadata import Metadata
 
-POINTS = 3  # columns: with no more than these it is a list of points
+POINTS = 3  # columns: x, y, z
+LOOKED_AT = 200  # lines
+MARKS = (None, "\t", ";", ",")  # between numbers; None: white space
+MISSING = (
+    "",
+    "***",
+    "****",
+    "*****",
+    "BAD",
+    "Bad",
+    "bad",
+    "-",
+    "--",
+    "---",
+    "nan",
+    "NaN",
+    "NA",
+    "n/a",
+)
 
 
-def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
-    """(heights (n_x, n_y), Metadata).
+@dataclass(frozen=True)
+class Layout:
+    """Of a text: lines before the numbers, what is between them, their decimal mark, how many there
+    are in a line; units of x, y, z that the last line before them names in brackets."""
+
+    skip: int
+    mark: str | None
+    decimal: str
+    columns: int
+    units: tuple[str, ...] = ()
+
+
+def read(path: str | Path, spec: Any) -> tuple[np.ndarray, Metadata]:
+    """(heights (n_x, n_y), nan where they are missing; Metadata); spec: scene.File.
 
     A bare matrix is the array that numpy.savetxt wrote: the first index, the line, is x. With a
     header that tells sizes or units it is an instrument's: each line is a scan along x.
     """
     with open(path, encoding="utf-8-sig", errors="replace") as file:
-        first = next((line for line in file if line.strip()), "")
-    delimiter = next((mark for mark in ",;" if mark in first), None)
-    if _columns(first, delimiter) > POINTS:
-        return np.loadtxt(path, delimiter=delimiter, ndmin=2, encoding="utf-8-sig"), Metadata()
-    try:
-        heights, said = instruments.read(path, channel)
-        if said.sizes or said.unit or _columns(first, delimiter):
-            return heights, said
-    except Exception:
-        if _columns(first, delimiter):
-            raise
-    return np.loadtxt(
-        path, delimiter=delimiter, ndmin=2, encoding="utf-8-sig"
-    ), Metadata()  # a mere comment, and then a matrix
+        layout = layout_of(list(islice(file, LOOKED_AT)), spec)
+    if layout is None or layout.columns < POINTS:
+        return instruments.read(path, spec.dataset)
+    if layout.skip and spec.skip_lines is None:
+        with suppress(Exception):
+            heights, said = instruments.read(path, spec.dataset)
+            if said.sizes or said.unit:
+                return heights, said
+    numbers = _numbers(path, layout, spec)
+    return _on_grid(numbers, layout.units) if layout.columns == POINTS else (numbers, Metadata())
 
 
-def _columns(line: str, delimiter: str | None) -> int:
-    """How many numbers a line holds; 0 for a header."""
+def layout_of(lines: list[str], spec: Any) -> Layout | None:
+    """The layout with the most columns that lines have to their end; None: there are no numbers.
+
+    Raises ValueError where some of the lines before them look like numbers, too.
+    """
+    decimals = (spec.decimal,) if spec.decimal else (".", ",")
+    found = [
+        layout
+        for decimal in decimals
+        for mark in MARKS
+        if mark != decimal and (layout := _layout(lines, spec, mark, decimal))
+    ]
+    best = max(found, key=lambda layout: (layout.columns, -layout.skip), default=None)
+    if best and spec.skip_lines is None:
+        for line in lines[: best.skip]:
+            if _columns(line, best.mark, best.decimal, spec.missing) == best.columns:
+                raise ValueError(
+                    f"line {best.skip} is not like those before and after it; surface.missing names"
+                    " what stands for missing points, surface.skip_lines how long the header is"
+                )
+    return best
+
+
+def _layout(lines: list[str], spec: Any, mark: str | None, decimal: str) -> Layout | None:
+    counts = [_columns(line, mark, decimal, spec.missing) for line in lines]
+    filled = [k for k, line in enumerate(lines) if line.strip() and not line.startswith("#")]
+    columns = counts[filled[-1]] if filled else 0
+    if not columns:
+        return None
+    first = max((k + 1 for k in filled if counts[k] != columns), default=filled[0])
+    first = first if spec.skip_lines is None else spec.skip_lines
+    units = re.findall(r"[\[(]\s*([^\W\d_]+)\s*[\])]", lines[first - 1] if first else "")
+    return Layout(first, mark, decimal, columns, tuple(units))
+
+
+def _columns(line: str, mark: str | None, decimal: str, missing: tuple[str, ...]) -> int:
+    """How many numbers a line holds; 0 where it holds anything else."""
+    fields = [field.strip() for field in line.strip("\n\r").split(mark)]
+    known = [field for field in fields if field not in (*MISSING, *missing)]
     try:
-        return len([float(number) for number in line.split(delimiter)])
+        return len(fields) if [float(field.replace(decimal, ".")) for field in known] else 0
     except ValueError:
         return 0
+
+
+def _numbers(path: str | Path, layout: Layout, spec: Any) -> np.ndarray:
+    from pandas import read_csv  # slow to import
+
+    table = read_csv(  # a mark that ends each line makes an empty last column
+        path,
+        sep=layout.mark or r"\s+",
+        decimal=layout.decimal,
+        skiprows=layout.skip,
+        header=None,
+        na_values=[*MISSING, *spec.missing],
+        skipinitialspace=True,
+        dtype=float,
+        comment="#",
+        encoding="utf-8-sig",
+        encoding_errors="replace",
+    )
+    return table.iloc[:, :-1].to_numpy() if table.iloc[:, -1].isna().all() else table.to_numpy()
+
+
+def _on_grid(points: np.ndarray, units: tuple[str, ...]) -> tuple[np.ndarray, Metadata]:
+    """The same of columns x, y, z; points of the grid that are not among them have no height."""
+    (x, i), (y, j) = (np.unique(points[:, k], return_inverse=True) for k in (0, 1))
+    heights = np.full((len(x), len(y)), np.nan)
+    heights[i, j] = points[:, 2]
+    steps = [np.diff(axis) for axis in (x, y)]
+    if any(not step.size or np.ptp(step) > 1e-3 * step.mean() for step in steps):
+        raise ValueError("its points are not those of a regular grid")
+    sizes = tuple(float(step.mean() * (step.size + 1)) for step in steps)
+    sizes_unit, unit = (units[0], units[-1]) if len(units) == POINTS else (None, None)
+    return heights, Metadata(sizes, sizes_unit, unit)

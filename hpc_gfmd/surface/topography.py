@@ -10,6 +10,7 @@ import numpy as np
 
 from ..util.errors import SceneError
 from ..util.quantities import Quantity, factor
+from .arrays import ArrayMap
 from .files import HeightMap
 from .heights import checked
 
@@ -85,6 +86,11 @@ def _shown(found: Any) -> str:
 
 def _open_one(spec: Any) -> Topography:
     found = HeightMap(spec)
+    return replace(topography_of(found, spec), source=found)
+
+
+def topography_of(found: HeightMap | ArrayMap, spec: Any) -> Topography:
+    """The Topography of a height map, with what a scene.File says of it. Raises SceneError."""
     said, given = found.metadata, spec.physical_sizes
     unit = spec.unit or said.unit
     sizes_unit = said.sizes_unit or unit if given is None else unit
@@ -130,7 +136,6 @@ def _open_one(spec: Any) -> Topography:
         said.periodic,
         found.path,
         plain=height,
-        source=found,
         lacks=lacks,
     )
 

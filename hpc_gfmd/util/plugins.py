@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Iterable
+from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 
-def names_in(package: str, apart: Iterable[str] = ("base",)) -> list[str]:
+@cache
+def names_in(package: str, apart: Sequence[str] = ("base",)) -> Sequence[str]:
     """List the drop-in files of a package without importing them; apart: its other files."""
     path = importlib.import_module(package).__path__
-    return sorted(module.name for module in pkgutil.iter_modules(path) if module.name not in apart)
+    names = (module.name for module in pkgutil.iter_modules(path))
+    return tuple(sorted(name for name in names if name not in apart))
 
 
+@cache
 def class_in(package: str, name: str) -> Any:
     """Find the class of a drop-in file whose `name` is the file's."""
     module = importlib.import_module(f"{package}.{name}")

@@ -49,15 +49,12 @@ def parse(text: str, dimension: str) -> Quantity:
     return Quantity(float(found[1]) * factor(found[2], dimension), text)
 
 
-def said(given: float | None) -> str:
-    """What was given, as messages say it."""
-    return given.text if isinstance(given, Quantity) else f"{given:g}"
-
-
-def like(given: float, length: float) -> str:
-    """Another length, in the unit of the one that was given."""
-    found = _QUANTITY.fullmatch(given.text) if isinstance(given, Quantity) else None
-    return f"{length / factor(found[2]):.6g} {found[2]}" if found else f"{length:.6g}"
+def format_quantity(value: float, like: float | None = None) -> str:
+    """A number as messages say it: as it was given, or in the unit of `like`, which was given."""
+    if like is None:
+        return value.text if isinstance(value, Quantity) else f"{value:g}"
+    unit = _QUANTITY.fullmatch(like.text) if isinstance(like, Quantity) else None
+    return f"{value / factor(unit[2]):.6g} {unit[2]}" if unit else f"{value:.6g}"
 
 
 @cache
@@ -97,7 +94,8 @@ def _registry() -> Any:
 def in_units(unit: str, surface: Mapping[str, Any]) -> str:
     """A product of "length", "pressure" and "force" in the units that attributes of a surface name:
     "m^2"; "1" of "", and "" where one of them has no name."""
-    length, pressure = (str(surface.get(key, "")) for key in ("unit", "pressure_unit"))
+    said = [surface.get(key) for key in ("unit", "pressure_unit")]
+    length, pressure = (name if isinstance(name, str) else "" for name in said)
     names = {"length": length, "pressure": pressure, "force": "N" if length and pressure else ""}
     words = "|".join(names)
     if not all(names[word] for word in re.findall(words, unit)):

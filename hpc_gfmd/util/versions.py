@@ -1,18 +1,21 @@
 """Versions of everything that a result may depend on, and the processor."""
 
 import platform
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
 PACKAGES = ("numpy", "numba", "scipy", "h5py", "mpi4py", "mpi4py-fft")
 
 
+@cache
 def versions() -> dict[str, str | None]:
     """{name: version}, of what is installed, without importing it."""
     found = {"hpc_gfmd": _version("hpc-gfmd"), "python": platform.python_version()}
     return found | {name: v for name in PACKAGES if (v := _version(name))}
 
 
+@cache
 def processor() -> str:
     """The model of this machine's processor."""
     try:

@@ -70,7 +70,7 @@ class Case:
     def at_area(self, a_r: float) -> Case:
         """The same surface at the load at which about a share a_r of it touches."""
         sweep = Sweep(self.surface, Solver(accuracy=1e-3), body=self.body)
-        found = sweep.solve(sweep.pressures(self._scene(a_r=a_r).load)[0]).contact.p_mean
+        found = sweep.solve(sweep.pressures(self._scene(a_r=a_r).load)[0]).p_mean
         return replace(self, p_star=float(f"{found:.3g}"))
 
     def surface(self, dtype: DTypeLike, comm: Comm | None = None, threads: int = 1) -> Surface:

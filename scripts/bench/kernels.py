@@ -1,120 +1,149 @@
-"""Passes of the default solver while it solves, on one core and on more: time and bytes of a point,
-share of a copy's bandwidth, what a full node allows.
+"""Passes of the default solver while it solves, copies and whole transforms in turn with them, on
+one core and on more: time and bytes of a point, share of a copy's bandwidth.
 
-Bytes are those of passes.py. Cores: ranks of one solve, all at work at the same time.
-
-The roofline of a node: a pass takes there no less than its time on one core over the number of
-cores, nor than its bytes over the bandwidth of the node's memory, both as model.py assumes them.
+Counted are the bytes of the fields that a pass has to read or write at least once; what stays in
+cache between the parts of a pass, and lines that the memory system reads before they are
+overwritten, are not, neither here nor for the copy. Cores: ranks of one solve.
 """
 
+import time
 from argparse import Namespace
-from collections.abc import Mapping
+from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
 
+import hpc_gfmd
+from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.coarsening import levels
+from hpc_gfmd.parallel.comm import Comm
 from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.solvers import solver_class
+from hpc_gfmd.surface import build_surface
 
-from .cases import DTYPES
-from .model import Machine
-from .passes import COPY, field_passes
+from .contacts import Case
 from .report import Report
-from .timing import Sample, ratio
-from .workers import measured
+from .timing import Row, Stopwatch, measured, ratio, seconds, serve
 
-COLUMNS = {
-    "n": ("n", "5d"),
-    "precision": ("precision", "9"),
-    "what": ("pass", "16"),
-    "cores": ("cores", "d"),
-    "ms_min": ("ms (min)", "9.3f"),
-    "ms_median": ("ms (median)", "11.3f"),
-    "bytes_per_point": ("bytes/point", "11.1f"),
-    "ns_per_point": ("ns/point", "8.3f"),
-    "gb_per_s": ("GB/s", "7.2f"),
-    "share_of_copy": ("of copy", "7.3f"),
-    "iteration_over_this": ("iteration/this", "14.3f"),
-    "node_ns_per_point": ("node: ns/point", "14.4f"),
-    "node_of_bandwidth": ("of its memory", "13.2f"),
-}
+DTYPES = {name: np.dtype(name) for name in ("single", "double")}
+ITERATIONS = 16  # after which the contact is begun anew: what is iterated is not a solution
 
 
-def bench_kernels(args: Namespace) -> None:
-    """One table row per pass and number of cores, and for the iteration, the copy and the bare FFT
-    pairs. args: n, precision, ranks (lists), p_star, repeats, cpu, out."""
-    report = Report("kernels", COLUMNS, args.out)
-    report.say(
-        f"# p* = {args.p_star:g}; {'cpu' if args.cpu else 'wall'} time, all numbers of cores in"
-        " turn; ns/point: of all cores together; of copy: bandwidth over that of a copy on as many"
-        " cores; iteration/this: median over runs in turn"
-    )
-    report.say(
-        f"# node: at least, with {Machine.cores} cores like this one and"
-        f" {Machine.bandwidth / 1e9:g} GB/s of memory"
-    )
-    for n in args.n:
-        for precision in args.precision:
-            clock = "cpu" if args.cpu else "wall"
-            found = measured(
-                {k: ("kernels_worker", k, n, precision, args.p_star, clock) for k in args.ranks},
-                args.repeats,
-            )
-            for cores, rounds in found.items():
-                samples = {name: Sample(tuple(row[name] for row in rounds)) for name in rounds[0]}
-                _add(
-                    report,
-                    samples,
-                    n,
-                    precision,
-                    cores,
-                    Machine,
-                    p_star=args.p_star,
-                    repeats=args.repeats,
-                )
+def run(args: Namespace) -> None:
+    """Report one row per pass, copy and transform, and number of cores; args: of command.py."""
+    report = Report("kernels", args.out)
+    for n, precision in product(args.n, args.precision):
+        of = {"n": n, "precision": precision, "p_star": args.p_star}
+        jobs = {k: (k, of | {"clock": args.clock}) for k in args.ranks}
+        for cores, rounds in measured("kernels", jobs, args.repeats).items():
+            series = {what: [row[what] for row in rounds] for what in rounds[0]}
+            _add(report, series, of | {"cores": cores})
     report.finish()
 
 
-def _add(
-    report: Report,
-    samples: Mapping[str, Sample],
-    n: int,
-    precision: str,
-    cores: int,
-    node: type[Machine],
-    **of_all: Any,
-) -> None:
-    """The rows of one grid on some cores; samples: {what: Sample}; node: its `cores` and
-    `bandwidth`."""
-    N, size = n * n, np.dtype(DTYPES[precision]).itemsize
-    fields = field_passes([level.n for level in levels(Grid((n, n)))])
-    counted = {
-        name: size * f
-        for name, f in (fields | {"iteration": sum(fields.values()), "copy": COPY}).items()
-    }
-    copy = counted["copy"] / samples["copy"].median
-    for what in [*fields, *(name for name in samples if name not in fields)]:
-        sample, nbytes = samples[what], counted.get(what)
+def _add(report: Report, series: dict[str, list[float]], of: Row) -> None:
+    moved = field_passes([level.n for level in levels(Grid((of["n"], of["n"])))])
+    moved |= {"iteration": sum(moved.values()), "copy": 2.0}
+    for what, taken in series.items():
+        ns = 1e9 * min(taken) / of["n"] ** 2
         row = {
-            "n": n,
-            "precision": precision,
-            "what": what,
-            "cores": cores,
-            "ms_min": 1e3 * sample.min,
-            "ms_median": 1e3 * sample.median,
-            "ns_per_point": 1e9 * sample.min / N,
-            "iteration_over_this": ratio(samples["iteration"], sample),
+            "ms_min": 1e3 * min(taken),
+            "ms_median": 1e3 * float(np.median(taken)),
+            "ns_per_point": ns,
+            "iteration_over_this": ratio(series["iteration"], taken),
         }
-        if nbytes:
-            row |= {
-                "bytes_per_point": nbytes,
-                "gb_per_s": 1e-9 * N * nbytes / sample.min,
-                "share_of_copy": nbytes / sample.median / copy,
-            }
-        if nbytes and cores == 1:
-            least, memory = sample.min / N / node.cores, nbytes / node.bandwidth
-            row |= {
-                "node_ns_per_point": 1e9 * max(least, memory),
-                "node_of_bandwidth": memory / max(least, memory),
-            }
-        report.add(**row, **of_all)
+        if what in moved:
+            nbytes = DTYPES[of["precision"]].itemsize * moved[what]
+            share = moved[what] / moved["copy"] * ratio(series["copy"], taken)
+            row |= {"bytes_per_point": nbytes, "gb_per_s": nbytes / ns, "share_of_copy": share}
+        report.add(**of, what=what, repeats=len(taken), **row)
+
+
+def field_passes(shapes: Sequence[Sequence[int]]) -> dict[str, float]:
+    """Return {pass: fields read or written}, in fields of the fine grid; shapes: (n_x, n_y) of all
+    levels, finest first."""
+    share = [n_x * n_y / (shapes[0][0] * shapes[0][1]) for n_x, n_y in shapes]
+    first, coarser = (share[1] if len(share) > 1 else 1.0), sum(share[2:])
+    d = 0.5  # the last step, in half the width
+    spectrum = 1 + 2 / shapes[0][1]  # n_y/2 + 1 complex columns
+    return {
+        # read g, p, d and z of level 1; write d and the row spectra
+        "search + rows": 2 + 2 * d + first + spectrum,
+        "columns": 2 * spectrum,
+        # read row spectra, g, p, d; write g, p; write p, theta and x on level 1
+        "update + rows": spectrum + 4 + d + 3 * first,
+        # level 1: restrict p and theta, then read p, theta, x, write z; coarser ones: write and
+        # read p and theta both ways, z
+        "sweep": 6 * first + 8 * coarser,
+    }
+
+
+def worker(
+    comm: Comm, n: int, precision: str, p_star: float, clock: str
+) -> Callable[[], dict[str, float]]:
+    """Return what measures the seconds of everything on the slowest rank."""
+    dtype, now = DTYPES[precision], getattr(time, clock)
+    scene = Scene.from_dict({"surface": Case(n, p_star).table, "load": {"p_star": p_star}})
+    surface = build_surface(scene.surface, comm, dtype)
+    h: Any = surface.h
+    solver = solver_class("auto")(Problem(surface.grid, h, p_star), {})
+    watch = Stopwatch(now)
+    watch.watch(solver, "_search", "search + rows")
+    watch.watch(solver.elastic, "pressure_columns", "columns")
+    watch.watch(solver, "_update", "update + rows")
+    watch.watch(solver.levels, "sweep", "sweep")
+    # not zeros: those have no memory of their own yet
+    source, target = np.ones(h.shape, dtype), np.ones(h.shape, dtype)
+    others = {
+        "copy": lambda: np.copyto(target, source),
+    } | bare_pairs((n, n), dtype, comm)
+    left = 0
+
+    def measure() -> dict[str, float]:
+        nonlocal left
+        if left == 0:
+            solver.start(np.maximum(h - h.dtype.type(h.mean()), 0))
+            solver.step()  # the first one is a plain projected gradient
+            left = ITERATIONS
+        left -= 1
+        watch.take()
+        whole = seconds(solver.step, comm, now)
+        parts = {part: float(comm.max([spent])[0]) for part, spent in watch.take().items()}
+        found = {name: seconds(run, comm, now) for name, run in others.items()}
+        return parts | {"iteration": whole} | found
+
+    return measure
+
+
+def bare_pairs(n: tuple[int, int], dtype: np.dtype, comm: Comm) -> dict[str, Callable[[], object]]:
+    """Return {name: function} of mpi4py-fft's transforms forward and back as planned by default,
+    and FFTW's alone on one rank. Raises GfmdError where it is missing."""
+    try:
+        from mpi4py import MPI
+        from mpi4py_fft import PFFT, fftw
+    except ImportError as error:
+        raise hpc_gfmd.GfmdError(f"mpi4py-fft cannot be imported: {error}") from None
+    pfft = PFFT(comm.mpi if comm.size > 1 else MPI.COMM_SELF, n, dtype=dtype)
+    found = {"PFFT": (pfft.forward, pfft.backward)}
+    if comm.size == 1:
+        x = fftw.aligned(n, dtype=dtype)
+        q = fftw.aligned((n[0], n[1] // 2 + 1), dtype=np.result_type(dtype, np.complex64))
+        flags = (fftw.FFTW_MEASURE,)
+        forward = fftw.rfftn(x, None, (0, 1), 1, flags, q)
+        found["FFTW 2-D"] = forward, fftw.irfftn(q, n, (0, 1), 1, flags, output_array=x)
+    for transforms in found.values():
+        for transform in transforms:
+            transform.input_array[...] = 0
+
+    def run(*pair: Any) -> None:
+        for transform in pair:
+            transform(normalize=False)
+
+    return {name: partial(run, *pair) for name, pair in found.items()}
+
+
+if __name__ == "__main__":
+    serve(worker)

@@ -61,20 +61,19 @@ class Ours:
         sweep.solver_class, sweep.nested = solver_class(solver), self.nested if nested else None
         sweep.solver = None  # nothing is left of the solve before
         begun, cpu = time.perf_counter(), time.process_time()
-        step = sweep.solve(
+        contact = sweep.solve(
             self.p_mean, lambda iterations, progress: time.perf_counter() - begun > budget
         )
-        contact = step.contact
         pressure = np.asarray(contact.field("pressure"))
         seconds, cpu_seconds = time.perf_counter() - begun, time.process_time() - cpu
         return Solved(
             seconds,
             cpu_seconds,
-            contact.outcome.status,
-            step.iterations,
-            step.fft_pairs,
+            contact.status,
+            contact.iterations,
+            contact.fft_pairs,
             contact.contact_points / contact.N,
             contact.gap_mean,
             pressure,
-            contact.outcome.errors,
+            contact.certificate.errors,
         )

@@ -1,24 +1,23 @@
-"""Other codes for the same contact, each in its own way; run by peers.py with the Python of the
-peers' environment.
+"""Codes that solve the same contact, each in its own way; started by peers.py with the Python that
+has the code. Answers lines of JSON:
 
-    python peer_worker.py NAME
+    {"heights": path.npy, "pressure": p0, "kind": "Aspher", ...}   plan for this surface (float64,
+        n x n, peaks up, of size 1 x 1, E* = 1) with a class of this file and settings of it
+    {"tolerance": t, "pressure_to": path.npy}   solve from scratch; answers seconds, cpu_seconds,
+        iterations, status, peak_mib
 
-Reads one JSON object per line and answers each with one:
-    {"heights": path.npy, "pressure": p0}     plan for this surface (float64, n x n, peaks up, of
-    size 1 x 1, E* = 1) {"tolerance": t, "pressure_to": path.npy} solve from scratch; answers
-    seconds, cpu_seconds, iterations, status
-
-Stands alone: imports nothing of the package that it is compared with. Planning and compilation are
-never inside of the times.
+Planning and compilation are never inside of the times.
 """
 
 import json
 import math
 import os
+import resource
 import sys
 import time
-from collections.abc import Callable
 from functools import partial
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -30,38 +29,49 @@ MAX_ITERATIONS = 20000
 Solved = tuple[Any, int | None, str]  # what `pressure` takes, iterations, status
 
 
-class Aspher:
-    """solve_nested, ASPHER's fastest for this problem, with its default preconditioner; settings:
-    others of its arguments."""
+class Ours:
+    """hpc_gfmd.solve, all of it. Asked for a residual: only the pressure is wanted, as of the
+    others; `accuracy` goes on until area and mean gap are as good."""
 
-    def __init__(
-        self,
-        heights: np.ndarray,
-        p0: float,
-        backend: str = "periodic",
-        precision: str = "double",
-        **settings: object,
-    ):
-        self.n, self.p0 = len(heights), p0
-        self.settings = settings | {"backend": backend, "precision": precision}
-        self.gap = np.ascontiguousarray(heights.max() - heights).ravel()
+    packages = ("hpc-gfmd", "numba", "mpi4py-fft")
+
+    def __init__(self, heights: np.ndarray, p0: float, **settings: Any):
+        import hpc_gfmd
+
+        self.settings = settings | {"fields": ["pressure"]}
+        self.press: Any = partial(hpc_gfmd.solve, heights, p0)
+        self.solve(0.5)
+
+    def solve(self, tolerance: float) -> Solved:
+        found = self.press(residual=tolerance, **self.settings)
+        return np.asarray(found.pressure), found.iterations, found.status
+
+    @staticmethod
+    def pressure(field: np.ndarray) -> np.ndarray:
+        return field
+
+
+class Aspher:
+    """solve_nested, ASPHER's fastest for this problem; settings: others of its arguments."""
+
+    packages = ("aspher",)
+
+    def __init__(self, heights: np.ndarray, p0: float, **settings: Any):
+        self.settings = {
+            "backend": "periodic",
+            "grid_size": len(heights),
+            "gap": np.ascontiguousarray(heights.max() - heights).ravel(),
+            "p_nominal": p0,
+            "coarsest": min(64, len(heights)),
+            "max_iter": MAX_ITERATIONS,
+            "light_result": True,
+        } | settings
         self.solve(1e-2)  # FFTW keeps the plans
 
     def solve(self, tolerance: float) -> Solved:
         import aspher
 
-        result = aspher.solve_nested(
-            grid_size=self.n,
-            gap=self.gap,
-            p_nominal=self.p0,
-            domain_size=1.0,
-            E_star=1.0,
-            coarsest=min(64, self.n),
-            tol=tolerance,
-            max_iter=MAX_ITERATIONS,
-            light_result=True,
-            **self.settings,
-        )
+        result = aspher.solve_nested(tol=tolerance, **self.settings)
         return result, int(result.iterations), str(result.status)
 
     @staticmethod
@@ -72,14 +82,15 @@ class Aspher:
 class Tamaas:
     """PolonskyKeerRey with the pressure as its variable."""
 
+    packages = ("tamaas",)
+
     def __init__(self, heights: np.ndarray, p0: float):
         import tamaas as tm
 
         tm.initialize(1)
         tm.set_log_level(tm.LogLevel.error)
         self.tm, self.p0, self.heights = tm, p0, np.ascontiguousarray(heights)
-        n = len(heights)
-        self.model = tm.Model(tm.model_type.basic_2d, [1.0, 1.0], [n, n])
+        self.model = tm.Model(tm.model_type.basic_2d, [1.0, 1.0], list(heights.shape))
         self.model.E, self.model.nu = 1.0, 0.0
         self.solve(1e-1, 3)
 
@@ -99,25 +110,20 @@ class ContactMechanicsPK:
     """constrained_conjugate_gradients: Polonsky and Keer at a given force. Its three tolerances are
     tied to one relative number."""
 
+    packages = ("ContactMechanics", "SurfaceTopography", "NuMPI", "muFFT")
+
     def __init__(self, heights: np.ndarray, p0: float, free: bool = False):
-        import ContactMechanics
+        import ContactMechanics as cm
         from ContactMechanics.Factory import make_system
         from SurfaceTopography import Topography
 
-        n = len(heights)
-        kind = (
-            ContactMechanics.FreeFFTElasticHalfSpace
-            if free
-            else ContactMechanics.PeriodicFFTElasticHalfSpace
-        )
-        self.substrate = kind((n, n), 1.0, (1.0, 1.0))
-        self.surface = Topography(heights, (1.0, 1.0), periodic=not free)
-        self.system = make_system(
-            interaction="hardwall", substrate=self.substrate, surface=self.surface
-        )
-        self.h_rms, self.force = heights.std(), p0 / n**2  # force per pixel
-        self.n, self.p0 = n, p0
-        self.substrate.evaluate_disp(np.ones((n, n)))
+        self.n = n = len(heights)
+        kind = cm.FreeFFTElasticHalfSpace if free else cm.PeriodicFFTElasticHalfSpace
+        substrate = kind((n, n), 1.0, (1.0, 1.0))
+        surface = Topography(heights, (1.0, 1.0), periodic=not free)
+        self.system = make_system(interaction="hardwall", substrate=substrate, surface=surface)
+        self.h_rms, self.p0, self.force = heights.std(), p0, p0 / n**2  # force per pixel
+        substrate.evaluate_disp(np.ones((n, n)))
 
     def solve(self, tolerance: float) -> Solved:
         result = self.system.minimize_proxy(
@@ -130,9 +136,7 @@ class ContactMechanicsPK:
         return result.jac, int(result.nit), "converged" if result.success else "not converged"
 
     def pressure(self, forces: Any) -> np.ndarray:
-        points = math.isqrt(
-            np.size(forces)
-        )  # along an axis: with free edges also those beyond the surface
+        points = math.isqrt(np.size(forces))  # with free edges also those beyond the surface
         return np.asarray(forces).reshape(points, points)[: self.n, : self.n] * self.n**2
 
 
@@ -154,53 +158,55 @@ class ContactMechanicsCCG(ContactMechanicsPK):
         return result.x, int(result.nit), "converged" if result.success else "not converged"
 
 
-# With free edges: a convolution on the doubled cell, or fast multipoles of order q (6 by default),
-# whose own error limits the pressure and which alone have an active set.
-PEERS: dict[str, Callable[[np.ndarray, float], Any]] = {
-    "aspher": Aspher,
-    "aspher-float": partial(Aspher, precision="float"),
-    "aspher-mixed": partial(Aspher, precision="float_then_double"),
-    "tamaas": Tamaas,
-    "contactmechanics-pk": ContactMechanicsPK,
-    "contactmechanics-ccg": ContactMechanicsCCG,
-    "aspher-fft": partial(Aspher, backend="fft"),
-    "aspher-fft-mixed": partial(Aspher, backend="fft", precision="float_then_double"),
-    "aspher-h2": partial(Aspher, backend="h2"),
-    "aspher-h2-active": partial(Aspher, backend="h2", active_set=True),
-    "aspher-h2-active-float": partial(Aspher, backend="h2", active_set=True, precision="float"),
-    "aspher-h2-active-q8": partial(Aspher, backend="h2", active_set=True, q=8),
-    "contactmechanics-free-pk": partial(ContactMechanicsPK, free=True),
-    "contactmechanics-free-ccg": partial(ContactMechanicsCCG, free=True),
+KINDS: dict[str, Any] = {
+    kind.__name__: kind for kind in (Ours, Aspher, Tamaas, ContactMechanicsPK, ContactMechanicsCCG)
 }
+
+
+def about(kind: Any) -> dict[str, Any]:
+    """Return versions of a code, and how it was built, as scripts/bench-peers-setup left it."""
+    versions, built = {}, Path(sys.prefix) / "build.json"
+    for name in kind.packages:
+        try:
+            versions[name] = version(name)
+        except PackageNotFoundError:
+            versions[name] = "?"
+    flags = json.loads(built.read_text()) if built.exists() else {}
+    return {"code_versions": versions, "built": flags.get(kind.packages[0], "")}
+
+
+def solve(code: Any, tolerance: float, pressure_to: str) -> dict[str, Any]:
+    """Solve once and write the pressure."""
+    begun, cpu = time.perf_counter(), time.process_time()
+    result, iterations, status = code.solve(tolerance)
+    answer = {
+        "seconds": time.perf_counter() - begun,
+        "cpu_seconds": time.process_time() - cpu,
+        "iterations": iterations,
+        "status": status,
+        "peak_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10,
+    }
+    np.save(pressure_to, code.pressure(result))
+    return answer
 
 
 def main() -> None:
     """Answer until standard input ends."""
-    # What the codes print must not mix with the answers.
-    answers = os.fdopen(os.dup(1), "w")
+    answers = os.fdopen(os.dup(1), "w")  # what the codes print must not mix with the answers
     os.dup2(2, 1)
-    peer: Any = None
+    code: Any = None
     for line in sys.stdin:
         asked = json.loads(line)
         try:
             if "heights" in asked:
-                peer = None  # its memory is needed
-                peer = PEERS[sys.argv[1]](np.load(asked["heights"]), float(asked["pressure"]))
-                answer: dict[str, Any] = {"ready": True}
+                kind, heights = KINDS[asked.pop("kind")], np.load(asked.pop("heights"))
+                code = kind(heights, asked.pop("pressure"), **asked)
+                answer = about(kind)
             else:
-                begun, cpu = time.perf_counter(), time.process_time()
-                result, iterations, status = peer.solve(float(asked["tolerance"]))
-                answer = {
-                    "seconds": time.perf_counter() - begun,
-                    "cpu_seconds": time.process_time() - cpu,
-                    "iterations": iterations,
-                    "status": status,
-                }
-                np.save(asked["pressure_to"], peer.pressure(result))
+                answer = solve(code, **asked)
         except Exception as error:  # whatever goes wrong in there is the caller's to report
             answer = {"error": f"{type(error).__name__}: {error}"}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+        print(json.dumps(answer), file=answers, flush=True)
 
 
 if __name__ == "__main__":

@@ -1,79 +1,39 @@
-"""This package against other codes: time at equal true error of the pressure field, on the same
-surfaces, one thread each.
+"""This package and other codes: time and memory at equal true error of the pressure field, on the
+same surfaces, one thread each.
 
 A code's tolerance says little about its error, so every code is first given the loosest tolerance
-at which its true error (relative L2 norm of the pressure field against a reference solved far
-tighter) is below the same target. Then all run in turn.
+at which its true error (relative L2 norm of the pressure against a reference solved far tighter) is
+below the same target. Then all run in turn.
 
 With free edges the others take the pressure as constant on the cells of grid points, we as
-band-limited: two discretisations of one contact. Each code is then judged by the exact solution of
-its own.
+band-limited: two discretisations of one contact. Each code is judged by the exact solution of its
+own.
 """
 
-import json
 import os
-import subprocess
+import sys
 import tempfile
 import time
+import tomllib
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from contextlib import ExitStack, closing
 from dataclasses import replace
-from functools import partial
+from itertools import product
 from pathlib import Path
-from typing import Any, Literal
 
 import numpy as np
 
-from hpc_gfmd.util.errors import GfmdError, SceneError
+from hpc_gfmd import GfmdError, SceneError
 
-from .cases import Case
-from .loosest import PATIENCE, loosest
-from .ours import Ours
-from .reference import Reference, reference
-from .report import Report, one_of
-from .timing import in_turn
+from .cells import by_cells
+from .contacts import Case, distance
+from .report import Report
+from .timing import Process, Row, in_turn, ratio, summary
 
-NAMES = {
-    "periodic": (
-        "aspher",
-        "aspher-float",
-        "aspher-mixed",
-        "tamaas",
-        "contactmechanics-pk",
-        "contactmechanics-ccg",
-    ),
-    "free": (
-        "aspher-fft",
-        "aspher-fft-mixed",
-        "aspher-h2",
-        "aspher-h2-active",
-        "aspher-h2-active-float",
-        "aspher-h2-active-q8",
-        "contactmechanics-free-pk",
-        "contactmechanics-free-ccg",
-    ),
-}
-LOADS = {
-    "periodic": {"p_star": [0.007, 0.353]},
-    "free": {"a_r": [0.02, 0.2]},
-}  # where none are asked for
-COLUMNS = {
-    "n": ("n", "5d"),
-    "p_star": ("p*", "8.4g"),
-    "a_r": ("a_r", "6.4f"),
-    "code": ("code", "<25"),
-    "tolerance": ("tolerance", "9.2g"),
-    "error": ("L2 error", "9.2g"),
-    "iterations": ("iter", "6d"),
-    "seconds_min": ("s (min)", "9.3g"),
-    "seconds_median": ("s (median)", "10.3g"),
-    "cpu_seconds_min": ("cpu s (min)", "11.3g"),
-    "repeats": ("runs", "4d"),
-    "in_turn": ("in turn", "7"),
-    "times_slower": ("x ours", "7.1f"),
-    "cpu_times_slower": ("x (cpu)", "7.1f"),
-    "status": ("status", "<13"),
-}
+CODES = tomllib.loads(Path(__file__).with_name("codes.toml").read_text())
+TRIES = 10
+CLOSE = 1.5  # ratio of a tolerance that fails to one that passes at which the search ends
 
 
 def peers_python() -> Path:
@@ -89,243 +49,111 @@ def peers_python() -> Path:
     return python
 
 
-class _Peer:
-    """A process that solves with another code; known: its Reference; first: its first tolerance
-    over the error wanted."""
+class Code(Process):
+    """A process that solves with one code; known: the exact pressure of its discretisation."""
 
-    first = 1
+    def __init__(self, name: str, folder: Path, known: np.ndarray):
+        self.ours, self.path, self.known = name in CODES["ours"], folder / f"{name}.npy", known
+        python = sys.executable if self.ours else peers_python()
+        super().__init__(name, [python, Path(__file__).with_name("peer_worker.py")])
 
-    def __init__(
-        self, name: str, python: Path, folder: str, heights: Path, pressure: float, known: Reference
-    ):
-        self.name, self.heights, self.load, self.pressure_path = (
-            name,
-            heights,
-            pressure,
-            Path(folder) / f"{name}.npy",
-        )
-        self.known = known
-        environment = {
-            k: v
-            for k, v in os.environ.items()
-            if not k.startswith(("PYTHON", "OMPI_", "PMI", "VIRTUAL_ENV"))
-        }
-        environment["OMP_NUM_THREADS"] = "1"
-        self.process: Any = subprocess.Popen(
-            [python, Path(__file__).with_name("peer_worker.py"), name],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
-            env=environment,
-        )
-
-    def _ask(self, **what: object) -> dict[str, Any]:
-        try:
-            self.process.stdin.write(json.dumps(what) + "\n")
-            self.process.stdin.flush()
-            line = self.process.stdout.readline()
-        except BrokenPipeError:
-            line = ""
-        answer = json.loads(line) if line else {"error": "the process died"}
-        if "error" in answer:
-            raise GfmdError(f"{self.name}: {answer['error']}")
-        return answer
-
-    def prepare(self) -> None:
-        """Let it plan."""
-        self._ask(heights=str(self.heights), pressure=self.load)
-
-    def solve(self, tolerance: float) -> tuple[dict[str, Any], np.ndarray]:
-        """Numbers of the solve, and the pressure field."""
-        answer = self._ask(tolerance=tolerance, pressure_to=str(self.pressure_path))
-        return answer, np.load(self.pressure_path)
-
-    def close(self) -> None:
-        """End the process."""
-        self.process.stdin.close()
-        try:
-            self.process.wait(10)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
+    def solve(self, tolerance: float) -> Row:
+        """Return the numbers of one solve, with its true error."""
+        answer = self.ask(tolerance=tolerance, pressure_to=str(self.path))
+        return answer | {"error": distance(np.load(self.path), self.known)}
 
 
-class _We:
-    """This package's default solver in one precision, with the same methods. Only the pressure
-    field is asked for, as of the others: its tolerance is the residual, because `accuracy` goes on
-    until the area and the mean gap are as good."""
-
-    first = 100
-
-    def __init__(self, case: Case, precision: Literal["single", "double"], known: Reference):
-        self.name, self.case, self.precision, self.known = (
-            f"hpc-gfmd {precision}",
-            case,
-            precision,
-            known,
-        )
-
-    def prepare(self) -> None:
-        """Plan and compile."""
-        self.ours = Ours(self.case, self.precision)
-        self.ours.solve(None, residual=1.0)
-
-    def solve(self, tolerance: float) -> tuple[dict[str, Any], np.ndarray]:
-        """Numbers of the solve, and the pressure field."""
-        solved = self.ours.solve(None, residual=tolerance)
-        return {
-            "seconds": solved.seconds,
-            "cpu_seconds": solved.cpu_seconds,
-            "iterations": solved.iterations,
-            "status": solved.status,
-            "fft_pairs": solved.fft_pairs,
-        }, solved.pressure
-
-    def close(self) -> None:
-        """Give the memory back."""
-        del self.ours
-
-
-Code = _Peer | _We
-Maker = Callable[[], Code]
-
-
-def bench_peers(args: Namespace) -> None:
-    """All codes on all surfaces. args: n, p_star or a_r (None: LOADS), precision, codes (lists;
-    codes None: all), hurst, boundary, error, repeats, budget (seconds after which a code is not run
-    again on a case), out. Raises SceneError for a code that is not known or not there."""
-    names = NAMES[args.boundary]
-    codes = names if args.codes is None else args.codes
-    one_of("--codes", codes, names)
-    python = peers_python() if codes else Path()
-    report = Report("peers", COLUMNS, args.out)
-    report.say(
-        f"# equal true error: relative L2 of the pressure field <= {args.error:g}; {args.boundary},"
-        f" H = {args.hurst}, L/lam_l = 2, lam_s/a = 2, seed 1; x: median over runs in turn of the"
-        " time over that of our faster precision"
+def run(args: Namespace) -> None:
+    """Compare all codes on all surfaces; args: of command.py. Raises SceneError for a code that is
+    not known or not there."""
+    free = args.boundary == "free"
+    allowed = CODES["free" if free else "periodic"]
+    codes = list(allowed) if args.codes == ["all"] else args.codes
+    for name in codes:
+        if name not in allowed:
+            raise SceneError(f"--codes: found {name!r}, allowed: {', '.join(allowed)}")
+        peers_python()
+    report = Report("peers", args.out)
+    report.note(
+        f"relative L2 error of the pressure field <= asked; {args.boundary}, H = {args.hurst},"
+        " L/lam_l = 2, lam_s/a = 2, seed 1; slower: median over runs in turn of the time over that"
+        " of our faster precision"
     )
-    with tempfile.TemporaryDirectory() as folder:
-        for n in args.n:
-            for case in _cases(n, args):
-                known, of_others = reference(case), reference(case.of_others)
-                heights = Path(folder) / "heights.npy"
-                np.save(heights, -case.gap())
-                makers: list[Maker] = [
-                    partial(_We, case, precision, known) for precision in args.precision
-                ]
-                makers += [
-                    partial(_Peer, name, python, folder, heights, case.p_star, of_others)
-                    for name in codes
-                ]
-                _one_case(case, makers, args, report)
+    for n in args.n:
+        some = Case(n, 1.0, args.hurst, args.boundary)
+        loads = [some.at_area(a_r).p_star for a_r in args.a_r] if free else args.p_star
+        for p_star, error in product(loads, args.error):
+            _one_case(replace(some, p_star=p_star), [*CODES["ours"], *codes], error, args, report)
     report.finish()
 
 
-def _cases(n: int, args: Namespace) -> list[Case]:
-    asked = {
-        key: getattr(args, key) for key in ("p_star", "a_r") if getattr(args, key) is not None
-    } or LOADS[args.boundary]
-    case = Case(n, args.hurst, 1.0, boundary=args.boundary)
-    return [replace(case, p_star=p) for p in asked.get("p_star", ())] + [
-        case.at_area(a_r) for a_r in asked.get("a_r", ())
-    ]
+def _one_case(case: Case, names: list[str], error: float, args: Namespace, report: Report) -> None:
+    row, known = case.reference
+    head = vars(replace(case)) | {"a_r": row["a_r"], "asked": error}
+    boundary = {"boundary": case.boundary}
+    about: dict[Code, Row] = {}
+    taken: dict[Code, list[Row]] = {}
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        np.save(folder / "heights.npy", case.surface.heights)
+        surface = {"heights": str(folder / "heights.npy"), "pressure": case.p_star}
+        for name in names:
+            ours = CODES["ours"].get(name)
+            exact = known if ours or case.boundary != "free" else by_cells(case)
+            code = stack.enter_context(closing(Code(name, folder, exact)))
+            options = ours | boundary if ours else CODES[case.boundary][name]
+            of: Row = {"code": name, "options": options}
+            try:
+                of |= code.ask(**surface, **options)
+                of["version"] = next(iter(of["code_versions"].values()))
+                of["tolerance"], taken[code] = _loosest(code.solve, error, args.budget)
+                about[code] = of
+            except GfmdError as failure:
+                report.note(str(failure))
+                report.add(**head, **of, status="not reached")
+        quick = [code for code in taken if taken[code][0]["seconds"] < args.budget / 2]
+        for code in in_turn(quick, args.repeats):
+            taken[code].append(code.solve(about[code]["tolerance"]))
+    ours = [runs for code, runs in taken.items() if code.ours]
+    for code, runs in taken.items():
+        slower = {}
+        for key in ("seconds", "cpu_seconds") if ours else ():
+            times = [[run[key] for run in all_runs] for all_runs in (runs, *ours)]
+            slower[f"{key}_over_ours"] = ratio(times[0], min(times[1:], key=np.median))
+        worst = {"error": max(run["error"] for run in runs)}
+        report.add(**head, **about[code], **summary(runs) | worst | slower)
 
 
-def _one_case(case: Case, makers: Sequence[Maker], args: Namespace, report: Report) -> None:
-    codes: list[Code] = []
-    tolerances: dict[Code, float] = {}
-    taken: dict[Code, list[dict]] = {}
-    try:
-        for make in makers:
-            codes.append(make())
-            tolerance, taken[codes[-1]] = _search(codes[-1], case, args, report)
-            if tolerance is None:
-                codes.pop().close()
-            else:
-                tolerances[codes[-1]] = tolerance
-        slow = {code for code in codes if taken[code]}
-        for code in in_turn(codes, args.repeats):
-            if code not in slow and sum(run["seconds"] for run in taken[code]) < args.budget:
-                taken[code].append(_solved(code, tolerances[code]))
-    finally:
-        for code in codes:
-            code.close()
-    _report(case, codes, tolerances, taken, slow, report)
+def _loosest(
+    solve: Callable[[float], Row], target: float, budget: float
+) -> tuple[float, list[Row]]:
+    """Return the loosest tolerance whose error is at most the target, with the solve that found it.
+    Raises GfmdError where there is none.
 
-
-def _solved(code: Code, tolerance: float) -> dict[str, Any]:
-    """Numbers of one solve, with its true error."""
-    answer, pressure = code.solve(tolerance)
-    return answer | {"error": code.known.pressure_error(pressure - code.known.pressure)}
-
-
-def _search(
-    code: Code, case: Case, args: Namespace, report: Report
-) -> tuple[float | None, list[dict]]:
-    """(tolerance, runs): the loosest tolerance that is good enough, None where there is none. What
-    is too slow to be run again is judged by its run in the search, which was not in turn with the
-    others."""
-    tried: dict[float, dict] = {}
-    begun = time.perf_counter()
-    tolerance: float | None = None
-    error: float | None = None
-
-    def error_at(tolerance: float) -> float:
-        tried[tolerance] = _solved(code, tolerance)
-        return tried[tolerance]["error"]
-
-    try:
-        code.prepare()
-        tolerance, error = loosest(error_at, args.error, code.first * args.error, args.budget)
-    except GfmdError as failure:
-        report.say(f"# {failure}")
-    if tolerance is None:
-        gave_up = time.perf_counter() - begun > PATIENCE * args.budget
-        last = _pick(list(tried.values())[-1] if tried else {}, "iterations")
-        report.add(
-            **case.label,
-            code=code.name,
-            a_r=code.known.a_r,
-            error=error,
-            status="out of time" if gave_up else "not reached",
-            **last,
-        )
-        return None, []
-    run = tried[tolerance]
-    return tolerance, [run] if run["seconds"] > args.budget / 2 else []
-
-
-def _report(
-    case: Case,
-    codes: Sequence[Code],
-    tolerances: dict[Code, float],
-    taken: dict[Code, list[dict]],
-    slow: set[Code],
-    report: Report,
-) -> None:
-    ours = [code for code in codes if isinstance(code, _We)]
-    for code in codes:
-        runs = taken[code]
-        seconds, cpu = ([t[key] for t in runs] for key in ("seconds", "cpu_seconds"))
-        row = {
-            "code": code.name,
-            "a_r": code.known.a_r,
-            "tolerance": tolerances[code],
-            "error": max(t["error"] for t in runs),
-            "repeats": len(runs),
-            "in_turn": "no" if code in slow else "yes",
-            "seconds_min": min(seconds),
-            "seconds_median": float(np.median(seconds)),
-            "cpu_seconds_min": min(cpu),
-        }
-        row |= _pick(runs[-1], "iterations", "status", "fft_pairs")
-        for key, name in (("seconds", "times_slower"), ("cpu_seconds", "cpu_times_slower")):
-            if ours:
-                best = min(ours, key=lambda c: np.median([t[key] for t in taken[c]]))
-                pairs = zip(runs, taken[best], strict=False)
-                row[name] = float(np.median([a[key] / b[key] for a, b in pairs]))
-        report.add(**case.label, **row)
-
-
-def _pick(answer: dict, *keys: str) -> dict:
-    return {key: answer[key] for key in keys if answer.get(key) is not None}
+    Steps proportionally to the error until the answer is bracketed, then bisects; ends after
+    `budget` seconds at the best known.
+    """
+    begun, tolerance = time.perf_counter(), target
+    passes: tuple[float, Row] | None = None
+    fails, lowest = np.inf, np.inf
+    for _ in range(TRIES):
+        row = solve(tolerance)
+        error = row["error"]
+        lowest = min(lowest, error)
+        if error <= target:
+            passes = tolerance, row
+        else:
+            fails = tolerance
+        late = time.perf_counter() - begun > budget
+        if passes and (late or fails < CLOSE * passes[0]):
+            break
+        if passes and fails < np.inf:
+            tolerance = float(np.sqrt(passes[0] * fails))
+        else:
+            step = 0.7 * target / max(error, 1e-300)
+            tolerance *= float(np.clip(step, 2.0, 30.0) if passes else np.clip(step, 1e-2, 0.5))
+        if tolerance > 0.5:
+            break
+    if not passes:
+        raise GfmdError(f"an error of {lowest:.1e} at the lowest, wanted: {target:g}")
+    return passes[0], [passes[1]]

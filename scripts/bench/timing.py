@@ -1,38 +1,75 @@
-"""Times that can be compared: warmed up, alternating within one run, minimum and median of the
-repeats."""
+"""Times that can be compared: of functions and processes that take turns, after a warm-up."""
 
+import json
+import os
+import subprocess
+import sys
+import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
 from hpc_gfmd.parallel.comm import Comm
+from hpc_gfmd.parallel.world import world
+from hpc_gfmd.util.errors import GfmdError
 
 K = TypeVar("K")
+Row = dict[str, Any]
+SCRIPTS = str(Path(__file__).resolve().parents[1])
+# seconds between two looks of a rank that waits: those that measure need the core that it takes
+PAUSE = 2e-2
+
+
+def in_turn(names: Iterable[K], repeats: int) -> Iterator[K]:
+    """Yield all names in so many rounds, every other one backwards (A B B A), so that a drift of
+    the machine's speed hits all alike."""
+    for k in range(repeats):
+        yield from list(names)[:: 1 if k % 2 == 0 else -1]
+
+
+def ratio(a: Sequence[float], b: Sequence[float]) -> float:
+    """Return the median of a/b, of two series that were taken in turn."""
+    return float(np.median([x / y for x, y in zip(a, b, strict=False)]))
+
+
+def summary(rows: Sequence[Row]) -> Row:
+    """Return the last row with the times of all in place of its own."""
+    found = dict(rows[-1])
+    for key in ("seconds", "cpu_seconds"):
+        found.pop(key)
+        found[f"{key}_min"] = min(row[key] for row in rows)
+        found[f"{key}_median"] = float(np.median([row[key] for row in rows]))
+    return found | {"repeats": len(rows)}
+
+
+def seconds(
+    run: Callable[[], object], comm: Comm, now: Callable[[], float] = time.perf_counter
+) -> float:
+    """Return the seconds of run() on the slowest rank, by the clock `now`."""
+    comm.barrier()
+    begun = now()
+    run()
+    return float(comm.max([now() - begun])[0])
 
 
 class Stopwatch:
     """Adds up seconds by name, by the clock `now`; time of inner parts is not counted in outer
     ones."""
 
-    def __init__(self, parts: Iterable[str], now: Callable[[], float] = time.perf_counter):
-        self.parts, self.now, self.inner = tuple(parts), now, 0.0
-        self.reset()
-
-    def reset(self) -> None:
-        """Begin at 0."""
-        self.seconds = dict.fromkeys(self.parts, 0.0)
+    def __init__(self, now: Callable[[], float] = time.perf_counter):
+        self.now, self.inner = now, 0.0
+        self.seconds: dict[str, float] = {}
 
     def watch(self, owner: object, method: str, name: str) -> None:
-        """Time a method of an object from here on."""
-        setattr(owner, method, self.timed(name, getattr(owner, method)))
+        """Time a method of an object or of all objects of a class from here on."""
+        function = getattr(owner, method)
+        self.seconds.setdefault(name, 0.0)
 
-    def timed(self, name: str, function: Callable) -> Callable:
-        """The same function, timed."""
-
-        def call(*args: Any, **kwargs: Any) -> Any:
+        def timed(*args: Any, **kwargs: Any) -> Any:
             before, begun = self.inner, self.now()
             self.inner = 0.0
             try:
@@ -42,74 +79,92 @@ class Stopwatch:
                 self.seconds[name] += spent - self.inner
                 self.inner = before + spent
 
-        return call
+        setattr(owner, method, timed)
+
+    def take(self) -> dict[str, float]:
+        """Return the seconds since the last time."""
+        found, self.seconds = self.seconds, dict.fromkeys(self.seconds, 0.0)
+        return found
 
 
-@dataclass(frozen=True)
-class Sample:
-    """Seconds of the repeats, in the order in which they were taken; under MPI of the slowest
-    rank."""
+class Process:
+    """A program that answers each line of JSON with one. Raises GfmdError where it fails."""
 
-    seconds: tuple[float, ...]
+    def __init__(self, name: str, command: Sequence[object], **environment: str):
+        self.name = name
+        self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115
+        try:
+            self._process: Any = subprocess.Popen(
+                list(map(str, command)),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=self._errors,
+                text=True,
+                env=os.environ | {"OMP_NUM_THREADS": "1"} | environment,
+            )
+        except OSError as error:
+            raise GfmdError(f"{name}: {error}") from None
 
-    @property
-    def min(self) -> float:
-        """The smallest."""
-        return float(min(self.seconds))
+    def ask(self, **what: object) -> Row:
+        """Return the answer."""
+        try:
+            print(json.dumps(what), file=self._process.stdin, flush=True)
+        except OSError:  # it has ended: how, will be found
+            pass
+        line = next((line for line in self._process.stdout if line.startswith("{")), None)
+        answer = json.loads(line) if line else {"error": self._last_words()}
+        if "error" in answer:
+            raise GfmdError(f"{self.name}: {answer['error']}")
+        return answer
 
-    @property
-    def median(self) -> float:
-        """The median."""
-        return float(np.median(self.seconds))
+    def close(self) -> None:
+        """Let it end."""
+        self._process.communicate()
 
-
-def in_turn(names: Iterable[K], repeats: int) -> Iterator[K]:
-    """All names in so many rounds, every other one backwards (A B B A), so that a drift of the
-    machine's speed hits all alike."""
-    for k in range(repeats):
-        yield from list(names)[:: 1 if k % 2 == 0 else -1]
-
-
-class Clock:
-    """Measures functions. cpu: by the processor's clock of this process, for a machine that others
-    use too."""
-
-    def __init__(self, comm: Comm | None = None, cpu: bool = False):
-        self.comm, self.now = comm, time.process_time if cpu else time.perf_counter
-        self.name = "cpu" if cpu else "wall"
-
-    def slowest(self, seconds: float) -> float:
-        """The largest of the ranks' numbers."""
-        return float(self.comm.max([seconds])[0]) if self.comm is not None else float(seconds)
-
-    def measure(self, run: Callable[[], object]) -> float:
-        """Seconds of run() on the slowest rank."""
-        if self.comm is not None:
-            self.comm.barrier()
-        begun = self.now()
-        run()
-        return self.slowest(self.now() - begun)
-
-    def alternate(
-        self,
-        runs: Mapping[str, Callable[[], object]],
-        repeats: int,
-        warmup: int = 1,
-        before: Callable[[], object] = lambda: None,
-    ) -> dict[str, Sample]:
-        """{name: Sample} of {name: function}: all in turn; not timed: rounds of warm-up, and
-        `before`, which is called before each."""
-        seconds: dict[str, list[float]] = {name: [] for name in runs}
-        for _ in range(warmup):
-            for run in runs.values():
-                before()
-                run()
-        for name in in_turn(runs, repeats):
-            before()
-            seconds[name].append(self.measure(runs[name]))
-        return {name: Sample(tuple(s)) for name, s in seconds.items()}
+    def _last_words(self) -> str:
+        """The end of what the program itself says: mpirun adds advice between lines of dashes."""
+        self._process.wait()
+        self._errors.seek(0)
+        said = self._errors.read()
+        own = said.partition("-----")[0].strip() or said.strip("- \n")
+        return own.splitlines()[-1] if own else "it died without a word"
 
 
-def ratio(a: Sample, b: Sample) -> float:
-    """Median over the repeats of a/b: of two samples that were taken in turn."""
-    return float(np.median(np.divide(a.seconds, b.seconds)))
+def measured(
+    item: str, jobs: Mapping[K, tuple[int, Row]], repeats: int, warm: int = 1
+) -> dict[K, list[Row]]:
+    """Return what worker(**arguments) of a file here finds on some ranks, so many times, all in
+    turn; jobs: (ranks, arguments) of each; warm: times before. Raises GfmdError."""
+    found: dict[K, list[Row]] = {name: [] for name in jobs}
+    with ExitStack() as stack:
+        workers = {}
+        for name, (ranks, arguments) in jobs.items():
+            launcher = ["mpirun", "-n", ranks] if ranks > 1 else []
+            command = [*launcher, sys.executable, "-m", f"bench.{item}", json.dumps(arguments)]
+            process = Process(f"{item} on {ranks} ranks", command, PYTHONPATH=SCRIPTS)
+            workers[name] = stack.enter_context(closing(process))
+            for _ in range(warm):
+                process.ask()
+        for name in in_turn(jobs, repeats):
+            found[name].append(workers[name].ask())
+    return found
+
+
+def serve(worker: Callable[..., Callable[[], Row]]) -> None:
+    """Be such a worker: print what worker(comm, **arguments)() returns on rank 0, as often as asked
+    on standard input. Collective."""
+    comm = world()
+    measure = worker(comm, **json.loads(sys.argv[1]))
+    while _asked(comm):
+        row = measure()
+        if comm.rank == 0:
+            print(json.dumps(row), flush=True)
+
+
+def _asked(comm: Comm) -> bool:
+    more = comm.rank == 0 and bool(sys.stdin.readline())
+    if comm.size > 1:
+        met = comm.mpi.Ibarrier()
+        while not met.Test():
+            time.sleep(PAUSE)
+    return comm.max([more])[0] > 0

@@ -1,9 +1,8 @@
-"""The paper's figures and tables as studies: which contacts each needs, solving what is missing,
-tables, pictures, the report.
+"""The paper's figures, tables and errata, and questions beyond it: `python scripts/paper ITEM`.
 
-case: one surface and its loads; levels: how large and how many; catalogue: what a figure or table
-is, and all of them, which stand in items/ by what they show; store and runner: solve each contact
-once, whoever needs it; publish: tables, pictures and pages. averages, scatter, fits, limits,
-coefficients: from runs to rows; rows: choosing among them; draw: pictures; paper: what is printed;
-errata/, questions, report: the report.
+catalogue.toml: which surfaces each item needs, at three levels of effort, and what it is about.
+cases: surfaces and loads, and the store of what is solved; solve: what is missing of them;
+estimates: from runs to numbers with errors; items/: from there to rows, a picture and a comparison
+with what is printed; errata/; rows, pictures, report: how that is written. paper_numbers.json,
+printed: what the paper prints. It uses public names of hpc_gfmd alone.
 """

@@ -1,140 +1,123 @@
-"""The report: every figure and table with what the paper says beside it, the open questions, the
-errata. Markdown.
+"""Tables (CSV), pictures (PNG) and pages (Markdown) beside the runs, and the report of all items.
 
-All numbers come from the rows of the studies, or from small computations made while the report is
+All numbers come from the rows of the items, or from small computations made while the report is
 written; those of the paper from paper_numbers.json and its coefficient tables.
 """
 
 import json
+import os
 from pathlib import Path
-from typing import Any
 
-from hpc_gfmd import __version__
+from .cases import Store, cases_of
+from .errata import errata_rows
+from .items import STUDIES
+from .items.tables import our_table
+from .rows import Rows, as_csv, read_csv, table
+from .study import Study
 
-from . import catalogue, coefficients, questions
-from .catalogue import Study
-from .errata import area, formulas, gap
-from .levels import tfc_series
-from .publish import effort, publish, write_whole
-from .rows import Rows
-from .store import Store
-from .text import literal, table
+SAYS = {"paper says": "{paper}", "we find": "{ours}", "why": "{why}"}
+MADE = "Made by `python scripts/paper {name} --level {level}`."
+PAGE = """# {title}
 
-FILE, OUR_TABLE = "README.md", "our_tfc.json"
-ERRATA = (*formulas.ERRATA, *area.ERRATA, *gap.ERRATA)
+{question}
+
+![{title}]({name}.png)
+
+{found}
+
+All numbers: [{name}.csv]({name}.csv); ± is one standard error. {made}
+"""
 HEAD = """# The paper, reproduced, checked and extended
 
 N. Prodanov, W. B. Dapp, M. H. Müser, *On the contact area and mean gap of rough, elastic contacts*, Tribology Letters 53 (2014) 433:
-every figure and table, made by `python scripts/paper all --level {level}` (hpc_gfmd {version}). All numbers below are computed from the runs
-in `runs*.jsonl` when this page is written; nothing is typed in.
+every figure and table. {made} All numbers are computed from the runs in `runs*.jsonl` when this page is written.
 
-{loads} loads on grids from {low}² to {high}² points, {minutes:.0f} minutes of solving in all, accuracy {accuracy:g}; {poor} failed it.
+{loads} loads on grids from {low}² to {high}² points, {minutes:.0f} minutes of solving, accuracy {accuracy:g}; {poor} failed it.
 
-- a_r and kappa "as counted": grid points in contact (filled marks); "edge-corrected": less (π - 1 + ln 2)/24 of a point for every
-  segment of the contact boundary (open marks; Yastrebov, Anciaux, Molinari 2017).
+- "As counted": grid points in contact (filled marks). "Edge-corrected": less (π - 1 + ln 2)/24 of a point for every segment of the
+  contact boundary (open marks; Yastrebov, Anciaux, Molinari 2017).
 - "±": one standard error, from the scatter of realisations and a fifth of the solver's error estimate. Runs of one surface on several
   grids are compared surface by surface.
 - Theory: Persson with gamma = 0.42, corrected (solid) and as printed (dashed), never scaled."""
 
 
-def report(folder: str | Path, level: str) -> Path:
-    """Write README.md and our_tfc.json beside the tables and pictures of a folder of runs, which
-    are made where missing or old.
-
-    Returns the path of the report. Raises OSError, SceneError for a level that does not exist.
-    """
-    store = Store(folder)
-    store.folder.mkdir(parents=True, exist_ok=True)
-    runs = store.load()
-    studies = [catalogue.study(name) for name in catalogue.of_paper()]
-    tables = {study.name: _rows(study, store, level) for study in studies}
-    lines = {
-        study.name: list(study.compare(tables[study.name])) if tables[study.name] else []
-        for study in studies
-    }
-    series = store.runs_of(tfc_series(level))
-    ours = coefficients.our_table(series, level)
-    if ours["tables"]:
-        coefficients.write_our_table(ours, store.folder / OUR_TABLE)
-    parts = [
-        HEAD.format(version=__version__, level=level, **effort(runs)),
-        _beyond(store),
-        questions.section(series, tables, level),
-        _figures(studies, tables, lines, store),
-        _says(lines),
-        _errata(tables),
-    ]
-    path = store.folder / FILE
-    write_whole(path, "\n\n".join(part for part in parts if part) + "\n")
-    return path
+def rows_of(study: Study, store: Store, level: str, redraw: bool = False) -> Rows:
+    """Tabulate what is stored; redraw: read the table that is there."""
+    if redraw:
+        return read_csv((store.folder / f"{study.name}.csv").read_text(encoding="utf-8"))
+    runs = store.runs_of(cases_of(study.name, level))
+    return study.tabulate(runs, level) if runs else []
 
 
-def _rows(study: Study, store: Store, level: str) -> Rows:
-    """The rows that were published for exactly these runs, or published now."""
-    path = store.folder / f"{study.name}.json"
-    picture = path.with_suffix(".png")
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-        if (
-            found["level"] == level
-            and found["runs"] == len(store.runs_of(study.cases(level)))
-            and picture.is_file()
-        ):
-            return found["rows"]
-    except (OSError, ValueError, KeyError):
-        pass
-    return publish(study, store, level)
+def publish(study: Study, store: Store, level: str, redraw: bool = False) -> Rows:
+    """Write table, picture and, of an item beyond the paper, page; returns the rows, [] of none."""
+    if rows := rows_of(study, store, level, redraw):
+        path = store.folder / study.name
+        if not redraw:
+            write_whole(path.with_suffix(".csv"), as_csv(rows))
+        study.draw(rows, path.with_suffix(".png"))
+        if study.question:
+            write_whole(path.with_suffix(".md"), _page(study, rows, level))
+    return rows
 
 
-def _beyond(store: Store) -> Any:
-    pages = [name for name in catalogue.names() if (store.folder / f"{name}.md").is_file()]
-    links = ", ".join(f"[{catalogue.study(name).title}]({name}.md)" for name in pages)
-    return (
-        pages
-        and f"Beyond the paper: {links}. What `runs*.jsonl` lacks of their runs the command of each page solves anew."
+def _page(study: Study, rows: Rows, level: str) -> str:
+    columns = {"": "{paper}", "we find": "{ours}", " ": "{why}"}
+    lines = list(study.compare(rows))
+    if not any(line["why"] for line in lines):
+        del columns[" "]
+    return PAGE.format(
+        name=study.name,
+        title=study.title,
+        question=study.question.strip(),
+        found=table(lines, columns),
+        made=MADE.format(name=study.name, level=level),
     )
 
 
-def _figures(
-    studies: list[Study], tables: dict[str, Rows], lines: dict[str, Rows], store: Store
-) -> str:
-    parts = ["## Figures and tables"]
-    if (store.folder / OUR_TABLE).is_file():
-        parts.append(
-            "Our coefficients with their covariances, for `hpc-gfmd tfc --table`:"
-            f" [{OUR_TABLE}]({OUR_TABLE})."
+def report(store: Store, level: str, tables: dict[str, Rows]) -> Path:
+    """Write README.md of all figures and tables, {item: rows}; returns its path."""
+    runs = store.load()
+    sizes = [run["n"] for run in runs] or [0]
+    parts = [
+        HEAD.format(
+            made=MADE.format(name="all", level=level),
+            loads=len(runs),
+            low=min(sizes),
+            high=max(sizes),
+            minutes=sum(run["wall_seconds"] for run in runs) / 60,
+            accuracy=max((run["accuracy"] for run in runs), default=0),
+            poor=sum(run["status"] != "converged" for run in runs),
         )
-    for study in studies:
-        rows = tables[study.name]
-        parts.append(f"### {study.name}: {study.title}\n\nPaper: {study.paper}.")
+    ]
+    beyond = [s for s in STUDIES.values() if (store.folder / f"{s.name}.md").is_file()]
+    if beyond:
+        links = ", ".join(f"[{study.title}]({study.name}.md)" for study in beyond)
+        parts.append(f"Beyond the paper: {links}. Their commands solve what `runs*.jsonl` lacks.")
+    for name, rows in tables.items():
+        study = STUDIES[name]
+        parts.append(f"## {name}: {study.title}\n\nPaper: {study.paper}.")
         if not rows:
             parts.append("Nothing solved yet.")
             continue
-        if (store.folder / f"{study.name}.png").is_file():
-            parts.append(f"![{study.title}]({study.name}.png)")
-        parts.append(
-            f"Numbers: [{study.name}.csv]({study.name}.csv),"
-            f" [{study.name}.json]({study.name}.json)."
-        )
-        if said := lines[study.name]:
-            parts.append(
-                "\n".join(
-                    f"- paper: {literal(line['paper'])}; we find: **{literal(line['ours'])}**"
-                    for line in said
-                )
-            )
-    return "\n\n".join(parts)
-
-
-def _says(lines: dict[str, Rows]) -> str:
-    rows = [{"study": name} | line for name, said in lines.items() for line in said]
-    columns = {"where": "{study}", "paper says": "{paper}", "we find": "{ours}", "why": "{why}"}
-    return "## Paper says / we find / why\n\n" + table(rows, columns)
-
-
-def _errata(tables: dict[str, Rows]) -> str:
-    rows = [row for erratum in ERRATA if (row := erratum.row(tables))]
+        parts.append(f"![{study.title}]({name}.png)\n\nNumbers: [{name}.csv]({name}.csv).")
+        if lines := list(study.compare(rows)):
+            parts.append(table(lines, SAYS))
     columns = {"": "{number}", "printed": "{printed}", "right": "{right}", "shown by": "{shown}"}
-    return "## Errata of the paper\n\n" + table(
-        [{"number": i + 1} | row for i, row in enumerate(rows)], columns
-    )
+    parts.append("## Errata of the paper\n\n" + table(errata_rows(tables), columns))
+    path = store.folder / "README.md"
+    write_whole(path, "\n\n".join(parts) + "\n")
+    return path
+
+
+def coefficients(store: Store, level: str) -> str:
+    """Write our table of coefficients, for `hpc-gfmd tfc --table`, as JSON."""
+    found = our_table(store.runs_of(cases_of("table5", level)), level)
+    return json.dumps(found, indent=1, allow_nan=False) + "\n"
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a file so that it is there complete or not at all. Raises OSError."""
+    part = path.with_name(f".{path.name}.part")
+    part.write_text(text, encoding="utf-8")
+    os.replace(part, path)

@@ -32,9 +32,7 @@ def result(tmp_path_factory):
 
 @every_distribution
 def test_small_and_finite(name):
-    arrays = all_distributions()[name](
-        sweep_of(rough((1, 8, 4)), accuracy=1e-3).solve(0.05).contact
-    )
+    arrays = all_distributions()[name](sweep_of(rough((1, 8, 4)), accuracy=1e-3).solve(0.05))
     for array in arrays.values():
         assert array.ndim == 1
         assert array.nbytes < ATTRIBUTE_BYTES / 8
@@ -68,7 +66,7 @@ def test_written_and_shown(name, result):
 )
 def test_degenerate_contacts(name, surface):
     """Finite numbers, or None where there is nothing to count."""
-    arrays = all_distributions()[name](sweep_of(surface).solve(0.05).contact)
+    arrays = all_distributions()[name](sweep_of(surface).solve(0.05))
     assert arrays is None or all(
         len(array) and np.isfinite(array).all() for array in arrays.values()
     )

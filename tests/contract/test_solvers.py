@@ -50,32 +50,31 @@ def test_by_name(name):
 def test_same_certified_solution(name, p_star):
     wanted = solve_scene(SURFACE, p_star, **EXACT)
     found = solve_scene(SURFACE, p_star, **EXACT | {"name": name, "residual": 1e-9})
-    contact = found.contact
-    assert contact.outcome.status == "converged"
-    assert contact.certificate.residual < 1e-9
-    assert contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-6)
-    assert contact.contact_points == wanted.contact.contact_points
+    assert found.status == "converged"
+    assert found.certificate.residual < 1e-9
+    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-6)
+    assert found.contact_points == wanted.contact_points
     assert relative(field(found, "pressure"), field(wanted, "pressure")) < 1e-6
     # and by another way than the program's own certificate
     g, p = field(found, "gap"), field(found, "pressure")
     assert g.min() >= 0
     assert p.min() >= 0
     assert not (g * p).any()
-    assert p.mean() == pytest.approx(contact.p_mean, rel=1e-7)
+    assert p.mean() == pytest.approx(found.p_mean, rel=1e-7)
 
 
 @every_solver
 def test_accuracy(name):
     wanted = solve_scene(SURFACE, 0.1, **EXACT)
     found = solve_scene(SURFACE, 0.1, name=name, accuracy=1e-2)
-    assert found.contact.outcome.status == "converged"
-    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-2)
+    assert found.status == "converged"
+    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-2)
     assert relative(field(found, "pressure"), field(wanted, "pressure")) < 1e-2
-    assert abs(found.contact.contact_points / wanted.contact.contact_points - 1) <= 1e-2
+    assert abs(found.contact_points / wanted.contact_points - 1) <= 1e-2
     single = solve_scene(SURFACE, 0.1, name=name, residual=1e-3, precision="single")
-    assert single.contact.g.dtype == np.float32
-    assert single.contact.outcome.status == "converged"
-    assert single.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-2)
+    assert single.g.dtype == np.float32
+    assert single.status == "converged"
+    assert single.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-2)
 
 
 @every_solver
@@ -136,14 +135,14 @@ def test_the_pressure_is_that_of_the_gap(name):
 def test_another_load(name):
     solver = started(name, problem_of(0.1))
     target = Target(residual=1e-8)
-    assert drive(solver, target).status == "converged"
+    assert drive(solver, target)[0] == "converged"
     solver.continue_at(0.12)
     assert solver.problem_now.p0 == 0.12
-    outcome = drive(solver, target)
-    assert outcome.status == "converged"
+    status, certificate, _ = drive(solver, target)
+    assert status == "converged"
     wanted = solve_scene(SURFACE, 0.12, **EXACT)
-    height = wanted.contact.surface.height_unit
-    assert outcome.certificate.gap_mean * height == pytest.approx(wanted.contact.gap_mean, rel=1e-6)
+    height = wanted.surface.height_unit
+    assert certificate.gap_mean * height == pytest.approx(wanted.gap_mean, rel=1e-6)
 
 
 @every_solver
@@ -152,7 +151,7 @@ def test_any_grid(name, n):
     z = random_heights(n, seed=11)
     made = surface_over(z)
     assert (
-        drive(started(name, Problem(made.grid, made.h, 0.1)), Target(residual=1e-8)).status
+        drive(started(name, Problem(made.grid, made.h, 0.1)), Target(residual=1e-8))[0]
         == "converged"
     )
 
@@ -162,10 +161,10 @@ def test_stops(name):
     """At max_iterations, when told to, and with NaN: never as converged."""
     problem = problem_of()
     solver = started(name, problem)
-    assert drive(solver, Target(residual=1e-13, max_iterations=3)).status == "max_iterations"
+    assert drive(solver, Target(residual=1e-13, max_iterations=3))[0] == "max_iterations"
     assert solver.iterations == 3
     assert (
-        drive(solver, Target(residual=1e-13), lambda iterations, progress: iterations >= 5).status
+        drive(solver, Target(residual=1e-13), lambda iterations, progress: iterations >= 5)[0]
         == "interrupted"
     )
     assert solver.iterations == 5
@@ -173,7 +172,7 @@ def test_stops(name):
     broken.h[3, 4] = np.nan
     solver = solver_class(name)(broken, {})
     solver.start(np.maximum(broken.h - 1, 0))
-    assert drive(solver, Target(accuracy=1e-2, max_iterations=50)).status == "nonfinite"
+    assert drive(solver, Target(accuracy=1e-2, max_iterations=50))[0] == "nonfinite"
 
 
 @every_solver
@@ -181,7 +180,7 @@ def test_beyond_the_precision_it_stagnates(name):
     step = solve_scene(
         SURFACE, 0.1, name=name, residual=1e-12, precision="single", max_iterations=3000
     )
-    assert step.contact.outcome.status in ("stagnated", "max_iterations")
+    assert step.status in ("stagnated", "max_iterations")
 
 
 def test_beyond_the_precision_it_does_not_go_on_for_long():
@@ -189,7 +188,7 @@ def test_beyond_the_precision_it_does_not_go_on_for_long():
     with all of it)."""
     for p_star in (0.1, 0.4):
         step = solve_scene(rough((1, 16, 4)), p_star, precision="single", accuracy=1e-6)
-        assert step.contact.outcome.status == "stagnated"
+        assert step.status == "stagnated"
         assert step.iterations < 40
 
 

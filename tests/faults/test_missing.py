@@ -52,7 +52,7 @@ def test_mpirun_without_mpi4py(folder):
     ids=lambda x: " ".join(x[:2]) if isinstance(x, list) else None,
 )
 def test_a_missing_package(module, args, code, words, folder):
-    from fuzz.seeds import seeds
+    from faults.seeds import seeds
 
     seeds("result", folder)[0].rename(folder / "out.h5")
     run = call(None, args, env=without(folder, module), cwd=folder)

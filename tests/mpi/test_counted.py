@@ -2,14 +2,10 @@
 
 import numpy as np
 import pytest
-from contacts import rough
 from counted import contact_of, random_fields
 from masks import walk
 
 from hpc_gfmd.contact import all_distributions, all_observables, observables_named
-from hpc_gfmd.output.read import read_result
-from hpc_gfmd.runs.simulation import run_scene
-from hpc_gfmd.scene import Scene
 
 pytestmark = pytest.mark.mpi
 COUNTED = list(
@@ -83,37 +79,3 @@ def test_surfaces_that_end(comm, n, nominal):
         assert density == pytest.approx(
             np.histogram(values, edges)[0] / len(values) / np.diff(edges)
         )
-
-
-def test_in_the_file(comm, shared_path):
-    """Of a run on all ranks; distributions as lists, and nothing that was not asked for."""
-    asked = {
-        "observables": ["patches", "percolation"],
-        "distributions": ["pressure", "patches", "gap_spectrum"],
-    }
-    scene = Scene.from_dict(
-        {
-            "surface": rough((1, 16, 2)),
-            "load": {"p_star": [0.1, 1e3]},
-            "output": asked,
-            "solver": {"accuracy": 1e-2},
-        }
-    )
-    assert run_scene(scene, out=shared_path / "counted.h5", quiet=True, comm=comm).exit_code == 0
-    rough_one, full = read_result(shared_path / "counted.h5").steps
-    names = {
-        "pressure_edges",
-        "pressure_density",
-        "patches_edges",
-        "patches_density",
-        "gap_spectrum_q",
-        "gap_spectrum_power",
-    }
-    assert {name for name, value in rough_one.items() if isinstance(value, list)} == names
-    assert np.sum(
-        np.diff(rough_one["pressure_edges"]) * rough_one["pressure_density"]
-    ) == pytest.approx(1)
-    assert rough_one["patches"] > full["patches"] == 1
-    assert full["contact_percolates_x"] is True
-    assert full["gap_percolates_x"] is False
-    assert "perimeter" not in full

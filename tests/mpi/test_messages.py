@@ -2,7 +2,6 @@
 agree before it."""
 
 import os
-from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -10,9 +9,7 @@ from contacts import rough, sweep_of
 
 from hpc_gfmd.operators import multilevel
 from hpc_gfmd.parallel.comm import stages
-from hpc_gfmd.parallel.world import threads_of
 from hpc_gfmd.runs import memory
-from hpc_gfmd.runs import solve as api
 from hpc_gfmd.runs.decomposition import Share
 from hpc_gfmd.runs.memory import require_memory
 from hpc_gfmd.scene import Scene
@@ -35,35 +32,6 @@ def test_counted(comm, n_over, boundary, monkeypatch):
     share = Share(sweep.surface.grid, sweep.dtype)
     assert (comm.sent.bytes - before[0], comm.sent.messages - before[1]) == share.traffic
     assert all(sent > 0 for sent in (*share.level_traffic, *share.reduction_traffic))
-
-
-def test_no_objects_of_all_ranks(comm, monkeypatch):
-    """From the arguments to the solved contact nothing is pickled that every rank contributes to:
-    such messages grow with the ranks."""
-    surface = rough((1, 16, 2))
-    scene = Scene.from_dict(
-        {"surface": surface, "load": {"p_star": [0.1]}, "machine": {"threads": "auto"}}
-    )
-    assert comm.machine.size == comm.size
-
-    def refuse(*_):
-        raise AssertionError("a list of the objects of all ranks")
-
-    threads = threads_of(comm, "auto")
-    for name in ("allgather", "gather"):
-        monkeypatch.setattr(type(comm), name, refuse)
-    require_memory(comm, scene, (32, 32), (1.0, 1.0), threads)
-    api._require_the_same(comm, scene, (32, 32))
-    assert (
-        sweep_of(surface, comm=comm, accuracy=1e-2).solve(0.1).contact.outcome.status == "converged"
-    )
-    monkeypatch.undo()
-    with (
-        pytest.raises(SceneError, match="other arguments on some ranks")
-        if comm.size > 1
-        else nullcontext()
-    ):
-        api._require_the_same(comm, scene, (32, 32 + comm.rank))
 
 
 def test_all_to_all(comm):

@@ -1,6 +1,5 @@
 """The result file on any number of ranks: empty slabs, MPI-IO or not, restart, agreed errors."""
 
-import os
 import shutil
 
 import h5py
@@ -61,15 +60,22 @@ def test_round_trip(comm, shared_path, monkeypatch):
 
 def round_trip(comm, shared_path, n, rows, compressed, dtype):
     path = shared_path / "round.h5"
-    fields = {"pressure": field(n), "gap": field(n, "float32")}
+    padded = field((n[0], n[1] + 3))[:, : n[1]]
+    fields = {"pressure": padded, "gap": field(n[::-1], "float32").T}  # neither is contiguous
     local = {name: whole[slice(*rows)] for name, whole in fields.items()}
-    with RunFile(
-        comm, path, n, rows, HEAD, SURFACE | {"n": list(n)}, compressed=compressed, dtype=dtype
-    ) as run:
-        run.update(height_field=local["gap"])
-        for index in (0, 1):
+    how = {"compressed": compressed, "dtype": dtype}
+    for index in (0, 1):  # the second one goes on
+        with RunFile(comm, path, n, rows, HEAD, SURFACE | {"n": list(n)}, **how) as run:
+            assert list(run.finished) == list(range(index))
+            run.update(height_field=local["gap"])
             run.write_step(index, {"p_star": 0.1 * (index + 1), "status": "converged"}, local)
-        run.finish("converged", setup_seconds=1.5)
+            assert read_partial(path).status == "running"
+            comm.barrier()
+            with pytest.raises(SceneError, match="another run is writing this file"):
+                RunFile(comm, path, n, rows, HEAD, SURFACE)
+            if index == 1:
+                run.finish("converged", setup_seconds=1.5)
+        comm.barrier()
     result = read_result(path)
     assert (result.status, result.scene_toml, result.surface["n"]) == (
         "converged",
@@ -144,55 +150,6 @@ def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
         assert together == by_one
         assert "steps/0001/gap" in together
         assert "VTKHDF/PointData/gap" in together
-
-
-def test_several_ranks_write_and_read_by_mpi_io(comm, shared_path, monkeypatch):
-    """The driver that HDF5 itself names, and the transfers that were collective."""
-    drivers, collective, create, rows = [], [], h5py.h5p.create, slab(comm, 7)
-
-    class Spy(h5py.File):
-        def __init__(self, name, mode="r", **how):
-            super().__init__(name, mode, **how)
-            if comm.size == 1 or "comm" in how:
-                drivers.append(
-                    (mode, self.driver, self.id.get_access_plist().get_driver() == h5py.h5fd.MPIO)
-                )
-
-    def spy(kind):
-        found = create(kind)
-        if kind is h5py.h5p.DATASET_XFER:
-            collective.append(found)
-        return found
-
-    monkeypatch.setattr(h5py, "File", Spy)
-    monkeypatch.setattr(h5py.h5p, "create", spy)
-    whole = field((7, 5))
-    h5.write_file(comm, shared_path / "a.h5", (7, 5), rows, {"u": whole[slice(*rows)]})
-    if comm.size > 1:
-        assert drivers == [("r+", "mpio", True)]
-    stored = h5.Stored(
-        shared_path / "a.h5", "u", (7, 5), whole.dtype, checksum(shared_path / "a.h5", "u")
-    )
-    drivers.clear()
-    stored.slab(comm, rows)
-    if comm.size > 1:
-        assert drivers == [("r", "mpio", True)]
-        assert [found.get_dxpl_mpio() for found in collective].count(h5py.h5fd.MPIO_COLLECTIVE) == 2
-    else:
-        assert not any(mpio for *_, mpio in drivers)
-
-
-def test_the_disk_is_busy_while_the_next_piece_is_made(comm, shared_path, monkeypatch):
-    """The system is told to write what is there after each piece, not after the last one alone."""
-    told, advise, fsync, rows = [], os.posix_fadvise, os.fsync, slab(comm, 60)
-    monkeypatch.setattr(h5, "PIECE_BYTES", 7 * 50 * 8)
-    monkeypatch.setattr(os, "posix_fadvise", lambda *args: told.append(args[1:]) or advise(*args))
-    monkeypatch.setattr(os, "fsync", lambda file: told.append("sync") or fsync(file))
-    h5.write_file(comm, shared_path / "a.h5", (60, 50), rows, {"u": field((60, 50))[slice(*rows)]})
-    if comm.size == 1 or h5.io_way(comm) == "mpio":
-        pieces = told.index("sync")
-        assert pieces == -(-(60 // comm.size) // 7)
-        assert set(told[:pieces]) == {(0, 0, os.POSIX_FADV_DONTNEED)}
 
 
 def numbers(path, name):
@@ -277,53 +234,6 @@ def test_memory_that_one_rank_lacks_stops_all(comm, shared_path, monkeypatch):
         monkeypatch.setattr(h5, "np", Scarce())
     with pytest.raises(GfmdError, match=r"reading .*scarce\.h5: out of memory"):
         stored.slab(comm, rows)
-
-
-def test_not_contiguous(comm, shared_path, monkeypatch):
-    """Views with padded rows, transposed and complex arrays, as states of solvers are."""
-    rows, path = slab(comm, 7), shared_path / "views.h5"
-    padded, turned = field((7, 8)), field((5, 7)).T
-    spectrum = field((7, 5)) + 1j
-    for _ in with_and_without_mpi(monkeypatch):
-        fields = {
-            "padded": padded[slice(*rows), :5],
-            "turned": turned[slice(*rows)],
-            "spectrum": spectrum[slice(*rows)],
-        }
-        h5.write_file(comm, path, (7, 5), rows, fields)
-        for name, whole in (("padded", padded[:, :5]), ("turned", turned), ("spectrum", spectrum)):
-            assert np.array_equal(numbers(path, name)[slice(*rows)], whole[slice(*rows)])
-        comm.barrier()
-
-
-def test_resume(comm, shared_path):
-    path, rows, n = shared_path / "resume.h5", slab(comm, 7), (7, 5)
-    whole = field(n)
-    run = RunFile(comm, path, n, rows, HEAD, SURFACE)
-    run.write_step(0, {"status": "converged"}, {"gap": whole[slice(*rows)]})
-    run.close()
-    comm.barrier()
-    assert read_result(path).status == "interrupted"
-    comm.barrier()
-    with pytest.raises(SceneError, match="another scene"):
-        RunFile(comm, path, n, rows, HEAD | {"identity": "other"}, SURFACE)
-    rows = slab(comm, 7, empty={0} if comm.size > 1 else ())
-    run = RunFile(comm, path, n, rows, HEAD, SURFACE)
-    assert list(run.finished) == [0]
-    run.write_step(1, {"status": "converged"}, {"gap": whole[slice(*rows)]})
-    run.finish("converged")
-    result = read_result(path)
-    assert [step["status"] for step in result.steps] == ["converged", "converged"]
-    assert np.array_equal(result.fields[1]["gap"].read(0, 7), whole)
-
-
-def test_locked(comm, shared_path):
-    path, rows = shared_path / "locked.h5", slab(comm, 7)
-    with RunFile(comm, path, (7, 5), rows, HEAD, SURFACE):
-        assert read_partial(path).status == "running"
-        comm.barrier()
-        with pytest.raises(SceneError, match="another run is writing this file"):
-            RunFile(comm, path, (7, 5), rows, HEAD, SURFACE)
 
 
 def test_errors_are_agreed(comm, shared_path, monkeypatch):

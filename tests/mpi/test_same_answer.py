@@ -6,7 +6,6 @@ import pytest
 from contacts import (
     EXACT,
     field,
-    heights_of,
     random_heights,
     rough,
     solve_scene,
@@ -32,14 +31,14 @@ TOLERANCE = 1e-10
 
 def assert_same(comm, step, serial, tolerance=TOLERANCE):
     """Numbers on all ranks and this rank's rows of all fields equal those of one process."""
-    observables = {k: (f(step.contact), f(serial.contact)) for k, f in all_observables().items()}
+    observables = {k: (f(step), f(serial)) for k, f in all_observables().items()}
     for name, (found, wanted) in observables.items():
         assert (found is None) == (wanted is None), name
         assert found is None or found == pytest.approx(wanted, rel=tolerance), name
-    assert step.contact.outcome.status == serial.contact.outcome.status
-    mine = slice(*step.contact.surface.rows)
+    assert step.status == serial.status
+    mine = slice(*step.surface.rows)
     for name in ("pressure", "gap", "displacement")[
-        : 2 if serial.contact.surface.h is None else 3
+        : 2 if serial.surface.h is None else 3
     ]:  # in low memory there is none
         found, wanted = field(step, name), field(serial, name)
         assert found.shape == wanted[mine].shape
@@ -92,7 +91,7 @@ def test_prescribed(comm, quantity, value, low_memory):
     found, wanted = (sweep_of(surface, comm=world, **solver) for world in (comm, SerialComm()))
     for factor in (1.0, 0.8):
         steps = [sweep.solve(LoadTarget(quantity, factor * value)) for sweep in (found, wanted)]
-        assert steps[0].contact.p_mean == pytest.approx(steps[1].contact.p_mean, rel=1e-6)
+        assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
         assert_same(comm, *steps, tolerance=1e-5)
 
 
@@ -103,8 +102,8 @@ def test_a_gap_that_closes(comm, boundary):
         for world in (comm, SerialComm())
     )
     steps = [sweep.solve(LoadTarget("a_r", 1.0)) for sweep in (found, wanted)]
-    assert steps[0].contact.contact_points == steps[0].contact.N
-    assert steps[0].contact.p_mean == pytest.approx(steps[1].contact.p_mean, rel=1e-6)
+    assert steps[0].contact_points == steps[0].N
+    assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
     assert_same(comm, *steps, tolerance=1e-5)
 
 
@@ -142,10 +141,10 @@ def test_ways_to_solve_a_surface_that_ends(comm, solver):
         solve_scene(surface, 0.1, comm=world, accuracy=1e-3, **solver)
         for world in (comm, SerialComm())
     )
-    assert found.contact.outcome.status == "converged"
-    assert found.contact.contact_points == pytest.approx(wanted.contact.contact_points, rel=1e-3)
-    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-3)
-    assert found.contact.approach == pytest.approx(wanted.contact.approach, rel=1e-4)
+    assert found.status == "converged"
+    assert found.contact_points == pytest.approx(wanted.contact_points, rel=1e-3)
+    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-3)
+    assert found.approach == pytest.approx(wanted.approach, rel=1e-4)
 
 
 @pytest.mark.parametrize("name", solver_names())
@@ -165,53 +164,22 @@ def test_every_solver(comm, name):
     [
         {"kind": "wave", "amplitude": 0.1, "n": [48, 30]},
         {"kind": "wave", "amplitude": 0.1, "n": [30, 48], "periods": [0, 2]},
-        {"kind": "wave", "amplitude": 0.1, "n": [32, 32], "periods": [1, 1]},
         {"kind": "sphere", "radius": 1.0, "n": [33, 32]},
         {"kind": "wave", "amplitude": 0.0, "n": [9, 8]},
     ],
-    ids=["along x", "along y", "both", "sphere", "flat"],
+    ids=["along x", "along y", "sphere", "flat"],
 )
 def test_analytic_surfaces(comm, surface):
     steps = [sweep_of(surface, comm=world, **EXACT).solve(0.01) for world in (comm, SerialComm())]
     found, wanted = steps
-    mine = slice(*found.contact.surface.rows)
-    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=TOLERANCE)
+    mine = slice(*found.surface.rows)
+    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=TOLERANCE)
     for name in ("pressure", "gap"):
         whole = field(wanted, name)
         assert (
             np.abs(field(found, name) - whole[mine]).max(initial=0)
             <= TOLERANCE * np.abs(whole).max()
         )
-
-
-def test_single_precision(comm):
-    surface = rough((2, 32, 2))
-    found, wanted = (
-        solve_scene(surface, 0.1, comm=world, accuracy=1e-3, precision="single")
-        for world in (comm, SerialComm())
-    )
-    assert found.contact.gap_mean == pytest.approx(wanted.contact.gap_mean, rel=1e-3)
-    assert all_observables()["a_r"](found.contact) == pytest.approx(
-        all_observables()["a_r"](wanted.contact), rel=2e-3
-    )
-
-
-@pytest.mark.parametrize(
-    "surface",
-    [
-        rough((2, 16, 2)),
-        rough((1, 15, 3.0), hurst=0.0),
-        rough((3, 5, 2.0), physical_sizes=[1.0, 0.1]),
-    ],
-    ids=["even", "odd", "three rows of columns"],
-)
-def test_surface(comm, surface):
-    """The heights of a seed are the same on every rank count."""
-    z = heights_of(surface)
-    made = sweep_of(surface, comm=comm).surface
-    assert np.abs(-made.h * made.height_unit - z[slice(*made.rows)]).max(
-        initial=0
-    ) < 1e-12 * np.ptp(z)
 
 
 @pytest.mark.parametrize("file", ["z.npy", "z.h5"])
@@ -236,36 +204,6 @@ def test_height_map(comm, shared_path, file):
         sweep_of(surface, 3.0, comm, **EXACT).solve(0.7),
         sweep_over(z, (2.0, 1.5), E_star=3.0).solve(0.7),
     )
-
-
-def test_height_map_in_hdf5_is_read_by_mpi_io(comm, shared_path, monkeypatch):
-    """By the driver that HDF5 itself names, every rank its own rows, also where they are packed;
-    the file is closed at the end."""
-    opened, asked, z = [], [], random_heights((70, 8))
-    own, getitem = h5py.File.__init__, h5py.Dataset.__getitem__
-
-    def spy(self, name, mode="r", **how):
-        own(self, name, mode, **how)
-        opened.append((self, self.driver))
-
-    def rows(self, key):
-        asked.append((opened[-1][1], key[0].start, key[0].stop))
-        return getitem(self, key)
-
-    if comm.rank == 0:
-        with h5py.File(shared_path / "z.h5", "w") as file:
-            file.create_dataset("surface", data=z, chunks=(16, 8), compression="gzip")
-    comm.barrier()
-    monkeypatch.setattr(h5py.File, "__init__", spy)
-    monkeypatch.setattr(h5py.Dataset, "__getitem__", rows)
-    surface = {"kind": "file", "path": str(shared_path / "z.h5"), "physical_sizes": [1, 1]}
-    made = sweep_of(surface, comm=comm).surface
-    first, last = made.rows
-    assert {driver for driver, *_ in asked} == {"mpio" if comm.size > 1 else "sec2"}
-    assert (asked[0][1], asked[-1][2]) == (first, last)
-    assert np.allclose(made.h * made.height_unit, z.max() - z[first:last], atol=1e-12)
-    assert opened
-    assert not any(file.id.valid for file, _ in opened)
 
 
 def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):
@@ -346,7 +284,6 @@ def test_edges_between_slabs(comm, side):
                 Problem(grid, g[mine], 0.1),
                 g[mine],
                 p[mine],
-                1.0,
                 float(side**2),
                 Pattern(side**2, 0.0),
             )

@@ -9,7 +9,7 @@ from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver import nested
 from hpc_gfmd.operators import multilevel
 from hpc_gfmd.parallel import layout
-from hpc_gfmd.runs.composition import sweep_of
+from hpc_gfmd.runs.loads import sweep_of
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.solvers import solver_names
 from hpc_gfmd.surface import build_surface
@@ -80,11 +80,11 @@ def solved(comm, case, threads):
     steps = []
     for load in sweep.pressures(scene.load):
         step = sweep.solve(load)
-        assert step.contact.outcome.status == "converged"
-        fft = step.contact.surface.grid.fft(step.contact.g.dtype)
+        assert step.status == "converged"
+        fft = step.surface.grid.fft(step.g.dtype)
         assert len(fft.row_scratch) == threads
         assert min(len(fft.passes()), fft.K) > 1
-        numbers = {name: f(step.contact) for name, f in all_observables().items()}
+        numbers = {name: f(step) for name, f in all_observables().items()}
         steps.append((numbers, [field(step, name) for name in ("pressure", "gap")]))
     grids = [] if case in WITHOUT_GRIDS else sweep.nested.grids
     return steps, min((grid.comm.size for grid in grids), default=0)

@@ -23,9 +23,9 @@ TIGHT = {"accuracy": 1e-5, "precision": "double"}
 def refined(surface, p, n, finest):
     """Of the grids n: true relative error of a_r (in units of a_r) and its estimate; truth: the
     finest grid, edge-corrected."""
-    truth, found = a_r_corrected(sweep_of(surface(finest), **TIGHT).solve(p).contact), []
+    truth, found = a_r_corrected(sweep_of(surface(finest), **TIGHT).solve(p)), []
     for k in n:
-        contact = sweep_of(surface(k), **TIGHT).solve(p).contact
+        contact = sweep_of(surface(k), **TIGHT).solve(p)
         found.append((1 - truth / a_r(contact), a_r_discretisation(contact)))
     return np.array(found)
 
@@ -63,7 +63,7 @@ def test_a_profile():
         for load in np.linspace(0.1, 0.9, 9):
             contact = solve_scene(
                 {"kind": "wave", "amplitude": 0.1, "n": [n, 4]}, load * np.sqrt(2) / 2, **TIGHT
-            ).contact
+            )
             truth = 2 / np.pi * np.arcsin(np.sqrt(load))
             found.append((a_r(contact) - truth) / (a_r(contact) * a_r_discretisation(contact)))
     assert np.max(np.abs(found)) < 1.75  # 0.7 points at both edges
@@ -72,7 +72,7 @@ def test_a_profile():
 
 def solved(z, sizes):
     sweep = sweep_over(z, sizes, accuracy=1e-3)
-    return sweep.solve(0.1 * sweep.surface.g_rms).contact
+    return sweep.solve(0.1 * sweep.surface.g_rms)
 
 
 def test_the_edge_correction_only_where_it_holds():
@@ -101,7 +101,7 @@ def test_the_edge_correction_only_where_it_holds():
 
 def test_nothing_to_estimate():
     assert (
-        a_r_discretisation(solve_scene(rough((1, 8, 2)), 5.0, **TIGHT).contact) == 0
+        a_r_discretisation(solve_scene(rough((1, 8, 2)), 5.0, **TIGHT)) == 0
     )  # full contact has no edge
     flat = hpc_gfmd.solve(np.zeros((4, 4)), 1.0)
     assert flat.a_r_discretisation == 0
@@ -136,9 +136,7 @@ def test_told_wherever_the_area_is(tmp_path, cli):
         assert "estimated error of a_r by the size of a grid point" in text
         for row, step in zip(rows, steps, strict=True):
             assert f" {100 * step['a_r_discretisation']:.2g} " in row
-    contact = (
-        sweep_of(rough((2, 16, 4))).solve(0.35 * sweep_of(rough((2, 16, 4))).surface.g_rms).contact
-    )
+    contact = sweep_of(rough((2, 16, 4))).solve(0.35 * sweep_of(rough((2, 16, 4))).surface.g_rms)
     assert steps[0]["a_r_discretisation"] == pytest.approx(a_r_discretisation(contact), rel=0.01)
     found = hpc_gfmd.solve(heights_of(rough((2, 16, 4))), 0.35)
     assert found.a_r_discretisation == pytest.approx(a_r_discretisation(contact), rel=0.01)

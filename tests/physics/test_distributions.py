@@ -125,7 +125,7 @@ def test_the_spectrum_of_a_made_wall():
     """Self-affine walls: C(q) ~ q^(-2 - 2H) between the cut-offs, and the roughness back by
     Parseval."""
     surface = rough((2, 32, 4), hurst=0.8)
-    contact = solve_scene(surface, 0.05, accuracy=1e-2).contact
+    contact = solve_scene(surface, 0.05, accuracy=1e-2)
     q, power = all_distributions()["heights_spectrum"](contact).values()
     inside = (q > 2 * np.pi * 3) & (q < 2 * np.pi * 60)
     assert np.polyfit(np.log(q[inside]), np.log(power[inside]), 1)[0] == pytest.approx(
@@ -139,14 +139,14 @@ def test_pairs_are_counted():
     step = solve_scene(rough((1, 8, 2)), 0.05, accuracy=1e-2)
     alone = step.fft_pairs
     for name in ("pressure_spectrum", "gap_autocorrelation", "pressure"):
-        all_distributions()[name](step.contact)
+        all_distributions()[name](step)
     assert step.fft_pairs == alone + 1.5
 
 
 def test_low_memory_knows_the_heights_by_their_spectrum():
     found, wanted = (
         all_distributions()["heights_spectrum"](
-            solve_scene(rough((1, 16, 4)), 0.1, accuracy=1e-2, low_memory=low).contact
+            solve_scene(rough((1, 16, 4)), 0.1, accuracy=1e-2, low_memory=low)
         )
         for low in (True, False)
     )

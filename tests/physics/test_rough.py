@@ -26,7 +26,7 @@ def test_kappa(hurst, ratio, seeds, kappa, sigma, corrected):
     found = []
     for seed in range(1, seeds + 1):
         sweep = sweep_of(rough((2, ratio, 2), hurst=hurst, seed=seed), accuracy=3e-3)
-        contact = sweep.solve(P_STAR).contact
+        contact = sweep.solve(P_STAR)
         found.append([all_observables()[name](contact) for name in ("kappa", "kappa_corrected")])
     mean, spread = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(seeds)
     error = 2 * np.hypot(sigma, spread)  # two standard errors of the difference
@@ -41,9 +41,7 @@ def test_the_published_curve(hurst, p_star):
     limit of fine grids lies."""
     found = []
     for seed in (101, 102, 103):
-        contact = solve_scene(
-            rough((4, 16, 8), hurst=hurst, seed=seed), p_star, accuracy=1e-3
-        ).contact
+        contact = solve_scene(rough((4, 16, 8), hurst=hurst, seed=seed), p_star, accuracy=1e-3)
         found.append(
             [all_observables()[name](contact) for name in ("a_r_corrected", "gap_over_h_rms")]
         )
@@ -62,7 +60,7 @@ def test_the_published_curve(hurst, p_star):
 
 def test_persson_at_high_load():
     """At p* = 0.353553 theory has a_r = erf(1/2) = 0.5205; simulations are at 0.57 to 0.69."""
-    contact = sweep_of(rough((2, 32, 2))).solve(0.5 / np.sqrt(2)).contact
+    contact = sweep_of(rough((2, 32, 2))).solve(0.5 / np.sqrt(2))
     assert 0.57 < all_observables()["a_r"](contact) < 0.72
     assert all_observables()["gap_over_h_rms"](contact) < 0.1
 

@@ -26,9 +26,9 @@ def main(lam_l_over_lam_s, per_node, folder):
     step = sweep.solve(P_STAR * sweep.surface.g_rms)
     found = {
         "n": sweep.surface.grid.n[0],
-        "status": step.contact.outcome.status,
-        "contact": step.contact.contact_points,
-        "gap_mean": step.contact.gap_mean,
+        "status": step.status,
+        "contact": step.contact_points,
+        "gap_mean": step.gap_mean,
         "levels": sweep.solver.levels.distributed,
         "grids": [grid.comm.size for grid in sweep.nested.grids],
     }

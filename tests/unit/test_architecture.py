@@ -2,6 +2,7 @@
 numba, MPI and matplotlib stay in their folders; files are small."""
 
 import ast
+import re
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -112,3 +113,19 @@ def test_only_bodies_know_a_stiffness():
     knowing = {name(path) for path in FILES if any(word in path.read_text() for word in words)}
     assert not {f for f in knowing if not f.startswith(places)}
     assert any(f.startswith("bodies/") for f in knowing)
+
+
+def test_the_developers_page():
+    """Its floors are these, and every file and name that it points to is there."""
+    page = (ROOT.parent / "docs" / "developer.md").read_text()
+    floors = page.partition("```text\n")[2].partition("```")[0].splitlines()
+    folders = {folder for floor in FLOORS for folder in floor}
+    drawn = [set(line[:22].split()) & folders for line in floors]
+    assert drawn == [set(floor) for floor in FLOORS]
+    chain = page.partition("## One solve")[2].partition("\n## ")[0]
+    assert 10 < chain.count("\n| ") <= 22
+    for file, _, what in re.findall(r"`([\w/]+\.py)(: ([\w.]+))?`", page):
+        places = [path for path in (ROOT / file, ROOT.parent / file) if path.exists()]
+        assert places, file
+        for word in what.split("."):
+            assert re.search(rf"(def|class) {word}\b", places[0].read_text()) or not word, what

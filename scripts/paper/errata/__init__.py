@@ -1,50 +1,24 @@
-"""What an erratum is: what is printed, what is right, and a function that shows it."""
+"""The errata of the paper: what is printed, what is right, and a function that shows it."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from typing import Any
 
 from ..rows import Rows
+from . import area, formulas, gap
+
+ERRATA = (*formulas.ERRATA, *area.ERRATA, *gap.ERRATA)
 
 
-@dataclass(frozen=True)
-class Erratum:
-    """printed, right: text; show: function of {study: rows}, how our numbers show it, "" while they
-    do not reach that far."""
-
-    printed: str
-    right: str
-    show: Callable[[dict], str]
-
-    def row(self, tables: dict[str, Rows]) -> dict | None:
-        """{"printed", "right", "shown"}; None while some study has no rows and this erratum cannot
-        do without."""
+def errata_rows(tables: dict[str, Rows]) -> Rows:
+    """List the errata that {study: rows} show, numbered."""
+    rows: Rows = []
+    for printed, right, show in ERRATA:
         try:
-            shown = self.show(tables)
+            shown: Any = show(tables)
         except (ValueError, TypeError, IndexError):
             if all(tables.values()):
                 raise
-            return None
-        return {"printed": self.printed, "right": self.right, "shown": shown} if shown else None
-
-
-class Errata(list):
-    """The errata of a file, in order; the methods are decorators, by what is printed and what is
-    right."""
-
-    def add(self, printed: str, right: str) -> Callable:
-        """The function of {study: rows} shows this erratum."""
-
-        def added(show: Callable[[dict], str]) -> Callable[[dict], str]:
-            self.append(Erratum(printed, right, show))
-            return show
-
-        return added
-
-    def computed(self, printed: str, right: str) -> Callable:
-        """The function shows this erratum by a computation of its own."""
-
-        def added(show: Callable[[], str]) -> Callable[[], str]:
-            self.add(printed, right)(lambda tables: show())
-            return show
-
-        return added
+            continue  # some study has no rows yet
+        if shown:
+            number = len(rows) + 1
+            rows.append({"number": number, "printed": printed, "right": right, "shown": shown})
+    return rows

@@ -1,18 +1,25 @@
-"""Errata of what the paper says about the contact area, each shown by the rows of our figures and
-tables."""
+"""Errata of what the paper says about the contact area, each shown by the rows of our items."""
 
 from typing import Any
 
-from .. import paper
 from ..items import kappa
-from ..levels import P_HIGH
-from ..paper import of_hurst
-from ..rows import Rows, by_hurst, coarsest, finest, longest, low_high, near, where
-from ..text import filled
-from . import Errata
+from ..printed import NUMBERS, coefficients, correction, of_hurst
+from ..rows import (
+    PRESSURES,
+    Rows,
+    by_hurst,
+    coarsest,
+    each,
+    finest,
+    longest,
+    low_high,
+    near,
+    where,
+)
+from .listed import Errata
 
 ERRATA = Errata()
-SLOPE = paper.numbers()["slope"]
+SLOPE = NUMBERS["slope"]
 
 
 @ERRATA.add(
@@ -20,20 +27,19 @@ SLOPE = paper.numbers()["slope"]
     "these are kappa/2, and the two H are exchanged",
 )
 def area_is_half_kappa(tables: dict[str, Rows]) -> Any:
-    found = {
-        h: finest(rows, "eps_c")["kappa_edge"]
-        for h, rows in by_hurst(low_high(tables["fig1"])["high"]).items()
-        if of_hurst("area_high", h)
-    }
-    if len(found) < len(paper.numbers()["area_high"]):
+    high = by_hurst(low_high(tables["fig1"])["high"])
+    best = [finest(rows, "eps_c") for h, rows in high.items() if of_hurst("area_high", h)]
+    if len(best) < len(NUMBERS["area_high"]):
         return ""
-    ours = ", ".join(
-        f"a_r = {k * P_HIGH:.3f}, kappa/2 = {k / 2:.3f} at H = {h:g}" for h, k in found.items()
-    )
-    order = "rises" if found[min(found)] > found[max(found)] else "falls"
+    found = [
+        row | {"a_r": row["kappa_edge"] * PRESSURES["high"], "half": row["kappa_edge"] / 2}
+        for row in best
+    ]
+    order = "rises" if best[0]["kappa_edge"] > best[-1]["kappa_edge"] else "falls"
+    ours = each("a_r = {a_r:.3f}, kappa/2 = {half:.3f} at H = {hurst:g}", found)
     return (
-        f"edge-corrected on the finest grid: {ours}; kappa {order} as H decreases, as the text"
-        " itself says of low loads"
+        f"edge-corrected on the finest grid: {ours};"
+        f" kappa {order} as H decreases, as the text itself says of low loads"
     )
 
 
@@ -43,14 +49,12 @@ def area_is_half_kappa(tables: dict[str, Rows]) -> Any:
     " the grid spacing",
 )
 def exponent_of_the_grid(tables: dict[str, Rows]) -> Any:
-    last = {}
-    for row in sorted(tables["fig1"], key=lambda row: (row["hurst"], row["p_star"], -row["eps_c"])):
-        if row.get("kappa_alpha") is not None:
-            last[row["hurst"], row["p_star"]] = row
-    return last and "finest local exponents: " + ", ".join(
-        filled("{kappa_alpha:±} (H = {hurst:g}, p* = {p_star:.3f}, around eps_c = {eps_c:1/})", row)
-        for row in last.values()
-    )
+    known = [row for row in tables["fig1"] if row.get("kappa_alpha") is not None]
+    last = {
+        (row["hurst"], row["p_star"]): row for row in sorted(known, key=lambda row: -row["eps_c"])
+    }
+    template = "{kappa_alpha:±} (H = {hurst:g}, p* = {p_star:.3f}, around eps_c = {eps_c:1/})"
+    return last and "finest local exponents: " + each(template, [last[key] for key in sorted(last)])
 
 
 @ERRATA.add(
@@ -65,19 +69,16 @@ def terms_do_not_add(tables: dict[str, Rows]) -> Any:
             {row["lam_l_over_lam_s"]: row["kappa"] for row in rows if near(row["eps_c"], eps_c)}
             for eps_c in (0.5, 0.25)
         )
-        steps = {f: coarse[f] - fine[f] for f in sorted(coarse.keys() & fine.keys())}
+        both = sorted(coarse.keys() & fine.keys())
+        steps = [f"{coarse[f] - fine[f]:.3f} at eps_f = 1/{f:g}" for f in both]
         if len(steps) > 1:
-            parts.append(
-                f"H = {hurst:g}: "
-                + ", ".join(f"{step:.3f} at eps_f = 1/{f:g}" for f, step in steps.items())
-            )
+            parts.append(f"H = {hurst:g}: {', '.join(steps)}")
     for hurst, rows in by_hurst(low_high(tables["fig2"])["low"]).items():
-        first, last = coarsest(rows, "eps_f"), finest(rows, "eps_f")
-        if first is not last:
-            fractal.append(
-                f"{first['kappa'] - last['kappa']:.2f} and"
-                f" {first['kappa_edge'] - last['kappa_edge']:.2f} (H = {hurst:g})"
-            )
+        raw, edge = (
+            coarsest(rows, "eps_f")[name] - finest(rows, "eps_f")[name]
+            for name in kappa.OBSERVABLES
+        )
+        fractal += [f"{raw:.2f} and {edge:.2f} (H = {hurst:g})"] if raw else []
     return parts and (
         f"kappa(eps_c = 1/2) - kappa(1/4): {'; '.join(parts)}. Fall of kappa along the eps_f series"
         f" at eps_c = 1/2, as counted and edge-corrected: {', '.join(fractal)}"
@@ -89,21 +90,18 @@ def fractal_error(tables: dict[str, Rows]) -> Any:
     return kappa.fractal_excess(tables["fig2"])
 
 
-@ERRATA.computed(
+@ERRATA.add(
     "expected error of kappa only 6 % (H = 0.8), similarly small for H = 0.3",
     "its own coefficients give more; the second system is no 2048 × 2048 one",
 )
-def six_percent() -> str:
+def six_percent(_tables: object) -> str:
     parts = []
-    for claim in paper.numbers()["reference_error"]:
-        eps = {name: claim[name] for name in ("eps_t", "eps_f", "eps_c")}
-        total = paper.correction(paper.coefficients("kappa", "low", claim["hurst"]), **eps)
+    for claim in NUMBERS["reference_error"]:
+        total = correction(coefficients("kappa", "low", claim["hurst"]), claim)
         limit = of_hurst("kappa_tfc", claim["hurst"]) or SLOPE["high"]
-        n = 1 / (eps["eps_c"] * eps["eps_f"] * eps["eps_t"])
-        parts.append(
-            f"H = {claim['hurst']:g}, eps_c = 1/{1 / eps['eps_c']:g}, eps_f ="
-            f" 1/{1 / eps['eps_f']:g} (n = {n:.0f}): {total:.3f}, {total / limit:.0%} of {limit:g}"
-        )
+        n = 1 / (claim["eps_c"] * claim["eps_f"] * claim["eps_t"])
+        at = each("H = {hurst:g}, eps_c = {eps_c:1/}, eps_f = {eps_f:1/}", [claim])
+        parts.append(f"{at} (n = {n:.0f}): {total:.3f}, {total / limit:.0%} of {limit:g}")
     return "; ".join(parts)
 
 
@@ -112,31 +110,21 @@ def six_percent() -> str:
     "its own coefficients reach 10 % at eps_c = 1/2, as the section on the gap says",
 )
 def grid_needed(tables: dict[str, Rows]) -> Any:
-    hurst = paper.numbers()["eps_c_needed"]["hurst"]
-    area, gap = (
-        longest(
-            [row for row in low_high(tables[name])["low"] if near(row["hurst"], hurst)], "eps_c"
-        )
-        for name in ("fig1", "fig4")
-    )
-    if not (len(area) > 1 and len(gap) > 1):
-        return ""
-    terms = {
-        "kappa": of_hurst("kappa_tfc", hurst),
-        "gap_over_h_rms": coarsest(gap, "eps_c")["gap_over_h_rms"],
-    }
-    for name, whole in terms.items():
-        printed = paper.coefficients(name, "low", hurst)
-        terms[name] = printed["C_c"] * 0.5 ** printed["alpha_c"] / whole
-    raw, edge, ours = (
-        coarsest(rows, "eps_c")[name] / finest(rows, "eps_c")[name] - 1
-        for rows, name in ((area, "kappa"), (area, "kappa_edge"), (gap, "gap_over_h_rms"))
-    )
+    hurst, ours, terms = NUMBERS["eps_c_needed"]["hurst"], [], []
+    for name, table in (("kappa", "fig1"), ("kappa_edge", "fig1"), ("gap_over_h_rms", "fig4")):
+        low = [row for row in low_high(tables[table])["low"] if near(row["hurst"], hurst)]
+        rows = longest(low, "eps_c")
+        if len(rows) < 2:
+            return ""
+        coarse, fine = coarsest(rows, "eps_c"), finest(rows, "eps_c")
+        ours.append(coarse[name] / fine[name] - 1)
+        if row := coefficients(name, "low", hurst):
+            whole = of_hurst("kappa_tfc", hurst) if name == "kappa" else coarse[name]
+            terms.append(row["C_c"] * 0.5 ** row["alpha_c"] / whole)
     return (
-        f"continuum terms at eps_c = 1/2 by the paper's tables: {terms['kappa']:.1%} of kappa,"
-        f" {terms['gap_over_h_rms']:.1%} of the gap; ours, against eps_c ="
-        f" 1/{1 / finest(area, 'eps_c')['eps_c']:g}: kappa {raw:+.1%} as counted, {edge:+.1%}"
-        f" edge-corrected, gap {ours:+.2%}"
+        "continuum terms at eps_c = 1/2 by the paper's tables: {:.1%} of kappa, {:.1%} of the gap;"
+        " ours, against the finest grid: kappa {:+.1%} as counted, {:+.1%} edge-corrected, gap"
+        " {:+.2%}".format(*terms, *ours)
     )
 
 
@@ -145,11 +133,8 @@ def grid_needed(tables: dict[str, Rows]) -> Any:
     "the paper's own slopes differ by more",
 )
 def spread_over_hurst(tables: dict[str, Rows]) -> Any:
-    ours = [
-        filled("{kappa_tfc:±} (H = {hurst_number:g})", row)
-        for row in where(tables["table5"], area="raw")
-    ]
-    return (
+    ours = each("{kappa_tfc:±} (H = {hurst:g})", where(tables["table5"], area="ours"))
+    text = (
         f"{SLOPE['high']:g} and {SLOPE['low']:g} differ by {SLOPE['high'] / SLOPE['low'] - 1:.1%}"
-        + (f"; ours in the limit, as counted: {', '.join(ours)}" if len(ours) > 1 else "")
     )
+    return text + (f"; ours in the limit: {ours}" if ours else "")

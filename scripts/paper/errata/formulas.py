@@ -6,22 +6,22 @@ from scipy.integrate import quad
 
 from hpc_gfmd.theory import persson
 
-from .. import paper
-from ..levels import HURST, PRESSURES
-from . import Errata
+from ..printed import PRINTED
+from ..rows import PRESSURES
 from .dynamics import HURST as H
 from .dynamics import N_SMALL, STEPS, gfmd, small_surface
+from .listed import Errata
 
 EPS_F = 1 / 1024  # of the examples, at H
 GRID = 16  # lam_s/a that the text recommends for H = 0
 ERRATA = Errata()
 
 
-@ERRATA.computed(
+@ERRATA.add(
     "h_rms² = (1/N) Σ |h_q|², g_rms² likewise (eqs. barH, barG)",
     "no 1/N with the transform that the paper states, nor in its eq. totalBroad",
 )
-def parseval() -> str:
+def parseval(_tables: object) -> str:
     z = small_surface()
     share = np.sum(np.abs(np.fft.fft2(z) / z.size) ** 2) / np.mean(z**2)
     return (
@@ -30,11 +30,11 @@ def parseval() -> str:
     )
 
 
-@ERRATA.computed(
+@ERRATA.add(
     "h_rms² = q_l² C(q_l)/H {1 - (q_l/q_s)^2H} (eq. scalHeight), so h_f = q_l √(C(q_l)/H)",
     "/(2H), and h_f = q_l √(C(q_l)/(2H)); both scal equations leave out A_0/(2π)",
 )
-def height_scale() -> str:
+def height_scale(_tables: object) -> str:
     whole, slope = (
         _moment(2, EPS_F),
         _moment(4, EPS_F),
@@ -52,13 +52,13 @@ def height_scale() -> str:
     )
 
 
-@ERRATA.computed(
+@ERRATA.add(
     "g_rms lam_s = 2π h_rms √(H/(1-H)) eps_f^H",
     "only to leading order: times √((1 - eps_f^(2-2H))/(1 - eps_f^2H))",
 )
-def slope_relation() -> str:
+def slope_relation(_tables: object) -> str:
     parts = []
-    for hurst in HURST:
+    for hurst in (0.0, 0.3, 0.5, 0.8):
         for eps_f in (1 / 16, EPS_F):
             leading = (
                 2
@@ -76,11 +76,11 @@ def slope_relation() -> str:
     return "exact over leading order: " + ", ".join(parts)
 
 
-@ERRATA.computed(
+@ERRATA.add(
     "rms height of the shortest wavelengths of order √(2-2H) g_rms lam_s",
     "√(2-2H) g_rms lam_s/(2π), since q_s = 2π/lam_s",
 )
-def short_wave_height() -> str:
+def short_wave_height(_tables: object) -> str:
     claim = np.sqrt(2 - 2 * H) * np.sqrt(_moment(4, EPS_F)) * 2 * np.pi * EPS_F
     share = np.sqrt(_moment(2, EPS_F, from_q=1 / EPS_F / np.e)) / claim
     return (
@@ -89,10 +89,10 @@ def short_wave_height() -> str:
     )
 
 
-@ERRATA.computed(
+@ERRATA.add(
     "p_new(q_new) = p_old(q_new/s)/s", "p_old(s q_new)/s, as one line before: q_new = q_old/s"
 )
-def scaling() -> str:
+def scaling(_tables: object) -> str:
     s, q_old, u = 2.0, 3.0, 1.0
     q_new = q_old / s
     needed = q_new * u  # (E*/2) q u, in units of E*/2
@@ -105,11 +105,11 @@ def scaling() -> str:
     )
 
 
-@ERRATA.computed(
+@ERRATA.add(
     "stiffness K is the derivative of the mean gap with respect to pressure",
     "K = -dp/d(gap): the negative inverse of that",
 )
-def stiffness() -> str:
+def stiffness(_tables: object) -> str:
     p_star, h = 0.05, 1e-4
     low, high = (float(persson.mean_gap(p, H, EPS_F)) for p in (p_star * (1 - h), p_star * (1 + h)))
     slope = (high - low) / (2 * h * p_star)
@@ -119,11 +119,11 @@ def stiffness() -> str:
     )
 
 
-@ERRATA.computed(
+@ERRATA.add(
     "eq. gapFinal: 3 (1-gamma) ∫ erf(tx)² exp(-t²x²) dt/t",
     "6 (1-gamma): E1(x²) = 2 ∫ exp(-t²x²) dt/t, so this term lacks the 2",
 )
-def missing_factor() -> str:
+def missing_factor(_tables: object) -> str:
     hurst, eps_f, parts = 0.8, 1 / 256, []
     for gamma in (1.0, persson.GAMMA):
         for p_star in PRESSURES.values():
@@ -139,8 +139,8 @@ def missing_factor() -> str:
     return "gap/h_rms by quadrature of eq. gap with eq. elasticEnergy: " + "; ".join(parts)
 
 
-@ERRATA.computed("GFMD: F_q ← F_q + eta (u_now - u_old)", "minus: the printed sign feeds energy")
-def damping_sign() -> str:
+@ERRATA.add("GFMD: F_q ← F_q + eta (u_now - u_old)", "minus: the printed sign feeds energy")
+def damping_sign(_tables: object) -> str:
     good, bad = (_range(gfmd(damping=sign)["speed"]) for sign in (-1, +1))
     return (
         f"{N_SMALL} × {N_SMALL}, {STEPS} steps: largest speed {good} with the minus, {bad} as"
@@ -148,10 +148,8 @@ def damping_sign() -> str:
     )
 
 
-@ERRATA.computed(
-    "GFMD: F(0) ← F(0) + p with u >= -h", "minus p: printed, it pulls the solids apart"
-)
-def load_sign() -> str:
+@ERRATA.add("GFMD: F(0) ← F(0) + p with u >= -h", "minus p: printed, it pulls the solids apart")
+def load_sign(_tables: object) -> str:
     good, bad = gfmd(load=-1), gfmd(load=+1)
     return (
         f"mean gap/h_rms from {good['gap'][0]:.2f} to {good['gap'][-1]:.3f} with the minus (a_r ="
@@ -159,11 +157,11 @@ def load_sign() -> str:
     )
 
 
-@ERRATA.computed(
+@ERRATA.add(
     "start: set all grid points to h_max",
     "any u >= -h will do; touching in one point (u = 0), or a coarser solution, is nearer",
 )
-def start() -> str:
+def start(_tables: object) -> str:
     touching, above = gfmd()["gap"], gfmd(lifted=True)["gap"]
     steps = [_settled(gap, touching[-1]) for gap in (touching, above)]
     return (
@@ -172,11 +170,11 @@ def start() -> str:
     )
 
 
-@ERRATA.computed("p* = 0.007 and 0.353", "0.01/√2 and 0.5/√2")
-def rounded_pressures() -> str:
+@ERRATA.add("p* = 0.007 and 0.353", "0.01/√2 and 0.5/√2")
+def rounded_pressures(_tables: object) -> str:
     parts = []
     for name, p in PRESSURES.items():
-        printed = paper.PRINTED[name]
+        printed = PRINTED[name]
         change = (
             float(persson.mean_gap(printed, H, EPS_F)) / float(persson.mean_gap(p, H, EPS_F)) - 1
         )
@@ -187,8 +185,8 @@ def rounded_pressures() -> str:
     return "; ".join(parts)
 
 
-@ERRATA.computed("L/lam_s = 1/512 is more than sufficient (H = 0)", "L/lam_s = 512: inverted")
-def inverted_ratio() -> str:
+@ERRATA.add("L/lam_s = 1/512 is more than sufficient (H = 0)", "L/lam_s = 512: inverted")
+def inverted_ratio(_tables: object) -> str:
     return (
         f"with the recommended a/lam_s = 1/{GRID} the cell has {GRID * 512:.0f} points along an"
         f" axis, printed {GRID / 512:.3f}"

@@ -1,2 +1,8 @@
-"""The figures and tables of the paper by what they show: one file for each kind, its entries in
-STUDIES; see catalogue."""
+"""The figures and tables of the paper, and what goes beyond it; in the order of catalogue.toml."""
+
+from ..cases import CATALOGUE
+from . import curves, distributions, gap, kappa, load, percolation, stiffness, tables
+
+MODULES = (kappa, gap, load, tables, curves, distributions, percolation, stiffness)
+FOUND = {study.name: study for module in MODULES for study in module.STUDIES}
+STUDIES = {name: FOUND[name] for name in CATALOGUE["items"]}

@@ -1,82 +1,206 @@
-"""Tables 1 to 4: coefficients of eq. tfc; table 5: kappa in the limit, beside other authors'."""
+"""Tables 1 to 4: coefficients of eq. tfc; table 5 and the limit of kappa, beside other authors'."""
 
+from collections.abc import Iterator
 from functools import partial
+from pathlib import Path
 from typing import Any
 
-from hpc_gfmd.util.errors import SceneError
+import numpy as np
 
-from .. import coefficients, draw, paper
-from ..catalogue import Study
-from ..levels import HURST_GAP, tfc_series
-from ..limits import compare_routes
-from ..paper import Sayings, of_hurst, saying
-from ..rows import Rows, by_hurst, low_high, where
-from ..text import filled
+from hpc_gfmd import SceneError
+from hpc_gfmd.plotting.style import COLOURS, THEORY
+from hpc_gfmd.theory import elastic, persson
+from hpc_gfmd.theory.tfc_fit import TfcFit
+
+from .. import estimates, printed
+from ..cases import CATALOGUE
+from ..pictures import MARKS, TITLES, named, panels, points
+from ..printed import NUMBERS, of_hurst
+from ..rows import PRESSURES, Rows, at_load, by_hurst, each, filled, groups, low_high, saying, where
+from ..study import Study
+
+AREAS = {"raw": "", "edge": "_edge"}  # as counted, edge-corrected
 
 
-def limits(runs: Rows, level: str) -> Rows:
-    """The paper's table, and our limits (limits.compare_routes) as counted (area "raw") and
-    edge-corrected ("edge")."""
-    numbers = paper.numbers()
-    rows = [{"area": "literature", "hurst_number": None} | entry for entry in numbers["literature"]]
-    rows += [
-        {"area": "paper", "hurst_number": float(hurst), "kappa_tfc": kappa}
-        for hurst, kappa in numbers["kappa_tfc"].items()
-    ]
-    for hurst, part in by_hurst(low_high(runs)["low"]).items():
-        try:
-            routes = compare_routes(part)
-        except SceneError:  # too few runs yet
-            continue
-        rows += [
-            {"area": area, "authors": "this code", "hurst_number": hurst} | route
-            for area, route in zip(("raw", "edge"), routes, strict=True)
-        ]
+def coefficients(runs: Rows, level: str, observable: str, pressure: str) -> Rows:
+    """Fit eq. tfc for each H, beside the row that the paper prints.
+
+    area "raw" and, for kappa, "edge"; exponents "free" or "paper". Columns C_i, alpha_i, limit (of
+    this law on the axes through the reference system, where its terms do not add up) with NAME_se
+    (None for what is not fitted), term_i = C_i eps_i^alpha_i at the reference system, chi2_per_dof.
+    """
+    eps = {i: 1 / ratio for i, ratio in zip("tfc", CATALOGUE["reference"][level])}
+    rows = []
+    for hurst, part in by_hurst(low_high(runs)[pressure]).items():
+        for area, exponents, fit in _fits(part, level, observable):
+            row = {"hurst": hurst, "area": area, "exponents": exponents}
+            for name, value in _flat(fit.row(hurst)).items():
+                row |= {name: value, f"{name}_se": fit.sigma.get(name)}
+            row |= {"chi2_per_dof": fit.chi2 / fit.dof if fit.dof else None, "n_runs": len(part)}
+            for i in "cft":
+                row[f"term_{i}"], row[f"term_{i}_se"] = fit.correction(**{f"eps_{i}": eps[i]})
+            rows.append(row)
+        if theirs := printed.coefficients(observable, pressure, hurst):
+            row = {"hurst": hurst, "area": "paper", "exponents": "printed"} | _flat(theirs)
+            terms = {f"term_{i}": row[f"C_{i}"] * eps[i] ** row[f"alpha_{i}"] for i in "cft"}
+            rows.append(row | terms)
     return rows
 
 
-def our_limits(rows: Rows) -> Sayings:
-    """Our limits beside the paper's."""
-    for raw, edge in zip(where(rows, area="raw"), where(rows, area="edge"), strict=True):
-        printed = of_hurst("kappa_tfc", raw["hurst_number"])
+def _flat(row: dict) -> dict[str, float]:
+    return {k: v for k, v in row.items() if k[:2] in ("C_", "al", "li")}
+
+
+def _fits(runs: Rows, level: str, observable: str) -> Iterator[tuple[str, str, TfcFit]]:
+    """Yield (area, exponents, fit) of all fits that the runs allow."""
+    for area, ending in AREAS.items():
+        for exponents in ("free", "paper"):
+            if f"{observable}{ending}" in runs[0]:
+                try:
+                    fit = estimates.fit_observable(
+                        runs, f"{observable}{ending}", level, exponents == "paper"
+                    )
+                except SceneError:  # the series is not long enough yet
+                    continue
+                yield area, exponents, fit
+
+
+def compare(rows: Rows, observable: str, pressure: str) -> Iterator[dict]:
+    """Compare our coefficients, with the paper's exponents where we have those, and with ours."""
+    theirs, mine = (
+        ", ".join(f"C_{i} = {{C_{i}:{how}}} (alpha {{alpha_{i}:{how}}})" for i in "cft")
+        for how in "g±"
+    )
+    for hurst, part in by_hurst(rows).items():
+        paper, ours = where(part, area="paper"), where(part, area="raw")
+        if paper and ours:
+            sums = [sum(row[f"term_{i}"] for i in "cft") for row in (paper[0], ours[0])]
+            yield saying(
+                f"{printed.at(pressure, hurst)}: {filled(theirs, paper[0])}",
+                each(mine, sorted(ours, key=lambda row: row["exponents"]), "; "),
+                "sum of the terms at the reference system: paper {:.3g}, ours {:.3g}".format(*sums),
+            )
+
+
+def our_table(runs: Rows, level: str) -> dict:
+    """Make a table like paper_tfc.json from our fits with free exponents, as counted."""
+    tables = []
+    for observable in ("kappa", "gap_over_h_rms"):
+        for pressure, part in low_high(runs).items():
+            rows = [
+                fit.row(hurst)
+                for hurst, family in by_hurst(part).items()
+                for *kind, fit in _fits(family, level, observable)
+                if kind == ["raw", "free"]
+            ]
+            if rows:
+                one = {"observable": observable, "p_star": PRESSURES[pressure], "rows": rows}
+                tables.append(one)
+    return {
+        "source": f"hpc_gfmd, study level {level}",
+        "note": (
+            "O_sim = O_TFC + C_t eps_t^alpha_t + C_f eps_f^alpha_f + C_c eps_c^alpha_c around the"
+            f" reference system (L/lam_l, lam_l/lam_s, lam_s/a) = {CATALOGUE['reference'][level]},"
+            " area as counted; the terms do not add up far from it. sigma, covariance (in the order"
+            " of names): realisations and solver. The limit of gap/h_rms is zero by construction."
+        ),
+        "tables": tables,
+    }
+
+
+def draw_coefficients(rows: Rows, path: Path) -> None:
+    """Draw the three terms of eq. tfc at the reference system, ours beside the paper's."""
+    kinds = (("raw", "ours"), ("edge", "ours, edge-corrected"), ("paper", "paper"))
+    with panels(path, 3) as axes:
+        for ax, term in zip(axes, "cft"):
+            for k, (area, label) in enumerate(kinds):
+                chosen = [
+                    row | {"at": row["hurst"] + 0.012 * (k - 1)}
+                    for row in where(rows, area=area)
+                    if row["exponents"] != "paper"
+                ]
+                how: Any = {"color": COLOURS[k], "label": label, "hollow": area == "edge"}
+                points(ax, chosen, "at", f"term_{term}", MARKS[k], **how)
+            ax.axhline(0, color="0.8", linewidth=0.8, zorder=0)
+            named(ax, "hurst", f"$C_{term} \\epsilon_{term}^{{\\alpha_{term}}}$ at the reference")
+
+
+def limit(runs: Rows, level: str) -> Rows:
+    """Find kappa in the limit for each H and pressure (estimates.limits), beside the paper's."""
+    rows = estimates.limits(runs)
+    for row in rows:
+        low = row["p_star"] < 0.1
+        row["printed"] = of_hurst("kappa_tfc", row["hurst"]) if low else None
+    return rows
+
+
+def beside_others(runs: Rows, level: str) -> Rows:
+    """List the kappa of other authors, of the paper, and ours in the limit, at the low pressure."""
+    theirs = [{"area": "literature"} | entry for entry in NUMBERS["literature"]]
+    ours = [row | {"area": "ours"} for row in at_load(limit(runs, level), PRESSURES["low"])]
+    return theirs + ours
+
+
+def our_limits(rows: Rows) -> Iterator[dict]:
+    """Compare our limits with the paper's, and say which statements of the paper survive."""
+    for row in (row for row in rows if "kappa_tfc" in row):
+        expected = 2 - 2 * row["hurst"]
         yield saying(
-            "H = {hurst_number:g}: "
-            + (f"kappa = {printed:g} in the TFC limit" if printed else "no number printed"),
-            filled("{kappa_tfc:±} as counted, ", raw)
-            + "{kappa_tfc:±} edge-corrected; the routes differ by {sigmas:+.1f} sigma",
-            f"alpha_f = {{alpha_f:±}} instead of {paper.numbers()['alpha_f']:g}",
-            **edge,
-            sigmas=edge["difference"] / edge["difference_se"],
+            "H = {hurst:g}, p* = {p_star:.3g}: "
+            + ("kappa = {printed:g}" if row.get("printed") else "no number printed"),
+            "kappa = {kappa_tfc:±}; as counted {counted:.4f}, edge-corrected {edge:.4f}",
+            f"alpha_f = {{alpha_f:±}}; 2 - 2H = {expected:g}"
+            f" {'agrees' if row['agrees'] else 'does not'}",
+            **row,
         )
 
 
-def _coefficients(name: str, observable: str, pressure: str, remark: str = "") -> Study:
-    what: Any = {"observable": observable, "pressure": pressure}
-    label = {"gap_over_h_rms": "gap/h_rms"}.get(observable, observable)
-    return Study(
-        name,
-        f"coefficients of eq. tfc for {label} at p* = {paper.PRINTED[pressure]}",
-        f"C_i, alpha_i for H = 0.3, 0.5, 0.8{remark}",
-        partial(tfc_series, hurst=HURST_GAP),
-        partial(coefficients.table_rows, **what),
-        draw.coefficients,
-        partial(coefficients.compare, **what),
+def of_the_paper(rows: Rows) -> Iterator[dict]:
+    """Say of the limits, too, what survives: that they fall with H, that one exponent holds."""
+    yield from our_limits(rows)
+    for p_star, part in groups(rows, "p_star").items():
+        falls = bool(np.all(np.diff([row["kappa_tfc"] for row in part]) < 0))
+        yield saying(
+            f"kappa falls as H grows, p* = {p_star:.3g}",
+            f"by {1 - part[-1]['kappa_tfc'] / part[0]['kappa_tfc']:.0%} from the smallest H to the"
+            " largest",
+            "survives" if falls else "does not survive",
+        )
+    exponent = NUMBERS["alpha_f"]
+    against = [row for row in rows if abs(row["alpha_f"] - exponent) > 2 * row["alpha_f_se"]]
+    yield saying(
+        f"one exponent alpha_f = {exponent:g} for all H",
+        each("{alpha_f:±} at H = {hurst:g}, p* = {p_star:.3g}", against) or "agrees",
+        "does not survive: off by more than two standard errors" if against else "survives",
     )
+
+
+def draw_limits(rows: Rows, path: Path) -> None:
+    """Draw kappa in the limit against H, with the paper, other authors at H = 0.8 and theories."""
+    ours = [row for row in rows if "kappa_tfc" in row]
+    with panels(path, max(1, len(low_high(ours)["high"]) and 2)) as axes:
+        for ax, (pressure, part) in zip(np.atleast_1d(axes), low_high(ours).items()):
+            points(ax, part, "hurst", "kappa_tfc", color=COLOURS[0], label="ours")
+            points(ax, part, "hurst", "printed", "s", color=COLOURS[1], label="paper")
+            ax.axhline(float(persson.kappa(PRESSURES[pressure])), label="Persson", **THEORY)
+            named(ax, "hurst", "kappa_tfc", title=TITLES[pressure])
+        for row, mark in zip(where(rows, area="literature") if ours != rows else [], MARKS[2:]):
+            label = f"{row['authors'].split(',')[0]} {row['year']}"
+            how: Any = {"color": COLOURS[2], "label": label}
+            points(np.atleast_1d(axes)[0], [row | {"hurst": 0.8}], "hurst", "kappa_08", mark, **how)
+        np.atleast_1d(axes)[0].axhline(elastic.KAPPA_BGT, linestyle=":", label="BGT", **THEORY)
+
+
+def _coefficients(name: str, observable: str, pressure: str) -> Study:
+    what: Any = {"observable": observable, "pressure": pressure}
+    return Study(name, partial(coefficients, **what), draw_coefficients, partial(compare, **what))
 
 
 STUDIES = (
     _coefficients("table1", "kappa", "low"),
     _coefficients("table2", "kappa", "high"),
     _coefficients("table3", "gap_over_h_rms", "low"),
-    _coefficients("table4", "gap_over_h_rms", "high", "; the printed caption has the wrong p*"),
-    Study(
-        "table5",
-        "kappa of different authors, and ours in the TFC limit",
-        "kappa at p/E* of about 0.01, 1976 to 2013; the paper's own 2.16 (H = 0) to 1.93 (H = 0.8)."
-        " Ours by the runs of the paper's series alone; the limits to use: [all runs](limit.md)",
-        tfc_series,
-        limits,
-        draw.limits,
-        our_limits,
-    ),
+    _coefficients("table4", "gap_over_h_rms", "high"),
+    Study("table5", beside_others, draw_limits, our_limits),
+    Study("limit", limit, draw_limits, of_the_paper),
 )

@@ -70,10 +70,9 @@ def test_half_the_width(random, dtype, rough):
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
 @pytest.mark.parametrize("s", [1.0, 0.5, 0.0])
-@pytest.mark.parametrize("excess", [0.0, 0.3])
-def test_update(random, n, s, excess):
-    """New state, sums, and the restriction of p and x on F, of a part of p on A and of the
-    indicator of A; one or several passes."""
+def test_update(random, n, s):
+    """New state, sums, and the restriction of p and x on F and of the indicator of A; one
+    or several passes."""
     for longest in (n[0], 2):
         grid = Grid(n)
         levels_of = Multilevel(grid, HalfSpace(), np.float64, longest)
@@ -87,7 +86,7 @@ def test_update(random, n, s, excess):
         work = np.zeros((7, n[1] + 1))
         sums = []
         for k, (i0, i1) in enumerate(levels_of.passes):
-            sums.append(levels_of.update_rows(k, g, p, d[i0:i1], x[i0:i1].copy(), s, work, excess))
+            sums.append(levels_of.update_rows(k, g, p, d[i0:i1], x[i0:i1].copy(), s, work))
         closed = (new_g <= 0) & (new_p > 0)
         free = ~closed
         assert np.allclose(g, new_g)
@@ -110,7 +109,5 @@ def test_update(random, n, s, excess):
             found[:, (row - 1) % m[0]] += levels_of.fields[0][:, row]
         factor = m[0] * m[1] / (n[0] * n[1])
         P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
-        for field, fine in zip(
-            found, (new_p * (free + excess * closed), 1.0 * closed, x * free), strict=True
-        ):
+        for field, fine in zip(found, (new_p * free, 1.0 * closed, x * free), strict=True):
             assert np.allclose(field, factor * P_x.T @ fine @ P_y, atol=1e-12)

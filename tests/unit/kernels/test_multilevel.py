@@ -152,24 +152,24 @@ def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
     t = s * (random.random(n) < 0.4)
     r = np.where(t > 0, 0, random.standard_normal(n))
     g, p = np.where(t > 0, 0.0, 1.0), np.where(t > 0, 1.0, r)
-    sweep.restrict(g, p, 0.0)
-    _, _, _, tt, rt, mean, ts, rs = sweep.sweep()
-    norm, product = sweep.response(t.sum(), tt, ts, rt, rs, mean)
+    sweep.restrict(g, p)
+    _, _, rr, tt, rt, _, ts, rs = sweep.sweep()
+    found = sweep.test_products(r.sum(), np.vdot(r, r), t.sum(), rr, tt, rt, ts, rs)
 
-    share = t.sum() / s.sum()
-    v, wanted_norm, wanted_product = t - share * s, 0.0, 0.0
+    share, missing = t.sum() / s.sum(), r.sum() / t.sum()
+    v, w, wanted = t - share * s, r - missing * t, np.zeros(3)
     for k, (level, softness) in enumerate(zip(levels(grid), HalfSpace().softness(grid))):
         if k:
             P_x, P_y = (
                 interpolation(*v.shape[:1], level.n[0]),
                 interpolation(v.shape[1], level.n[1]),
             )
-            v, r = (P_x.T @ x @ P_y * (level.n[0] * level.n[1] / x.size) for x in (v, r))
-        weight = softness * grid.cell_points / v.size
-        wanted_norm += weight * np.vdot(v, v)
-        wanted_product += weight * np.vdot(v, r) * (k > 0 or not grid.padded)
-    assert norm == pytest.approx(wanted_norm, rel=1e-9)
-    assert product == pytest.approx(wanted_product, abs=1e-9)
+            v, w = (P_x.T @ x @ P_y * (level.n[0] * level.n[1] / x.size) for x in (v, w))
+        products = np.vdot(w, w), np.vdot(v, v), np.vdot(v, w)
+        wanted += softness * grid.cell_points / v.size * np.array(products)
+    # what is beyond the surface counts on the finest level, too
+    wanted[2] -= share * r[s == 0].sum()
+    assert found == pytest.approx(wanted, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 2.5)])

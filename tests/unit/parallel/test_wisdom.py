@@ -8,7 +8,7 @@ import pytest
 from pieces import NEVER, Pieces, scene
 
 from hpc_gfmd.output.folder import partial_folder
-from hpc_gfmd.parallel import wisdom
+from hpc_gfmd.parallel import grid, wisdom
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.fftw import load_fftw
 from hpc_gfmd.parallel.grid import Grid
@@ -27,6 +27,7 @@ def memory(tmp_path, monkeypatch):
     found = wisdom._wisdom("float64")
     before = found.text()
     found.replace(b"")
+    grid._kept.grid.cache_clear()  # so that all is planned anew
     yield found
     found.replace(before)
 

@@ -1,16 +1,21 @@
 """Pictures are made, show something, and say what is doubtful; statistics behind them are right."""
 
+import re
+from functools import cache
+
 import matplotlib.image
 import numpy as np
 import pytest
 from contacts import scene_text
 
+import hpc_gfmd
 from hpc_gfmd import make_surface
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.plotting import figures, height_map, plot, plot_result, style, survey
 from hpc_gfmd.theory import persson
+from hpc_gfmd.theory.elastic import Westergaard
 from hpc_gfmd.util.errors import GfmdError, SceneError
 
 
@@ -139,6 +144,196 @@ def test_damaged_fields_are_an_error_in_one_line(tmp_path, monkeypatch):
         plot_result(file)
 
 
+@cache
+def solved(kind, units):
+    """Two loads on a wall of 64 points along x, in um and MPa or without units."""
+    L, heights, E_star = ("20 um", "0.2 um", "2 GPa") if units else (1.0, 0.01, 1.0)
+    table = {"n": (64, 64), "physical_sizes": (L, L)}
+    if kind in ("rough", "free", "layer"):
+        table = {"physical_sizes": (L, L), "hurst": 0.8, "seed": 1, "L_over_lam_l": 2}
+        table |= {"lam_l_over_lam_s": 16, "lam_s_over_a": 2}
+    wall = (
+        make_surface(
+            {"wave": "wave", "sphere": "sphere"}.get(kind, "self-affine"),
+            **table | {"wave": {"amplitude": heights}, "sphere": {"radius": L}}.get(kind, {}),
+            **{"boundary": "free"} if kind in ("free", "sphere") else {},
+        )
+        if kind != "measured"
+        else None
+    )
+    more = {"thickness": "2 um" if units else 0.1, "nu": 0.3} if kind == "layer" else {}
+    if wall is None:
+        scan = np.random.default_rng(1).normal(size=(64, 48))
+        wall, more = scan * (1e-8 if units else 1e-3), {"physical_sizes": (L, L)}
+    return hpc_gfmd.solve(wall, p_star=[0.02, 0.2], E_star=E_star, **more)
+
+
+def unit_of(label, solution):
+    """What the label of an axis says that one is, in the units of the solution."""
+    surface = solution.result.surface
+    absolute = {"nm": 1e-9, "µm": 1e-6, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
+    found = re.search(r" \(([^$()]+)(?:\$\^\{(\d)\}\$)?\)$", label)
+    if found:
+        return absolute[found[1]] ** int(found[2] or 1)
+    modulus = solution.p / solution.p_star / surface["g_rms"]
+    relative = {
+        "L_x": surface["physical_sizes"][0],
+        r"h_\mathrmrms": surface["h_rms"],
+        r"E^*g_\mathrmrms": modulus * surface["g_rms"],
+        "E^*": modulus,
+        "A": surface["h_rms"] * np.sqrt(2),  # the amplitude of a wave
+    }
+    return relative[re.sub(r"[(){}$ ]", "", label.partition("/")[2])] if "/" in label else 1.0
+
+
+def assert_readable(fig):
+    """Labels of ticks do not overlap, and all that was computed lies within its axes."""
+    fig.canvas.draw()
+    for ax in fig.axes:
+        for axis, along in ((ax.xaxis, "x"), (ax.yaxis, "y")):
+            boxes = [
+                tick.label1.get_window_extent()
+                for tick in axis.get_major_ticks()
+                if tick.label1.get_text()
+                and tick.label1.get_visible()
+                and min(axis.get_view_interval()) <= tick.get_loc() <= max(axis.get_view_interval())
+            ]
+            ends = sorted((getattr(box, f"{along}0"), getattr(box, f"{along}1")) for box in boxes)
+            assert all(low < high for (_, low), (high, _) in zip(ends, ends[1:])), ax.get_title()
+        for bar in ax.containers:
+            x, y = bar.lines[0].get_xydata().T
+            (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
+            assert ((x0 < x) & (x < x1) & (y0 <= y) & (y < y1)).all()
+
+
+@pytest.mark.parametrize("units", [False, True], ids=["plain", "units"])
+@pytest.mark.parametrize("kind", ["rough", "measured", "wave", "sphere", "free", "layer"])
+def test_what_is_drawn_is_what_was_computed(kind, units):
+    solutions = solved(kind, units)
+    fig = solutions.plot("maps")
+    assert_readable(fig)
+    images = [image for ax in fig.axes for image in ax.get_images()]
+    for solution, shown in zip(solutions, (images[:3], images[3:])):
+        size = solution.result.surface["physical_sizes"]
+        contact, pressure, gap = (np.ma.filled(one.get_array(), 0).T for one in shown)
+        assert (contact == solution.contact).all()
+        for image, field, exact in zip(
+            shown[1:], (pressure, gap), (solution.pressure, solution.gap)
+        ):
+            unit = unit_of(image.colorbar.ax.get_ylabel(), solution)
+            assert field * unit == pytest.approx(exact, rel=1e-6)
+            bar, top = image.colorbar, exact.max() / unit
+            clipped = bar.extend == "max"
+            assert bar.ax.get_title("left") == (f"max {top:.3g}" if clipped else "")
+            assert clipped or image.norm.vmax == pytest.approx(top)
+        length = unit_of(fig.axes[-1].get_xlabel(), solution)
+        assert np.array(image.get_extent()[1::2]) * length == pytest.approx(size)
+
+    fig = solutions.plot("curves")
+    assert_readable(fig)
+    drawn = {ax.get_ylabel(): ax.containers[0].lines[0].get_xydata().T for ax in fig.axes}
+    for label, (x, y) in drawn.items():
+        name = next(n for symbol, n in SYMBOLS.items() if symbol in label)
+        p_unit = unit_of(fig.axes[0].get_xlabel().replace("p^* = ", ""), solutions[0])
+        assert x * p_unit == pytest.approx(solutions.values("p"))
+        unit = unit_of(label, solutions[0]) if name in ("gap_mean", "approach") else 1.0
+        assert y * unit == pytest.approx(solutions.values(name))
+
+    for stored in (False, True):
+        for solution in solutions if stored else ():
+            solution.distribution("pressure")
+            solution.distribution("gap")
+            solution.result.steps[0].pop("a_r", None)
+        fig = solutions.plot("distributions")
+        assert_readable(fig)
+        for ax, name in zip(fig.axes, ("pressure", "gap")):
+            unit = unit_of(ax.get_xlabel(), solutions[0])
+            for solution, stairs in zip(solutions, ax.patches, strict=True):
+                field = getattr(solution, name)[solution.contact == (name == "pressure")]
+                values, edges, _ = stairs.get_data()
+                share = field.size / solution.gap.size
+                assert (values * np.diff(edges)).sum() == pytest.approx(
+                    share, rel=0.02 if stored else 1e-9
+                )
+                assert edges[0] * unit <= field.min() * (1 + 1e-6)
+                assert edges[-1] * unit == pytest.approx(field.max(), rel=0.2 if stored else 1e-6)
+                assert ax.get_xlim()[0] < np.median(field) / unit < edges[-1] <= ax.get_xlim()[1]
+                (y0, y1) = ax.get_ylim()
+                assert y0 < values.min() <= values.max() < y1
+
+
+SYMBOLS = {"a_r$": "a_r", "kappa": "kappa", "langle": "gap_mean", "delta": "approach"}
+
+
+def test_pressures_of_a_wave_are_those_of_westergaard():
+    """To the points of the grid that one bin may have more or less."""
+    solutions = solved("wave", units=False)
+    for ax in solutions.plot("distributions").axes[:1]:
+        for solution, stairs in zip(solutions, ax.patches, strict=True):
+            values, edges, _ = stairs.get_data()
+            exact = Westergaard(solution.p, 0.01, 1.0)
+            x = np.linspace(float(exact.a_r) / 2, 0, 4001)
+            share = np.interp(edges, exact.pressure(x), exact.a_r - 2 * x)
+            computed = np.append(0, (values * np.diff(edges)).cumsum())
+            assert np.abs(computed - share + share[0]).max() < 2.5 / 64
+            middle = np.diff(share) > 0.1 * solution.a_r
+            assert (values * np.diff(edges))[middle] == pytest.approx(
+                np.diff(share)[middle], rel=0.4
+            )
+
+
+@pytest.mark.parametrize("kind", ["wave", "rough"])
+def test_a_spectrum_is_drawn_whole(kind):
+    """That of a wave is a single point, in units of a profile."""
+    solution = solved(kind, units=True)[0]
+    found = solution.distribution("heights_spectrum")
+    (ax,) = solution.plot("spectra").axes
+    assert_readable(ax.figure)
+    (line,) = ax.get_lines()
+    q, power = line.get_data()
+    assert q == pytest.approx(found["q"][found["power"] > 1e-12 * found["power"].max()] * 1e-6)
+    if kind == "wave":
+        assert ax.get_ylabel() == "$C_z(q)$ (nm$^{2}$ µm)"
+        assert power == pytest.approx([200**2 * 20 / 4])
+        assert line.get_marker() == "."
+
+
+def test_one_panel_on_axes_of_ones_own():
+    solutions = solved("rough", units=True)
+    left, right = matplotlib.figure.Figure().subplots(1, 2)
+    assert solutions[1].plot("pressure", ax=left) is left.figure
+    assert left.get_images()[0].get_array().count() == solutions[1].contact.sum()
+    hpc_gfmd.plot(solutions, "a_r", ax=right)
+    assert right.containers[0].lines[0].get_ydata() == pytest.approx(solutions.values("a_r"))
+    with pytest.raises(SceneError, match="ax: found 'maps' of 6 panels, allowed: one panel"):
+        solutions.plot("maps", ax=left)
+
+
+def test_results_are_drawn_together():
+    soft, hard = solved("rough", units=True), solved("layer", units=True)
+    for given, names in (({"soft": soft, "hard": hard}, "soft hard"), ([soft, hard], "1: 2:")):
+        fig = hpc_gfmd.plot(given, "curves")
+        assert_readable(fig)
+        legend = [text.get_text() for text in fig.legends[0].get_texts()]
+        assert all(any(one.startswith(name) for one in legend) for name in names.split())
+        ax = next(ax for ax in fig.axes if "langle" in ax.get_ylabel())
+        for bars, one in zip(ax.containers, (soft, hard), strict=True):
+            y = bars.lines[0].get_ydata() * unit_of(ax.get_ylabel(), one[0])
+            assert y == pytest.approx(one.values("gap_mean"))
+    with pytest.raises(SceneError, match="what: found 'maps', allowed: curves"):
+        hpc_gfmd.plot([soft, hard], "maps")
+    with pytest.raises(SceneError, match="results: found different units, allowed: the same"):
+        hpc_gfmd.plot([soft, solved("rough", units=False)], "a_r")
+
+
+def test_figures_are_saved_at_print_resolution(tmp_path, monkeypatch):
+    monkeypatch.setitem(style.RC, "savefig.dpi", style.DPI)
+    fig = solved("rough", units=False).plot("a_r")
+    fig.savefig(tmp_path / "a.png")
+    width = matplotlib.image.imread(tmp_path / "a.png").shape[1]
+    assert width == pytest.approx(300 * fig.get_figwidth(), rel=0.05)
+
+
 class Whole:
     """A field in memory that looks like a stored one and remembers how much was read at once."""
 
@@ -229,9 +424,9 @@ def test_axes_have_units_or_none(tmp_path):
         tmp_path / "run.h5", n=(8, 6), surface=UNITS, p=2e7, p_star=0.1, gap_mean=3e-8, **density
     )
     for what, absolute, relative in (
-        ("maps", "(µm)", "/L_x"),
+        ("maps", "(µm)", "/{L_x}"),
         ("curves", "p_0$ (MPa)", "p^*"),
-        ("distributions", "(1/MPa)", r"\bar{g})"),
+        ("distributions", "(MPa$^{-1}$)", r"(E^* g_\mathrm{rms})"),
     ):
         plain, scaled = texts(plot(file, what)), texts(plot(file, what, dimensionless=True))
         assert absolute in plain
@@ -335,11 +530,3 @@ def test_survey_reads_slabs_and_keeps_means(monkeypatch):
     assert found.means["pressure"][-1, -1] == pytest.approx(block[block > 0].mean())
     assert found.means["gap"][3, 5] == pytest.approx(np.maximum(-noise[21:28, 15:18], 0).mean())
     assert found.largest["pressure"] == noise.max()
-
-
-def test_densities_integrate_to_the_areas():
-    noise = np.random.default_rng(2).normal(size=(200, 200)) - 1
-    fields = {"pressure": Whole(np.maximum(noise, 0)), "gap": Whole(np.maximum(-noise, 0))}
-    for name, share in (("pressure", (noise > 0).mean()), ("gap", (noise <= 0).mean())):
-        edges, density = survey.density(fields, name, 3.0)
-        assert (density * np.diff(edges)).sum() == pytest.approx(share, rel=1e-12)

@@ -4,9 +4,11 @@ process."""
 import resource
 
 import pytest
+from contacts import rough
 
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import memory
+from hpc_gfmd.runs.plan import duration, plan_of
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.util.errors import SceneError
@@ -111,3 +113,36 @@ def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
         match=r"solver.low_memory: found true, allowed: with surface.kind = \"self-affine\"",
     ):
         run_scene(Scene.from_dict(table), comm=SerialComm(), quiet=True)
+
+
+SPHERE = {"kind": "sphere", "radius": 2.0, "n": [4096, 4096], "boundary": "free"}
+ROUGH = rough((2, 256, 2))
+
+
+@pytest.mark.parametrize(
+    ("surface", "load", "precision"),
+    [
+        (ROUGH, {"p_star": [0.1, 1e-4, 0.1]}, ["float32", "float64", "float64"]),
+        (ROUGH, {"gap_over_h_rms": 3.0}, ["unknown"]),
+        (ROUGH, {"a_r": 1e-4}, ["float64"]),
+        (SPHERE, {"force": [1e-9, 1.0]}, ["float64", "float64"]),
+        (SPHERE, {"force": 1e-3}, ["unknown"]),  # rounding errors count: it depends
+        (SPHERE, {"force": 1.0}, ["float32"]),
+        ({"kind": "wave", "amplitude": 0.1, "n": [512, 512]}, {"pressure": 0.1}, ["float32"]),
+    ],
+)
+def test_precision_of_a_plan(surface, load, precision):
+    """What "auto" will do, as far as it is known; where it is not the plan has both."""
+    scene = Scene.from_dict({"surface": surface, "load": load})
+    plan = plan_of(scene, scene.surface.n, (1.0, 1.0), 4, 2, 1, 2)
+    assert plan["precision"] == precision
+    assert ("gib_in_double" in plan) == ("unknown" in precision)
+    if "unknown" in precision:
+        assert plan["gib_in_double"] > plan["gib"]
+        assert plan["seconds_in_double"] != plan["seconds"]
+    assert plan["gib_per_node"] == pytest.approx(2 * plan["gib_per_rank"])
+
+
+def test_durations_are_read_by_people():
+    found = [duration(s) for s in (0.012, 0.346, 4.4, 111.0, 12345.0)]
+    assert found == ["0.012 s", "0.35 s", "4.4 s", "110 s", "12000 s"]

@@ -283,7 +283,7 @@ def test_another_file_is_not_overwritten(sweep, tmp_path):
 
 def test_it_says_what_it_is(sweep):
     assert repr(sweep[1]).startswith(f"<Solution: a_r = {100 * sweep[1].a_r:.2f}"[:24])
-    assert " %, p = 30 MPa, mean gap = " in repr(sweep[1])
+    assert "(grid), p = 30 MPa, mean gap = " in repr(sweep[1])
     assert "\n" not in repr(sweep[1])
     assert all(f"p = {load}" in repr(sweep) for load in LOADS)
     assert all(

@@ -195,6 +195,59 @@ def test_what_a_file_may_not_say(make, words, tmp_path):
         hpc_gfmd.read_surface(tmp_path / "z.npz")
 
 
+def written(mark, decimal=".", head="", ends="", holes=()):
+    cells = [[f"{z:.12g}".replace(".", decimal) for z in row] for row in 1e9 * Z]
+    for hole, text in holes:
+        cells[hole][hole] = text
+    return head + "\n".join(mark.join(row) + ends for row in cells)
+
+
+def points(head="", decimal=".", mark=" "):
+    steps = [1e6 * size / n for size, n in zip(SIZES, N)]
+    lines = [
+        mark.join(f"{x:.12g}" for x in (i * steps[0], j * steps[1], 1e9 * Z[i, j]))
+        for i, j in np.ndindex(N)
+        if (i, j) != (2, 3)
+    ]
+    return head + "\n".join(lines).replace(".", decimal)
+
+
+BY_HAND = {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm"}
+HOLES = [(1, "***"), (2, ""), (3, "BAD")]
+
+
+@pytest.mark.parametrize(
+    ("text", "keys", "missing"),
+    [
+        (written("\t", ","), BY_HAND, 0),
+        (written(";", ","), BY_HAND, 0),
+        (written(" ", ","), BY_HAND, 0),
+        (written(";", ends=";"), BY_HAND, 0),
+        (written("\t", head="Profiler 3\nrange: 5 5\n\n"), BY_HAND, 0),
+        (written("\t", ",", head="1\t2\n"), BY_HAND | {"skip_lines": 1, "decimal": ","}, 0),
+        (written(",", holes=HOLES), BY_HAND, 3),
+        (written("\t", holes=HOLES), BY_HAND, 3),
+        (written(" ", holes=[(4, "9999"), (5, "off")]), BY_HAND | {"missing": ["9999", "off"]}, 2),
+        (points("x [um];y [um];z [nm]\n", ",", ";"), {}, 1),
+        (points(), {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm"}, 1),
+    ],
+    ids=lambda value: repr(value)[:20] if isinstance(value, str) else "",
+)
+def test_text_of_instruments(text, keys, missing, tmp_path):
+    """Marks, decimals, headers and missing points of every kind give the same heights."""
+    (tmp_path / "z.txt").write_text(text)
+    found = hpc_gfmd.read_surface(tmp_path / "z.txt", boundary="periodic", fill="harmonic", **keys)
+    assert found.sizes == pytest.approx(SIZES, rel=1e-9)
+    assert np.isclose(found.heights, Z, rtol=1e-9, atol=1e-18).sum() == Z.size - missing
+    assert bool(found.prepared) == bool(missing)
+
+
+def test_a_line_that_is_not_like_the_others_is_no_header(tmp_path):
+    (tmp_path / "z.txt").write_text(written(",", holes=[(3, "x")]))
+    with pytest.raises(SceneError, match=r"line 4 is not like those .*surface.missing names"):
+        open_topography(spec(tmp_path / "z.txt", **BY_HAND))
+
+
 def test_a_format_that_is_not_known(tmp_path, capfd):
     """Known ones are named; what other readers thought of it is not printed."""
     (tmp_path / "z.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8)
@@ -247,6 +300,50 @@ def test_read_surface_does_what_the_scene_does(keys, tmp_path):
     assert found.a_r == step["a_r"]
     assert found.gap_mean == pytest.approx(step["gap_mean"])
     assert found.note == step.get("note")
+
+
+MASKED = np.ma.masked_greater(Z, 0.9 * Z.max())
+
+
+@pytest.mark.parametrize(
+    ("heights", "keys"),
+    [
+        (topography("nm"), {}),
+        (topography("um").to_unit("nm").detrend("center"), {}),
+        (Z, {"physical_sizes": SIZES, "boundary": "periodic"}),
+        (1e9 * Z, {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm", "boundary": "periodic"}),
+    ],
+    ids=["Topography", "its pipelines", "array", "array with units"],
+)
+def test_heights_in_memory(heights, keys):
+    """The same numbers, whatever holds the heights; a Topography needs no preparation."""
+    plain, surface = hpc_gfmd.solve(Z, 1e9, 5e10, SIZES), hpc_gfmd.prepare_surface(heights, **keys)
+    units = ("1 GPa", "50 GPa") if surface.unit else (1e9, 5e10)
+    for one in [surface] if keys else [surface, heights]:
+        found = hpc_gfmd.solve(one, *units)
+        assert (found.a_r, *found.sizes) == pytest.approx((plain.a_r, *plain.sizes))
+        assert found.gap_mean == pytest.approx(plain.gap_mean, rel=1e-6)
+
+
+def test_what_heights_in_memory_lack():
+    """A Topography that is not periodic ends; masked points and nan are filled where that is
+    asked for."""
+    ends = hpc_gfmd.prepare_surface(
+        surface_topography().Topography(MASKED, SIZES, unit="m"), fill="harmonic"
+    )
+    assert ends.free == (True, True)
+    assert "filled" in ends.prepared[0]
+    for heights in (MASKED, MASKED.filled(np.nan)):
+        again = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")
+        assert np.allclose(again.heights, ends.heights)
+        with pytest.raises(
+            SceneError, match=r"(masked points|found nan at).*prepare_surface\(heights"
+        ):
+            hpc_gfmd.solve(heights, 1e-9)
+        with pytest.raises(SceneError, match=r"found nan at .* or fill = .harmonic."):
+            hpc_gfmd.prepare_surface(heights)
+    with pytest.raises(SceneError, match=r"surface.unit: found 'nm', but the array has .* in '.m'"):
+        hpc_gfmd.prepare_surface(topography("um"), unit="nm")
 
 
 def test_what_a_prepared_surface_knows(tmp_path):

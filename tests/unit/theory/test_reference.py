@@ -4,10 +4,9 @@ import json
 
 import numpy as np
 import pytest
+from paper.cases import series
 from paper.items import curves
-from paper.reference_data import write_reference
-from paper.store import Store
-from study_runs import runs_of
+from paper_runs import runs_of
 
 from hpc_gfmd import reference
 from hpc_gfmd.theory import persson
@@ -21,9 +20,9 @@ def fake_runs(scatter=0.01):
     p_star = 1.5."""
     runs = []
     for run in runs_of(
-        curves.series("quick"),
+        series("curves", "quick"),
         scatter=scatter,
-        kappa=lambda case: (1 + case.eps_c, 1 + 0.2 * case.eps_c),
+        kappa=lambda case, t, f, c: (1 + c, 1 + 0.2 * c),
     ):
         p_star, of = run["p_star"], (run["hurst"], run["eps_f"])
         area = persson.contact_area(p_star) * (AREA + 0.1 * run["hurst"] if p_star < 0.5 else 1.0)
@@ -45,12 +44,9 @@ def fake_runs(scatter=0.01):
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("reference")
-    store = Store(folder)
-    for run in fake_runs():
-        store.append(run)
-    assert write_reference(folder / "reference.json", store, "quick") == 2
-    return folder / "reference.json"
+    path = tmp_path_factory.mktemp("reference") / "reference.json"
+    path.write_text(curves.reference_data(fake_runs(), "quick"))
+    return path
 
 
 def test_limits_uncertainties_and_provenance(written):
@@ -103,8 +99,8 @@ def test_out_of_range(written, asked, said):
 
 
 def test_refused(written, tmp_path):
-    with pytest.raises(SceneError, match="no curves of level quick"):
-        write_reference(tmp_path / "x.json", Store(tmp_path), "quick")
+    with pytest.raises(SceneError, match="found no curves"):
+        curves.reference_data([], "quick")
     data = json.loads(written.read_text())
     data["value"]["a_r"][0][0].pop()
     for text in ("", "{}", "[]", '{"format": "other"}', json.dumps(data)):

@@ -1,0 +1,101 @@
+"""One line on a load and one on a surface, and numbers with as many digits as they deserve."""
+
+from math import floor, isfinite, log10, nan
+from typing import TypeGuard
+
+from ..util.quantities import prefixed
+
+DIGITS = 4  # of a number without an error estimate
+MAX_DIGITS = 6
+
+
+def summary(step: dict, surface: dict) -> str:
+    """What matters most of a step, in one line with units."""
+    parts = []
+    if step.get("a_r") is not None:
+        grid = step.get("a_r_discretisation")
+        parts.append(
+            f"a_r = {with_error(100 * step['a_r'], step.get('a_r_error'))} %"
+            + (f" (solver), +- {100 * grid:.2g} % of it (grid)" if is_number(grid) else "")
+        )
+    for name, key, unit, error in (
+        ("p", "p", "pressure_unit", None),
+        ("mean gap", "gap_mean", "unit", "gap_error"),
+    ):
+        if step.get(key) is not None:
+            scale, unit = prefixed([step[key]], surface.get(unit, ""))
+            parts.append(
+                f"{name} = {with_error(step[key] / scale, step.get(error))} {unit}".strip()
+            )
+    if isfinite(step.get("p_star", nan)):
+        parts.append(f"p* = {step['p_star']:.{DIGITS}g}")
+    parts.append(step["status"] if converged(step) else f"NOT CONVERGED ({step['status']})")
+    return ", ".join(parts) + (f"; note: {step['note']}" if step.get("note") else "")
+
+
+def surface_line(surface: dict) -> str:
+    """One line about the surface: points, size, roughness and the three ratios of lengths."""
+    parts = []
+    if points := _numbers(surface.get("n")):
+        parts.append(" x ".join(f"{n:.0f}" for n in points) + " points")
+    if sizes := _numbers(surface.get("physical_sizes")):
+        scale, unit = prefixed(sizes, _text(surface, "unit"))
+        parts.append(
+            " ".join(["L =", " x ".join(f"{size / scale:.4g}" for size in sizes), unit]).strip()
+        )
+    if is_number(surface.get("h_rms")) and isfinite(surface["h_rms"]):
+        scale, unit = prefixed([surface["h_rms"]], _text(surface, "unit"))
+        parts.append(f"h_rms = {surface['h_rms'] / scale:.{DIGITS}g} {unit}".strip())
+    for name in ("hurst", "g_rms", "eps_t", "eps_f", "eps_c"):
+        if is_number(surface.get(name)) and isfinite(surface[name]):
+            parts.append(f"{name} = {surface[name]:.{DIGITS}g}")
+    if surface.get("prepared"):
+        parts.append(str(surface["prepared"]))
+    if isinstance(surface.get("seed"), int) and surface["seed"] >= 0:  # other surfaces have none
+        parts.append(f"seed = {surface['seed']}")
+    return ", ".join(parts)
+
+
+def converged(step: dict) -> bool:
+    """Whether the step reached the accuracy that the scene asks for."""
+    return step.get("status") == "converged"
+
+
+def with_error(value: float, relative: float | None) -> str:
+    """ "0.0160 +- 0.0002" for a value and its relative error: digits as far as they mean
+    something."""
+    if not isfinite(value):
+        return str(value)
+    if not relative or not value:
+        return f"{value:.{DIGITS}g}" + (" +- 0" if relative == 0 else "")
+    if not isfinite(relative):
+        return f"{value:.{DIGITS}g} +- ?"
+    error = abs(value * relative)
+    place = floor(log10(abs(value)))  # of the leading digit
+    scale = 0 if -4 <= place <= 5 else place
+    smallest = place - MAX_DIGITS + 1
+    last = max(smallest, floor(log10(error)))
+    decimals = max(0, scale - min(last, place))
+    shown = f"{value / 10.0**scale:.{decimals}f}"
+    uncertain = (
+        f"{error / 10.0**scale:.{decimals}f}"
+        if error >= 10.0**last
+        else f"{error / 10.0**scale:.0e}"
+    )
+    return f"{shown} +- {uncertain}" if scale == 0 else f"({shown} +- {uncertain})e{scale:+03d}"
+
+
+def is_number(found: object) -> TypeGuard[float]:
+    """Whether something found in a file is a number."""
+    return isinstance(found, int | float)
+
+
+def _numbers(found: object) -> list[float]:
+    """A list of finite numbers as it is, anything else as none: files may hold what they like."""
+    if isinstance(found, list | tuple) and all(is_number(x) and isfinite(x) for x in found):
+        return list(found)
+    return []
+
+
+def _text(surface: dict, key: str) -> str:
+    return surface[key] if isinstance(surface.get(key), str) else ""

@@ -1,0 +1,58 @@
+"""What all panels of a picture of one result share."""
+
+from typing import Any
+
+from ..output.read import Result
+from ..output.summary import converged
+from .theories import scene_of, theory_of
+from .units import Units, good
+from .window import window_of
+
+
+class FigureContext:
+    """A result as it is drawn.
+
+    result; chosen: indices into its steps; window: (x0, x1, y0, y1) in the unit of its sizes,
+    points: the same in grid points; units, theory, lengths: how it is scaled, and what is drawn
+    beside it; dpi: of the print; name: in a legend of several results.
+    """
+
+    def __init__(
+        self,
+        result: Result,
+        chosen: list[int],
+        window: Any = None,
+        dpi: float | None = None,
+        dimensionless: bool = False,
+        name: str = "",
+    ) -> None:
+        self.result, self.chosen, self.dpi, self.name = result, chosen, dpi, name
+        self.window, self.points = window_of(result.surface, window)
+        scene = scene_of(result)
+        self.theory = theory_of(scene, result.surface)
+        self.units = Units(result, self.theory, dimensionless)
+        # 1 where all varies along one axis alone
+        self.dimensions = 1 if 0 in getattr(scene and scene.surface, "periods", ()) else 2
+        self.lengths = self.units.lengths(
+            [self.window[1] - self.window[0], self.window[3] - self.window[2]]
+        )
+
+    @property
+    def steps(self) -> list[dict]:
+        """The chosen steps."""
+        return [self.result.steps[k] for k in self.chosen]
+
+    def fields(self, k: int) -> dict:
+        """Find the fields of the k-th of the chosen steps."""
+        return self.result.fields[self.chosen[k]]
+
+    def name_of(self, k: int) -> str:
+        """Name the k-th of the chosen steps by its number and load."""
+        step, index = self.steps[k], self.result.indices[self.chosen[k]]
+        name = f"step {index}"
+        if self.units.rough and not self.units.pressure_unit and good(step.get("p_star")):
+            name += f": $p^* = {step['p_star']:.3g}$"
+        elif good(step.get("p")):
+            name += f": {self.units.pressures([step['p']]).value('p_0', step['p'])}"
+        doubt = f", NOT CONVERGED ({step.get('status', 'unknown')})"
+        return name + ("" if converged(step) else doubt)

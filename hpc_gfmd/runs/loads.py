@@ -1,0 +1,206 @@
+"""From a scene to its solved loads, and what is said of them: the same for runs that write a file
+and for solutions in memory."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..bodies import body_of
+from ..contact import (
+    all_distributions,
+    default_observables,
+    distribution_names,
+    distributions_named,
+    observable_names,
+    observables_named,
+    require_periodic,
+)
+from ..contact.area import a_r_discretisation
+from ..contact.base import Observable
+from ..contact.contact import Contact
+from ..driver.load_target import LoadTarget
+from ..driver.lowmemory import LowMemorySweep
+from ..driver.sweep import Sweep
+from ..output.fields import STORABLE
+from ..scene import File, Load, Output, Scene, check_names, has_unit
+from ..solvers import solver_names
+from ..solvers.base import Progress
+from ..surface import Surface
+from ..util.errors import SceneError
+from ..util.quantities import format_quantity
+from .progress import Reporter
+
+Loads = Sequence[float | LoadTarget]  # mean pressures, or what they have to give
+
+# the last one is the worst
+STATUS_ORDER = "converged", "max_iterations", "stagnated", "nonfinite", "interrupted"
+
+
+def check(scene: Scene) -> None:
+    """Raise SceneError for names and combinations that the tables of a scene.Scene alone cannot
+    know."""
+    require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
+    check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names())
+    known, accuracy = body_of(scene.material, scene.surface.free).error, scene.solver.accuracy
+    if accuracy and accuracy <= known:
+        raise SceneError(
+            f"solver.accuracy: found {accuracy:g}, allowed with a free boundary: above {known:g},"
+            " or a residual"
+        )
+    if scene.solver.low_memory and "displacement" in scene.output.fields:
+        raise SceneError(
+            'output.fields: found "displacement", allowed with solver.low_memory: pressure, gap,'
+            " heights"
+        )
+
+
+def asked(output: Output) -> list[Callable[[Contact], Any]]:
+    """The functions of a contact.Contact that `step_attributes` calls; output: scene.Output."""
+    distributions = (all_distributions()[name] for name in output.distributions)
+    return [*_observables(output).values(), a_r_discretisation, *distributions]
+
+
+def _observables(output: Output) -> dict[str, Observable]:
+    return observables_named([*default_observables(), *(output.observables or ())])
+
+
+def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
+    """The driver.sweep.Sweep of a scene; make_surface(dtype) -> surface.Surface. Collective. Raises
+    SceneError."""
+    kind = LowMemorySweep if scene.solver.low_memory else Sweep
+    sweep = kind(
+        make_surface,
+        scene.solver,
+        scene.material.E_star,
+        getattr(scene.surface, "lam_s", None),
+        duality="duality_gap" in (scene.output.observables or ()),
+        body=body_of(scene.material, scene.surface.free),
+    )
+    _require_like_units(scene, sweep.surface)
+    return sweep
+
+
+def _require_like_units(scene: Scene, surface: Surface) -> None:
+    """Raise SceneError where a length beside a height map, or a force on it, has a unit and the map
+    none, or the other way round."""
+    given = {
+        "material.thickness": (scene.material.thickness, "2 um"),
+        "load.gap_mean": (scene.load.gap_mean, "50 nm"),
+        "load.approach": (scene.load.approach, "10 nm"),
+        "load.force": (scene.load.force, "5 mN"),
+    }
+    for key, (value, example) in given.items() if isinstance(scene.surface, File) else ():
+        for number in value if isinstance(value, tuple) else (value,):
+            if number and has_unit(number) != bool(surface.unit):
+                found, allowed = (
+                    ("plain", f'"{example}"')
+                    if surface.unit
+                    else ("with a unit", "a plain number, as in the height map")
+                )
+                raise SceneError(
+                    f"{key}: found {format_quantity(number)}, {found}, allowed with this height"
+                    f" map: {allowed}"
+                )
+
+
+def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
+    """What is said of a surface.Surface, by the names of the result file."""
+    spec = scene.surface
+    numbers = {name: getattr(spec, name, float("nan")) for name in ("eps_t", "eps_f", "eps_c")} | {
+        "seed": getattr(spec, "seed", -1)
+    }
+    boundary = ", ".join("free" if ends else "periodic" for ends in spec.free)
+    said = {
+        "unit": surface.unit or scene.length_unit,
+        "pressure_unit": scene.pressure_unit,
+        "prepared": "; ".join(surface.prepared),
+    }
+    shape = {"hurst": spec.hurst} if hasattr(spec, "hurst") else {}
+    return {
+        "n": list(surface.n),
+        "physical_sizes": list(surface.sizes),
+        "h_rms": surface.h_rms,
+        "g_rms": surface.g_rms,
+        "kind": getattr(spec, "kind", "array"),
+        "boundary": boundary,
+        **{name: text for name, text in said.items() if text},
+        **numbers,
+        **shape,
+    }
+
+
+def solved(
+    scene: Scene,
+    sweep: Sweep,
+    loads: Loads,
+    say: Reporter,
+    watch: Callable[[int, float], bool] = lambda index, seconds: False,
+    first: int = 0,
+    spent: float | None = None,
+) -> Iterator[tuple[int, Contact, float]]:
+    """The only loop over loads: solve them from the first on, each when it is asked for; (index,
+    contact, seconds spent). The next load overwrites the fields of a contact. Collective.
+
+    loads: those of the scene as sweep.pressures has them; watch(index, seconds) is called after
+    every iteration, a true value stops it; spent: seconds, where the first load goes on in its
+    middle.
+    """
+
+    def solve(index: int, spent: float | None) -> tuple[int, Contact, float]:
+        begun = time.monotonic() - (spent or 0.0)
+
+        def watched(iterations: int, progress: Progress) -> bool:
+            say.watch(iterations, progress)
+            return watch(index, time.monotonic() - begun)
+
+        load = loads[index]
+        asked = [(key.removeprefix("target_"), x) for key, x in _target(scene.load, index).items()]
+        if not asked and not isinstance(load, LoadTarget):
+            asked = [("p*", load / (sweep.E_star * sweep.surface.slope))]
+        say.step(index, len(loads), *asked[0])
+        try:
+            contact = sweep.solve(load, watched, spent is not None)
+        finally:
+            say.done()
+        return index, contact, time.monotonic() - begun
+
+    for index in range(first, len(loads)):
+        yield solve(index, spent if index == first else None)
+
+
+def _target(load: Load, index: int) -> dict[str, float]:
+    """What the load gives in place of a mean pressure."""
+    name, values = load.given
+    return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}
+
+
+def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:
+    """What is said of a solved load, the index-th of a scene.Scene, by the
+    names of the result file; None for what has no value. seconds: spent on it. Collective."""
+    numbers = {name: f(contact) for name, f in _observables(scene.output).items()}
+    for name, found in distributions_named(scene.output.distributions, contact).items():
+        numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
+    area, gap, pressure = contact.certificate.errors
+    attributes = {
+        "p": contact.p_mean,
+        "p_star": contact.p_star,
+        "iterations": contact.iterations,
+        "fft_pairs": contact.fft_pairs,
+        "wall_seconds": seconds,
+        "status": contact.status,
+        "a_r_error": area,
+        "a_r_discretisation": float(a_r_discretisation(contact)),
+        "gap_error": gap,
+        "pressure_error": pressure,
+        "precision": contact.g.dtype.name,
+        "residual": contact.certificate.residual,
+        "note": contact.note,
+    }
+    return attributes | _target(scene.load, index) | contact.certificate.attributes() | numbers
+
+
+def worst(steps: Sequence[dict]) -> str:
+    """The status of a run whose steps have these attributes."""
+    return max((step["status"] for step in steps), key=STATUS_ORDER.index)

@@ -1,0 +1,59 @@
+"""Height maps in memory: arrays, masked arrays, and Topography objects of SurfaceTopography."""
+
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from ..util.errors import SceneError, one_line
+from .metadata import Metadata
+
+ALLOWED = "a real array with two axes, not empty"
+
+
+class ArrayMap:
+    """What files.HeightMap is of a file, of an array: nan where it is masked, and what is said
+    beside it."""
+
+    path = "the array"
+
+    def __init__(self, heights: Any, said: Metadata | None = None) -> None:
+        self._heights, self.metadata = checked_array(heights), said or Metadata()
+        self.shape = self._heights.shape
+
+    def rows(self, start: int, stop: int) -> np.ndarray:
+        """Rows start <= i < stop as float64."""
+        return np.ma.filled(np.ma.asarray(self._heights[start:stop], dtype=np.float64), np.nan)
+
+
+def is_topography(found: Any) -> bool:
+    """Whether this is a Topography of SurfaceTopography, which is not imported for that."""
+    return callable(getattr(found, "heights", None)) and hasattr(found, "physical_sizes")
+
+
+def of_topography(found: Any) -> tuple[np.ma.MaskedArray, Metadata]:
+    """Heights of a Topography, masked where there are none, and what it says of them."""
+    unit, sizes_unit = found.unit, found.unit
+    if isinstance(unit, tuple | list):
+        sizes_unit, unit = unit
+    sizes = None if found.physical_sizes is None else tuple(map(float, found.physical_sizes))
+    # Most formats know nothing of periodicity, and are said to be not periodic.
+    said = Metadata(sizes, sizes_unit, unit, bool(found.is_periodic) or None)
+    return np.ma.asarray(found.heights(), dtype=np.float64), said
+
+
+def checked_array(heights: Any) -> np.ndarray:
+    """The array as it is. Raises SceneError for what is no height map."""
+    if isinstance(heights, str | PathLike):
+        path = repr(str(heights))
+        raise SceneError(
+            f"heights: found {path}, allowed: an array, or hpc_gfmd.read_surface({path})"
+        )
+    try:
+        heights = np.asanyarray(heights)
+    except (TypeError, ValueError) as error:
+        raise SceneError(f"heights: found {one_line(str(error))}, allowed: {ALLOWED}") from None
+    if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
+        found = f"shape {heights.shape} of {one_line(str(heights.dtype), 80)}"
+        raise SceneError(f"heights: found {found}, allowed: {ALLOWED}")
+    return heights

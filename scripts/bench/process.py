@@ -1,0 +1,68 @@
+"""A solve in one process, as in a notebook: the first one, those that follow on the same surface,
+on threads, and the share of the time that is outside of the solver's passes.
+
+Other codes beside it: `python scripts/bench peers --n 64 128 256 512 1024 2048 4096 --error 1e-3`.
+"""
+
+import resource
+import time
+from argparse import Namespace
+from collections.abc import Callable
+from itertools import product
+from typing import Any
+
+from hpc_gfmd.operators.elastic import Elastic
+from hpc_gfmd.operators.multilevel import Multilevel
+from hpc_gfmd.parallel.comm import Comm
+from hpc_gfmd.solvers import solver_class
+
+from .contacts import Case
+from .report import Report
+from .timing import Row, Stopwatch, measured, serve, summary
+
+
+def run(args: Namespace) -> None:
+    """Report every size; all numbers of threads in turn. args: of command.py."""
+    report = Report("process", args.out)
+    for n, precision in product(args.n, args.precision):
+        of = {"n": n, "precision": precision, "p_star": args.p_star}
+        jobs = {threads: (1, of | {"threads": threads}) for threads in args.threads}
+        alone = None
+        for threads, rows in measured("process", jobs, args.repeats, 2).items():
+            found = summary(rows)
+            cores_seconds = found["seconds_min"] * threads
+            alone = alone or cores_seconds
+            report.add(**of, threads=threads, efficiency=alone / cores_seconds, **found)
+    report.finish()
+
+
+def worker(
+    comm: Comm, n: int, p_star: float, boundary: str = "periodic", **settings: Any
+) -> Callable[[], Row]:
+    """Return what presses the same surface once more; settings: of hpc_gfmd.solve."""
+    case, watch = Case(n, p_star, boundary=boundary), Stopwatch()
+    assert case.surface.heights.size == n * n  # it is made
+    begun = time.perf_counter()
+    case.press(**settings)
+    cold = time.perf_counter() - begun
+    for method in ("_search", "_update"):
+        watch.watch(solver_class("auto"), method, "passes")
+    watch.watch(Elastic, "pressure_columns", "passes")
+    watch.watch(Multilevel, "sweep", "passes")
+
+    def measure() -> Row:
+        watch.take()
+        row, _ = case.press(**settings)
+        for key in ("p_star", *settings):
+            row.pop(key, None)
+        return row | {
+            "cold_seconds": cold,
+            "outside_passes": 1 - watch.take()["passes"] / row["seconds"],
+            "peak_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10,
+        }
+
+    return measure
+
+
+if __name__ == "__main__":
+    serve(worker)

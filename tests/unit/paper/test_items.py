@@ -1,0 +1,159 @@
+"""Every item tabulates, draws and compares; one command makes all; errata are what they claim."""
+
+import json
+import re
+import shutil
+
+import numpy as np
+import pytest
+from paper import __main__ as command
+from paper.cases import Store, cases_of
+from paper.errata import ERRATA, dynamics, formulas
+from paper.items import STUDIES
+from paper.rows import PRESSURES, as_csv, read_csv
+from paper_runs import runs_of
+
+import hpc_gfmd
+from hpc_gfmd.commands.cli import main
+from hpc_gfmd.plotting import style
+from hpc_gfmd.theory import persson, tfc
+
+PNG = b"\x89PNG\r\n"
+SPECIAL = ("distributions", "percolation", "stiffness")  # what these need is not made up
+
+
+def paper(*args):
+    """`python scripts/paper` that works."""
+    assert main(list(map(str, args)), command.make_parser) == 0
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _coarse_pictures():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(style.RC, "savefig.dpi", 60)
+        yield
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory):
+    """The folder that one command makes."""
+    folder = tmp_path_factory.mktemp("quick")
+    table = folder / "ours.json"
+    paper(*SPECIAL, "limit", "all", "-o", folder, "--coefficients", table)
+    return folder
+
+
+def test_one_command_makes_all(quick):
+    text = (quick / "README.md").read_text()
+    links = set(re.findall(r"\]\(([^)]+)\)", text))
+    of_paper = [name for name, study in STUDIES.items() if not study.question]
+    assert links >= {f"{name}.{ending}" for name in of_paper for ending in ("png", "csv")}
+    for link in links:
+        assert (quick / link).stat().st_size > 100
+    assert "Nothing solved yet" not in text
+    assert len(Store(quick).load()) == int(re.search(r"(\d+) loads", text)[1])
+    errata = text.partition("## Errata of the paper")[2]
+    assert len(re.findall(r"^\| \d+ \|", errata, re.MULTILINE)) == len(ERRATA) == 25
+    for name in (*SPECIAL, "limit"):
+        page = (quick / f"{name}.md").read_text()
+        assert f"python scripts/paper {name} --level quick" in page
+        assert page.count("\n| ") >= 3
+        text += page
+    assert "nan" not in re.sub(r"[a-zA-Z]nan|nan[a-zA-Z]", "", text)
+
+
+def test_one_limit_everywhere(quick):
+    """Table 5, the errata and the page of the limit give one kappa."""
+    limit, table5 = (read_csv((quick / f"{name}.csv").read_text()) for name in ("limit", "table5"))
+    ours = {row["hurst"]: row["kappa_tfc"] for row in table5 if row["area"] == "ours"}
+    low = {row["hurst"]: row["kappa_tfc"] for row in limit if row["p_star"] < 0.1}
+    assert ours == low
+    assert len(limit) == 8
+    text = (quick / "README.md").read_text()
+    shown = re.search(r"ours in the limit: ([\d.]+)", text)[1]
+    assert float(shown) == pytest.approx(low[0.0], abs=0.01)
+    assert shown in (quick / "limit.md").read_text()
+
+
+def test_rendered_again_without_solving(quick, tmp_path):
+    shutil.copy(quick / "runs.jsonl", tmp_path)
+    paper("fig6", "table1", "--no-run", "-o", tmp_path)
+    for name in ("fig6.csv", "table1.csv", "runs.jsonl"):
+        assert (tmp_path / name).read_bytes() == (quick / name).read_bytes()
+    table = tfc.read_table(quick / "ours.json")
+    at = (0.8, 0.007, 0.5, 1 / 32, 0.5)
+    value, sigma, _ = tfc.extrapolate(2.6, "kappa", *at, table=table)
+    assert 1.0 < value < 2.6
+    assert sigma > 0
+
+
+def test_physics_at_the_quick_level(quick):
+    """Scaled down as it is, it shows what the paper shows: kappa falls with eps_c, the correction
+    shrinks the area, theory is near."""
+    for row in read_csv((quick / "fig1.csv").read_text()):
+        assert persson.kappa(row["p_star"]) < row["kappa_edge"] < row["kappa"]
+    for row in read_csv((quick / "fig6.csv").read_text()):
+        assert 0.7 < row["over_persson"] < 1.5
+        assert row["over_persson_printed"] > row["over_persson"]
+    for row in read_csv((quick / "limit.csv").read_text()):
+        assert abs(row["counted"] - row["edge"]) < 4 * row["kappa_tfc_se"]
+
+
+@pytest.mark.parametrize("name", [name for name in STUDIES if name not in SPECIAL])
+def test_items_from_made_up_runs(name, tmp_path):
+    """From other numbers than the solver's rows, a comparison and a picture; from few, too."""
+    study, runs = STUDIES[name], runs_of(cases_of(name, "quick"), noise=0.01)
+    rows = study.tabulate(runs, "quick")
+    assert as_csv(rows).count("\n") == len(rows) + 1 > 1
+    json.dumps(rows, allow_nan=False)
+    for line in study.compare(rows):
+        assert set(line) == {"paper", "ours", "why"}
+        assert "nan" not in line["ours"]
+    one = [run for run in runs if run["seed"] == 1 and run["hurst"] == runs[-1]["hurst"]]
+    for some in (rows, study.tabulate(one[:2], "quick")):
+        study.draw(some, tmp_path / "picture.png")
+        list(study.compare(some))
+        assert (tmp_path / "picture.png").read_bytes().startswith(PNG)
+
+
+def test_nothing_solved_yet(tmp_path):
+    paper("all", "--no-run", "-o", tmp_path)
+    text = (tmp_path / "README.md").read_text()
+    assert "Nothing solved yet" in text
+    assert "0 loads" in text
+
+
+def test_dynamics_as_printed_and_as_it_should_be():
+    right, damping, load = dynamics.gfmd(), dynamics.gfmd(damping=+1), dynamics.gfmd(load=+1)
+    assert right["speed"][-1] < 1e-3 * right["speed"][0]
+    assert damping["speed"][-1] > 1e3 * damping["speed"][0]
+    assert load["gap"][-1] > load["gap"][0]
+    assert load["a_r"] == 0
+    assert dynamics.gfmd(lifted=True)["gap"][-1] == pytest.approx(right["gap"][-1], rel=1e-3)
+
+
+def test_dynamics_finds_the_contact():
+    """The small contact of the errata, against the solver."""
+    z = dynamics.small_surface()
+    n = len(z)
+    q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(n, 1 / n)], indexing="ij"))
+    g_rms = np.sqrt(np.sum(q**2 * np.abs(np.fft.fft2(z) / z.size) ** 2))
+    how = {"E_star": 2.0, "physical_sizes": (2 * np.pi, 2 * np.pi), "accuracy": 1e-6}
+    solved = hpc_gfmd.solve(z, 0.2 * g_rms, **how)
+    found = dynamics.gfmd(steps=3000)
+    assert found["gap"][-1] == pytest.approx(solved.gap_mean, rel=1e-3)
+    assert found["a_r"] == pytest.approx(solved.a_r, abs=2.5 / z.size)
+
+
+def test_formulas_in_the_errata():
+    for p_star in PRESSURES.values():
+        direct = formulas.gap_from_energy(p_star, 0.8, 1 / 256, 0.42)
+        assert direct == pytest.approx(float(persson.mean_gap(p_star, 0.8, 1 / 256)), rel=1e-8)
+        assert direct > 1.1 * float(persson.mean_gap(p_star, 0.8, 1 / 256, printed=True))
+    for show, said in (
+        (formulas.parseval, "1.000000000000"),
+        (formulas.height_scale, "0.500000 of the printed height, 1.000000 of the printed slope"),
+        (formulas.scaling, "right 1.5, printed 0"),
+        (formulas.inverted_ratio, "8192 points"),
+    ):
+        assert said in show({})

@@ -1,0 +1,188 @@
+"""`python scripts/paper`: what is stored is safe and complete, and not solved again."""
+
+import errno
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from paper import __main__ as command
+from paper import solve
+from paper.cases import CATALOGUE, LEVELS, Case, Store, cases_of, merged, series, share
+from paper.items import STUDIES
+
+import hpc_gfmd
+from hpc_gfmd import GfmdError
+
+SMALL = Case(0.8, 2, 8, 2, 1, (0.05, 0.35))
+CASES = [SMALL, replace(SMALL, hurst=0.3), replace(SMALL, lam_s_over_a=4)]
+COMMITTED = Path(__file__).parents[3] / "docs/study/runs.jsonl"
+ALL = {*json.loads(COMMITTED.open().readline())} - {"contact_points"}
+
+
+def solved(cases, store):
+    """The exit code of run_missing on one process, and what it said."""
+    said = []
+    return solve.run_missing(cases, store, hpc_gfmd.world(), say=said.append), said
+
+
+@pytest.fixture(scope="module")
+def three(tmp_path_factory):
+    store = Store(tmp_path_factory.mktemp("paper"))
+    assert solved(CASES, store)[0] == 0
+    return store
+
+
+def test_stored_runs(three):
+    runs = three.load()
+    assert len(runs) == 6
+    for run in runs:
+        assert set(run) == ALL
+        assert run["status"] == "converged"
+        assert run["a_r"] == pytest.approx(run["kappa"] * run["p_star"])
+        assert 0 < run["a_r_edge"] < run["a_r"]
+        assert run["gap_over_h_rms"] * run["h_rms"] == pytest.approx(
+            run["gap_over_g_rms_lam_s"] * run["g_rms"] * run["lam_s"]
+        )
+        assert run["n"] == round(16 * run["lam_s_over_a"])
+
+
+def test_what_is_stored_is_not_solved_again(three, tmp_path):
+    before = three.path.read_bytes()
+    code, said = solved([*CASES, *CASES], three)
+    assert (code, "6 of them stored" in said[0], three.path.read_bytes()) == (0, True, before)
+    for other in (replace(SMALL, seed=2), replace(SMALL, accuracy=1e-4)):
+        assert three.missing([other]) == [other]
+    assert {run["lam_s_over_a"] for run in three.runs_of(CASES[2:])} == {4}
+    more = replace(SMALL, p_star=(0.05,), observables=("perimeter",), distributions=("pressure",))
+    store = Store(tmp_path)
+    store.append(three.runs_of([SMALL]))
+    assert (store.missing([SMALL]), store.missing([more])) == ([], [more])
+    assert solved([SMALL, more], store)[0] == 0
+    (run,) = store.runs_of([more])
+    assert set(run) == ALL | {"perimeter", "pressure_distribution"}
+    density = run["pressure_distribution"]
+    assert np.sum(np.diff(density["edges"]) * density["density"]) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("torn", [b'{"hurst": 0.8, "L_', b'{"n": 3}\n', b"\x00\xff\n", b"7\n\n"])
+def test_store_survives_a_torn_line(tmp_path, torn):
+    store = Store(tmp_path)
+    store.append([SMALL.surface | {"p_star": 0.05, "a_r": 0.1}])
+    with open(store.path, "ab") as file:
+        file.write(torn)
+    store.append([SMALL.surface | {"p_star": 0.35, "a_r": 0.5}])
+    assert [run["a_r"] for run in store.load()] == [0.1, 0.5]
+
+
+def test_exit_codes(tmp_path, monkeypatch):
+    """What fails does not stop the others; a signal does, and what cannot be stored."""
+    code, said = solved([replace(SMALL, lam_s_over_a=1.5), SMALL], Store(tmp_path / "bad"))
+    assert (code, len(Store(tmp_path / "bad").load())) == (1, 2)
+    assert any(text.startswith("FAILED") and "lam_s_over_a" in text for text in said)
+    assert solved([replace(SMALL, accuracy=1e-300)], Store(tmp_path / "poor"))[0] == 3
+    (tmp_path / "file").write_text("")
+    with pytest.raises(GfmdError, match=r"making .*file"):
+        solved([SMALL], Store(tmp_path / "file"))
+
+    def full(self, runs):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Store, "append", full)
+        with pytest.raises(GfmdError, match=r"runs\.jsonl: No space"):
+            solved(CASES, Store(tmp_path / "full"))
+    stopped = hpc_gfmd.RunResult(tmp_path, [], "interrupted", 143)
+    monkeypatch.setattr(hpc_gfmd, "run", lambda *args, **how: stopped)
+    assert solved(CASES, Store(tmp_path / "stopped"))[0] == 143
+    assert Store(tmp_path / "stopped").load() == []
+
+
+def test_cheapest_first_each_surface_once_and_fair_shares():
+    some = [replace(SMALL, p_star=(0.1,)), CASES[2], SMALL, replace(SMALL, p_star=(0.2, 0.05))]
+    assert [case.p_star for case in merged(some)] == [(0.05, 0.1, 0.2, 0.35), (0.05, 0.35)]
+    cases = [case for name in STUDIES for case in cases_of(name, "paper")]
+    whole = merged(cases)
+    for parts in (1, 3, 16):
+        shares = [share(cases, part, parts) for part in range(1, parts + 1)]
+        assert sorted((c for part in shares for c in part), key=str) == sorted(whole, key=str)
+        costs = [sum(case.cost for case in part) for part in shares]
+        assert max(costs) - min(costs) <= max(case.cost for case in whole)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_catalogue(level):
+    assert len(STUDIES) == 23
+    for name, study in STUDIES.items():
+        cases = cases_of(name, level)
+        assert cases
+        assert all(case.n == np.prod(list(case.surface.values())[1:4]) for case in cases)
+        assert study.title
+        assert bool(study.question) == (not name.startswith(("fig", "table")))
+    for name in ("eps_c", "eps_f", "eps_t"):
+        cases = series(name, level)
+        ratios = {tuple(case.surface.values())[1:4] for case in cases}
+        assert tuple(CATALOGUE["reference"][level]) in ratios
+        assert {case.hurst for case in cases} == {0.0, 0.3, 0.5, 0.8}
+
+
+def test_same_surface_along_an_eps_c_series():
+    alike = (0.3, 2, 16)
+    heights = []
+    for case in series("eps_c", "quick"):
+        if (case.hurst, case.seed, case.lam_l_over_lam_s) == alike and case.lam_s_over_a < 16:
+            keys = {name: x for name, x in case.surface.items() if name != "accuracy"}
+            z = hpc_gfmd.make_surface("self-affine", **keys).heights
+            step = round(case.lam_s_over_a / 2)
+            coarse = z[::step, ::step]
+            heights.append((coarse - coarse.mean()) / z.std())
+    assert len(heights) == 3
+    for other in heights[1:]:
+        assert np.abs(other - heights[0]).max() < 1e-9
+
+
+@pytest.fixture
+def paper(cli):
+    """The command line of scripts/paper."""
+    cli.script = command.make_parser
+    return cli
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        ("fig14", "ITEM: found 'fig14'"),
+        ("", "ITEM: found nothing"),
+        ("fig1 --level big", "desk"),
+        ("fig1 --part 3/2 --only-run", "--part: found '3/2'"),
+        ("fig1 --part 1/2", "--only-run"),
+        ("fig1 --threads 0", "--threads: found '0'"),
+        ("fig1 --only-run --no-run", "not allowed"),
+        ("fig1 --only-run --report", "--only-run: found with"),
+    ],
+)
+def test_wrong_arguments(paper, args, said):
+    assert said in paper.refused(args)
+
+
+def test_command(paper, tmp_path):
+    lines = paper.prints("--list").splitlines()
+    assert [line.split()[0] for line in lines] == list(STUDIES)
+    assert "to solve" in paper.prints("all --level desk --plan")
+    assert "nothing stored yet" in paper.prints("fig13 --no-run -o empty")
+    assert not list(tmp_path.iterdir())
+    for part in ("1/2", "2/2"):
+        paper.prints("fig13 --only-run -o parts --part", part)
+    folder = tmp_path / "parts"
+    assert {path.name for path in folder.iterdir()} == {"runs-1.jsonl", "runs-2.jsonl"}
+    assert "to solve" not in paper.prints("fig13 -o parts")
+    table, picture = folder / "fig13.csv", folder / "fig13.png"
+    before = table.read_text()
+    assert before.count("\n") > 10
+    picture.unlink()
+    paper.prints("fig13 --redraw -o parts")
+    assert (table.read_text(), picture.stat().st_size > 10_000) == (before, True)
+    paper.script = None
+    assert "python scripts/paper" in paper.refused("study fig13")

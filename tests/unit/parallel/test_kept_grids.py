@@ -1,0 +1,43 @@
+"""Grids of one process are kept for the next contact of their size, and change nothing."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from contacts import rough
+
+import hpc_gfmd
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.grid import SMALL, Grid
+
+SERIAL = SerialComm()
+
+
+def test_the_same_grid_again():
+    kept = Grid.kept((12, 10), (1, 1), SERIAL)
+    assert kept is Grid.kept([12, 10], [1.0, 1.0], SERIAL)
+    assert kept is not Grid.kept((12, 10), (1, 2), SERIAL)
+    assert kept is not Grid.kept((12, 10), (1, 1), SERIAL, nominal=(8, 10))
+    other = SerialComm()
+    assert Grid.kept((12, 10), (1, 1), other).comm is other
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(Grid.kept, (12, 10), (1, 1), SERIAL).result() is not kept
+
+
+@pytest.mark.parametrize("n", [64, 2048])
+def test_large_transforms_are_given_back(n):
+    grid = Grid((n, n))
+    fft = grid.fft(np.float64)
+    grid.forget_fft(np.float64)
+    assert grid.planned() == ([] if fft.blocks.nbytes > SMALL else [fft])
+    assert (n == 2048) == (not grid.planned())
+
+
+def test_contacts_in_threads_do_not_share_memory():
+    """Whatever another thread solves meanwhile, and whatever was solved before."""
+    walls = [hpc_gfmd.make_surface(**rough((2, 16, 2), seed=seed)) for seed in range(4)]
+    alone = [hpc_gfmd.solve(wall, p_star=0.1).pressure for wall in walls]
+    with ThreadPoolExecutor(2) as pool:
+        again = list(pool.map(lambda wall: hpc_gfmd.solve(wall, p_star=0.1).pressure, walls * 2))
+    for found, wanted in zip(again, alone * 2, strict=True):
+        assert np.allclose(found, wanted, rtol=1e-9, atol=1e-9 * wanted.max())

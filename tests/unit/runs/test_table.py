@@ -1,0 +1,65 @@
+"""The result table, and `show`."""
+
+import json
+
+import pytest
+from result_files import STEP, SURFACE, begin
+
+from hpc_gfmd.output.summary import summary, with_error
+from hpc_gfmd.runs.table import table
+
+
+def test_table_marks_what_did_not_converge():
+    text = table([STEP, STEP | {"status": "stagnated", "note": "fewer than 100 points touch"}])
+    header, units, first, second, *remarks = text.splitlines()
+    assert header.split() == ["step", "p*", "p", "a_r", "iter.", "status"]
+    assert "[E*]" in units
+    assert first.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "7", "converged"]
+    assert second.split()[:2] == ["!", "1"]
+    assert remarks == [
+        "! step 1: NOT CONVERGED (stagnated), less accurate than asked",
+        "  step 1: fewer than 100 points touch",
+    ]
+
+
+def test_one_line_has_both_errors_as_the_table_has():
+    said = summary(STEP | {"a_r": 0.01184, "a_r_error": 0.0, "a_r_discretisation": 0.11}, SURFACE)
+    assert said.startswith("a_r = 1.184 +- 0 % (solver), +- 11 % of it (grid), p = 0.1")
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.016049, 1.2e-3, "0.01605 +- 0.00002"),
+        (3.2e-5, 1e-2, "(3.20 +- 0.03)e-05"),
+        (2.27, None, "2.27"),
+        (2.27, float("nan"), "2.27 +- ?"),
+        (0.0, 1e-3, "0"),
+        (1.0, 0.0, "1 +- 0"),
+        (float("nan"), 1e-3, "nan"),
+        (0.5, 3.0, "0.5 +- 1.5"),
+        (0.016049, 1e-9, "0.0160490 +- 2e-11"),
+    ],
+)
+def test_numbers_have_as_many_digits_as_they_deserve(value, error, text):
+    assert with_error(value, error) == text
+
+
+def test_show_prints_table_and_json(path, cli):
+    with begin(path) as run:
+        run.write_step(0, STEP | {"gap_mean": float("inf"), "status": "max_iterations"})
+        run.finish("max_iterations")
+    text = cli.prints("show", path)
+    assert "6 x 5 points, L = 1 x 2, h_rms = 0.5" in text
+    assert "NOT CONVERGED (max_iterations)" in text
+    found = json.loads(cli.prints("show", path, "--json"))
+    assert set(found) == {"surface", "steps", "status"}
+    assert found["steps"][0]["gap_mean"] is None
+    assert found["surface"] == SURFACE
+
+
+def test_show_tells_an_interrupted_run(path, cli):
+    begin(path).close()
+    text = cli.prints("show", path)
+    assert "interrupted" in text
+    assert "no finished load step yet" in text
