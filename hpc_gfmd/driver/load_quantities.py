@@ -98,11 +98,14 @@ class GapSearch(LoadSearch):
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
         """By the estimated error of the mean gap."""
-        return not progress.estimates or progress.estimates[0] < room
+        found = progress.estimate
+        return not found or found.gap < room or found.attainable[0] >= self.tolerance
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
         """The mean gap of the certificate."""
-        return certificate.gap_mean * solver.grid.a, certificate.errors[1]
+        limited = certificate.attainable[0] >= self.tolerance  # no iteration helps
+        error = 0.0 if limited else certificate.errors[1]
+        return certificate.gap_mean * solver.grid.a, error
 
 
 class OpeningSearch(GapSearch):
