@@ -19,6 +19,7 @@ import pytest
 from hypothesis import settings
 
 from hpc_gfmd.commands.cli import main
+from hpc_gfmd.parallel.grid import _kept
 from hpc_gfmd.util.caches import cache_folder
 
 settings.register_profile(
@@ -115,7 +116,9 @@ def own_cache(tmp_path_factory):
 
 @pytest.fixture(autouse=True)
 def own_folder(request, monkeypatch):
-    """The current folder of every test is its own, that of all ranks the same."""
+    """The current folder of every test is its own, that of all ranks the same; grids that another
+    one has used are forgotten."""
+    _kept.grid.cache_clear()
     name = "shared_path" if mpi_harness.is_child() else "tmp_path"
     monkeypatch.chdir(request.getfixturevalue(name))
 

@@ -157,20 +157,11 @@ def _launch(root, ranks, names):
     """One mpirun; returns what it brought, at least the outcome of one test."""
     with tempfile.TemporaryDirectory(prefix="hpc-gfmd-test-") as folder:
         folder = Path(folder)
-        args = [
-            "-m",
-            "mpi4py",
-            "-m",
-            "pytest",
-            "-q",
-            "--tb=short",
-            "-p",
-            "no:cacheprovider",
-            f"--basetemp={folder}/unused",
-            "-o",
-            f"faulthandler_timeout={TIMEOUT * 0.8:g}",
-            *names,
-        ]
+        words = (
+            f"-m mpi4py -m pytest -q --tb=short -p no:cacheprovider --basetemp={folder}/unused"
+            f" -o faulthandler_timeout={TIMEOUT * 0.8:g}"
+        )
+        args = [*words.split(), *names]
         with open(folder / "output", "w+b") as output:
             process = start(ranks, args, output, environment(**{REPORT: str(folder)}), cwd=root)
             try:

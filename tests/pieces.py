@@ -1,9 +1,8 @@
 """Runs in pieces: stopped or dead wherever a test likes, continued, and compared with the run that
 was not disturbed."""
 
-import numpy as np
-import pytest
 from contacts import rough
+from result_files import assert_same_steps
 
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
@@ -68,12 +67,8 @@ class Pieces:
         others than that of all."""
         for k, (after, dies, save_at) in enumerate([*pieces, (NEVER, False, ())]):
             comm = comms[k] if k < len(comms) else self.comm
-            self.chance.polled, self.chance.after, self.chance.dies, self.chance.save_at = (
-                0,
-                after,
-                dies,
-                save_at,
-            )
+            chance = self.chance
+            chance.polled, chance.after, chance.dies, chance.save_at = 0, after, dies, save_at
             status = None
             if comm is self.comm or self.comm.rank == 0:
                 try:
@@ -89,24 +84,7 @@ class Pieces:
         given."""
         found, wanted = read_result(self.path), read_result(self.whole)
         assert found.indices == wanted.indices
-        for a, b, fields, others in zip(
-            found.steps, wanted.steps, found.fields, wanted.fields, strict=True
-        ):
-            assert a.keys() == b.keys()
-            for name in set(a) - {"wall_seconds"}:
-                if not rel or isinstance(b[name], str):
-                    assert a[name] == b[name], name
-                elif not name.endswith("_error") and name in (
-                    "a_r",
-                    "gap_mean",
-                    "energy",
-                    "kappa",
-                    "p",
-                ):
-                    assert a[name] == pytest.approx(b[name], rel=rel), name
-            for name, stored in fields.items():
-                x, y = (one.read(0, one.shape[0]) for one in (stored, others[name]))
-                assert np.abs(x - y).max() <= rel * y.max(), name
+        assert_same_steps(found, wanted, rel)
         self.comm.barrier()
 
 

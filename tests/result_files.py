@@ -1,6 +1,7 @@
 """Small result files for tests: being written, interrupted, complete."""
 
 import numpy as np
+import pytest
 
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
@@ -38,6 +39,23 @@ def complete(path, steps=3, **how):
     with begin(path, **how) as run:
         run.finish("converged")
     return path
+
+
+def assert_same_steps(found, wanted, rel=0.0):
+    """All of the loads that are found, but the time, is as wanted: to the last bit, unless rel, a
+    relative tolerance, is given."""
+    for index, a, fields in zip(found.indices, found.steps, found.fields, strict=True):
+        place = wanted.indices.index(index)
+        b, others = wanted.steps[place], wanted.fields[place]
+        assert a.keys() == b.keys()
+        for name in set(a) - {"wall_seconds"}:
+            if not rel or isinstance(b[name], str):
+                assert a[name] == b[name], name
+            elif name in ("a_r", "gap_mean", "energy", "kappa", "p"):
+                assert a[name] == pytest.approx(b[name], rel=rel), name
+        for name, stored in fields.items():
+            x, y = (one.read(0, one.shape[0]) for one in (stored, others[name]))
+            assert np.abs(x - y).max() <= rel * y.max(), name
 
 
 def names(folder):

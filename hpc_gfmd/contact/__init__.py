@@ -80,11 +80,6 @@ def all_numbers() -> dict[str, tuple[str, str]]:
     return OF_EVERY_LOAD | observed | counted
 
 
-def meaning_of(name: str) -> str:
-    """Return what the number of this name means; "" for a name that is not known."""
-    return all_numbers().get(name, ("", ""))[0]
-
-
 def unit_of(name: str, surface: Mapping[str, Any]) -> str:
     """Return the unit of the number of this name: "Pa/m". surface: the attributes of a result's.
 

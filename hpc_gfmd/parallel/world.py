@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Any
 
 from ..util.errors import GfmdError, SceneError
-from ..util.streams import unfailing
+from ..util.streams import Stream
 from .comm import Comm, MpiComm, SerialComm
 from .launcher import LAUNCHER, launched, srun_size, tasks_per_node
 
@@ -108,7 +108,7 @@ def _abort_on_error(mpi: Any, hook: Hook) -> Hook:
         kind: type[BaseException], value: BaseException, traceback: TracebackType | None
     ) -> None:
         hook(kind, value, traceback)
-        unfailing(sys.stderr).flush()
+        Stream(sys.stderr).flush()
         mpi.Abort(1)
 
     return excepthook

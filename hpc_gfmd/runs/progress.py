@@ -10,7 +10,7 @@ from typing import Any
 from ..parallel.comm import Comm
 from ..scene import Solver
 from ..solvers.base import Progress
-from ..util.streams import unfailing
+from ..util.streams import Stream
 
 LINE_SECONDS = 10.0  # between two log lines of one load step
 
@@ -24,7 +24,7 @@ class Reporter:
 
     def __init__(self, comm: Comm, target: Solver, quiet: bool = False, bar: bool | None = None):
         self.silent = comm.rank != 0 or quiet
-        self.out, self.err = unfailing(sys.stdout), unfailing(sys.stderr)
+        self.out, self.err = Stream(sys.stdout), Stream(sys.stderr)
         wanted = os.environ.get("HPC_GFMD_PROGRESS") or ("bar" if self.err.isatty() else "log")
         self.bar_wanted = (wanted == "bar" if bar is None else bar) and not self.silent
         self.target = target

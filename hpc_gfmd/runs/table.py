@@ -62,15 +62,16 @@ class GrowingTable:
 
     def __init__(self, surface: dict):
         self._surface, self._steps = surface, dict[int, dict]()
-        self._heading: list[str] = []
+        self._heading: list[list[str]] = []
 
     def add(self, steps: dict[int, dict]) -> str:
         """Rows of more steps, by their numbers; above them the headings where these are not the
-        last ones any more: of a wider column, or in other units."""
+        last ones any more, as in other units."""
         self._steps |= steps
-        lines = _lines(cells([*self._steps.values()], [*self._steps], self._surface), ROOM)
-        before, self._heading = self._heading, lines[:2]
-        return "\n".join([*(lines[:2] if lines[:2] != before else ()), *lines[-len(steps) :]])
+        rows = cells([*self._steps.values()], [*self._steps], self._surface)
+        lines, same = _lines(rows, ROOM), rows[:2] == self._heading
+        self._heading = rows[:2]
+        return "\n".join([*(() if same else lines[:2]), *lines[-len(steps) :]])
 
     def end(self) -> list[str]:
         """What is said below the rows, a line each."""

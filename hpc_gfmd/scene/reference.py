@@ -14,7 +14,6 @@ from .explain import nearest, printable
 from .model import Scene
 from .not_modelled import ONLY, is_not_modelled
 from .surface import KINDS, Surface
-from .table import allowed
 
 WIDTH = 100
 UNITS = {
@@ -47,6 +46,9 @@ class Key:
         )
 
 
+KIND = Key("kind", "which surface", ", ".join(map(json.dumps, KINDS)), example="self-affine")
+
+
 @dataclass(frozen=True)
 class Section:
     """A table, or a kind of surface; kind: "" for all kinds and for other tables."""
@@ -72,50 +74,21 @@ class Section:
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
     """All of them; names: those that a key takes, which the scene does not know:
     {"output.observables": [...]}."""
-    tables: dict[str, Any] = {
-        name: field
-        for name, field in Scene.model_fields.items()
-        if allowed(field).startswith("a table")
-    }
-    found = [
-        Section(
-            "",
-            "the scene",
-            "A key before the first table.",
-            (_key("", "title", Scene.model_fields["title"], {}),),
-        )
-    ]
-    for table, field in tables.items():
-        models: dict[str, Any] = (
-            {"": Surface, **KINDS} if table == "surface" else {"": field.annotation}
-        )
-        for kind, model in models.items():
-            keys = [
-                _key(table, name, item, names or {})
-                for name, item in model.model_fields.items()
-                if name != "kind"
-            ]
-            if table == "surface" and not kind:
-                keys.insert(
-                    0,
-                    Key(
-                        "kind",
-                        "which surface",
-                        ", ".join(map(json.dumps, KINDS)),
-                        example="self-affine",
-                    ),
-                )
-                common = keys
-            about = " ".join(model.__doc__.split())
-            found.append(
-                Section(
-                    table,
-                    field.description,
-                    about,
-                    tuple(key for key in keys if not kind or key not in common),
-                    kind,
-                )
+    title = _key("title", Scene.model_fields["title"])
+    found = [Section("", "the scene", "A key before the first table.", (title,))]
+    for table, field in Scene.model_fields.items():
+        models: dict[str, Any] = {"": field.annotation}
+        if table == "surface":
+            models = {"": Surface, **KINDS}
+        for kind, model in models.items() if table != "title" else ():
+            keys = tuple(
+                _key(name, model.model_fields[name], (names or {}).get(f"{table}.{name}"))
+                for name in model.__annotations__  # its own, not those that every kind has
+                if name in model.model_fields and name != "kind"
             )
+            about = " ".join(model.__doc__.split())
+            keys = (KIND, *keys) if model is Surface else keys
+            found.append(Section(table, field.description or "", about, keys, kind))
     return found
 
 
@@ -165,24 +138,15 @@ def markdown(names: Mapping[str, Any] | None = None) -> str:
     return "\n".join(lines)
 
 
-def _key(table: str, name: str, field: Any, names: Mapping[str, Any]) -> Key:
-    said = field.json_schema_extra
-    default = said["said"] or (None if field.default is PydanticUndefined else toml(field.default))
-    known = names.get(f"{table}.{name}")
-    what = said["allowed"] + (f": {', '.join(sorted(known))}" if known else "")
-    example = (
-        field.default
-        if said["example"] is None and field.default is not PydanticUndefined
-        else said["example"]
-    )
-    return Key(
-        name,
-        field.description,
-        what,
-        said["unit"],
-        "none" if default == "null" else default,
-        example,
-    )
+def _key(name: str, field: Any, known: Any = ()) -> Key:
+    extra, plain = field.json_schema_extra, field.default
+    plain = None if plain is PydanticUndefined else toml(plain)
+    default = extra["said"] or ("none" if plain == "null" else plain)
+    what = extra["allowed"] + (f": {', '.join(sorted(known))}" if known else "")
+    example = extra["example"]
+    if example is None and field.default is not PydanticUndefined:
+        example = field.default
+    return Key(name, field.description, what, extra["unit"], default, example)
 
 
 def _chosen(key: str | None, found: list[Section]) -> list[Section]:

@@ -3,14 +3,14 @@
 import errno
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from typing import Any
 
 
 class Stream:
     """A text stream around another one, or None where there is none; lost: why not all of it was
-    printed, an OSError, or None.
+    printed, an OSError, or None. Once something is lost, all that follows is.
 
     Characters that the terminal does not know are printed as escapes. Everything else is that of
     the stream inside.
@@ -22,68 +22,43 @@ class Stream:
 
     def write(self, text: str) -> int:
         """Returns the number of characters, printed or not."""
-        self._unless_lost(self._write, text)
+        encoding = getattr(self._inside, "encoding", None) or "utf-8"
+        self._unless_lost("write", text.encode(encoding, "backslashreplace").decode(encoding))
         return len(text)
 
     def flush(self) -> None:
         """As far as it goes."""
-        self._unless_lost(lambda: self._inside.flush())
+        self._unless_lost("flush")
 
     def isatty(self) -> bool:
         """Whether somebody watches."""
-        return self.lost is None and self._inside.isatty()
+        return bool(self._unless_lost("isatty"))
 
-    def silence(self) -> None:
-        """Let what is still in buffers go nowhere, so that the interpreter can close the stream."""
-        with suppress(OSError, ValueError, AttributeError):
-            nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, self._inside.fileno())
-            os.close(nowhere)
-
-    def _unless_lost(self, do: Callable[..., None], *args: str) -> None:
-        """Once something is lost, all that follows is."""
+    def _unless_lost(self, method: str, *args: str) -> Any:
         try:
-            if self.lost is None:
-                do(*args)
+            return self.lost is None and getattr(self._inside, method)(*args)
         except (OSError, ValueError) as error:  # ValueError: closed by somebody
             self.lost = error if isinstance(error, OSError) else OSError(errno.EBADF, str(error))
 
-    def _write(self, text: str) -> None:
-        try:
-            self._inside.write(text)
-        except UnicodeEncodeError as error:
-            self._inside.write(
-                text.encode(error.encoding, "backslashreplace").decode(error.encoding)
-            )
-
     def __getattr__(self, name: str) -> Any:
         return getattr(self._inside, name)
-
-
-def unfailing(stream: Any) -> Stream:
-    """The stream as one that never fails."""
-    return stream if isinstance(stream, Stream) else Stream(stream)
 
 
 @contextmanager
 def unfailing_output() -> Iterator[Stream]:
     """`with unfailing_output() as out`: the standard streams of a command are Streams; out: its
     standard output."""
-    for descriptor in range(
-        3
-    ):  # one that is closed would be that of the next file, into which libraries would print
-        try:
-            os.fstat(descriptor)
-        except OSError:
-            os.open(os.devnull, os.O_RDWR)
-    with (
-        redirect_stdout(unfailing(sys.stdout)) as out,
-        redirect_stderr(unfailing(sys.stderr)) as err,
-    ):
+    # one that is closed would be that of the next file, into which libraries would print
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) < 3:
+        pass
+    with redirect_stdout(Stream(sys.stdout)) as out, redirect_stderr(Stream(sys.stderr)) as err:
         try:
             yield out
         finally:
             for stream in (out, err):
                 stream.flush()
-                if stream.lost is not None:
-                    stream.silence()
+                # what is still in buffers goes nowhere, so that the interpreter can close it
+                with suppress(OSError, ValueError, AttributeError):
+                    if stream.lost is not None:
+                        os.dup2(descriptor, stream.fileno())
+            os.close(descriptor)

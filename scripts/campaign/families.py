@@ -2,6 +2,7 @@
 
 from . import (  # noqa: F401
     closing_walls,
+    defects,
     formed_walls,
     free_walls,
     light_loads,

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+import hpc_gfmd
+
 from .shapes import log_uniform, square_pixels
 from .truth import Contact
 
@@ -81,13 +83,5 @@ def change_of_sides_near(rng, z, sizes, p_star):
 
 def scene_wall(surface, loads):
     """A Wall with the heights that the program makes of a table [surface]."""
-    from hpc_gfmd.parallel.comm import SerialComm
-    from hpc_gfmd.scene import Scene
-    from hpc_gfmd.surface import build_surface
-
-    spec = Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}}).surface
-    made = build_surface(spec, SerialComm(), np.dtype(np.float64))
-    heights = -np.asarray(made.h) * made.height_unit
-    return Wall(
-        heights, tuple(spec.physical_sizes), tuple(loads), 1.0, surface, units=False, free=spec.free
-    )
+    made = hpc_gfmd.make_surface(**surface)
+    return Wall(made.heights, made.sizes, tuple(loads), 1.0, surface, units=False, free=made.free)

@@ -1,20 +1,21 @@
 """Solve, write rows of JSON, print the table.
 
-python scripts/campaign --count 5 --jobs 2 --out rows.jsonl
+python scripts/campaign --count 5 --jobs 2 --out rows.jsonl --record docs/campaign.jsonl
 python scripts/campaign --family wave --seed 1 --index 3 --precision single --accuracy 1e-2
 python scripts/campaign --report rows.jsonl
+python scripts/campaign calibrate
 """
 
 import argparse
 import json
 import os
+import shlex
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from itertools import product
 from multiprocessing import get_context
 
-SOLVERS = ("bpx", "gfmd", "fire", "ccg")
 PRECISIONS = ("auto", "single", "double")
 ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-6)
 SINGLE_FINEST = 1e-4  # the finest accuracy that is asked for in single precision
@@ -32,99 +33,94 @@ def ways(solvers, precisions, accuracies, low_memory):
     return {"yes": plain + low, "no": plain, "only": low}[low_memory]
 
 
-def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="campaign", description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--families",
-        "--family",
-        nargs="+",
-        default=["all"],
-        help="names, or all, single, free, sweeps",
+def parser():
+    """What the campaign and `calibrate` take."""
+    found = argparse.ArgumentParser(
+        prog="campaign",
+        description="Press walls that nobody tuned to, and compare with exact solutions.",
     )
-    parser.add_argument("--without", nargs="+", default=[])
-    parser.add_argument("--count", type=int, default=5, help="walls of each family")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument(
-        "--index",
-        type=int,
-        nargs="+",
-        help="these walls of each family instead of the first --count",
-    )
-    parser.add_argument("--solvers", nargs="+", default=["bpx"], choices=SOLVERS)
-    parser.add_argument("--precision", nargs="+", default=list(PRECISIONS), choices=PRECISIONS)
-    parser.add_argument("--accuracy", nargs="+", type=float, default=list(ACCURACIES))
-    parser.add_argument("--low-memory", default="yes", choices=("yes", "no", "only"))
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument(
-        "--seconds", type=float, default=1e9, help="begin no further wall after this time"
-    )
-    parser.add_argument("--out", help="rows are added to this file")
-    parser.add_argument("--report", nargs="+", help="print the table of these files instead")
-    parser.add_argument("--worst", type=int, default=40)
-    given = parser.parse_args(arguments)
-    os.environ["OMP_NUM_THREADS"] = "1"
-    from .table import read, report
+    add = found.add_argument
+    add("what", nargs="?", default="run", choices=("run", "calibrate"))
+    add("--families", "--family", nargs="+", default=["all"], help="or all, single, free, sweeps")
+    add("--without", nargs="+", default=[])
+    add("--count", type=int, default=5, help="walls of each family")
+    add("--seed", type=int, default=1)
+    add("--index", type=int, nargs="+", help="these walls of each family, not the first --count")
+    add("--solvers", nargs="+", default=["bpx"], choices=("bpx", "gfmd", "fire", "ccg"))
+    add("--precision", nargs="+", default=list(PRECISIONS), choices=PRECISIONS)
+    add("--accuracy", nargs="+", type=float, default=list(ACCURACIES))
+    add("--low-memory", default="yes", choices=("yes", "no", "only"))
+    add("--jobs", type=int, default=1)
+    add("--seconds", type=float, default=1e9, help="begin no further wall after this time")
+    add("--out", help="the rows of all solves are added to this file")
+    add("--record", help="the counts, as one line of JSON, are added to this file")
+    add("--report", nargs="+", help="print the table of these files of rows instead")
+    add("--records", nargs="+", help="print a table of these files of counts instead")
+    add("--numbers", nargs="+", help="calibrate: these alone")
+    add("--worst", type=int, default=40)
+    return found
 
-    if given.report:
-        print(report([row for path in given.report for row in read(path)], given.worst))
+
+def main(arguments=None):
+    """Run the campaign, or calibrate."""
+    given = parser().parse_args(arguments)
+    os.environ["OMP_NUM_THREADS"] = "1"
+    if given.what == "calibrate":
+        from .calibrate import calibrate
+
+        calibrate(given)
         return
-    rows = []
-    for new in campaign(
-        names(given.families, given.without),
-        given.index or range(given.count),
-        given.seed,
-        ways(given.solvers, given.precision, given.accuracy, given.low_memory),
-        given.jobs,
-        given.seconds,
-    ):
+    from .table import count, grouped, markdown, read, report
+
+    if given.records:
+        records = [row for path in given.records for row in read(path)]
+        print(markdown({row["command"]: row for row in records}, "command"))
+        return
+    rows = [row for path in given.report or () for row in read(path)]
+    for new in [] if given.report else campaign(given):
         rows += new
         if given.out:
             with open(given.out, "a") as file:
                 file.writelines(json.dumps(row) + "\n" for row in new)
     print(report(rows, given.worst))
+    if given.record:
+        command = shlex.join(
+            ["scripts/campaign", *(sys.argv[1:] if arguments is None else arguments)]
+        )
+        found = {"command": command, "time": time.strftime("%Y-%m-%dT%H:%MZ", time.gmtime())}
+        with open(given.record, "a") as file:
+            file.write(json.dumps(found | count(rows) | {"families": grouped(rows)}) + "\n")
 
 
 def names(wanted, without=()):
     """Names of families: of `all`, `single` (periodic, one load each), `free` (with free edges),
     `sweeps`, or themselves."""
     from .families import FAMILIES
-    from .sweeps import SINGLE
 
-    free = [name for name in FAMILIES if name.startswith("free_")]
-    groups = {
-        "all": list(FAMILIES),
-        "single": list(SINGLE),
-        "free": free,
-        "sweeps": [name for name in FAMILIES if name not in SINGLE and name not in free],
-    }
+    groups = {"all": list(FAMILIES), "single": [], "free": [], "sweeps": []}
+    for name in FAMILIES:
+        kind = {"free_": "free", "sweep": "sweeps"}.get(name[:5], "single")
+        groups[kind].append(name)
     found = [name for item in wanted for name in groups.get(item, [item]) if name not in without]
     unknown = [name for name in found if name not in FAMILIES]
     if unknown:
-        sys.exit(
-            f"unknown families {unknown}, known: all, single, free, sweeps, {', '.join(FAMILIES)}"
-        )
+        sys.exit(f"unknown families {unknown}, known: {', '.join([*groups, *FAMILIES])}")
     return found
 
 
-def campaign(families, indices, seed, all_ways, jobs=1, seconds=1e9):
-    """Rows of wall after wall, as they come."""
-    from .solving import rows_of
-
-    end, tasks = (
-        time.monotonic() + seconds,
-        [(name, seed, index, all_ways) for index in indices for name in families],
-    )
-    if jobs == 1:
-        for task in tasks:
-            if time.monotonic() < end:
-                yield rows_of(*task)
+def campaign(given):
+    """Rows of wall after wall, as they come; given: arguments of the command line."""
+    all_ways = ways(given.solvers, given.precision, given.accuracy, given.low_memory)
+    end = time.monotonic() + given.seconds
+    walls = product(given.index or range(given.count), names(given.families, given.without))
+    tasks = [(name, given.seed, index, all_ways) for index, name in walls]
+    if given.jobs == 1:
+        yield from (_task(task, end) for task in tasks)
         return
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(given.jobs, mp_context=get_context("spawn")) as pool:
         futures = [pool.submit(_task, task, end) for task in tasks]
-        for k, future in enumerate(as_completed(futures)):
+        for future in as_completed(futures):
             yield future.result()
-            if k % 50 == 49:
-                print(f"{k + 1} of {len(futures)} walls", file=sys.stderr, flush=True)
 
 
 def _task(task, end):

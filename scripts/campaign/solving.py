@@ -5,6 +5,7 @@ import signal
 import tempfile
 import time
 import warnings
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,9 @@ class TooSlow(Exception):
     """A solve took longer than SECONDS."""
 
 
+FAILURES = {"TooSlow": "too slow", "SceneError": "refused"}
+
+
 def rows_of(name, seed, index, ways, seconds=SECONDS):
     """One dictionary for each way (solver, precision, accuracy, low_memory) and load of a wall;
     failures are rows too."""
@@ -33,51 +37,26 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
             contact, exact = truths(wall.heights, wall.physical_sizes, wall.loads, wall.free)
     except Exception as error:  # a campaign goes on
         return [head | {"status": "no wall", "error": f"{type(error).__name__}: {error}"}]
-    head |= {
-        "n": list(wall.heights.shape),
-        "aspect": wall.physical_sizes[1] / wall.physical_sizes[0],
-    }
+    head["n"] = list(wall.heights.shape)
     rows = []
     for solver, precision, accuracy, low_memory in ways:
         if low_memory and (wall.surface is None or solver != "bpx"):
             continue
-        way = head | {
-            "solver": solver,
-            "precision": precision,
-            "accuracy": accuracy,
-            "low_memory": low_memory,
-        }
-        begun, done = time.perf_counter(), 0
+        way = {"solver": solver, "precision": precision, "accuracy": accuracy}
+        way = head | way | {"low_memory": low_memory}
+        begun, loads = time.perf_counter(), iter(enumerate(wall.loads))
         try:
             with _time_limit(seconds), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                for k, (found, truth) in enumerate(zip(_solutions(wall, contact, way), exact)):
-                    exactly = {
-                        "contact": truth.contact,
-                        "gap": truth.gap_mean,
-                        "kkt": truth.kkt,
-                        "ties": [truth.ties_in, truth.ties_out],
-                    }
-                    rows.append(
-                        way
-                        | {"load": k, "p_star": wall.loads[k]}
-                        | exactly
-                        | _judged(found, truth, contact, wall)
-                    )
-                    done = k + 1
+                for found, truth in zip(_solutions(wall, contact, way), exact):
+                    load, p_star = next(loads)
+                    judged = _judged(found, truth, contact, wall)
+                    rows.append(way | {"load": load, "p_star": p_star} | judged)
         except Exception as error:
-            failure = {"TooSlow": "too slow", "SceneError": "refused"}.get(
-                type(error).__name__, "raised"
-            )
-            rows.append(
-                way
-                | {
-                    "load": done,
-                    "p_star": wall.loads[min(done, len(wall.loads) - 1)],
-                    "status": failure,
-                    "error": f"{type(error).__name__}: {error}",
-                }
-            )
+            kind = type(error).__name__
+            load, p_star = next(loads, (0, wall.loads[0]))
+            failed = {"status": FAILURES.get(kind, "raised"), "error": f"{kind}: {error}"}
+            rows.append(way | {"load": load, "p_star": p_star} | failed)
         rows[-1]["seconds"] = round(time.perf_counter() - begun, 4)
     return rows
 
@@ -89,10 +68,11 @@ def _judged(found, truth, contact, wall):
         p = np.asarray(found.pressure, np.float64) / wall.E_star / contact.g_rms
         true = truth.errors(points, found.gap_mean / contact.height_unit, p)
     return {
+        "contact": truth.contact,
+        "kkt": truth.kkt,
         "status": found.status,
         "true": [float(x) for x in true],
         "claimed": [float(x) for x in found.errors],
-        "points": points,
         "iterations": found.iterations,
         "fft_pairs": round(found.fft_pairs, 2),
     }
@@ -128,17 +108,15 @@ def _solutions(wall, contact, way):
         yield from hpc_gfmd.load(path)
 
 
-class _time_limit:
-    def __init__(self, seconds):
-        self.seconds = seconds
+@contextmanager
+def _time_limit(seconds):
+    def stop(*_):
+        raise TooSlow(f"more than {seconds} s")
 
-    def __enter__(self):
-        def stop(*_):
-            raise TooSlow(f"more than {self.seconds} s")
-
-        self.before = signal.signal(signal.SIGALRM, stop)
-        signal.alarm(int(self.seconds))
-
-    def __exit__(self, *_):
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(int(seconds))
+    try:
+        yield
+    finally:
         signal.alarm(0)
-        signal.signal(signal.SIGALRM, self.before)
+        signal.signal(signal.SIGALRM, before)

@@ -1,7 +1,7 @@
-"""What rows of the campaign say, as a table."""
+"""What rows of the campaign say: counts as data, a table of them, and the failures."""
 
 import json
-from collections import defaultdict
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -23,104 +23,89 @@ def counts(row):
 
 def less_accurate(row):
     """The kinds of error above the accuracy that was asked for."""
-    return (
-        [k for k, true in zip(KINDS, row["true"]) if not true <= row["accuracy"] + SLACK]
-        if counts(row)
-        else []
-    )
+    if not counts(row):
+        return []
+    return [k for k, true in zip(KINDS, row["true"]) if not true <= row["accuracy"] + SLACK]
 
 
 def above_estimate(row):
     """The kinds of error above their own estimate, though within what was asked for."""
     if not counts(row):
         return []
+    errors = zip(KINDS, row["true"], row["claimed"])
     worse = less_accurate(row)
-    return [
-        k
-        for k, true, claimed in zip(KINDS, row["true"], row["claimed"])
-        if k not in worse and not true <= claimed + SLACK
-    ]
+    return [k for k, true, claimed in errors if k not in worse and not true <= claimed + SLACK]
 
 
-def _count(rows, judge):
-    found = [judge(row) for row in rows]
-    if not any(found):
-        return "0"
-    return f"{sum(map(bool, found))} ({' / '.join(str(sum(k in f for f in found)) for k in KINDS)})"
+def count(rows):
+    """What came of some rows, as data."""
+    outcomes = Counter(
+        "no truth" if row.get("status") == "converged" and not counts(row) else row.get("status")
+        for row in rows
+    )
+    pairs = [row["fft_pairs"] for row in rows if row.get("status") == "converged"]
+    found = {"solves": len(rows), "converged": outcomes.pop("converged", 0), "others": outcomes}
+    for judge in (less_accurate, above_estimate):
+        kinds = [judge(row) for row in rows]
+        found[judge.__name__] = [
+            sum(map(bool, kinds)),
+            *(sum(k in f for f in kinds) for k in KINDS),
+        ]
+    return found | {"mean_pairs": round(float(np.mean(pairs)), 2) if pairs else None}
 
 
-def markdown(rows, by="family"):
-    """Rows by family (or solver, precision, accuracy): solves, converged, less accurate than asked,
-    else above the estimate."""
-    groups = defaultdict(list)
-    for row in rows:
-        groups[row.get(by)].append(row)
+def grouped(rows, by="family"):
+    """{value of a key: counts}, and of all."""
+    names = sorted({str(row.get(by)) for row in rows})
+    found = {name: count([row for row in rows if str(row.get(by)) == name]) for name in names}
+    return found | {"all": count(rows)}
+
+
+def markdown(groups, by="family"):
+    """Counts as a table; less accurate than asked, and else above the estimate: in all, of area,
+    mean gap and pressure."""
     lines = [
-        (
-            f"| {by} | solves | converged | less accurate than asked (area / gap / pressure) | else"
-            " above own estimate (area / gap / pressure) | other outcomes | mean pairs |"
-        ),
+        f"| {by} | solves | converged | less accurate than asked (area / gap / pressure)"
+        " | else above own estimate | other outcomes | mean pairs |",
         "|---|---|---|---|---|---|---|",
     ]
-    for name, group in [*sorted(groups.items(), key=lambda item: str(item[0])), ("all", rows)]:
-        good = [row for row in group if row.get("status") == "converged"]
-        others = defaultdict(int)
-        for row in group:
-            if row.get("status") != "converged":
-                others[row.get("status")] += 1
-            elif row["kkt"] >= DOUBTFUL:
-                others["no truth"] += 1
-        pairs = f"{np.mean([row['fft_pairs'] for row in good]):.1f}" if good else "-"
-        lines.append(
-            f"| {name} | {len(group)} | {len(good)} | {_count(group, less_accurate)} |"
-            f" {_count(group, above_estimate)} |"
-            f" {', '.join(f'{v} {k}' for k, v in others.items()) or '-'} | {pairs} |"
-        )
+    for name, found in groups.items():
+        failures = [
+            f"{n} ({' / '.join(map(str, kinds))})" if n else "0"
+            for n, *kinds in (found["less_accurate"], found["above_estimate"])
+        ]
+        others = ", ".join(f"{n} {status}" for status, n in found["others"].items())
+        cells = [name, found["solves"], found["converged"], *failures, others or "-"]
+        lines.append(f"| {' | '.join(map(str, cells))} | {found['mean_pairs'] or '-'} |")
     return "\n".join(lines)
 
 
 def failures(rows):
-    """Rows that are less accurate than asked or above their estimate, the worst first, with what
-    went wrong."""
+    """Rows that are less accurate than asked or above their estimate, the worst first."""
 
     def badness(row):
-        asked = max(
-            (t / row["accuracy"] for k, t in zip(KINDS, row["true"]) if k in less_accurate(row)),
-            default=0,
-        )
-        claimed = max(
-            (
-                t / max(c, SLACK)
-                for k, t, c in zip(KINDS, row["true"], row["claimed"])
-                if k in above_estimate(row)
-            ),
-            default=0,
-        )
-        return (bool(asked), asked or claimed)
+        asked, claimed = less_accurate(row), above_estimate(row)
+        of = zip(KINDS, row["true"], row["claimed"])
+        ratios = [true / (row["accuracy"] if k in asked else max(c, SLACK)) for k, true, c in of]
+        kinds = asked or claimed
+        return bool(asked), max(r for k, r in zip(KINDS, ratios) if k in kinds)
 
-    return sorted(
-        (row for row in rows if less_accurate(row) or above_estimate(row)),
-        key=badness,
-        reverse=True,
-    )
+    bad = [row for row in rows if less_accurate(row) or above_estimate(row)]
+    return sorted(bad, key=badness, reverse=True)
 
 
 def worst_of_each(bad):
     """Of failures in order the first of every wall and kind of failure."""
-    seen, first = set(), []
+    first = {}
     for row in bad:
-        key = row["family"], row["seed"], row["index"], bool(less_accurate(row))
-        if key not in seen:
-            seen.add(key)
-            first.append(row)
-    return first
+        first.setdefault((row["family"], row["seed"], row["index"], bool(less_accurate(row))), row)
+    return list(first.values())
 
 
 def line(row):
     """One failure, and what reproduces it."""
-    kinds = [f"{k} above asked" for k in less_accurate(row)] + [
-        f"{k} above estimate" for k in above_estimate(row)
-    ]
+    kinds = [f"{k} above asked" for k in less_accurate(row)]
+    kinds += [f"{k} above estimate" for k in above_estimate(row)]
     true, claimed = (" ".join(f"{x:.2g}" for x in row[key]) for key in ("true", "claimed"))
     return (
         f"{', '.join(kinds)}: --family {row['family']} --seed {row['seed']} --index {row['index']}"
@@ -132,24 +117,18 @@ def line(row):
 
 
 def report(rows, worst=40):
+    """Everything as text."""
+    keys = ("family", "solver", "precision", "accuracy", "low_memory")
+    parts = [markdown(grouped(rows, by), by) for by in keys]
+    for what, warm in (("cold or first", False), ("warm", True)):
+        some = [row for row in rows if (row.get("load", 0) > 0) == warm]
+        parts.append(f"Loads that are {what}:\n\n{markdown(grouped(some, 'precision'))}")
     bad = failures(rows)
-    parts = [
-        markdown(rows),
-        *(markdown(rows, by) for by in ("solver", "precision", "accuracy", "low_memory")),
-    ]
-    first = [row for row in rows if row.get("load") == 0]
-    later = [row for row in rows if row.get("load", 0) > 0]
-    parts.append("Cold loads (and first loads of sweeps):\n\n" + markdown(first, "precision"))
-    if later:
-        parts.append("Warm loads:\n\n" + markdown(later, "precision"))
-    broken = [row for row in rows if row.get("status") in ("raised", "too slow", "no wall")]
-    first = [f"* {line(row)}" for row in worst_of_each(bad)[:worst]]
-    parts.append("\n".join([f"{len(bad)} failures, the worst of each wall:\n", *first]))
-    if broken:
-        lines = [
-            f"* {row['family']} seed {row['seed']} index {row['index']} {row.get('solver')}"
-            f" {row.get('precision')} {row.get('accuracy')}: {row['status']} {row['error'][:150]}"
-            for row in broken[:worst]
-        ]
-        parts.append("\n".join([f"{len(broken)} raised or too slow:\n", *lines]))
+    parts.append(f"{len(bad)} failures, the worst of each wall:")
+    parts += [f"* {line(row)}" for row in worst_of_each(bad)[:worst]]
+    broken = [row for row in rows if "error" in row]
+    parts.append(f"{len(broken)} raised, refused or too slow:")
+    for row in broken[:worst]:
+        where = [row.get(k) for k in ("family", "seed", "index", "solver", "precision", "accuracy")]
+        parts.append(f"* {' '.join(map(str, where))}: {row['status']} {row['error'][:150]}")
     return "\n\n".join(parts)

@@ -26,6 +26,9 @@ DOUBTFUL = 1e-10  # a truth that violates its own conditions by more than this i
 FEW = 30  # points on the wrong side of which one at a time may change
 MURTY = 60  # times that this is tried
 ROUNDS = 250
+# width of the kink of |q| where the wave numbers of an axis that ends are rounded, over 1/a: part
+# of the discretisation
+ROUNDED = 0.055
 
 
 @dataclass(frozen=True)
@@ -238,8 +241,6 @@ class Contact:
 def _compliance(n, sizes, free):
     """The transform of S between points of a wall that ends, on a cell twice as long; 0 for a rigid
     translation. Of a larger cell, the images in which are far in units of either spacing."""
-    from hpc_gfmd.bodies.free import ROUNDED
-
     spacings = np.divide(sizes, n)
     spacings /= np.sqrt(spacings.prod())
     cell = [

@@ -50,7 +50,7 @@ def undisturbed(tmp_path_factory):
         key = (ranks, str(how))
         if key not in made:
             path = write_scene(tmp_path_factory.mktemp("undisturbed"), **how)
-            job = call(["run", "scene.toml", "-q"], ranks, path.parent)
+            job = call("run scene.toml -q", ranks, path.parent)
             assert job.code == 0, job.err
             made[key] = read_result(path)
         return made[key]

@@ -13,9 +13,9 @@ import uuid
 from pathlib import Path
 
 import mpi_harness
-import numpy as np
 import pytest
 from contacts import scene_text
+from result_files import assert_same_steps
 
 from hpc_gfmd.commands.cli import main
 from hpc_gfmd.output.folder import is_held, partial_folder
@@ -31,18 +31,17 @@ needs_mpi = pytest.mark.skipif(bool(mpi_harness.missing()), reason="mpirun or mp
 
 
 class Job:
-    """`mpirun -n ranks python -m hpc_gfmd args` (ranks None: without mpirun), started in the folder
-    cwd.
+    """`mpirun -n ranks python -m hpc_gfmd` with these words (ranks None: without mpirun), started
+    in the folder cwd.
 
-    fault: arguments of sabotage.py, which then starts the program; wrapped: command put before it
-    all.
+    fault: words for sabotage.py, which then starts the program; wrapped: command put before it all.
     """
 
-    def __init__(self, args, ranks=None, cwd=None, fault=None, env=None, wrapped=()):
+    def __init__(self, words, ranks=None, cwd=None, fault=None, wrapped=()):
         self.mark = uuid.uuid4().hex
-        program = ["-m", "hpc_gfmd"] if fault is None else [SABOTAGE, *fault, "--"]
+        program = ["-m", "hpc_gfmd"] if fault is None else [SABOTAGE, *fault.split(), "--"]
         launcher = ["mpirun", "-n", ranks] if ranks else []
-        command = [*wrapped, *launcher, sys.executable, *program, *args]
+        command = [*wrapped, *launcher, sys.executable, *program, *words.split()]
         self.process = subprocess.Popen(
             [str(part) for part in command],
             stdout=subprocess.PIPE,
@@ -51,7 +50,7 @@ class Job:
             stdin=subprocess.DEVNULL,
             start_new_session=True,
             text=True,
-            env=mpi_harness.environment(**{MARK: self.mark}, **(env or {})),
+            env=mpi_harness.environment(**{MARK: self.mark}),
         )
         self.begun = self.hit = time.monotonic()
 
@@ -97,8 +96,8 @@ class Job:
         return True
 
     def end(self, patience=AT_ONCE):
-        """Wait for the end of all processes; sets code, out, err and seconds since the fault. Fails
-        if that takes too long."""
+        """Wait for the end of all processes; sets code, out, err. Fails if that takes too
+        long."""
         try:
             self.out, self.err = self.process.communicate(
                 timeout=max(patience - (time.monotonic() - self.hit), 0.1)
@@ -114,7 +113,6 @@ class Job:
             for pid in self.pids():
                 os.kill(pid, signal.SIGKILL)
             self.process.wait()
-        self.seconds = time.monotonic() - self.hit
         self.code = (
             self.process.returncode
             if self.process.returncode >= 0
@@ -143,15 +141,17 @@ def command_of(pid):
         return b""
 
 
-def run(args, ranks=None, cwd=None, patience=PATIENCE, **how):
+def run(words, ranks=None, cwd=None, **how):
     """A job from its start to its end."""
-    return Job(args, ranks, cwd, **how).end(patience)
+    return Job(words, ranks, cwd, **how).end(PATIENCE)
 
 
 EIGHT = [round(0.02 * 1.2**i, 6) for i in range(8)]
 
 
-def write_scene(folder, lam=32, loads=EIGHT[:5], residual=1e-8, fields=("gap",), checkpoint=1e-3):
+def write_scene(
+    folder=Path(), lam=32, loads=EIGHT[:5], residual=1e-8, fields=("gap",), checkpoint=1e-3
+):
     """scene.toml of a sweep, most loads of which start from the one before."""
     (folder / "scene.toml").write_text(
         scene_text(
@@ -165,33 +165,15 @@ def write_scene(folder, lam=32, loads=EIGHT[:5], residual=1e-8, fields=("gap",),
     return folder / "out.h5"
 
 
-def same(found, wanted):
-    """Two results: equal to the last bit but for times."""
-    assert found.indices == wanted.indices
-    same_steps(found, wanted)
-
-
-def same_steps(found, wanted):
-    """The steps of the first, of which there may be fewer, are those of the second."""
-    for index, a, fields in zip(found.indices, found.steps, found.fields, strict=True):
-        b = wanted.steps[wanted.indices.index(index)]
-        assert {k: v for k, v in a.items() if k != "wall_seconds"} == {
-            k: v for k, v in b.items() if k != "wall_seconds"
-        }
-        for name, stored in fields.items():
-            other = wanted.fields[wanted.indices.index(index)][name]
-            assert np.array_equal(stored.read(0, stored.shape[0]), other.read(0, other.shape[0])), (
-                name
-            )
-
-
 def nothing_wrong(path, wanted):
     """What can be read is right: a file under its final name is complete, finished steps are those
     of the undisturbed run.
 
     Returns how many steps there are."""
     if path.exists():
-        same(read_result(path), wanted)
+        found = read_result(path)
+        assert found.indices == wanted.indices
+        assert_same_steps(found, wanted)
         return len(wanted.steps)
     if (partial_folder(path) / "head.h5").exists():
         begun = time.monotonic()
@@ -199,7 +181,7 @@ def nothing_wrong(path, wanted):
             time.sleep(0.01)  # a process that was killed gives back its files last
         found = read_result(path)
         assert found.status == "interrupted", found.status
-        same_steps(found, wanted)
+        assert_same_steps(found, wanted)
         return len(found.steps)
     return 0
 
@@ -209,24 +191,30 @@ def finish(path, ranks=None):
     left then."""
     begun = (partial_folder(path) / "head.h5").exists()
     kept = [*partial_folder(path).glob("step-[0-9]*.h5")] if begun else []
-    job = call(["run", "scene.toml"], ranks, path.parent)
+    job = call("run scene.toml", ranks, path.parent)
     assert job.code == 0, job.err
     assert not kept or f"{len(kept)} finished loads are there" in job.out, job.out
     left = sorted(p.name for p in path.parent.iterdir())
     assert left == ["out.h5", "scene.toml"], left
 
 
-def call(args, ranks=None, cwd=None, **how):
+def goes_on(path, wanted, ranks, kept=0):
+    """What is there is right, so many loads at least, and so is what comes of them in the end."""
+    assert nothing_wrong(path, wanted) >= kept
+    finish(path, ranks)
+    nothing_wrong(path, wanted)
+
+
+def call(words, ranks=None, cwd="."):
     """As `run`, in this process where one is enough (ranks None): much faster."""
-    if ranks or how:
-        return run(args, ranks, cwd, **how)
-    job, before, begun = Job.__new__(Job), Path.cwd(), time.monotonic()
-    out, err = io.StringIO(), io.StringIO()
-    os.chdir(cwd)
-    try:
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            job.code = main([str(arg) for arg in args])
-    finally:
-        os.chdir(before)
-    job.out, job.err, job.seconds = out.getvalue(), err.getvalue(), time.monotonic() - begun
+    if ranks:
+        return run(words, ranks, cwd)
+    job, out, err = Job.__new__(Job), io.StringIO(), io.StringIO()
+    with (
+        contextlib.chdir(cwd),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+    ):
+        job.code = main(words.split())
+    job.out, job.err = out.getvalue(), err.getvalue()
     return job

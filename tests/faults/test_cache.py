@@ -8,7 +8,6 @@ import pickle
 import shutil
 
 import pytest
-from mpi_harness import call, environment
 
 KERNEL = "from hpc_gfmd.kernels.jit import kernel\n\n@kernel\ndef f(x):\n    return 3 * x\n"
 
@@ -105,32 +104,6 @@ def test_an_error_that_is_not_the_caches_is_raised(compiled):
     with pytest.raises(ZeroDivisionError):
         sound(lambda: calls.append(1) or 1 / 0)
     assert len(calls) == 1
-
-
-@pytest.mark.slow
-def test_a_run_with_a_garbled_cache(tmp_path):
-    """Every file of it half overwritten; the run compiles, and gives the same numbers."""
-    (tmp_path / "scene.toml").write_text(
-        "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [32, 32]\nperiods = [1,"
-        " 1]\n[load]\npressure = 0.1\n"
-    )
-    env = environment(NUMBA_CACHE_DIR=str(tmp_path / "cache"))
-    first = call(None, ["run", "scene.toml", "-o", "a.h5"], env=env, cwd=tmp_path, timeout=600)
-    assert first.returncode == 0, first.stderr
-    files = [p for p in (tmp_path / "cache").rglob("*.nb*") if p.is_file()]
-    assert len(files) > 20
-    for path in files:
-        data = path.read_bytes()
-        path.write_bytes(data[: len(data) // 2] + b"\xcc" * (len(data) - len(data) // 2))
-    again = call(None, ["run", "scene.toml", "-o", "b.h5"], env=env, cwd=tmp_path, timeout=600)
-    assert again.returncode == 0, again.stderr
-    shown = [
-        call(None, ["show", name, "--json"], env=env, cwd=tmp_path).stdout
-        for name in ("a.h5", "b.h5")
-    ]
-    assert [line for line in shown[0].splitlines() if "seconds" not in line] == [
-        line for line in shown[1].splitlines() if "seconds" not in line
-    ]
 
 
 @pytest.mark.parametrize("content", [b"", b"[]", b"{", b'{"host": 1}', b"\xff\xfe", b"null"])

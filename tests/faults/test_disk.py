@@ -2,9 +2,10 @@
 before is continued afterwards."""
 
 import subprocess
+from pathlib import Path
 
 import pytest
-from faults.jobs import call, finish, needs_mpi, nothing_wrong, run, write_scene
+from faults.jobs import call, goes_on, needs_mpi, run, write_scene
 
 from hpc_gfmd.util.caches import cache_folder
 
@@ -49,18 +50,14 @@ def test_full(small_disk, undisturbed, when, ranks):
     )  # are kept with the checkpoints
     disk = small_disk(size * 1024 + plans * to_the_end)
     path = write_scene(disk, **how)
-    job = (run if to_the_end else call)(
-        ["run", "scene.toml", "-q"], ranks, disk
-    )  # this process may know plans of other tests
+    # this process may know plans of other tests
+    job = (run if to_the_end else call)("run scene.toml -q", ranks, disk)
     assert job.code in (1, 2)
     job.says(message)
     assert not path.exists()
     assert not list(disk.rglob("*.tmp"))
     subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
-    wanted = undisturbed(ranks, **how)
-    nothing_wrong(path, wanted)
-    finish(path, ranks)
-    nothing_wrong(path, wanted)
+    goes_on(path, undisturbed(ranks, **how), ranks)
 
 
 @pytest.mark.parametrize("ranks", [None, SEVERAL])
@@ -70,14 +67,13 @@ def test_full_in_the_middle_of_a_write(small_disk, undisturbed, ranks):
     how = {"checkpoint": 600, "fields": ["gap", "pressure", "displacement"]}
     disk = small_disk(300 * 1024)
     path = write_scene(disk, **how)
-    job = run(["run", "scene.toml", "-q"], ranks, disk, fault=["unreserved", -1])
+    job = run("run scene.toml -q", ranks, disk, fault="unreserved -1")
     assert job.code == 1, job.err
     job.says(r"writing .*step-0000\.h5: (No space left on device|.*write failed)")
     assert not path.exists()
     assert not list(disk.rglob("*.tmp"))
     subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
-    finish(path, ranks)
-    nothing_wrong(path, undisturbed(ranks, **how))
+    goes_on(path, undisturbed(ranks, **how), ranks)
 
 
 @pytest.mark.parametrize("ranks", [None, SEVERAL])
@@ -85,24 +81,19 @@ def test_read_only(small_disk, ranks):
     disk = small_disk("4m")
     write_scene(disk)
     subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
-    job = call(["run", "scene.toml", "-q"], ranks, disk)
+    job = call("run scene.toml -q", ranks, disk)
     assert job.code == 2
     job.says("output.path: cannot write to .*: Read-only file system")
 
 
 @pytest.mark.parametrize("ranks", [None, SEVERAL])
-@pytest.mark.parametrize("what", ["out.h5.partial", "."])
-def test_folder_vanished(tmp_path, what, ranks):
+@pytest.mark.parametrize("what", ["folder/out.h5.partial", "folder"])
+def test_folder_vanished(what, ranks):
     """When the third load is about to be written; nothing can be left then, but nothing hangs."""
-    folder = tmp_path / "folder"
-    folder.mkdir()
-    path = write_scene(folder)
-    job = run(
-        ["run", path.parent / "scene.toml", "-q", "-o", path],
-        ranks,
-        tmp_path,
-        fault=["vanish", 0, folder / what],
-    )
+    Path("folder").mkdir()
+    path = write_scene(Path("folder"))
+    words = f"run {path.parent}/scene.toml -q -o {path}"
+    job = run(words, ranks, fault=f"vanish 0 {what}")
     assert job.code == 1
     job.says(r"step-0002\.h5: No such file or directory")
     assert not path.exists()

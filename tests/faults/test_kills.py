@@ -4,9 +4,10 @@ import os
 import random
 import signal
 import time
+from pathlib import Path
 
 import pytest
-from faults.jobs import Job, finish, needs_mpi, nothing_wrong, write_scene
+from faults.jobs import Job, goes_on, needs_mpi, write_scene
 
 from hpc_gfmd.output.folder import partial_folder
 
@@ -27,12 +28,6 @@ HELD = {
 }
 
 
-def check(path, wanted, kept=0):
-    assert nothing_wrong(path, wanted) >= kept
-    finish(path, RANKS)
-    nothing_wrong(path, wanted)
-
-
 @pytest.mark.parametrize(
     ("where", "target"),
     [
@@ -47,23 +42,18 @@ def check(path, wanted, kept=0):
         for target in TARGETS
     ],
 )
-def test_held(tmp_path, undisturbed, where, target):
+def test_held(undisturbed, where, target):
     """Killed where that is being written."""
     rank, function, file, kept = HELD[where]
-    path = write_scene(tmp_path, checkpoint=600)
-    job = Job(
-        ["run", "scene.toml", "-q"],
-        RANKS,
-        tmp_path,
-        fault=["hold", rank, function, file, tmp_path / "held"],
-    )
-    assert job.wait_for((tmp_path / "held").exists), job.end().err
+    path = write_scene(checkpoint=600)
+    job = Job("run scene.toml -q", RANKS, fault=f"hold {rank} {function} {file} held")
+    assert job.wait_for(Path("held").exists), job.end().err
     job.kill(signal.SIGKILL, *TARGETS[target](job))
     job.end()
     assert job.code != 0
     assert any(path.parent.rglob("*.tmp"))
-    (tmp_path / "held").unlink()
-    check(path, undisturbed(RANKS, checkpoint=600), kept)
+    Path("held").unlink()
+    goes_on(path, undisturbed(RANKS, checkpoint=600), RANKS, kept)
 
 
 @pytest.mark.slow
@@ -74,7 +64,7 @@ def test_at_random_moments(tmp_path, undisturbed):
         folder = tmp_path / str(moment)
         folder.mkdir()
         path = write_scene(folder)
-        job = Job(["run", "scene.toml", "-q"], RANKS, folder)
+        job = Job("run scene.toml -q", RANKS, folder)
         begun = job.wait_for((partial_folder(path) / "head.h5").exists)
         end = time.monotonic() + dice.uniform(0.0, 1.05 * duration)
         while begun and job.process.poll() is None and time.monotonic() < end:
@@ -82,4 +72,4 @@ def test_at_random_moments(tmp_path, undisturbed):
         target = list(TARGETS)[moment % 3]
         job.kill(signal.SIGKILL, *TARGETS[target](job))
         job.end()
-        check(path, undisturbed(RANKS))
+        goes_on(path, undisturbed(RANKS), RANKS)

@@ -4,7 +4,7 @@ good."""
 import json
 
 import pytest
-from faults.jobs import Job, call, finish, needs_mpi, nothing_wrong, run, write_scene
+from faults.jobs import Job, call, finish, goes_on, needs_mpi, nothing_wrong, run, write_scene
 
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
@@ -13,15 +13,15 @@ pytestmark = needs_mpi
 RANKS = 2
 EXCEPTIONS = {  # where: fault, message
     "while the surface is made": (
-        ["surface", 1],
+        "surface 1",
         "internal error on rank 1: RuntimeError: sabotage",
     ),
     "in the middle of a solve": (
-        ["solve", 1, 20],
+        "solve 1 20",
         "internal error on rank 1: RuntimeError: sabotage",
     ),
-    "in the writer": (["write", 1, 6], r"writing .*\.h5: sabotage"),
-    "in the writer, rank 0": (["write", 0, 6], r"writing .*\.h5: sabotage"),
+    "in the writer": ("write 1 6", r"writing .*\.h5: sabotage"),
+    "in the writer, rank 0": ("write 0 6", r"writing .*\.h5: sabotage"),
 }
 
 
@@ -37,46 +37,40 @@ def wanted(undisturbed):
         for name in EXCEPTIONS
     ],
 )
-def test_exception(tmp_path, wanted, where):
+def test_exception(wanted, where):
     fault, message = EXCEPTIONS[where]
-    path = write_scene(tmp_path)
-    job = run(["run", "scene.toml"], RANKS, tmp_path, fault=fault)
+    path = write_scene()
+    job = run("run scene.toml", RANKS, fault=fault)
     assert job.code == 1, (job.code, job.err)
     job.says(message)
     assert not path.exists()
-    nothing_wrong(path, wanted)
-    finish(path, RANKS)
-    nothing_wrong(path, wanted)
+    goes_on(path, wanted, RANKS)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("value", "precision"), [("nan", "double"), ("-inf", "single")])
-def test_not_a_number(tmp_path, value, precision):
+def test_not_a_number(value, precision):
     """In the middle of the second load, on one rank: that load is nonfinite, the others are what
     they are."""
-    path = write_scene(tmp_path, loads=[0.02, 0.024, 0.2, 0.24], residual=1e-4)
-    job = run(
-        ["run", "scene.toml", "--set", f"solver.precision={precision}"],
-        RANKS,
-        tmp_path,
-        fault=["nan", 1, 12, value],
-    )
+    path = write_scene(loads=[0.02, 0.024, 0.2, 0.24], residual=1e-4)
+    words = f"run scene.toml --set solver.precision={precision}"
+    job = run(words, RANKS, fault=f"nan 1 12 {value}")
     assert job.code == 3, job.err
     result = read_result(path)
     status = [step["status"] for step in result.steps]
     assert result.status == "nonfinite"
     assert status.count("nonfinite") == 1
     assert status.count("converged") == 3
-    shown = json.loads(call(["show", "out.h5", "--json"], None, tmp_path).out)
+    shown = json.loads(call("show out.h5 --json").out)
     assert shown["status"] == "nonfinite"
-    assert "NOT CONVERGED (nonfinite)" in call(["show", "out.h5"], None, tmp_path).out
+    assert "NOT CONVERGED (nonfinite)" in call("show out.h5").out
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", [None, RANKS])
-def test_allocation_fails(tmp_path, ranks):
-    path = write_scene(tmp_path)
-    job = run(["run", "scene.toml"], ranks, tmp_path, fault=["no_memory", (ranks or 1) - 1, 20])
+def test_allocation_fails(ranks):
+    path = write_scene()
+    job = run("run scene.toml", ranks, fault=f"no_memory {(ranks or 1) - 1} 20")
     assert job.code == 1, (job.code, job.err)
     job.says("out of memory")
     assert not path.exists()
@@ -85,25 +79,21 @@ def test_allocation_fails(tmp_path, ranks):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", [None, RANKS])
-def test_address_space(tmp_path, ranks):
+def test_address_space(ranks):
     """ulimit -v is reached while the run gets its memory."""
-    path = write_scene(tmp_path, lam=256, loads=[0.1])
-    job = run(["run", "scene.toml"], ranks, tmp_path, fault=["limit", -1, 8])
+    path = write_scene(lam=256, loads=[0.1])
+    job = run("run scene.toml", ranks, fault="limit -1 8")
     assert job.code not in (0, 3), job.err
     job.says("out of memory|GiB|failed to map|cannot allocate")
     assert not path.exists()
 
 
 @pytest.mark.slow
-def test_memory_limit_at_start(tmp_path):
+def test_memory_limit_at_start():
     """ulimit -v is known before anything is computed."""
-    path = write_scene(tmp_path, lam=2048, loads=[0.1])
-    job = run(
-        ["run", "scene.toml"],
-        None,
-        tmp_path,
-        wrapped=["bash", "-c", 'ulimit -v 3000000; exec "$@"', "-"],
-    )
+    path = write_scene(lam=2048, loads=[0.1])
+    wrapped = ["bash", "-c", 'ulimit -v 3000000; exec "$@"', "-"]
+    job = run("run scene.toml", wrapped=wrapped)
     assert job.code == 2, (job.code, job.err)
     job.says("need .* GiB")
     assert not path.exists()
@@ -111,13 +101,13 @@ def test_memory_limit_at_start(tmp_path):
 
 
 @pytest.mark.slow
-def test_two_runs(tmp_path, wanted):
+def test_two_runs(wanted):
     """The second one is refused and the first one does not notice."""
-    path = write_scene(tmp_path)
-    first = Job(["run", "scene.toml"], RANKS, tmp_path, fault=["slow", -1, 0.1])
+    path = write_scene()
+    first = Job("run scene.toml", RANKS, fault="slow -1 0.1")
     assert first.wait_for((partial_folder(path) / "step-0001.h5").exists)
-    second = run(["run", "scene.toml"], RANKS, tmp_path)
-    third = run(["restart", "out.h5"], None, tmp_path)
+    second = run("run scene.toml", RANKS)
+    third = run("restart out.h5")
     for job in (second, third):
         assert job.code == 2, job.err
         job.says("another run is writing this file")

@@ -77,8 +77,8 @@ def test_the_seeds_are_read(target, tmp_path):
 
 @settings(quick, max_examples=100)
 @given(results)
-def test_valid_hdf5_of_any_content(tmp_path, content):
-    check_result(content, tmp_path)
+def test_valid_hdf5_of_any_content(content):
+    check_result(content)
 
 
 @pytest.mark.parametrize("path", REGRESSIONS, ids=lambda p: f"{p.parent.name}-{p.name}")

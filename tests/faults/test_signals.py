@@ -3,13 +3,14 @@ ends as if nothing had happened."""
 
 import signal
 import time
+from pathlib import Path
 
 import pytest
-from faults.jobs import Job, finish, needs_mpi, nothing_wrong, write_scene
+from faults.jobs import Job, goes_on, needs_mpi, write_scene
 
 from hpc_gfmd.output.folder import partial_folder
 
-SLOW = ["slow", -1, 0.1]  # a run is mostly writing then, and long enough to be hit
+SLOW = "slow -1 0.1"  # a run is mostly writing then, and long enough to be hit
 CODES = {"SIGTERM": 143, "SIGINT": 130, "SIGUSR1": 143}
 
 
@@ -32,9 +33,9 @@ def third_load(job, path):
         ],
     ],
 )
-def test_signal(tmp_path, undisturbed, name, ranks, target):
-    path = write_scene(tmp_path)
-    job = Job(["run", "scene.toml"], ranks, tmp_path, fault=SLOW)
+def test_signal(undisturbed, name, ranks, target):
+    path = write_scene()
+    job = Job("run scene.toml", ranks, fault=SLOW)
     third_load(job, path)
     job.kill(getattr(signal, name), *(job.ranks()[-1:] if target == "one rank" else ()))
     job.end()
@@ -47,18 +48,15 @@ def test_signal(tmp_path, undisturbed, name, ranks, target):
         assert job.code == CODES[name], (job.code, job.err)
         assert f"stopped; continue with: hpc-gfmd restart {path.name}" in job.out
     assert (partial_folder(path) / "checkpoint.h5").exists()
-    wanted = undisturbed(ranks)
-    assert nothing_wrong(path, wanted) >= 2
-    finish(path, ranks)
-    nothing_wrong(path, wanted)
+    goes_on(path, undisturbed(ranks), ranks, kept=2)
 
 
 @needs_mpi
 @pytest.mark.slow
-def test_twice(tmp_path, undisturbed):
+def test_twice(undisturbed):
     """The second signal ends the run at once: what was finished is there."""
-    path = write_scene(tmp_path)
-    job = Job(["run", "scene.toml"], 2, tmp_path, fault=["slow", -1, 0.5])
+    path = write_scene()
+    job = Job("run scene.toml", 2, fault="slow -1 0.5")
     assert job.wait_for((partial_folder(path) / "step-0000.h5.tmp").exists), job.end().err
     pids = job.ranks()[-1:]
     job.kill(signal.SIGUSR1, *pids)
@@ -68,17 +66,16 @@ def test_twice(tmp_path, undisturbed):
     job.end()
     assert job.code != 0
     assert not path.exists()
-    finish(path, 2)
-    nothing_wrong(path, undisturbed(2))
+    goes_on(path, undisturbed(2), 2)
 
 
 @needs_mpi
-def test_one_rank_at_start(tmp_path):
+def test_one_rank_at_start():
     """Before it has begun nothing has to be kept, but no rank may wait for the one that is gone."""
-    path = write_scene(tmp_path)
-    job = Job(["run", "scene.toml"], 2, tmp_path, fault=["lag", -1, 30, tmp_path / "begun"])
-    assert job.wait_for(lambda: any(tmp_path.glob("begun-*"))), job.end().err
-    flag = next(tmp_path.glob("begun-*"))
+    path = write_scene()
+    job = Job("run scene.toml", 2, fault="lag -1 30 begun")
+    assert job.wait_for(lambda: any(Path().glob("begun-*"))), job.end().err
+    flag = next(Path().glob("begun-*"))
     job.kill(signal.SIGINT, int(flag.name.removeprefix("begun-")))
     job.end()
     assert job.code != 0

@@ -98,7 +98,7 @@ def test_messages_are_those_between_nodes(machines, nodes):
 @on_nodes
 def test_same_contact(machines):
     found, wanted = (
-        solve_scene(rough((2, 16, 2)), 0.1, comm=c, residual=1e-11, precision="double")
+        solve_scene(rough(), 0.1, comm=c, residual=1e-11, precision="double")
         for c in (machines, SerialComm())
     )
     assert found.contact_points == wanted.contact_points

@@ -24,7 +24,7 @@ SCENE = tomli_w.dumps(
         "machine": {"wall_seconds": 1e-9},
     }
 )
-GO_ON = ["restart", "contact.h5", "--set", "machine.wall_seconds=1000"]
+GO_ON = "restart contact.h5 --set machine.wall_seconds=1000"
 PARTIAL = "contact.h5.partial"
 
 
@@ -50,21 +50,20 @@ def test_one_checksum_for_any_number_of_ranks(comm):
 
 @pytest.fixture
 def begun(comm, shared_path, monkeypatch, capfd):
-    """A run on heights z, stopped in its first load; begun(z, *args): exit code and stderr of a
+    """A run on heights z, stopped in its first load; begun(z, words): exit code and stderr of a
     command with z as the heights."""
     if comm is None:
         return None
-    monkeypatch.chdir(shared_path)
     monkeypatch.setattr(Interrupt, "require_time", lambda self: None)
 
-    def call(z, *args):
+    def call(z, words):
         comm.barrier()
         if comm.rank == 0:
             np.save("z.npy", z)
             (shared_path / "scene.toml").write_text(SCENE)
         comm.barrier()
         capfd.readouterr()
-        code = main(list(args))
+        code = main(words.split())
         comm.barrier()
         return code, capfd.readouterr().err
 
@@ -84,22 +83,18 @@ def begun(comm, shared_path, monkeypatch, capfd):
 def test_other_heights_are_refused_and_the_right_ones_go_on(comm, begun, other, checkpoint):
     z = random_heights((12, 12))
     z[0, 0] += 0.1
-    assert begun(z, "run", "scene.toml", "-q")[0] == 143
+    assert begun(z, "run scene.toml -q")[0] == 143
     if comm.rank == 0 and not checkpoint:
         Path(PARTIAL, "checkpoint.h5").unlink()
-    code, err = begun(other(z), *GO_ON)
+    code, err = begun(other(z), GO_ON)
     assert code == 2
     assert err.count("\n") == (comm.rank == 0)
     assert comm.rank or "other heights" in err
-    assert begun(z, *GO_ON)[0] == 0
+    assert begun(z, GO_ON)[0] == 0
     with h5py.File("contact.h5") as file:
         found = [step.attrs["gap_mean"] for step in file["steps"].values()]
-    assert (
-        begun(z, "run", "scene.toml", "-q", "-o", "whole.h5", "--set", "machine.wall_seconds=1000")[
-            0
-        ]
-        == 0
-    )
+    words = "run scene.toml -q -o whole.h5 --set machine.wall_seconds=1000"
+    assert begun(z, words)[0] == 0
     with h5py.File("whole.h5") as file:
         assert found == [step.attrs["gap_mean"] for step in file["steps"].values()]
 
@@ -107,11 +102,11 @@ def test_other_heights_are_refused_and_the_right_ones_go_on(comm, begun, other, 
 def test_the_checkpoint_of_other_heights_is_refused(comm, begun):
     z = random_heights((12, 12))
     for heights, name in ((2 * z, "other.partial"), (z, PARTIAL)):
-        assert begun(heights, "run", "scene.toml", "-q")[0] == 143
+        assert begun(heights, "run scene.toml -q")[0] == 143
         if comm.rank == 0 and name != PARTIAL:
             shutil.move(PARTIAL, name)
     if comm.rank == 0:
         shutil.copy("other.partial/checkpoint.h5", PARTIAL)
-    code, err = begun(z, *GO_ON)
+    code, err = begun(z, GO_ON)
     assert code == 2
     assert comm.rank or "checkpoint.h5: of other heights" in err

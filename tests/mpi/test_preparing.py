@@ -21,16 +21,16 @@ PLANE, BOWL = 5 + 3 * X - 2 * Y, 5 + 3 * X - 2 * Y + X * X - X * Y + 4 * Y * Y
 
 
 @pytest.fixture
-def prepared(comm, shared_path):
+def prepared(comm):
     """prepared(z, **keys): the heights after the keys of [surface], of all ranks, and the
     Topography."""
 
     def call(z, **keys):
         comm.barrier()
         if comm.rank == 0:
-            np.save(shared_path / "z.npy", z)
+            np.save("z.npy", z)
         comm.barrier()
-        spec = File(kind="file", path=str(shared_path / "z.npy"), physical_sizes=SIZES, **keys)
+        spec = File(kind="file", path="z.npy", physical_sizes=SIZES, **keys)
         found, done, _ = prepare(open_topography(spec), spec, comm)
         starts = row_starts(found.n[0], comm.size)
         mine = found.rows(int(starts[comm.rank]), int(starts[comm.rank + 1]))
@@ -147,7 +147,7 @@ def test_whether_it_is_periodic(prepared, comm):
     assert MapQuality(tilted, comm).jumps[0] > 20
 
 
-def test_all_of_it_on_any_number_of_ranks(prepared, comm, shared_path):
+def test_all_of_it_on_any_number_of_ranks(prepared, comm):
     z = random_heights((33, 20)) + 1e-2 * np.arange(20)
     z[4:9, 3:5] = z[20:22, 12] = np.nan
     keys = {
@@ -159,7 +159,7 @@ def test_all_of_it_on_any_number_of_ranks(prepared, comm, shared_path):
         "flip": True,
     }
     together = prepared(z, **keys)[0]
-    spec = File(kind="file", path=str(shared_path / "z.npy"), physical_sizes=SIZES, **keys)
+    spec = File(kind="file", path="z.npy", physical_sizes=SIZES, **keys)
     alone, *_ = prepare(open_topography(spec), spec, SerialComm())
     assert np.allclose(together, alone.rows(0, alone.n[0]), atol=1e-13)
     surface = build_surface(spec, comm, np.float64)
@@ -174,7 +174,7 @@ def test_all_of_it_on_any_number_of_ranks(prepared, comm, shared_path):
     )
 
 
-def test_what_is_noted(comm, shared_path):
+def test_what_is_noted(comm):
     """Each doubt where there is reason for it, and none otherwise; on any number of ranks."""
     x, y = np.meshgrid(np.arange(48) / 48, np.arange(40) / 40, indexing="ij")
     smooth = 1e-2 * sum(np.cos(2 * np.pi * (k * x + (3 - k) * y) + k * k) for k in range(1, 4))
@@ -198,10 +198,10 @@ def test_what_is_noted(comm, shared_path):
     ]
     for z, keys, words in cases:
         if comm.rank == 0:
-            np.save(shared_path / "z.npy", z)
+            np.save("z.npy", z)
         comm.barrier()
         notes = build_surface(
-            File(kind="file", path=str(shared_path / "z.npy"), physical_sizes=SIZES, **keys),
+            File(kind="file", path="z.npy", physical_sizes=SIZES, **keys),
             comm,
             np.float64,
         ).notes

@@ -53,7 +53,7 @@ def test_large_grid(comm):
 @pytest.mark.parametrize(
     "surface",
     [
-        rough((2, 16, 2)),
+        rough(),
         rough((1, 31, 2.0), seed=3),
         rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
     ],

@@ -26,15 +26,15 @@ CASES = {
         {"p_star": [0.1]},
         {"residual": 1e-10, "precision": "double"},
     ),
-    "free": (rough((2, 16, 2), boundary="free"), {"p_star": [0.05]}, {"accuracy": 1e-3}),
+    "free": (rough(boundary="free"), {"p_star": [0.05]}, {"accuracy": 1e-3}),
     "free, one axis": (
-        rough((2, 16, 2), boundary=["free", "periodic"]),
+        rough(boundary=["free", "periodic"]),
         {"force": [0.02]},
         {"accuracy": 1e-3},
     ),
-    "prescribed gap": (rough((2, 16, 2)), {"gap_over_h_rms": [1.0, 0.5]}, {"accuracy": 1e-3}),
-    "prescribed area": (rough((2, 16, 2)), {"a_r": [0.1]}, {"accuracy": 1e-3}),
-    "single, then double": (rough((2, 16, 2)), {"p_star": [0.05, 0.06, 0.4]}, {"accuracy": 1e-3}),
+    "prescribed gap": (rough(), {"gap_over_h_rms": [1.0, 0.5]}, {"accuracy": 1e-3}),
+    "prescribed area": (rough(), {"a_r": [0.1]}, {"accuracy": 1e-3}),
+    "single, then double": (rough(), {"p_star": [0.05, 0.06, 0.4]}, {"accuracy": 1e-3}),
     "low memory": (
         rough((2, 32, 4)),
         {"p_star": [0.05, 0.06, 0.4]},
@@ -42,7 +42,7 @@ CASES = {
     ),
     **{
         name: (
-            rough((2, 16, 2), seed=2),
+            rough(seed=2),
             {"p_star": [0.03, 0.2]},
             {"name": name, "residual": 1e-9, "precision": "double"},
         )

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from contacts import heights_of, rough, solve_scene
+from contacts import rough, solve_scene
 from counted import contact_of, random_fields
 
 import hpc_gfmd
@@ -119,28 +119,6 @@ def test_a_profile_has_the_spectrum_of_a_line():
     r, correlation = found["heights_autocorrelation"].values()
     single = r <= 4 / 64  # rings of one distance
     assert correlation[single] == pytest.approx(0.01**2 / 2 * np.cos(8 * np.pi * r[single]))
-
-
-def test_the_spectrum_of_a_made_wall():
-    """Self-affine walls: C(q) ~ q^(-2 - 2H) between the cut-offs, and the roughness back by
-    Parseval."""
-    surface = rough((2, 32, 4), hurst=0.8)
-    contact = solve_scene(surface, 0.05, accuracy=1e-2)
-    q, power = all_distributions()["heights_spectrum"](contact).values()
-    inside = (q > 2 * np.pi * 3) & (q < 2 * np.pi * 60)
-    assert np.polyfit(np.log(q[inside]), np.log(power[inside]), 1)[0] == pytest.approx(
-        -3.6, abs=0.1
-    )
-    again = all_distributions()["heights_autocorrelation"](contact)["correlation"][0]
-    assert again == pytest.approx(heights_of(surface).var(), rel=1e-6)
-
-
-def test_pairs_are_counted():
-    step = solve_scene(rough((1, 8, 2)), 0.05, accuracy=1e-2)
-    alone = step.fft_pairs
-    for name in ("pressure_spectrum", "gap_autocorrelation", "pressure"):
-        all_distributions()[name](step)
-    assert step.fft_pairs == alone + 1.5
 
 
 def test_low_memory_knows_the_heights_by_their_spectrum():

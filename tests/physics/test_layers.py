@@ -6,7 +6,6 @@ import oracle
 import pytest
 from contacts import EXACT, field, heights_of, relative, rough, solve_scene, sweep_of
 
-from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.bodies.layer import Layer
 
 LAYERS = [
@@ -122,25 +121,3 @@ def test_the_approach_in_low_memory():
         for way in ways
     )
     assert low.approach == pytest.approx(plain.approach, rel=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("thickness", "nu", "base"),
-    [
-        (0.01, 0.45, "bonded"),
-        (0.01, 0.3, "frictionless"),
-        (0.03, 0.45, "bonded"),
-        (0.05, 0.3, "bonded"),
-        (0.2, 0.45, "bonded"),
-    ],
-)
-def test_iterations(thickness, nu, base):
-    """At most twice those of the half-space."""
-    surface, accuracy = rough((2, 128, 2)), {"accuracy": 2e-3, "precision": "double"}
-    layer = sweep_of(surface, layer={"thickness": thickness, "nu1": nu, "base": base}, **accuracy)
-    half_space = sweep_of(surface, **accuracy)
-    assert half_space.body == HALF_SPACE
-    for p_star in (0.02, 0.353):
-        found, wanted = (sweep.solve(p_star * sweep.surface.g_rms) for sweep in (layer, half_space))
-        assert found.status == "converged"
-        assert found.iterations <= 2 * wanted.iterations

@@ -39,21 +39,3 @@ def test_single_modes(n, sizes):
                 uKu = stiffness_times(elastic, u, out)
                 assert np.abs(out - q / 2 * u).max() <= 1e-12 * max(q, 1)
                 assert uKu == pytest.approx(q / 2 * np.vdot(u, u), rel=1e-12, abs=1e-12)
-
-
-def test_energy_of_a_wave():
-    """Energy per area E* |q|/8 of u = cos(q r), here with E* = 1 and lengths in units of the
-    spacing."""
-    grid = Grid((12, 10), (1.0, 1.0))
-    u = np.cos(2 * np.pi * np.arange(12) / 12)[:, None] * np.ones(10)
-    uKu = stiffness_times(Elastic(grid, HalfSpace(), np.float64), u, grid.empty(np.float64))
-    assert uKu / 2 / grid.N == pytest.approx(2 * np.pi * grid.a / 8, rel=1e-12)
-
-
-def test_the_mean_costs_nothing():
-    grid = Grid((7, 6))
-    out = grid.empty(np.float64)
-    assert stiffness_times(
-        Elastic(grid, HalfSpace(), np.float64), np.full(grid.shape, 3.0), out
-    ) == pytest.approx(0, abs=1e-20)
-    assert np.abs(out).max() < 1e-14

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from contacts import heights_of, random_heights, rough
+from contacts import heights_of, rough
 from counted import contact_of
-from scipy import ndimage
 
 import hpc_gfmd
 from hpc_gfmd.contact import all_observables, default_observables, observables_named
@@ -116,32 +115,6 @@ def test_a_profile_is_made_of_stripes():
         for name in ("contact", "gap")
         for axis in "xy"
     ] == [False, True, False, True]
-
-
-def test_what_a_solution_says_is_what_its_field_shows():
-    """Labels of scipy on the contact repeated in both directions, of which the middle is counted by
-    the first point of each patch."""
-    z = random_heights((48, 40))
-    found = hpc_gfmd.solve(
-        z,
-        0.3 * np.std(np.gradient(z, 1 / 48, axis=0)),
-        physical_sizes=(1.0, 40 / 48),
-        observables=["patches"],
-        distributions=["patches"],
-    )
-    labels, _ = ndimage.label(found.pressure > 0)
-    for one, other in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
-        for a, b in zip(one, other, strict=True):
-            if a and b and a != b:
-                labels[labels == b] = labels[labels == a][0]
-                one[one == b], other[other == b] = a, a
-    sizes = np.bincount(labels.ravel())[1:]
-    sizes = sizes[sizes > 0]
-    assert found.observables["patches"] == len(sizes) > 20
-    assert found.observables["patch_largest"] * 48 * 48 == pytest.approx(sizes.max())
-    spread = found.distributions["patches"]
-    counts = spread["density"] * np.diff(spread["edges"]) * len(sizes)
-    assert counts == pytest.approx(np.histogram(sizes, np.round(spread["edges"] * 48 * 48))[0])
 
 
 def test_only_on_request():

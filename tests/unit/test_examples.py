@@ -18,9 +18,8 @@ ALONE = "measured"  # it imports SurfaceTopography, which initialises MPI: this 
 EXAMPLES = sorted(FOLDER.glob("*.py"))
 
 
-def run(path, folder, monkeypatch):
+def run(path, monkeypatch):
     plt.switch_backend("Agg")
-    monkeypatch.chdir(folder)
     monkeypatch.setattr(sys, "argv", [str(path), str(SMALL.get(path.stem, POINTS))])
     runpy.run_path(str(path), run_name="__main__")
     plt.close("all")
@@ -48,7 +47,7 @@ def test_in_a_process_of_its_own(tmp_path):
 )
 @pytest.mark.filterwarnings("error:::__main__")
 def test_example(path, tmp_path, monkeypatch):
-    run(path, tmp_path, monkeypatch)
+    run(path, monkeypatch)
     assert (tmp_path / f"{path.stem}.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -7,7 +7,7 @@ from hpc_gfmd.bodies import images as module
 from hpc_gfmd.bodies.free import Free
 from hpc_gfmd.bodies.images import Images, images, kernel, kernel_of_wave
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.surface.build import cell_of, grid_of
+from hpc_gfmd.surface.build import grid_of
 
 SURFACES = [
     ((128, 128), (1.0, 1.0), (True, True)),
@@ -138,47 +138,3 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
     assert np.ptp(difference) < 5e-7
     if all(free):
         assert difference.mean() == pytest.approx(-found.constant, abs=1e-6)
-
-
-@pytest.mark.parametrize(("n", "sizes", "free"), SURFACES, ids=str)
-def test_positive_and_nearly_that_of_the_cell(n, sizes, free):
-    """(S + T)/S of all modes but the mean, which is left alone, and that its inverse is one."""
-    found, cell, _ = made(n, sizes, free)
-    q = (
-        2
-        * np.pi
-        * np.hypot(*np.ix_(*(np.arange(k + 1) / size for k, size in zip(found.modes, cell))))
-    )
-    half_space = np.divide(2, q, out=np.zeros_like(q), where=q > 0)
-    inverse = found.inverse(half_space)
-    for (a, b), T in found.T.items():
-        S = found.stacked(half_space[int(a < 0) :, int(b < 0) :])
-        for block, K, s in zip(T, inverse[a, b], S):
-            use = s > 0
-            assert np.all(block[~use] == 0)
-            assert np.abs(K[~use]).max(initial=0) < 1e-12
-            block, s = block[np.ix_(use, use)], s[use]
-            values = np.linalg.eigvalsh(np.eye(len(s)) + block / np.sqrt(np.outer(s, s)))
-            assert 0.3 < values[0] <= values[-1] < 3
-            assert np.allclose(
-                (np.diag(s) + block) @ (K[np.ix_(use, use)] + np.diag(1 / s)),
-                np.eye(len(s)),
-                atol=1e-9,
-            )
-
-
-def test_cells():
-    """Half as long again, more beside a longer axis and around few points, in numbers that
-    transforms and levels like."""
-    assert cell_of((512, 512), (True, True), (1.0, 1.0)) == (768, 768)
-    assert cell_of((512, 256), (True, False), (1.0, 1.0)) == (768, 256)
-    assert cell_of((512, 128), (True, True), (4.0, 1.0))[1] >= 128 + 128
-    assert cell_of((3, 20), (True, True), (1.0, 1.0))[0] >= 3 + 64
-    assert cell_of((1000, 1000), (True, True), (1.0, 1.0))[0] % 16 == 0
-    assert (
-        cell_of((32, 20), (True, True), (1.0, 10.0))[0] >= 32 + 13 * 16
-    )  # spacings of 1/32 and 1/2
-    assert cell_of((32, 20), (True, False), (1.0, 40.0))[0] >= 32 + 4 * 64
-    assert cell_of((512, 8), (True, True), (64.0, 1.0))[1] >= 8 + 512**2 / 8 / 256
-    assert cell_of((1, 1), (True, True), (1.0, 1.0)) == cell_of((1, 1), (True, True), (3.0, 3.0))
-    assert cell_of((64, 1), (True, False), (1.0, 1.0)) == (128, 1)

@@ -5,16 +5,13 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from contacts import scene_text
 from mpi_harness import call, environment, missing
 
 import hpc_gfmd
-from hpc_gfmd.commands.cli import main
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.parallel.world import _abort_on_error
 from hpc_gfmd.util.streams import Stream
 
 SCENE = scene_text(title="Fl\u00e4che \u0394")
@@ -129,13 +126,6 @@ def test_a_run_from_python(folder, monkeypatch, error):
     assert sys.stderr is None
 
 
-def test_streams_are_given_back(folder, monkeypatch):
-    monkeypatch.chdir(folder)
-    before = sys.stdout, sys.stderr
-    assert main(["run", "scene.toml", "-q"]) == 0
-    assert (sys.stdout, sys.stderr) == before
-
-
 def test_only_what_is_lost_is_lost():
     inside = Broken(BrokenPipeError())
     stream = Stream(inside)
@@ -151,12 +141,3 @@ def test_only_what_is_lost_is_lost():
     assert narrow.buffer.getvalue() == b"20 \\xb5m\n"
     assert stream.lost is None
     assert Path(Stream(sys.__stdout__).name).name == Path(sys.__stdout__.name).name
-
-
-def test_an_error_on_one_of_several_ranks_ends_all_even_if_it_cannot_be_printed(monkeypatch):
-    ended = []
-    hook = _abort_on_error(SimpleNamespace(Abort=ended.append), lambda *_: None)
-    for stream in (None, Broken(BrokenPipeError())):
-        monkeypatch.setattr(sys, "stderr", stream)
-        hook(ValueError, ValueError(), None)
-    assert ended == [1, 1]

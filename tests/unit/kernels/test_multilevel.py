@@ -1,19 +1,15 @@
 """Levels, what is restricted to them and interpolated from them, and the preconditioner as a
 matrix."""
 
-import gc
-import weakref
-
 import numpy as np
 import pytest
 from transfers import SIZES, interpolation, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
-from hpc_gfmd.bodies.layer import Layer
 from hpc_gfmd.kernels import multilevel
 from hpc_gfmd.operators.coarsest import COUPLING, DAMPING
-from hpc_gfmd.operators.multilevel import Hierarchy, Multilevel
-from hpc_gfmd.parallel.coarsening import levels, owned_rows
+from hpc_gfmd.operators.multilevel import Multilevel
+from hpc_gfmd.parallel.coarsening import levels
 from hpc_gfmd.parallel.grid import Grid
 
 
@@ -57,22 +53,6 @@ def test_hierarchy(n, sizes):
         assert all(c in (f, (f + 1) // 2) for f, c in zip(fine.n, coarse.n, strict=True))
         assert coarse.n != fine.n
         assert 0 < coarse.q <= fine.q * 1.01
-
-
-def test_every_coarse_row_has_one_owner():
-    for n in range(1, 40):
-        for size in (1, 2, 3, 4, 7):
-            starts = (
-                Grid((n, 4)).starts
-                if size == 1
-                else np.sort(np.random.default_rng(n).integers(0, n + 1, size - 1))
-            )
-            starts = np.array([0, n]) if size == 1 else np.array([0, *starts, n])
-            m = (n + 1) // 2
-            owned = owned_rows(starts, n, m)
-            assert owned[0] == 0
-            assert owned[-1] == m
-            assert (np.diff(owned) >= 0).all()
 
 
 def by_matrices(grid, r, theta, level=0):
@@ -119,23 +99,6 @@ def test_sweep(random, n):
     assert energy == pytest.approx(np.vdot(p, P_x @ wanted @ P_y.T), abs=1e-11)
 
 
-def test_made_once():
-    """What only depends on grid, body and precision is made once for all solvers, and goes with the
-    grid."""
-    grid, body = Grid((16, 16)), HalfSpace()
-    one, other = Multilevel(grid, body, np.float64, 16), Multilevel(grid, body, np.float64, 8)
-    assert one.steps is other.steps
-    assert one.surface is other.surface
-    assert one.weights is other.weights
-    assert one.z is not other.z
-    assert Multilevel(grid, body, np.float32, 16).weights.dtype == np.float32
-    assert Multilevel(grid, Layer(0.1, 0.3, "bonded"), np.float64, 16).weights[1] != one.weights[1]
-    kept = weakref.ref(Hierarchy.of(grid, body, np.dtype(np.float64)).surface)
-    del grid, one, other
-    gc.collect()
-    assert kept() is None
-
-
 @pytest.mark.parametrize("coarsest_points", [None, 0])
 @pytest.mark.parametrize(
     ("n", "nominal"),
@@ -170,22 +133,3 @@ def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
     # what is beyond the surface counts on the finest level, too
     wanted[2] -= share * r[s == 0].sum()
     assert found == pytest.approx(wanted, rel=1e-9, abs=1e-9)
-
-
-@pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 2.5)])
-@pytest.mark.parametrize("n", [(8, 8), (7, 9), (6, 10), (1, 12), (5, 3)], ids=str)
-def test_preconditioner_is_symmetric_positive_definite(random, n, sizes):
-    """M = 1 + w P M' R on the free points, as a matrix."""
-    grid = Grid(n, sizes)
-    closed = random.random(n) < 0.3
-    free = np.flatnonzero(~closed)
-    m = levels(grid)[1].n
-    P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
-    M = np.zeros((free.size, free.size))
-    for column, i in enumerate(free):
-        unit = np.zeros(n)
-        unit.flat[i] = 1
-        z, _ = swept(grid, unit, closed)
-        M[:, column] = (unit + COUPLING * P_x @ z @ P_y.T).ravel()[free]
-    assert np.abs(M - M.T).max() < 1e-12
-    assert np.linalg.eigvalsh(M).min() >= 1 - 1e-9

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import prolong
-from hpc_gfmd.parallel.grid import Grid
 
 
 def prolonged(u, p, h, compliance, stencil, parts=1):
@@ -108,18 +106,3 @@ def test_local_relaxation(random, n, m):
     assert g.min() == 0
     for parts in (2, 3, 5):
         assert np.array_equal(prolonged(u, p, h, compliance, stencil, parts), g)
-
-
-def test_stiffness_between_neighbours():
-    """It is K in real space, by a direct sum over the wave vectors; axes without neighbours have
-    none."""
-    grid = Grid((64, 80), (1.0, 1.0))
-    q = np.hypot(grid.q_x[:, None], 2 * np.pi * np.fft.fftfreq(80) * grid.a / grid.spacings[1])
-    theta_x, theta_y = 2 * np.pi * np.fft.fftfreq(64)[:, None], 2 * np.pi * np.fft.fftfreq(80)
-    wanted = [
-        np.mean(0.5 * q * np.cos(i * theta_x) * np.cos(j * theta_y))
-        for i, j in ((0, 0), (1, 0), (0, 1), (1, 1))
-    ]
-    assert HalfSpace().near(grid) == pytest.approx(wanted, abs=1e-4)
-    assert (HalfSpace().near(Grid((64, 1)))[2:] == 0).all()
-    assert (HalfSpace().near(Grid((2, 64)))[[1, 3]] == 0).all()

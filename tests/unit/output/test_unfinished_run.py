@@ -2,14 +2,13 @@
 nothing finished is lost."""
 
 import fcntl
-import os
 
 import numpy as np
 import pytest
 from result_files import FIELD, STEP, begin, complete, interrupted, names
 
 from hpc_gfmd.output.folder import partial_folder
-from hpc_gfmd.output.read import read_partial, read_result
+from hpc_gfmd.output.read import read_result
 from hpc_gfmd.runs.simulation import restart
 from hpc_gfmd.util.errors import GfmdError, SceneError
 
@@ -72,15 +71,6 @@ def test_dying_while_writing_leaves_nothing_readable(path, left):
         assert list(run.finished) == [0]
         run.finish("converged")
     assert names(path.parent) == ["out.h5"]
-
-
-def test_dying_before_the_head_was_written(path):
-    partial_folder(path).mkdir()
-    (partial_folder(path) / "head.h5.tmp").write_bytes(b"")
-    with pytest.raises(SceneError, match="no such file, and no interrupted run"):
-        read_result(path)
-    with begin(path) as run:
-        assert list(run.finished) == []
 
 
 def test_dying_between_the_rename_and_the_clean_up(path):
@@ -149,28 +139,6 @@ def test_output_that_cannot_be_written_is_refused_at_once(tmp_path, monkeypatch)
     monkeypatch.setattr(type(tmp_path), "mkdir", mkdir)
     with pytest.raises(SceneError, match=r"cannot write to .*: Read-only file system"):
         begin(tmp_path / "out.h5")
-
-
-def test_a_full_disk_keeps_what_is_there(path, monkeypatch):
-    complete(path, 1)
-    whole = path.read_bytes()
-    run = begin(path)
-    run.write_step(0, STEP, {"gap": FIELD})
-
-    def posix_fallocate(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "posix_fallocate", posix_fallocate)
-    with pytest.raises(GfmdError, match=r"step-0001\.h5: No space left on device"):
-        run.write_step(1, STEP, {"gap": FIELD})
-    with pytest.raises(
-        GfmdError, match=r"No space left on device .*; the finished steps are safe in"
-    ):
-        run.finish("converged")
-    run.close()
-    assert path.read_bytes() == whole
-    assert names(path.parent) == ["out.h5", "out.h5.partial"]
-    assert read_partial(path).indices == [0]
 
 
 def test_a_step_that_is_damaged_before_the_end_is_never_left_out(path):

@@ -1,8 +1,6 @@
 """FFTW's measured plans: kept once, the same on all ranks and in every continuation, bounded, and
 never an error."""
 
-import fcntl
-
 import numpy as np
 import pytest
 from pieces import NEVER, Pieces, scene
@@ -13,7 +11,6 @@ from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.fftw import load_fftw
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.runs.simulation import run_scene
-from hpc_gfmd.util import caches
 
 pytestmark = pytest.mark.skipif(load_fftw() is None, reason="FFTW is missing")
 N = (120, 84)
@@ -66,25 +63,6 @@ def test_a_campaign_of_many_grids_is_bounded(memory, tmp_path, monkeypatch):
         assert wisdom._lines(memory.text()) <= wisdom._lines(path.read_bytes()) | {b""}
 
 
-def test_what_a_run_has_planned_is_not_forgotten_in_its_middle(memory, monkeypatch):
-    """Though the file it began with was nearly full: its checkpoints need all of its plans."""
-    plan()
-    first = memory.text()
-    monkeypatch.setattr(wisdom, "LIMIT", len(first) - 1)
-    plan((60, 84))
-    assert wisdom._lines(first) < wisdom._lines(memory.text())
-
-
-def test_nobody_is_waited_for(memory, tmp_path, monkeypatch):
-    """Not for one who keeps the file locked, not for one who cannot write; and no lock is asked
-    for."""
-    monkeypatch.setattr(fcntl, "flock", lambda *_: pytest.fail("a lock"))
-    plan()
-    monkeypatch.setattr(caches.os, "replace", lambda *_: (_ for _ in ()).throw(PermissionError()))
-    plan((60, 84))
-    assert files(tmp_path) == [memory.path]
-
-
 @pytest.mark.parametrize(
     "content",
     [b"", b"(fftw-3.3.10 fftw_wisdom", b"\0\xff" * 500, b"(" * 5000, b"x" * 2 * wisdom.LIMIT],
@@ -133,33 +111,6 @@ def test_ranks_plan_as_rank_0_does(memory):
     plan((64, 100))
     assert wisdom.planned(Rank(1, sent), np.float64, make, N) == 2
     assert wisdom._lines(made[1]) == wisdom._lines(wanted)
-
-
-def test_what_all_ranks_know_is_not_sent_again(memory):
-    sent = []
-    for k, pieces in enumerate((2, 1, 1)):
-        wisdom.planned(Rank(0, sent), np.float64, lambda: plan(N), (N, k))
-        assert len(sent) == pieces
-        sent.clear()
-    plan((16, 250))  # by one process alone
-    wisdom.planned(Rank(0, sent), np.float64, lambda: plan(N), N)
-    assert len(sent) == 2
-
-
-def test_a_continuation_plans_as_the_run_did(memory, tmp_path):
-    """Though the cache was lost, or knows something else by now."""
-    plan()
-    wanted = memory.text()
-    (tmp_path / "run").mkdir()
-    wisdom.keep_with(tmp_path / "run")
-    for path in files(tmp_path / "cache"):
-        path.unlink()
-    memory.replace(b"")
-    plan((8, 8))
-    wisdom.take_from(tmp_path / "run")
-    assert wisdom._lines(memory.text()) == wisdom._lines(wanted)
-    plan()
-    assert wisdom._lines(memory.text()) >= wisdom._lines(wanted)
 
 
 def test_every_checkpoint_has_its_plans(memory, tmp_path, monkeypatch):

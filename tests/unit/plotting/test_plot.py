@@ -16,7 +16,7 @@ from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.plotting import figures, height_map, plot, plot_result, style, survey
 from hpc_gfmd.theory import persson
 from hpc_gfmd.theory.elastic import Westergaard
-from hpc_gfmd.util.errors import GfmdError, SceneError
+from hpc_gfmd.util.errors import SceneError
 
 
 @pytest.fixture(autouse=True)
@@ -79,16 +79,16 @@ def ink(path):
 
 
 def test_three_pictures_lie_beside_the_file(tmp_path):
-    made = plot_result(write(tmp_path / "run.h5"))
+    made = plot_result(write("run.h5"))
     assert [p.name for p in made] == ["run_maps.png", "run_distributions.png", "run_curves.png"]
-    assert all(p.parent == tmp_path and ink(p) > 0.02 for p in made)
+    assert all(ink(p) > 0.02 for p in made)
     assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".h5") == sorted(
         p.name for p in made
     )
 
 
 def test_pictures_in_a_new_folder(tmp_path, cli):
-    file = write(tmp_path / "run.h5", status="stagnated")
+    file = write("run.h5", status="stagnated")
     assert "! not converged: step 0, 1 (marked in the pictures)" in cli.prints(
         "plot", file, "-o", "a"
     )
@@ -101,8 +101,8 @@ def test_pictures_in_a_new_folder(tmp_path, cli):
 
 
 @pytest.mark.parametrize("fields", [("gap",), ()])
-def test_whatever_fields_there_are(tmp_path, fields):
-    made = plot_result(write(tmp_path / "run.h5", fields=fields))
+def test_whatever_fields_there_are(fields):
+    made = plot_result(write("run.h5", fields=fields))
     assert len(made) == (3 if fields else 1)
     assert all(ink(p) > 0.01 for p in made)
 
@@ -121,27 +121,16 @@ def test_whatever_fields_there_are(tmp_path, fields):
     ],
     ids=["flat", "full contact", "unknown errors", "few observables", "many steps of a long cell"],
 )
-def test_unusual_results_are_drawn_too(tmp_path, surface, attributes):
-    assert len(plot_result(write(tmp_path / "run.h5", surface=surface, **attributes))) == 3
+def test_unusual_results_are_drawn_too(surface, attributes):
+    assert len(plot_result(write("run.h5", surface=surface, **attributes))) == 3
 
 
 def test_nothing_to_draw_or_nowhere_to_put_it(tmp_path):
     with pytest.raises(SceneError, match="nothing to draw"):
-        plot_result(write(tmp_path / "empty.h5", steps=0))
+        plot_result(write("empty.h5", steps=0))
     (tmp_path / "file").write_text("")
     with pytest.raises(SceneError, match="pictures cannot go to"):
-        plot_result(write(tmp_path / "run.h5"), tmp_path / "file")
-
-
-def test_damaged_fields_are_an_error_in_one_line(tmp_path, monkeypatch):
-    file = write(tmp_path / "run.h5", steps=1, fields=("gap",))
-
-    def read(*_):
-        raise OSError("bad chunk")
-
-    monkeypatch.setattr("hpc_gfmd.parallel.h5.Stored.read", read)
-    with pytest.raises(GfmdError, match=r"drawing .*run\.h5: bad chunk"):
-        plot_result(file)
+        plot_result(write("run.h5"), "file")
 
 
 @cache
@@ -330,7 +319,7 @@ def test_figures_are_saved_at_print_resolution(tmp_path, monkeypatch):
     monkeypatch.setitem(style.RC, "savefig.dpi", style.DPI)
     fig = solved("rough", units=False).plot("a_r")
     fig.savefig(tmp_path / "a.png")
-    width = matplotlib.image.imread(tmp_path / "a.png").shape[1]
+    width = matplotlib.image.imread("a.png").shape[1]
     assert width == pytest.approx(300 * fig.get_figwidth(), rel=0.05)
 
 
@@ -352,21 +341,19 @@ def texts(fig):
 @pytest.mark.parametrize(
     ("suffix", "begins"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")]
 )
-def test_the_suffix_says_the_format(tmp_path, suffix, begins):
-    file = write(tmp_path / "run.h5", n=(8, 6))
-    (one,) = plot_result(file, tmp_path / f"one.{suffix}", "pressure", step=1)
+def test_the_suffix_says_the_format(suffix, begins):
+    file = write("run.h5", n=(8, 6))
+    (one,) = plot_result(file, f"one.{suffix}", "pressure", step=1)
     assert one.read_bytes().startswith(begins)
     assert one.name == f"one.{suffix}"
-    several = plot_result(file, tmp_path / f"all.{suffix}", ["gap", "contact"])
+    several = plot_result(file, f"all.{suffix}", ["gap", "contact"])
     assert [p.name for p in several] == [f"all_gap.{suffix}", f"all_contact.{suffix}"]
 
 
-def test_dpi(tmp_path):
-    file = write(tmp_path / "run.h5", n=(8, 6))
+def test_dpi():
+    file = write("run.h5", n=(8, 6))
     wide = [
-        matplotlib.image.imread(plot_result(file, tmp_path / "a.png", "curves", dpi=dpi)[0]).shape[
-            1
-        ]
+        matplotlib.image.imread(plot_result(file, "a.png", "curves", dpi=dpi)[0]).shape[1]
         for dpi in (50, 150)
     ]
     assert wide[1] == pytest.approx(3 * wide[0], rel=0.02)
@@ -381,8 +368,8 @@ def test_dpi(tmp_path):
         ("", "file", None),
     ],
 )
-def test_theory_stands_beside_its_own_surfaces_only(tmp_path, scene, kind, name):
-    file = write(tmp_path / "run.h5", scene=scene, surface={"kind": kind})
+def test_theory_stands_beside_its_own_surfaces_only(scene, kind, name):
+    file = write("run.h5", scene=scene, surface={"kind": kind})
     for picture in figures(file, ["curves", "distributions"]).values():
         said = texts(picture)
         assert {found for found in ("Persson", "Hertz", "Westergaard") if found in said} == (
@@ -391,17 +378,17 @@ def test_theory_stands_beside_its_own_surfaces_only(tmp_path, scene, kind, name)
     assert r"\kappa" in texts(plot(file, "curves")) or kind in ("sphere", "wave")
     layer = scene.replace("[load]", "[material]\nnu1 = 0.3\nthickness = 0.1\n[load]")
     assert not name or name not in texts(
-        plot(write(tmp_path / "layer.h5", scene=layer, surface={"kind": kind}), "curves")
+        plot(write("layer.h5", scene=layer, surface={"kind": kind}), "curves")
     )
 
 
 @pytest.mark.parametrize("rolloff", [1, 4])
-def test_the_gap_of_theory_is_that_of_the_surface(tmp_path, rolloff):
+def test_the_gap_of_theory_is_that_of_the_surface(rolloff):
     """The line in the panel of the mean gap, in units of h_rms; with a roll-off against the
     spectrum sampled finely."""
     scene = SCENE.replace("lam_s_over_a", f"lam_l_over_lam_r = {rolloff}\nlam_s_over_a")
     picture = plot(
-        write(tmp_path / "run.h5", scene=scene, surface={"kind": "self-affine", "eps_f": 1 / 16}),
+        write("run.h5", scene=scene, surface={"kind": "self-affine", "eps_f": 1 / 16}),
         "curves",
     )
     (ax,) = (ax for ax in picture.axes if "langle g" in ax.get_ylabel())
@@ -418,11 +405,9 @@ def test_the_gap_of_theory_is_that_of_the_surface(tmp_path, rolloff):
     assert apart < 1e-9 if rolloff == 1 else apart > 0.05
 
 
-def test_axes_have_units_or_none(tmp_path):
+def test_axes_have_units_or_none():
     density = {"pressure_edges": [0.0, 2e7], "pressure_density": [5e-8]}
-    file = write(
-        tmp_path / "run.h5", n=(8, 6), surface=UNITS, p=2e7, p_star=0.1, gap_mean=3e-8, **density
-    )
+    file = write("run.h5", n=(8, 6), surface=UNITS, p=2e7, p_star=0.1, gap_mean=3e-8, **density)
     for what, absolute, relative in (
         ("maps", "(µm)", "/{L_x}"),
         ("curves", "p_0$ (MPa)", "p^*"),
@@ -435,11 +420,11 @@ def test_axes_have_units_or_none(tmp_path):
         assert relative in scaled
 
 
-def test_a_spike_does_not_take_the_colours_and_is_said(tmp_path):
+def test_a_spike_does_not_take_the_colours_and_is_said():
     for spike, said in ((1.0, False), (100.0, True)):
-        fig = plot(write(tmp_path / f"{spike}.h5", spike=spike), "pressure", step=0)
+        fig = plot(write(f"{spike}.h5", spike=spike), "pressure", step=0)
         (image,) = fig.axes[0].get_images()
-        top = float(read_result(tmp_path / f"{spike}.h5").fields[0]["pressure"].read(0, 32).max())
+        top = float(read_result(f"{spike}.h5").fields[0]["pressure"].read(0, 32).max())
         assert (f"max {top:.3g}" in texts(fig)) == said
         assert (image.norm.vmax < 0.1 * top) == said
         assert (image.colorbar.extend == "max") == said
@@ -457,8 +442,8 @@ def test_one_touching_point_of_many_shows_on_its_ground(monkeypatch):
             assert np.abs(shade - behind).max() > 0.35
 
 
-def test_a_window_is_drawn_with_all_its_points(tmp_path):
-    file = write(tmp_path / "run.h5", surface=UNITS)
+def test_a_window_is_drawn_with_all_its_points():
+    file = write("run.h5", surface=UNITS)
     for window in ((2.5e-6, 5e-6, 0, 2.5e-6), ("2.5um", "5 um", "0", "2500nm")):
         (image,) = plot(file, "gap", step=1, window=window).axes[0].get_images()
         assert np.allclose(image.get_extent(), (2.5, 5, 0, 2.5))
@@ -472,8 +457,8 @@ def test_a_window_is_drawn_with_all_its_points(tmp_path):
             plot(file, window=wrong)
 
 
-def test_what_is_left_out_is_said(tmp_path, cli):
-    file = write(tmp_path / "run.h5", n=(8, 6), steps=9)
+def test_what_is_left_out_is_said(cli):
+    file = write("run.h5", n=(8, 6), steps=9)
     assert "5 of 9 loads not shown" in texts(plot(file))
     assert "not shown" not in texts(plot(file, "curves"))
     assert "shown: step 0, 3, 5, 8; left out: 1, 2, 4, 6, 7" in cli.prints(
@@ -482,8 +467,8 @@ def test_what_is_left_out_is_said(tmp_path, cli):
     assert "step 4" in texts(plot(file, step=4))
 
 
-def test_what_there_is_not_is_refused(tmp_path):
-    file = write(tmp_path / "run.h5", n=(8, 6), fields=())
+def test_what_there_is_not_is_refused():
+    file = write("run.h5", n=(8, 6), fields=())
     for how, words in (
         ({"what": "map"}, "what: found 'map', allowed: curves"),
         ({"what": "maps"}, "need output.fields"),
@@ -500,22 +485,6 @@ def test_heights_of_an_array():
     assert fig._repr_png_().startswith(b"\x89PNG")
     surface = make_surface("wave", amplitude="20 nm", n=[16, 8], physical_sizes=["2 um", "1 um"])
     assert "$z$ (nm)" in texts(surface.plot())
-
-
-def test_spectra_are_drawn_where_they_are_stored(tmp_path):
-    q = [1.0, 2.0, 4.0]
-    file = write(
-        tmp_path / "run.h5",
-        n=(8, 6),
-        pressure_spectrum_q=q,
-        pressure_spectrum_power=[3.0, 2.0, 1.0],
-        heights_autocorrelation_r=q,
-        heights_autocorrelation_correlation=[2.0, 1.0, 0.0],
-    )
-    assert list(figures(file)) == ["maps", "distributions", "spectra", "curves"]
-    said = texts(plot(file, "spectra"))
-    assert "C_p(q)" in said
-    assert "A_z(r)/A_z(0)" in said
 
 
 def test_survey_reads_slabs_and_keeps_means(monkeypatch):

@@ -39,7 +39,7 @@ if __name__ == "__main__":
     comm, others = world(), OfOthers()
     fft.common_memory = others.common_memory
     run = run_scene(
-        Scene.from_dict(json.loads(sys.argv[1])), out=sys.argv[2], quiet=True, comm=comm
+        Scene.from_dict(json.loads(sys.argv[1])), out=sys.argv[2], quiet=True, force=True, comm=comm
     )
     with open("/proc/self/status") as file:
         kib = {

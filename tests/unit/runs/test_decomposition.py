@@ -48,14 +48,6 @@ def test_no_rank_has_more_than_its_share(n, dtype):
             assert share.level_traffic[1] <= 8 * np.log2(n)
 
 
-@pytest.mark.parametrize("n", SIZES)
-def test_columns_are_not_padded(n):
-    for ranks in [k for k in (*RANKS, n // 16) if k <= n // 16]:
-        share = share_of((n, n), np.float32, ranks)
-        assert share.padding <= 1.05
-        assert share.layout.columns_held.max() <= -(-share.layout.n_c // ranks)
-
-
 @pytest.mark.parametrize(
     ("n", "ranks"),
     [((48, 30), 1), ((64, 64), 5), ((300, 200), 7), ((7, 11), 9), ((1, 40), 3), ((256, 512), 16)],

@@ -21,7 +21,7 @@ def scene(p_star, accuracy, precision):
 
 @pytest.fixture(scope="module")
 def z():
-    return heights_of(rough((2, 16, 2)))
+    return heights_of(rough())
 
 
 @pytest.fixture

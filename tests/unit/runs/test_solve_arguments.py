@@ -1,6 +1,5 @@
 """Whatever hpc_gfmd.solve is given, it gives a solution or a SceneError of one line."""
 
-import os
 import tomllib
 import warnings
 from decimal import Decimal
@@ -113,19 +112,6 @@ ACCEPTED = [
 @pytest.mark.parametrize("arguments", ACCEPTED, ids=lambda x: str(x)[:40])
 def test_accepted(arguments):
     assert hpc_gfmd.solve(**{"heights": Z, "pressure": 0.1} | arguments).status == "converged"
-
-
-def test_the_accuracy_left_out_is_that_of_a_scene():
-    left_out, given_, tight = (
-        hpc_gfmd.solve(Z, 0.1, **how) for how in ({}, {"accuracy": 1e-3}, {"accuracy": 1e-9})
-    )
-    assert left_out.errors == given_.errors != tight.errors
-
-
-def test_as_many_threads_as_the_machine_can_bear():
-    allowed = 8 * os.cpu_count()
-    with pytest.raises(SceneError, match=f"up to {allowed} "):
-        hpc_gfmd.solve(Z, 0.1, threads=allowed + 1)
 
 
 SPECIAL = [HUGE, 1e308, 5e-324, np.float32(0.5), np.int8(3), 0.5j, np.array(2.0), object()]

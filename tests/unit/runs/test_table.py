@@ -6,7 +6,7 @@ import pytest
 from result_files import STEP, SURFACE, begin
 
 from hpc_gfmd.output.summary import summary, with_error
-from hpc_gfmd.runs.table import table
+from hpc_gfmd.runs.table import GrowingTable, table
 
 
 def test_table_marks_what_did_not_converge():
@@ -20,6 +20,17 @@ def test_table_marks_what_did_not_converge():
         "! step 1: NOT CONVERGED (stagnated), less accurate than asked",
         "  step 1: fewer than 100 points touch",
     ]
+
+
+def test_rows_come_as_steps_finish():
+    """Those of the whole table; headings once, and again where a unit has become another."""
+    surface, growing = SURFACE | {"unit": "m"}, GrowingTable(SURFACE | {"unit": "m"})
+    steps = [STEP | {"gap_mean": x} for x in (1e-6, 2e-6, 3e-3)]
+    lines = [growing.add({k: step}).splitlines() for k, step in enumerate(steps)]
+    assert list(map(len, lines)) == [3, 1, 3]
+    whole = [line.split() for line in table(steps, surface=surface).splitlines()]
+    assert [line.split() for line in lines[2]] == [*whole[:2], whole[4]]
+    assert growing.end() == table(steps, surface=surface).splitlines()[5:]
 
 
 def test_one_line_has_both_errors_as_the_table_has():

@@ -163,12 +163,12 @@ def test_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
 
 def test_the_scene_may_say_otherwise(tmp_path):
     FORMATS["z.nc"](tmp_path / "z.nc", "nm")
-    found = open_topography(spec(tmp_path / "z.nc", physical_sizes=(10, 20)))
+    found = open_topography(spec("z.nc", physical_sizes=(10, 20)))
     assert found.sizes == pytest.approx((1e-8, 2e-8))
     assert np.allclose(found.rows(0, 12), Z)
-    assert open_topography(spec(tmp_path / "z.nc", unit="nm")).sizes == pytest.approx(SIZES)
+    assert open_topography(spec("z.nc", unit="nm")).sizes == pytest.approx(SIZES)
     with pytest.raises(SceneError, match=r"^surface.unit: found 'um', but .* heights in 'nm', all"):
-        open_topography(spec(tmp_path / "z.nc", unit="um"))
+        open_topography(spec("z.nc", unit="um"))
 
 
 @pytest.mark.parametrize(
@@ -192,7 +192,7 @@ def test_the_scene_may_say_otherwise(tmp_path):
 def test_what_a_file_may_not_say(make, words, tmp_path):
     make(tmp_path / "z.npz")
     with pytest.raises(SceneError, match=words):
-        hpc_gfmd.read_surface(tmp_path / "z.npz")
+        hpc_gfmd.read_surface("z.npz")
 
 
 def written(mark, decimal=".", head="", ends="", holes=()):
@@ -236,7 +236,7 @@ HOLES = [(1, "***"), (2, ""), (3, "BAD")]
 def test_text_of_instruments(text, keys, missing, tmp_path):
     """Marks, decimals, headers and missing points of every kind give the same heights."""
     (tmp_path / "z.txt").write_text(text)
-    found = hpc_gfmd.read_surface(tmp_path / "z.txt", boundary="periodic", fill="harmonic", **keys)
+    found = hpc_gfmd.read_surface("z.txt", boundary="periodic", fill="harmonic", **keys)
     assert found.sizes == pytest.approx(SIZES, rel=1e-9)
     assert np.isclose(found.heights, Z, rtol=1e-9, atol=1e-18).sum() == Z.size - missing
     assert bool(found.prepared) == bool(missing)
@@ -245,33 +245,29 @@ def test_text_of_instruments(text, keys, missing, tmp_path):
 def test_a_line_that_is_not_like_the_others_is_no_header(tmp_path):
     (tmp_path / "z.txt").write_text(written(",", holes=[(3, "x")]))
     with pytest.raises(SceneError, match=r"line 4 is not like those .*surface.missing names"):
-        open_topography(spec(tmp_path / "z.txt", **BY_HAND))
+        open_topography(spec("z.txt", **BY_HAND))
 
 
 def test_a_format_that_is_not_known(tmp_path, capfd):
     """Known ones are named; what other readers thought of it is not printed."""
     (tmp_path / "z.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8)
     with pytest.raises(SceneError, match=r"is not known, or .* known are npy, .*, x3p, .*gwy"):
-        open_topography(spec(tmp_path / "z.png"))
+        open_topography(spec("z.png"))
     assert not capfd.readouterr().out
 
 
 def test_uneven_points_are_no_grid(tmp_path):
     netcdf4(tmp_path / "z.nc", "m")
-    with h5py.File(tmp_path / "z.nc", "r+") as file:
+    with h5py.File("z.nc", "r+") as file:
         file["x"][1] *= 1.01  # only their ends are looked at
     with pytest.raises(SceneError, match="not those of a regular grid"):
-        open_topography(spec(tmp_path / "z.nc"))
+        open_topography(spec("z.nc"))
 
 
 def test_missing_points_are_no_heights(tmp_path):
     Topography = surface_topography().Topography
-    Topography(np.ma.masked_where(Z > 0.9 * Z.max(), Z), SIZES, unit="m").to_netcdf(
-        str(tmp_path / "z.nc")
-    )
-    Topography(np.ma.masked_where(Z > 0.9 * Z.max(), Z), SIZES, unit="m").to_x3p(
-        str(tmp_path / "z.x3p")
-    )
+    Topography(np.ma.masked_where(Z > 0.9 * Z.max(), Z), SIZES, unit="m").to_netcdf("z.nc")
+    Topography(np.ma.masked_where(Z > 0.9 * Z.max(), Z), SIZES, unit="m").to_x3p("z.x3p")
     for name in ("z.nc", "z.x3p"):
         with pytest.raises(SceneError, match=r"^surface.path: found nan at"):
             build_surface(spec(tmp_path / name), SerialComm(), float)
@@ -289,14 +285,14 @@ def test_missing_points_are_no_heights(tmp_path):
 )
 def test_read_surface_does_what_the_scene_does(keys, tmp_path):
     FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
-    surface = hpc_gfmd.read_surface(tmp_path / "z.x3p", **keys)
+    surface = hpc_gfmd.read_surface("z.x3p", **keys)
     assert surface.unit == "m"
     found = hpc_gfmd.solve(surface, "1 GPa", "50 GPa")
-    table = {"kind": "file", "path": str(tmp_path / "z.x3p")} | keys
+    table = {"kind": "file", "path": "z.x3p"} | keys
     scene = Scene.from_dict(
         {"surface": table, "load": {"pressure": "1 GPa"}, "material": {"E_star": "50 GPa"}}
     )
-    (step,) = run_scene(scene, out=tmp_path / "out.h5", quiet=True).steps
+    (step,) = run_scene(scene, out="out.h5", quiet=True).steps
     assert found.a_r == step["a_r"]
     assert found.gap_mean == pytest.approx(step["gap_mean"])
     assert found.note == step.get("note")
@@ -348,7 +344,7 @@ def test_what_heights_in_memory_lack():
 
 def test_what_a_prepared_surface_knows(tmp_path):
     FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
-    surface = hpc_gfmd.read_surface(str(tmp_path / "z.x3p"), detrend="mean")
+    surface = hpc_gfmd.read_surface("z.x3p", detrend="mean")
     assert np.allclose(surface.heights, Z - Z.mean())
     assert surface.sizes == pytest.approx(SIZES)
     assert surface.prepared == ("mean removed",)
@@ -358,23 +354,21 @@ def test_what_a_prepared_surface_knows(tmp_path):
     ):
         hpc_gfmd.solve(surface, 1.0, physical_sizes=(1, 2))
     with pytest.raises(SceneError, match=r"surface.detrent: unknown key, nearest: surface.detrend"):
-        hpc_gfmd.read_surface(str(tmp_path / "z.x3p"), detrent="mean")
+        hpc_gfmd.read_surface("z.x3p", detrent="mean")
 
 
-def test_a_measured_surface_that_ends(tmp_path):
+def test_a_measured_surface_that_ends():
     """boundary = "free" needs no jump to be small; the result keeps the sizes of the map, in m, and
     its units."""
     tilted = Z + 1e-7 * np.arange(12)[:, None]
-    np.savez(tmp_path / "z.npz", z=1e9 * tilted, physical_sizes=1e9 * np.array(SIZES), unit="nm")
-    surface = {"kind": "file", "path": str(tmp_path / "z.npz")}
+    np.savez("z.npz", z=1e9 * tilted, physical_sizes=1e9 * np.array(SIZES), unit="nm")
+    surface = {"kind": "file", "path": "z.npz"}
     scene = {"load": {"pressure": "10 MPa"}, "material": {"E_star": "50 GPa"}}
     with pytest.raises(SceneError, match=r"^surface.boundary: found nothing"):
-        run_scene(
-            Scene.from_dict(scene | {"surface": surface}), out=tmp_path / "out.h5", quiet=True
-        )
+        run_scene(Scene.from_dict(scene | {"surface": surface}), out="out.h5", quiet=True)
     ends = Scene.from_dict(scene | {"surface": surface | {"boundary": "free"}})
-    assert run_scene(ends, out=tmp_path / "out.h5", quiet=True).exit_code == 0
-    with h5py.File(tmp_path / "out.h5") as file:
+    assert run_scene(ends, out="out.h5", quiet=True).exit_code == 0
+    with h5py.File("out.h5") as file:
         attributes = file["surface"].attrs
         assert attributes["physical_sizes"] == pytest.approx(SIZES)
         assert (attributes["unit"], attributes["pressure_unit"], attributes["boundary"]) == (
