@@ -117,12 +117,8 @@ def _results(given: Any) -> dict[str, Result]:
         return {str(name): _result(one) for name, one in given.items()}
     if not isinstance(given, list | tuple):
         return {"": _result(given)}
-    found = [_result(one) for one in given]
-    names = [_name(one) for one in found]
-    same = len({*names}) < len(names)
-    return {
-        f"{k + 1}: {name}" if same else name: one for k, (name, one) in enumerate(zip(names, found))
-    }
+    found = map(_result, given)
+    return {f"{k}: {_name(one)}": one for k, one in enumerate(found, 1)}
 
 
 def _result(given: Any) -> Result:
@@ -136,15 +132,10 @@ def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
     result = result if isinstance(result, Result) else read_result(result)
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
-    wanted = [what] if isinstance(what, str) else what
-    if not wanted:
-        there = [name for name in PAGES if _steps(result, name)]
-        alone = len(result.steps) == 1 and len(there) > 1
-        wanted = (
-            ["maps"]
-            if how.get("window")
-            else [name for name in there if name != "curves" or not alone]
-        )
+    there = ["maps"] if how.get("window") else [name for name in PAGES if _steps(result, name)]
+    if len(result.steps) == 1 and len(there) > 1:
+        there = [name for name in there if name != "curves"]
+    wanted = [what] if isinstance(what, str) else what or there
     return {name: plot(result, name, **how) for name in wanted}
 
 

@@ -25,7 +25,6 @@ ROUNDING = 1e-12  # of the heights: edges that differ by less are the same
 # of them
 JUMP = 3.0
 SAMPLED, LAG = 512, 16  # rows that medians are taken of; points over which slopes are, at most
-FLAT = 0.5  # of the slope of the best plane: a rest that is steeper is not flat
 OUTLYING = 10.0  # times what neighbours differ by (median): a point that is so far from all of them
 
 
@@ -33,10 +32,9 @@ class MapQuality:
     """Sums and medians over a Topography, read once. Collective.
 
     jumps: for each axis the jump from the last point to the first one over that between neighbours,
-    medians, which a few outliers do not change; typical: how much neighbours differ; plane: share
-    of the variance of the heights that the best plane has; tilt: the same, 0 where the heights
-    without it would not be flat (a step is no tilt); unresolved: see UNRESOLVED, the larger one of
-    both axes.
+    medians, which a few outliers do not change; typical: how much neighbours differ; tilt: share of
+    the variance of the heights that a plane of the typical slope takes off, which a step has not;
+    unresolved: see UNRESOLVED, the larger one of both axes.
     """
 
     def __init__(self, found: Topography, comm: Any) -> None:
@@ -51,13 +49,11 @@ class MapQuality:
         edge_x = np.nan_to_num(_typical(ends))
         N = len(x) * len(y)
         variance = zz - z * z / N
-        slopes = [
-            part / (N / len(k) * (k @ k)) if len(k) > 1 else 0.0 for part, k in ((zx, x), (zy, y))
-        ]
-        plane = slopes[0] * zx + slopes[1] * zy
-        rest = np.subtract((slope_x, slope_y), slopes)
-        self.plane = float(plane / variance) if variance > 0 else 0.0
-        self.tilt = self.plane if np.linalg.norm(rest) <= FLAT * np.linalg.norm(slopes) else 0.0
+        taken = sum(  # by a plane of these slopes
+            slope * (2 * part - slope * (N / len(k)) * (k @ k))
+            for slope, part, k in ((slope_x, zx, x), (slope_y, zy, y))
+        )
+        self.tilt = max(float(taken / variance), 0.0) if variance > 0 else 0.0
         self.typical = max(one_x, one_y)
         least = ROUNDING * np.sqrt(zz / N)
         self.jumps = [

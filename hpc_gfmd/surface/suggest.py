@@ -62,9 +62,8 @@ def _by_heights(
     found.about.append(f"{heights.filled or 'no'} points without a height")
     if heights.filled and "fill" not in given:
         values["fill"], why["fill"] = "harmonic", f"{heights.filled} points have no height"
-    said = f"{100 * quality.plane:.0f} % of the variance of the heights is that of a plane"
-    step = quality.plane > TILT >= quality.tilt
-    found.about.append(said + ", but without it they would not be flat: a step?" * step)
+    said = f"{100 * quality.tilt:.0f} % of the variance of the heights is tilt"
+    found.about.append(said)
     out = outliers(heights, quality, SerialComm())
     if quality.tilt > TILT and "detrend" not in given:
         values["detrend"], why["detrend"] = "tilt", said

@@ -41,12 +41,6 @@ def matrix(body, grid):
     return out
 
 
-@pytest.mark.parametrize("name", body_classes())
-def test_by_name(name):
-    assert body_classes()[name].name == name
-    assert body_classes()[name].examples()
-
-
 @every_body
 def test_is_a_value(body):
     """Equal bodies are one key; so are their tables."""
@@ -105,18 +99,6 @@ def test_compliance_is_the_inverse(body, n, sizes, dtype):
     assert pSp == pytest.approx(np.vdot(p, back), rel=tolerance)
     elastic.pressure_rows(lambda i0, i1, x: np.copyto(x[: i1 - i0], p[i0:i1]))
     assert elastic.compliance_columns() == pytest.approx(pSp, rel=1e-5)
-
-
-@every_body
-@every_grid
-def test_weights(body, n, sizes):
-    """One for each level, the finest one 1, all positive; infinite where a level has nothing to
-    add."""
-    grid = Grid(n, sizes)
-    weights = body.weights(grid)
-    assert len(weights) == len(levels(grid))
-    assert weights[0] == 1
-    assert (weights > 0).all()
 
 
 @every_body

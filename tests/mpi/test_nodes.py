@@ -7,7 +7,7 @@ import os
 
 import numpy as np
 import pytest
-from contacts import rough, solve_scene, sweep_of
+from contacts import rough, sweep_of
 from nodes import NODES, PER_NODE, on_pretended_nodes
 
 from hpc_gfmd.parallel import shared
@@ -93,16 +93,6 @@ def test_messages_are_those_between_nodes(machines, nodes):
             one.traffic for one in busiest(sweep.surface.grid.n, sweep.dtype, machines.size, **how)
         ]  # what `plan` says
         assert tuple(machines.max(share.traffic)) == tuple(map(max, zip(*most, strict=True)))
-
-
-@on_nodes
-def test_same_contact(machines):
-    found, wanted = (
-        solve_scene(rough(), 0.1, comm=c, residual=1e-11, precision="double")
-        for c in (machines, SerialComm())
-    )
-    assert found.contact_points == wanted.contact_points
-    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-10)
 
 
 def test_no_memory_in_common(comm, monkeypatch):

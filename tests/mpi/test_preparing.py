@@ -10,7 +10,6 @@ from hpc_gfmd.parallel.layout import row_starts
 from hpc_gfmd.scene import File
 from hpc_gfmd.surface import build_surface
 from hpc_gfmd.surface.prepare import prepare
-from hpc_gfmd.surface.quality import MapQuality
 from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.errors import SceneError
 
@@ -129,22 +128,6 @@ def test_resampled(prepared):
         SceneError, match=r"surface.downsample: found 4, allowed: a divisor of 14 and of 10"
     ):
         prepared(series(N, 0), downsample=4)
-
-
-def test_whether_it_is_periodic(prepared, comm):
-    """A random surface is; one with a tilt is not, until that is removed; a file that says so is
-    believed."""
-    x, y = np.meshgrid(np.arange(48) / 48, np.arange(40) / 40, indexing="ij")
-    z = sum(np.cos(2 * np.pi * (k * x + (3 - k) * y) + k * k) for k in range(1, 4))
-    _, topography, _ = prepared(z)
-    assert max(MapQuality(topography, comm).jumps) < 2
-    for tilted in (z + 9 * x, z - 9 * y):
-        with pytest.raises(SceneError, match=r"surface.boundary: found nothing, and edges along"):
-            prepared(tilted)
-        assert np.array_equal(prepared(tilted, boundary="periodic")[0], tilted)
-        prepared(tilted, detrend="tilt")
-    _, tilted, _ = prepared(z + 9 * x, boundary="periodic")
-    assert MapQuality(tilted, comm).jumps[0] > 20
 
 
 def test_all_of_it_on_any_number_of_ranks(prepared, comm):

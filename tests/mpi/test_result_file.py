@@ -214,28 +214,6 @@ def test_damage_on_one_rank_stops_all(comm, shared_path):
         comm.barrier()
 
 
-def test_memory_that_one_rank_lacks_stops_all(comm, shared_path, monkeypatch):
-    """No rank waits in a collective read for the one that cannot take part."""
-    whole, rows, path = field((40, 30)), slab(comm, 40), shared_path / "scarce.h5"
-    h5.write_file(comm, path, (40, 30), rows, {"u": whole[slice(*rows)]})
-    stored, calls = h5.Stored(path, "u", (40, 30), whole.dtype, checksum(path, "u")), []
-
-    class Scarce:
-        def __getattr__(self, name):
-            return getattr(np, name)
-
-        def empty(self, *args):
-            calls.append(args)
-            if len(calls) == 2:  # the first is for all of the slab
-                raise MemoryError("Unable to allocate 64 MiB")
-            return np.empty(*args)
-
-    if comm.rank == comm.size - 1:
-        monkeypatch.setattr(h5, "np", Scarce())
-    with pytest.raises(GfmdError, match=r"reading .*scarce\.h5: out of memory"):
-        stored.slab(comm, rows)
-
-
 def test_errors_are_agreed(comm, shared_path, monkeypatch):
     """What fails on one rank fails on all, and what was there before is untouched."""
     rows, n, last = slab(comm, 7), (7, 5), comm.rank == comm.size - 1

@@ -70,29 +70,6 @@ def test_same_as_the_default_solver(kind, size):
         assert certificate.load_balance < 1e-8
 
 
-@every_kind
-def test_single_precision(kind):
-    problem = problem_of(ROUGH["64"], 0.05, np.float32)
-    found = solved(problem, *KINDS[kind], residual=1e-4)
-    assert found.g.dtype == found.p.dtype == np.float32
-    _, certificate = contact_pressure(found)
-    assert certificate.residual < 5e-4
-    wanted = solved(problem_of(ROUGH["64"], 0.05), "bpx")
-    assert found.progress().gap_mean == pytest.approx(wanted.progress().gap_mean, rel=1e-3)
-
-
-@every_kind
-def test_another_load_without_an_fft(kind):
-    problem = problem_of(ROUGH["64"], 0.1)
-    solver = solved(problem, *KINDS[kind])
-    pairs = solver.pairs
-    solver.continue_at(0.11)
-    assert solver.pairs == pairs
-    while solver.progress().residual > 1e-9:
-        solver.step()
-    assert_same(solver, solved(problem_of(ROUGH["64"], 0.11), "bpx", residual=1e-11, most=60), 1e-7)
-
-
 @pytest.mark.parametrize(
     ("kind", "each"), [("gfmd", 1), ("fire", 1), ("ccg", 2), ("ccg-preconditioned", 3)]
 )

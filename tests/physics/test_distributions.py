@@ -34,26 +34,6 @@ def test_histograms(made, name):
     assert np.sum(density * np.diff(edges)) == pytest.approx(1)
 
 
-def test_bins_of_pressure(made):
-    """64 to 128 of one width, a power of two times E* g_rms."""
-    edges = all_distributions()["pressure"](made[0])["edges"]
-    widths = np.diff(edges)
-    assert widths == pytest.approx(widths[0])
-    assert np.log2(widths[0] / UNITS[0]) == pytest.approx(np.round(np.log2(widths[0] / UNITS[0])))
-    assert 60 <= len(widths) <= 128
-
-
-def test_bins_of_gap(made):
-    """Four in a factor of two; gaps that are all rounding are in the first."""
-    edges = all_distributions()["gap"](made[0])["edges"]
-    assert np.log2(edges[1:] / edges[:-1])[1:] == pytest.approx(0.25)
-    g, q = random_fields(N)
-    g[g > 0] *= 1e-9
-    tiny = all_distributions()["gap"](contact_of(g, q))
-    assert len(tiny["density"]) == 1
-    assert tiny["edges"][0] == 0
-
-
 def test_narrow_and_empty():
     """In full contact bins begin near the lowest pressure; where nothing is to be counted there is
     nothing."""

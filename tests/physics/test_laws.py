@@ -86,20 +86,6 @@ def test_accuracy_is_kept():
             assert max(found.certificate.errors) < accuracy
 
 
-@pytest.mark.parametrize("scale", [1e-6, 7.0, 1e8])
-def test_units(scale):
-    """Heights of other slopes, and lengths in other units, give the same contact; for more units
-    see tests/unit/scene/test_units.py."""
-    z, p = heights_of(SURFACE), 0.1
-    true = exact(z, p)
-    flatter = exact(z * scale, p * scale)
-    assert flatter.a_r == true.a_r
-    assert flatter.gap_mean == pytest.approx(true.gap_mean * scale, rel=1e-9)
-    larger = exact(z * scale, p, sizes=(scale, scale))
-    assert larger.p_star == pytest.approx(true.p_star, rel=1e-12)
-    assert larger.gap_mean == pytest.approx(true.gap_mean * scale, rel=1e-9)
-
-
 @pytest.mark.parametrize("n", [(32, 32), (27, 32), (15, 21)], ids=str)
 def test_translation_transposition_reflection(n):
     z, sizes = random_heights(n, seed=8), (1.0, 1.4)

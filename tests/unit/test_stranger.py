@@ -54,22 +54,21 @@ def test_six_lines_of_python(folder):
     first, *rest = run(folder, "six.py").splitlines()
     scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
     solution = hpc_gfmd.solve(scan, LOAD, MODULUS)
-    assert first == f"a_r = {100 * solution.a_r:.2f} %"
-    assert 1 < 100 * solution.a_r < 50
+    area = float(re.fullmatch(r"a_r = ([\d.]+) %", first)[1]) / 100
+    assert area == pytest.approx(solution.a_r, rel=1e-2)
+    assert 0.01 < area < 0.5
     assert all(word in "".join(rest) for word in ("edges", "density"))
     assert (folder / "pressure.png").read_bytes().startswith(b"\x89PNG")
     texts = [text.get_text() for text in solution.plot("pressure").findobj(Text)]
     assert any("(MPa)" in text for text in texts)
     assert {"$x$ (µm)", "$y$ (µm)"} <= set(texts)
-    sizes = solution.distribution("patches")
-    assert 0 < sizes["edges"][0] <= sizes["edges"][-1] < SIZE**2
-    assert np.diff(sizes["edges"]) @ sizes["density"] == pytest.approx(1)
 
 
 def test_a_scene_of_eight_lines(folder):
     (folder / "scene.toml").write_text(TOML)
     told = run(folder, "-m", "hpc_gfmd", "run", "scene.toml")
-    pictures = run(folder, "-m", "hpc_gfmd", "plot", "contact.h5").split()
+    pictures = re.findall(r"^\S+\.png$", run(folder, "-m", "hpc_gfmd", "plot", "contact.h5"), re.M)
+    assert len(pictures) == 2
     assert all((folder / name).is_file() for name in pictures)
     (solution,) = hpc_gfmd.load(folder / "contact.h5")
     assert f"{100 * solution.a_r:.2f} " in told.replace("+-", " ")
@@ -78,7 +77,8 @@ def test_a_scene_of_eight_lines(folder):
     python = hpc_gfmd.solve(
         hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free"), LOAD, MODULUS
     )
-    assert (solution.a_r, solution.status) == (python.a_r, "converged")
-    assert solution.distributions["patches"]["density"] == pytest.approx(
-        python.distribution("patches")["density"]
-    )
+    assert solution.status == "converged"
+    assert solution.a_r == pytest.approx(python.a_r, rel=1e-2)
+    sizes = solution.distributions["patches"]
+    assert 0 < sizes["edges"][0] <= sizes["edges"][-1] < SIZE**2
+    assert np.diff(sizes["edges"]) @ sizes["density"] == pytest.approx(1)

@@ -4,7 +4,6 @@ import io
 import shlex
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from contacts import scene_text
@@ -12,7 +11,6 @@ from mpi_harness import call, environment, missing
 
 import hpc_gfmd
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.util.streams import Stream
 
 SCENE = scene_text(title="Fl\u00e4che \u0394")
 ASCII = {"PYTHONIOENCODING": "ascii", "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
@@ -124,20 +122,3 @@ def test_a_run_from_python(folder, monkeypatch, error):
     monkeypatch.setattr(sys, "stderr", None)
     assert hpc_gfmd.run(folder / "scene.toml", out=folder / "a.h5").status == "converged"
     assert sys.stderr is None
-
-
-def test_only_what_is_lost_is_lost():
-    inside = Broken(BrokenPipeError())
-    stream = Stream(inside)
-    for text in ("first ", "second ", "too much for it", "fits, but comes too late"):
-        assert stream.write(text) == len(text)
-    assert inside.getvalue() == "first second "
-    assert isinstance(stream.lost, BrokenPipeError)
-    assert not stream.isatty()
-    narrow = io.TextIOWrapper(io.BytesIO(), "ascii")
-    stream = Stream(narrow)
-    stream.write("20 \u00b5m\n")
-    stream.flush()
-    assert narrow.buffer.getvalue() == b"20 \\xb5m\n"
-    assert stream.lost is None
-    assert Path(Stream(sys.__stdout__).name).name == Path(sys.__stdout__.name).name

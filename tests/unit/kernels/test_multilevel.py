@@ -42,19 +42,6 @@ def test_transfers_are_adjoint(random, n):
     assert np.vdot(R, y) * ratio == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)
 
 
-@pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 3.0)])
-@pytest.mark.parametrize("n", SIZES, ids=str)
-def test_hierarchy(n, sizes):
-    hierarchy = levels(Grid(n, sizes))
-    assert hierarchy[0].n == n
-    assert hierarchy[0].q == pytest.approx(Grid(n, sizes).q_nyquist, rel=1e-12)
-    assert hierarchy[-1].n == (1, 1)
-    for fine, coarse in zip(hierarchy, hierarchy[1:], strict=False):
-        assert all(c in (f, (f + 1) // 2) for f, c in zip(fine.n, coarse.n, strict=True))
-        assert coarse.n != fine.n
-        assert 0 < coarse.q <= fine.q * 1.01
-
-
 def by_matrices(grid, r, theta, level=0):
     """M' r by the recursion z_l = r_l/(weight_l + c theta_l) + w P z_(l+1), from a level on."""
     hierarchy = levels(grid)

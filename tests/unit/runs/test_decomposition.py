@@ -9,11 +9,7 @@ import numpy as np
 import pytest
 from contacts import rough
 
-from hpc_gfmd.bodies.halfspace import HALF_SPACE
-from hpc_gfmd.operators.multilevel import Multilevel
-from hpc_gfmd.parallel.fft import SlabFFT
-from hpc_gfmd.parallel.grid import Grid
-from hpc_gfmd.runs.decomposition import Share, busiest, share_of
+from hpc_gfmd.runs.decomposition import busiest, share_of
 from hpc_gfmd.scene import Scene
 
 MIB = 2**20
@@ -74,29 +70,6 @@ def test_everything_has_one_owner(n, ranks):
                     assert step.windows.sent_rows(adding).get(b, 0) == of_other.windows.sent_rows(
                         not adding
                     ).get(a, 0)
-
-
-@pytest.mark.parametrize("ranks", [1, 3])
-def test_bytes_are_those_that_are_held(ranks):
-    n = (96, 80)
-    grid = Grid(n)
-    share = Share(grid, np.dtype(np.float32))
-    levels = Multilevel(grid, HALF_SPACE, np.float32, 32)
-    assert share.level_bytes == levels.nbytes - levels.edges.nbytes
-    fft = SlabFFT(grid.comm, n, grid.starts, np.float32, 2)
-    assert share.layout.bytes + 2 * share.layout.scratch_bytes == fft.nbytes
-
-
-@pytest.mark.parametrize(
-    ("n", "ranks"), [((96, 80), 6), ((201, 301), 12), ((512, 512), 60), ((1000, 1000), 96)], ids=str
-)
-@pytest.mark.parametrize("per_node", [1, 4, 16, 96])
-def test_nobody_sends_more_than_the_busiest(n, ranks, per_node):
-    everybody = [
-        share_of(n, np.float32, ranks, rank, per_node=per_node).traffic for rank in range(ranks)
-    ]
-    chosen = [share.traffic for share in busiest(n, np.float32, ranks, per_node)]
-    assert list(map(max, zip(*chosen, strict=True))) == list(map(max, zip(*everybody, strict=True)))
 
 
 def test_plan_says_it(tmp_path, cli, monkeypatch):

@@ -30,20 +30,3 @@ def test_compiling_is_announced_once_and_only_if_something_is_compiled(
     assert len(told) == 1
     with cache.announced(None):
         assert numba.njit(lambda x: -x)(1) == -1
-
-
-def test_a_run_hands_its_voice_to_the_compiler(monkeypatch, capsys):
-    from hpc_gfmd.driver import warmup
-    from hpc_gfmd.runs import simulation
-    from hpc_gfmd.scene import Scene
-
-    monkeypatch.setattr(warmup, "_tiny_contact", lambda *_: numba.njit(lambda x: x * 3)(1))
-    scene = Scene.from_dict(
-        {
-            "surface": {"kind": "wave", "amplitude": 0.1, "n": [8, 8]},
-            "load": {"p_star": 0.1},
-            "output": {"path": "a.h5"},
-        }
-    )
-    simulation.run_scene(scene)
-    assert capsys.readouterr().out.startswith("compiling")

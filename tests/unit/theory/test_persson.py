@@ -127,23 +127,6 @@ def test_pressure_distribution():
     assert persson.pressure_distribution([-1.0, 0.0, 1e200], 0.1).tolist() == [0, 0, 0]
 
 
-def test_units_of_the_gap():
-    for hurst in (0, 0.4, 1):
-        ratio = persson.mean_gap(0.1, hurst, 1e-4) / persson.mean_gap(
-            0.1, hurst, 1e-4, unit="g_rms_lam_s"
-        )
-        assert ratio == pytest.approx(persson.g_rms_lam_s_over_h_rms(hurst, 1e-4), rel=1e-12)
-    assert persson.g_rms_lam_s_over_h_rms(0.8, 1e-12) == pytest.approx(
-        2 * np.pi * 2 * 1e-12**0.8, rel=1e-4
-    )
-    assert persson.g_rms_lam_s_over_h_rms(0, 1e-9) == pytest.approx(
-        2 * np.pi / np.sqrt(18 * np.log(10))
-    )
-    assert persson.g_rms_lam_s_over_h_rms(1, 1e-9) == pytest.approx(
-        2e-9 * np.pi * np.sqrt(18 * np.log(10))
-    )
-
-
 @pytest.mark.parametrize("hurst", [0, 0.3, 0.8, 1])
 def test_spectrum_reproduces_the_self_affine_surface(hurst):
     p, eps_f, q_l = np.geomspace(1e-3, 3, 8), 1 / 200, 3.0
