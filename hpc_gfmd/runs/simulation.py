@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..contact.contact import Contact, heights_of
+from ..driver.load_target import LoadTarget
 from ..driver.precision import first_precision
-from ..driver.prescribed import Prescribed
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import HEAD, clear, is_held, partial_folder
@@ -148,7 +148,7 @@ class _Run:
         known = file.earlier.get("heights")
         if (known is not None or file.finished) and (known or None) != surface.checksum:
             raise SceneError(OTHER_HEIGHTS.format(file.partial))
-        self._require_storable(*(load for load in self.loads if not isinstance(load, Prescribed)))
+        self._require_storable(*(load for load in self.loads if not isinstance(load, LoadTarget)))
         attributes = surface_attributes(scene, surface)
         self.table = GrowingTable(attributes)
         file.update(
