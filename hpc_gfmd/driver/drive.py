@@ -11,11 +11,10 @@ import numpy as np
 
 from ..certificate.certificate import Certificate, certify
 from ..certificate.criterion import Target
+from .load import GivenLoad
 
 if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
-    from .closing import Closing
-    from .search import Search
 
     Watch = Callable[[int, Progress], Any]
 
@@ -67,25 +66,23 @@ def drive(
     target: Target,
     watch: Watch | None = None,
     loop: LoopState | None = None,
-    search: Search | Closing | None = None,
+    load: GivenLoad | None = None,
 ) -> tuple[str, Certificate, float]:
     """Iterate; returns the status of the load, see contact.Contact, its certificate, and the FFT
     pairs that certificates took. watch(iterations, progress), if given, is called after every step
     and returns a true value to stop.
 
-    search: for the load, where that is not given.
-
-    loop: the LoopState of this load where its beginning was before a checkpoint; it is kept up to
-    date. On return solver.p is the fresh pressure of the certificate, in the solver's precision.
+    load: a search for it, where it is not given; loop: the LoopState of this load where its
+    beginning was before a checkpoint, which is kept up to date. On return solver.p is the fresh
+    pressure of the certificate, in the solver's precision.
     """
     loop = loop or LoopState(best_at=solver.iterations)
+    load = load or GivenLoad(solver.p0)
     progress = solver.progress()
     while True:
         status = None
         done = solver.iterations
-        if search is not None and search.adjust(
-            solver, progress, _measure(progress, target) < loop.threshold
-        ):
+        if load.adjust(solver, progress):
             loop.begin_again(done)
             progress = solver.progress()
         measure = _measure(progress, target)
@@ -97,14 +94,13 @@ def drive(
             status = "nonfinite"
         elif (
             measure < loop.threshold
-            and (search is None or search.may_be_met)
-            and _area_may_be_known(solver, progress, target)
+            and (target.accuracy is None or load.may_be_met(solver, progress, target.accuracy))
         ) or (unknown and done >= loop.next_check):
             certificate = certificate_of(solver, target)
             loop.checks += certificate.pairs
-            left = _left(target, certificate)
-            met = search is None or search.met(solver, certificate)
-            if left < 1 and met:
+            solved = _left(target, certificate)
+            left = max(solved, load.learn(solver, certificate))
+            if left < 1:
                 return _status(target, certificate), certificate, loop.checks
             if not left < 1 and measure < loop.threshold:
                 error = certificate.errors[2] if target.residual is None else certificate.residual
@@ -120,14 +116,8 @@ def drive(
                 solver.refresh(certificate.uKu)
             else:
                 solver.resume()
-            if (
-                search is not None
-                and not met
-                and search.correct(solver, certificate, sure=left < 1)
-            ):
+            if load.correct(solver, certificate, solved < 1):
                 loop.begin_again(done)
-            elif left < 1:
-                return "stagnated", certificate, loop.checks
             loop.next_check = CHECK_GROWTH * done + 1
         elif done >= target.max_iterations:
             status = "max_iterations"
@@ -137,12 +127,8 @@ def drive(
             status = "interrupted"
         if status is not None:
             certificate = certificate_of(solver, target)
-            met = search is None or search.met(solver, certificate)
-            if (
-                status not in ("nonfinite", "interrupted")
-                and met
-                and _left(target, certificate) < 1
-            ):
+            met = max(_left(target, certificate), load.learn(solver, certificate)) < 1
+            if met and status not in ("nonfinite", "interrupted"):
                 status = _status(target, certificate)
             return status, certificate, loop.checks + certificate.pairs
         solver.step()
@@ -178,14 +164,6 @@ def _measure(progress: Progress, target: Target) -> float:
         return UNKNOWN
     gap, pressure, attainable, *_ = progress.estimate
     return _beyond(target, (0.0, min(gap, 1.0), pressure), attainable)
-
-
-def _area_may_be_known(solver: Solver, progress: Progress, target: Target) -> bool:
-    """Whether the certificate may find the area as accurate as asked: a look at all points, but no
-    transform."""
-    if target.accuracy is None or target.closes or progress.estimate is None:
-        return True
-    return solver.expected_area(progress.estimate.squares) < target.accuracy
 
 
 def _left(target: Target, certificate: Certificate) -> float:

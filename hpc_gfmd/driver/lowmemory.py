@@ -24,7 +24,6 @@ from ..util.errors import SceneError
 from .drive import certificate_of
 from .nested import Nested
 from .precision import NOISE_IN_TURN, counting
-from .search import Search
 from .sweep import Sweep
 
 if TYPE_CHECKING:
@@ -40,7 +39,7 @@ class LowMemorySweep(Sweep):
         self.dtype = np.dtype(dtype)
         self.solver = None
         self.surface = self.make_surface(self.dtype)
-        self.__dict__.pop("_wall", None)
+        self.__dict__.pop("_heights", None)
         if (
             self.surface.add_spectrum is None and not self.surface.grid.padded
         ) or self.solver_class.name != "bpx":
@@ -67,13 +66,9 @@ class LowMemorySweep(Sweep):
         problem = replace(problem, h=h)
         memory = None if self.surface.grid.padded else h
         g, h_rms = memory, problem.root_mean_square
-        wall = (
-            self._wall if isinstance(self._search, Search) else None
-        )  # of the heights, as long as they are there
         if arrays is None:
             g = self._starting_gap(problem, memory)
-            if isinstance(self._search, Search) and wall is not None:
-                problem = replace(problem, p0=self._search.on_next_grid(wall))
+            problem = replace(problem, p0=self._load.on_finest_grid())
         if memory is not None:
             self.surface = replace(self.surface, h=None)
             problem = replace(

@@ -26,12 +26,11 @@ from ..parallel import interrupt
 from ..parallel.coarsening import gathered, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import Windows, neighbours, rows_of
-from .wall import Wall
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..solvers.base import Solver
-    from .search import Search
+    from .load import GivenLoad
 
     MakeSolver = Callable[[Problem], Solver]
 
@@ -175,19 +174,16 @@ class Nested:
         self,
         problem: Problem,
         make_solver: MakeSolver,
+        load: GivenLoad,
         into: np.ndarray | None = None,
-        search: Search | None = None,
     ) -> tuple[np.ndarray, float]:
         """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in
         pairs of that grid.
 
-        into: memory for the gap; may be that of problem.h, which is then lost. search: the
-        search.Search for the load, where that of the problem is but a guess. Raises Stopped on all
-        ranks when the run is to stop.
+        into: memory for the gap; may be that of problem.h, which is then lost. load: as it is
+        searched for on every grid. Raises Stopped on all ranks when the run is to stop.
         """
         if self.step is None:
-            if search is not None:
-                search.on_coarsest_grid()
             g = cold_gap(problem)
             if into is not None:
                 into[...] = g
@@ -196,12 +192,9 @@ class Nested:
         full = pairs = stopped = 0.0
         if coarse is not None and self.coarser is not None:
             try:
-                g, pairs = self.coarser.start(coarse, make_solver, search=search)
-                if search is not None:
-                    coarse = replace(
-                        coarse, p0=search.on_next_grid(Wall.of(coarse.grid, coarse.heights))
-                    )
-                solver = _roughly_solved(coarse, make_solver, g, self.reduction, search)
+                g, pairs = self.coarser.start(coarse, make_solver, load=load)
+                coarse = load.on_grid(coarse)
+                solver = _roughly_solved(coarse, make_solver, g, self.reduction, load)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
                 full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
             except interrupt.Stopped as found:
@@ -211,8 +204,7 @@ class Nested:
         )  # rank 0 has a part in all grids
         if stopped:
             interrupt.stop(int(stopped))
-        if search is not None and problem.grid.comm.size > 1:
-            search.agree(problem.grid.comm)
+        load.agree(problem.grid.comm)
         return _prolong(problem, self.step, coarse, solver, bool(full), into), float(pairs)
 
     def may_be_full(self, problem: Problem) -> tuple[bool, float]:
@@ -235,17 +227,17 @@ def _roughly_solved(
     make_solver: MakeSolver,
     g: np.ndarray,
     reduction: float,
-    search: Search | None,
+    load: GivenLoad,
 ) -> Solver:
-    """A solver that has come from the gap g to a residual that is so much smaller, and to the load
-    that `search`, if any, is after."""
+    """A solver that has come from the gap g to a residual that is so much smaller, and to a load
+    that is near enough."""
     solver = make_solver(problem)
     solver.start(g)
     progress = solver.progress()
     enough = reduction * min(progress.residual, LARGE)
     for _ in range(ITERATIONS):
         interrupt.check(problem.grid.comm)
-        near = search is None or search.near(solver, progress)
+        near = load.near(solver, progress)
         if not progress.finite or (near and progress.residual <= enough):
             break
         solver.step()

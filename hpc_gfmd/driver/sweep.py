@@ -20,17 +20,14 @@ from ..parallel import interrupt
 from ..solvers import solver_class
 from ..surface.units import require_range, single_solves
 from ..util.errors import SceneError
-from .area import AreaSearch
-from .closing import Closing, closing_pressure, flat_solution
-from .curve import Curve
 from .drive import LoopState, drive
+from .full_contact import CLOSED, FullContact
+from .load import ClosingLoad, GivenLoad, HeightStatistics
+from .load_quantities import OpeningSearch, restored, search_for
+from .load_search import LoadSearch
+from .load_target import LoadTarget, load_targets
 from .nested import Nested, cold_gap
-from .opening import Opening, nearly_closes
 from .precision import NOISE, counting, few_points, first_precision, too_little
-from .prescribed import Prescribed, prescribed
-from .search import Search
-from .searches import numbers_of, restored
-from .wall import Wall
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
@@ -52,6 +49,7 @@ SAME_LOAD = (
     1e-9  # relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
 )
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
+NEARLY = 0.2  # of E* g_rms: full contact takes 0.3 to 20
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
 
@@ -87,14 +85,15 @@ class Sweep:
         self.target = Target(
             settings.accuracy, settings.residual, settings.max_iterations, duality=duality
         )
-        self._search: Search | Closing | None = None
+        self._load = GivenLoad(1.0)
+        self._failed = False
         self._punch: np.ndarray | None = None  # see _flat_solution
-        self._curve, self._failed = Curve(), False
+        self._history: list[dict[str, float]] = []  # what the last two loads gave
         self._set_precision(first_precision(settings))
 
-    def pressures(self, load: Load) -> Sequence[float | Prescribed]:
+    def pressures(self, load: Load) -> Sequence[float | LoadTarget]:
         """What `solve` takes for the loads of scene.Load on this surface: mean pressures, or
-        Prescribed where they have to be found.
+        LoadTarget where they have to be found.
 
         Raises SceneError for what a flat surface does not have, what the precision cannot hold, and
         what no pressure gives.
@@ -120,55 +119,34 @@ class Sweep:
             else np.float64
         )
         resolution = LENGTHS * float(np.finfo(best).eps) / self.settings.tolerance
-        return pressures or prescribed(name, values, self.surface, self._wall, resolution)
+        top = 0.0 if name == "a_r" else self._heights.top * self.surface.slope
+        return pressures or load_targets(name, values, self.surface, top, resolution)
 
     def solve(
-        self, load: float | Prescribed, watch: Watch | None = None, midway: bool = False
+        self, load: float | LoadTarget, watch: Watch | None = None, midway: bool = False
     ) -> Contact:
-        """The contact at a load: a mean pressure (unit of E_star), or Prescribed.
+        """The contact at a load: a mean pressure (unit of E_star), or LoadTarget.
 
         watch(iterations, progress) is called after every iteration, a true value stops. midway: go
         on where `restore` went back to.
         """
         if self._is_flat:
-            assert not isinstance(load, Prescribed)  # refused by `pressures`
+            assert not isinstance(load, LoadTarget)  # refused by `pressures`
             return self._flat(load)
-        if midway and isinstance(load, Prescribed) and self._search is None:
-            load = self.solver.p0 * self.E_star * self.surface.slope
         if not midway:
             self._forget_failure()
-            self._spent, self._search = 0.0, None
-            if (
-                isinstance(load, Prescribed)
-                and load.closes
-                and (self.closes or self.solver_class.holds_tension)
-            ):
-                self._search = Closing(self.settings.tolerance, self._flat_solution())
-                load = self._closing_pressure() if self.closes else load
-            elif (
-                isinstance(load, Prescribed)
-                and nearly_closes(load, self.surface, self.body)
-                and self.solver_class.holds_tension
-            ):
-                closed = self.solve(
-                    Prescribed("a_r", 1.0), lambda *_: interrupt.check(self.surface.grid.comm)
-                )
-                self._spent = closed.pairs
-                self._search = Opening.of(load, closed, self._wall)
-            elif isinstance(load, Prescribed):
-                self._search = self._curve.search(
-                    load, self.surface, self._wall, self.settings.tolerance
-                )
+            self._spent = 0.0
+            self._load = self._load_for(load)
         promote = self.settings.precision == "auto" and self.dtype == np.float32
-        if promote and not midway and self._too_little(self._p_star(load)):
+        if promote and not midway and self._too_little():
             self._set_precision(np.float64)
             promote = False
-        contact = self._solve(load, watch, midway, promote)
+        contact = self._solve(watch, midway, promote)
         if promote and (contact is None or _needs_double(contact)):
             self._spent = self._spent if contact is None else contact.fft_pairs
             contact = None  # its fields make room
             self._set_precision(np.float64)
-            contact = self._solve(load, watch, False)
+            contact = self._solve(watch, False)
         assert contact is not None  # without `promote` there is one
         self._failed = contact.status not in ("converged", "interrupted")
         return contact
@@ -176,16 +154,38 @@ class Sweep:
     def _forget_failure(self) -> None:
         """After a load that failed the next one starts afresh."""
         if self._failed:
-            self.solver, self._curve, self._failed = None, Curve(), False
+            self.solver, self._failed = None, False
 
-    def _too_little(self, p_star: float) -> bool:
-        """Whether single precision is too little for a load."""
-        N = self.surface.grid.N
-        for_area = self._search.target / 2 if isinstance(self._search, AreaSearch) else p_star
-        return too_little(self.settings, N, for_area)
+    def _load_for(self, load: float | LoadTarget) -> GivenLoad:
+        """What finds the load."""
+        if not isinstance(load, LoadTarget):
+            return GivenLoad(load / (self.E_star * self.surface.slope))
+        tolerance, heights = self.settings.tolerance, self._heights
+        if load.quantity == "a_r" and load.value == 1:
+            if self.closes:
+                return ClosingLoad(self._closing_pressure())
+            if self.solver_class.holds_tension:
+                return FullContact(tolerance, self._flat_solution())
+        known = (tolerance, self.settings.accuracy is not None, heights)
+        if load.quantity == "gap_mean" and self.solver_class.holds_tension:
+            single = load.value / self.surface.height_unit * self.surface.grid.N
+            opens = single * float(self.body.near(self.surface.grid)[0])  # a single point so far
+            if opens < NEARLY:
+                closed = self.solve(
+                    LoadTarget("a_r", 1.0), lambda *_: interrupt.check(self.surface.grid.comm)
+                )
+                self._spent = closed.pairs
+                closes_at = closed.p_mean / closed.pressure_unit
+                target = load.value / self.surface.slope
+                return OpeningSearch.below(closes_at, opens, target, known)
+        return search_for(load, self.surface, known, self._history)
+
+    def _too_little(self) -> bool:
+        """Whether single precision is too little for the load."""
+        return too_little(self.settings, self.surface.grid.N, self._load.half_area)
 
     def state(
-        self, upcoming: float | Prescribed | None = None
+        self, upcoming: float | LoadTarget | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """What `restore` needs to go on in the present load or, given the load that is upcoming, at
         its beginning: local slabs by name, and numbers."""
@@ -195,7 +195,7 @@ class Sweep:
         numbers: dict[str, Any] = {
             "dtype": self.dtype.name,
             "heights": self.surface.checksum,
-            "curve": vars(self._curve),
+            "history": self._history,
         }
         if upcoming is None or self._may_start_here(upcoming):
             arrays, own = self.solver.state()
@@ -205,11 +205,11 @@ class Sweep:
                 "loop": asdict(self.loop),
                 "spent": self._spent,
                 "pairs": self.solver.pairs - self._first_pairs,
-                "search": self._search and numbers_of(self._search),
+                "search": self._load.numbers(),
             }
         return arrays, numbers
 
-    def restore(self, arrays: Slabs, numbers: dict[str, Any], load: float | Prescribed) -> None:
+    def restore(self, arrays: Slabs, numbers: dict[str, Any], load: float | LoadTarget) -> None:
         """Go back to a `state`, perhaps of another number of ranks; load: what is asked for at that
         load, as `solve` has it.
 
@@ -220,70 +220,60 @@ class Sweep:
         if numbers["dtype"] != self.dtype:
             self._set_precision(numbers["dtype"])
         try:
-            self._curve = Curve(**numbers["curve"])
+            self._history = list(numbers["history"])
             found = numbers.get("search")
-            closes = found and found["kind"] == Closing.kind
-            self._search = (
-                Closing(self.settings.tolerance, self._flat_solution())
-                if closes
-                else found and restored(found)
-            )
+            if found and found["kind"] == "full contact":
+                self._load = FullContact(self.settings.tolerance, self._flat_solution())
+            else:
+                self._load = restored(found) if found else GivenLoad(numbers.get("p0", 1.0))
         except (KeyError, TypeError):
             raise SceneError(OTHER_VERSION) from None
         if "p0" in numbers:
             self._spent = numbers.get("spent", 0.0)
             p0 = numbers["p0"]
-            if "loop" in numbers and not isinstance(
-                load, Prescribed
-            ):  # in the middle of this load, not at its beginning
+            if "loop" in numbers and not isinstance(load, LoadTarget):
+                # in the middle of this load, not at its beginning
                 p0 = self._p_star(load)
                 if not abs(p0 / numbers["p0"] - 1) < SAME_LOAD:
                     raise SceneError(
                         f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is"
                         " asked for"
                     )
+                self._load = GivenLoad(p0)
             self._begin(self._problem(p0), arrays, numbers)
 
     def _problem(self, p_star: float) -> Problem:
         return Problem(self.surface.grid, self.surface.h, p_star, body=self.body)
 
-    def _may_start_here(self, load: float | Prescribed) -> bool:
+    def _may_start_here(self, load: float | LoadTarget) -> bool:
         """Whether a load, or one that follows it if it closes the gap at once, may start from the
         present state."""
-        if self.solver is None or isinstance(load, Prescribed):
+        if self.solver is None or isinstance(load, LoadTarget):
             return self.solver is not None
         p_star = self._p_star(load)
         return self._near(p_star) or p_star >= self.body.full_p_star
 
-    def _p_star(self, load: float | Prescribed) -> float:
-        if not isinstance(load, Prescribed):
-            return load / (self.E_star * self.surface.slope)
-        assert self._search is not None
-        return self._search.p0
+    def _p_star(self, load: float) -> float:
+        return load / (self.E_star * self.surface.slope)
 
-    def _solve(
-        self, load: float | Prescribed, watch: Watch | None, midway: bool, promote: bool = False
-    ) -> Contact | None:
+    def _solve(self, watch: Watch | None, midway: bool, promote: bool = False) -> Contact | None:
         """promote: give None back where the search on coarser grids finds that single precision is
         too little."""
+        unit = self.E_star * self.surface.slope
         if not midway:
-            problem = self._problem(self._p_star(load))
-            if not isinstance(load, Prescribed):
-                full, pairs = self._full_contact(problem)
-                self._spent += pairs
-                if full is not None:
-                    return self._contact(load, *full, pairs=self._spent)
+            problem = self._problem(self._load.p0)
+            full, pairs = self._full_contact(problem)
+            self._spent += pairs
+            if full is not None:
+                return self._contact(self._load.p0 * unit, *full, pairs=self._spent)
             self._begin(problem)
-            if promote and isinstance(self._search, Search) and self._too_little(self._search.p0):
+            if promote and self._too_little():
                 return None
         solver = self.solver
-        status, certificate, pairs = drive(solver, self.target, watch, self.loop, self._search)
+        status, certificate, pairs = drive(solver, self.target, watch, self.loop, self._load)
         pairs = self._spent + (solver.pairs - self._first_pairs) + pairs
-        p_mean = (
-            solver.p0 * self.E_star * self.surface.slope if isinstance(load, Prescribed) else load
-        )
         return self._contact(
-            p_mean, solver.g, solver.p, status, certificate, solver.iterations, pairs
+            solver.p0 * unit, solver.g, solver.p, status, certificate, solver.iterations, pairs
         )
 
     def _contact(
@@ -296,7 +286,6 @@ class Sweep:
         iterations: int = 0,
         pairs: float = 0.0,
     ) -> Contact:
-        remark = self._search.note if self._search is not None else None
         contact = Contact(
             self.surface,
             self.E_star,
@@ -308,11 +297,18 @@ class Sweep:
             self.settings.tolerance,
             self.lam_s,
             self.body,
-            remark,
+            self._load.note,
             iterations,
             float(pairs),
         )
-        self._curve.add(np.log(p_mean / (self.E_star * self.surface.slope)), contact, self._search)
+        if status == "converged":
+            known = {
+                "x": float(np.log(p_mean / (self.E_star * self.surface.slope))),
+                "a_r": contact.contact_points / contact.N,
+                "gap_mean": certificate.gap_mean * self.surface.grid.a,
+                "approach": certificate.approach * self.surface.grid.a,
+            }
+            self._history = [*self._history[-1:], known]
         return contact
 
     def _begin(
@@ -324,8 +320,7 @@ class Sweep:
         g = None
         if arrays is None and not warm:
             g = self._starting_gap(problem, self.solver.g if self.solver is not None else None)
-            if isinstance(self._search, Search):
-                problem = replace(problem, p0=self._search.on_next_grid(self._wall))
+            problem = replace(problem, p0=self._load.on_finest_grid())
         if self.solver is None:
             self.solver = self._make(problem, g)
         self._reset_counts()
@@ -353,9 +348,7 @@ class Sweep:
         count."""
         double = self._rounding_counts(self.solver.problem_now)
         dtype = np.float64 if double else self.dtype.type
-        self.target = replace(
-            self.target, certificate_dtype=dtype, closes=isinstance(self._search, Closing)
-        )
+        self.target = replace(self.target, certificate_dtype=dtype, closes=self._load.closes)
 
     def _rounding_counts(self, problem: Problem) -> bool:
         """Whether rounding errors of the pressure may, which the certificate cannot tell from
@@ -382,15 +375,13 @@ class Sweep:
         self._first_pairs -= numbers.get("pairs", 0.0)
 
     def _starting_gap(self, problem: Problem, into: np.ndarray | None) -> np.ndarray:
-        if isinstance(self._search, Closing | Opening):
+        if self._load.from_full_contact:
             g = self.surface.grid.empty(self.dtype) if into is None else into
             g[...] = 0
             return g
         if self.nested is None:
-            if self._search is not None:
-                self._search.on_coarsest_grid()
             return cold_gap(problem)
-        g, pairs = self.nested.start(problem, self._make, into, self._search)
+        g, pairs = self.nested.start(problem, self._make, self._load, into)
         self._spent += pairs
         return g
 
@@ -401,9 +392,7 @@ class Sweep:
 
     def _goes_on_at(self, p_star: float) -> bool:
         """Whether a load starts from the present state."""
-        return (
-            self.solver is not None and not isinstance(self._search, Closing) and self._near(p_star)
-        )
+        return self.solver is not None and not self._load.closes and self._near(p_star)
 
     def _near(self, p_star: float) -> bool:
         ratio = p_star / self.solver.p0
@@ -415,18 +404,32 @@ class Sweep:
         return not self.surface.grid.padded
 
     def _closing_pressure(self) -> float:
-        """The least mean pressure (unit of E_star) at which u = -h is the solution."""
-        p0, pairs = closing_pressure(self._problem(1.0))
-        self._spent += pairs
-        return p0 * self.E_star * self.surface.slope
+        """The least load at which u = -h is the solution: the largest tension without any."""
+        problem = self._problem(1.0)
+        g, p = np.zeros_like(problem.heights), np.empty_like(problem.heights)
+        self._spent += certify(problem, g, p).pairs
+        tension, largest = problem.grid.comm.max(
+            [-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))]
+        )
+        return float(problem.p0 + tension + CLOSED * float(np.finfo(p.dtype).eps) * largest)
 
     def _flat_solution(self) -> np.ndarray | None:
-        """What a Closing needs, solved for once: None where the surface does not end.
+        """Solve once for what FullContact needs of a surface that ends; None of one that does not.
         Collective."""
-        if self.surface.grid.padded and self._punch is None:
+        surface, (rows, points) = self.surface, self.surface.grid.inside
+        if surface.grid.padded and self._punch is None:
             self.solver = None  # its memory is needed now
-            self._punch, pairs = flat_solution(self)
-            self._spent += pairs
+
+            def flat(dtype: np.dtype) -> Surface:
+                h = np.zeros((rows, points), dtype)
+                return replace(surface, h=h, h_rms=0.0, g_rms=0.0, checksum=None)
+
+            step = type(self)(flat, self.settings, body=self.body).solve(
+                1.0, lambda *_: interrupt.check(surface.grid.comm)
+            )
+            self._punch = step.g
+            self._punch[:rows, :points] = step.p[:rows, :points]
+            self._spent += step.pairs
         return self._punch
 
     def _full_contact(
@@ -435,7 +438,9 @@ class Sweep:
         """Whether u = -h is the solution, which needs no iteration; (g, p, status, certificate) or
         None, and the pairs spent on finding out."""
         pairs = 0.0
-        if not isinstance(self._search, Closing):
+        if isinstance(self._load, LoadSearch | FullContact):
+            return None, 0.0
+        if not self._load.closes:
             if problem.p0 < self.body.full_p_star:
                 return None, 0.0
             likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
@@ -459,7 +464,7 @@ class Sweep:
         self.surface = self.make_surface(dtype)
         if known not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
-        self.__dict__.pop("_wall", None)
+        self.__dict__.pop("_heights", None)
         if not self._is_flat:
             grid = self.surface.grid
             grid.fft(dtype)
@@ -469,10 +474,10 @@ class Sweep:
             self.nested = Nested(grid, dtype, self.settings.accuracy) if nests else None
 
     @cached_property
-    def _wall(self) -> Wall:
+    def _heights(self) -> HeightStatistics:
         """Where a load has to be found. Collective where it is first asked for."""
         surface = self.surface if self.surface.h is not None else self.make_surface(self.dtype)
-        return Wall.of(surface.grid, surface.gap)
+        return HeightStatistics.of(surface.grid, surface.gap)
 
     @property
     def _is_flat(self) -> bool:

@@ -3,7 +3,7 @@ surface."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import hypot, isfinite
+from math import hypot
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,11 +12,12 @@ from ..output.summary import converged
 from ..util.errors import SceneError
 from .context import FigureContext
 from .page import Page
-from .style import COLOURS, THEORY, WARNING, log_axis
+from .style import THEORY, WARNING, colour, log_axis
 from .theories import Theory
-from .units import Scale, good
+from .units import Scale, finite, good
 
 COLUMNS = 3
+DOUBTFUL = {"color": WARNING, "marker": "x", "label": "not converged"}
 BEYOND = 2  # of the loads: how far the axis goes on
 
 
@@ -62,47 +63,48 @@ def _steps(context: FigureContext) -> list[dict]:
 
 
 def _panel(ax: Any, contexts: Sequence[FigureContext], key: str) -> None:
-    quantity, units = QUANTITIES[key], contexts[0].units
+    quantity, alone = QUANTITIES[key], len(contexts) == 1
     every = [step for one in contexts for step in _steps(one)]
-    x = units.pressures([step["p"] for step in every])
-    y = units.heights([step.get(key) for step in every]) if quantity.length else Scale(1.0)
-    for k, context in enumerate(contexts):
-        x_k = context.units.pressures([]) if x.relative else x
-        y_k = context.units.heights([]) if y.relative else y
-        _result(ax, context, key, (x_k, y_k), COLOURS[k % len(COLOURS)], len(contexts) == 1)
-    p_star = x.relative and units.rough
+    for k, one in enumerate(contexts):
+        x = one.units.pressures([step["p"] for step in every])
+        y = one.units.heights([step.get(key) for step in every]) if quantity.length else Scale(1.0)
+        name = "simulation (bars: solver and grid)" if alone else one.name
+        _points(ax, one, key, (x, y), quantity.errors, color=colour(k), marker="o", label=name)
+        if key == "kappa" and alone:
+            how = {"color": colour(1), "marker": "s", "label": "edge-corrected"}
+            _points(ax, one, "kappa_corrected", (x, y), (), **how)
+        theory: Any = one.theory
+        function = theory and _theory(theory, one.units.p_star, key)
+        if function:
+            loads = [step["p"] for step in _steps(one)]
+            p = np.geomspace(min(loads) / BEYOND, max(loads) * BEYOND, 80)
+            line = THEORY | ({} if alone else {"color": colour(k)})
+            ax.plot(p / x.unit, function(p) / y.unit, label=theory.name, zorder=1, **line)
+    p_star = x.relative and one.units.rough
     ax.set_xlabel(r"$p^* = p_0/(E^* g_\mathrm{rms})$" if p_star else x.label("p_0"))
     ax.set_ylabel(y.label(quantity.symbol))
     log_axis(ax, "x")
     _limits(ax)
 
 
-def _result(
+def _points(
     ax: Any,
     context: FigureContext,
     key: str,
     scales: tuple[Scale, Scale],
-    colour: str,
-    alone: bool,
+    errors: tuple[str, ...],
+    **how: Any,
 ) -> None:
-    quantity, steps = QUANTITIES[key], _steps(context)
-    good_ones = [step for step in steps if converged(step)]
-    others = [step for step in steps if not converged(step)]
-    name = "simulation (bars: solver and grid)" if alone else context.name
-    how = {"color": colour, "marker": "o", "label": name}
-    _points(ax, good_ones, key, quantity.errors, scales, how)
-    if key == "kappa" and alone:
-        how = {"color": COLOURS[1], "marker": "s", "label": "edge-corrected"}
-        _points(ax, good_ones, "kappa_corrected", (), scales, how)
-    how = {"color": WARNING, "marker": "x", "label": "not converged"}
-    _points(ax, others, key, quantity.errors, scales, how)
-    loads, theory = [step["p"] for step in steps], context.theory
-    function = theory and _theory(theory, context.units.p_star, key)
-    if theory and function and loads:
-        p = np.geomspace(min(loads) / BEYOND, max(loads) * BEYOND, 80)
-        line = THEORY | ({} if alone else {"color": colour})
-        x, y = scales
-        ax.plot(p / x.unit, function(p) / y.unit, label=theory.name, zorder=1, **line)
+    for sound, changed in ((True, {}), (False, DOUBTFUL)):
+        steps = [
+            step for step in _steps(context) if converged(step) == sound and finite(step.get(key))
+        ]
+        if steps:
+            x, y = np.array([[s["p"] / scales[0].unit, s[key] / scales[1].unit] for s in steps]).T
+            relative = np.array([hypot(*(s.get(error) or 0.0 for error in errors)) for s in steps])
+            bars = np.abs(y) * np.where(np.isfinite(relative), relative, 0) if errors else None
+            how = {"linestyle": "", "capsize": 1.5, "elinewidth": 0.8} | how | changed
+            ax.errorbar(x, y, bars, **how)
 
 
 def _theory(theory: Theory, p_star: float | None, key: str) -> Callable | None:
@@ -111,23 +113,6 @@ def _theory(theory: Theory, p_star: float | None, key: str) -> Callable | None:
     if key == "kappa":
         return (lambda p: p_star * area(p) / p) if area and p_star else None
     return getattr(theory, QUANTITIES[key].theory)
-
-
-def _points(
-    ax: Any,
-    steps: list[dict],
-    key: str,
-    errors: tuple[str, ...],
-    scales: tuple[Scale, Scale],
-    how: dict[str, Any],
-) -> None:
-    steps = [s for s in steps if isinstance(s.get(key), int | float) and isfinite(s[key])]
-    if not steps:
-        return
-    x, y = np.array([[s["p"] / scales[0].unit, s[key] / scales[1].unit] for s in steps]).T
-    relative = np.array([hypot(*(s.get(error) or 0.0 for error in errors)) for s in steps])
-    bars = np.abs(y) * np.where(np.isfinite(relative), relative, 0)
-    ax.errorbar(x, y, bars if errors else None, linestyle="", capsize=1.5, elinewidth=0.8, **how)
 
 
 def _limits(ax: Any) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from .context import FigureContext
 from .page import Page
-from .style import COLOURS, THEORY, log_axis
+from .style import THEORY, colour, log_axis
 from .survey import histogram
 from .units import good, label
 
@@ -37,50 +37,40 @@ def has_distribution(result: Any, k: int, name: str) -> bool:
 
 def _panel(ax: Any, context: FigureContext, name: str) -> None:
     symbol, density_symbol, title, _ = NAMES[name]
-    found = [_density(context, k, name) for k in range(len(context.chosen))]
-    largest = [edges[-1] for edges, _ in found if len(edges)]
+    found = [(k, *_density(context, k, name)) for k in range(len(context.chosen))]
+    found = [one for one in found if len(one[1])]
+    highest = max((edges[-1] for _, edges, _ in found), default=1.0)
     power = 2 if name == "patches" else 1
-    scale = context.units.lengths() if power == 2 else context.units.of(name, largest)
+    scale = context.units.lengths() if power == 2 else context.units.of(name, [highest])
     unit = scale.unit**power
-    for k, (edges, values) in enumerate(found):
-        if len(values):
-            ax.stairs(
-                values * unit,
-                edges / unit,
-                baseline=None,
-                color=COLOURS[k],
-                linewidth=1.1,
-                label=context.name_of(k),
-            )
-    ax.set(
-        xlabel=scale.label(symbol, power),
-        ylabel=label(density_symbol, (scale, -power)),
-        title=title,
-    )
-    drawn = np.concatenate([values[values > 0] for _, values in found] or [np.zeros(0)]) * unit
+    for k, edges, values in found:
+        how = {"baseline": None, "color": colour(k), "label": context.name_of(k)}
+        ax.stairs(values * unit, edges / unit, linewidth=1.1, **how)
+    ax.set(xlabel=scale.label(symbol, power), ylabel=label(density_symbol, (scale, -power)))
+    ax.set_title(title)
+    if not found:  # all points touch
+        return
+    drawn = np.concatenate([values[values > 0] for *_, values in found]) * unit
+    ax.set_ylim(drawn.min() / 2, drawn.max() * 3)
     log_axis(ax, "y")
-    if len(drawn):
-        ax.set_ylim(drawn.min() / 2, drawn.max() * 3)
     if name == "pressure":
-        ax.set_xlim(0, 1.03 * max(largest, default=scale.unit) / unit)
+        ax.set_xlim(0, 1.03 * highest / unit)
         _theory(ax, context, found, unit)
-    elif drawn.size:
-        log_axis(ax, "x")
-        lowest = min(edges[edges > 0][0] for edges, _ in found if len(edges)) / unit
-        highest = max(largest) / unit
+    else:
+        lowest = min(edges[edges > 0][0] for _, edges, _ in found)
         below = highest / 10**DECADES if name == "gap" else 0.0
-        ax.set_xlim(max(lowest, below) / 1.5, highest * 1.5)
+        ax.set_xlim(max(lowest, below) / unit / 1.5, highest / unit * 1.5)
+        log_axis(ax, "x")
 
 
 def _theory(ax: Any, context: FigureContext, found: list[Any], unit: float) -> None:
     theory = context.theory
     if theory is None or theory.density is None:
         return
-    for k, (edges, _) in enumerate(found):
-        if len(edges):
-            x = np.linspace(0, edges[-1], 301)[1:]
-            y = theory.density(x, context.steps[k]["p"])
-            ax.plot(x / unit, y * unit, **THEORY | {"color": COLOURS[k]})
+    for k, edges, _ in found:
+        x = np.linspace(0, edges[-1], 301)[1:]
+        y = theory.density(x, context.steps[k]["p"])
+        ax.plot(x / unit, y * unit, **THEORY | {"color": colour(k)})
     ax.plot([], [], label=theory.name, **THEORY)
 
 
@@ -98,18 +88,10 @@ def _density(context: FigureContext, k: int, name: str) -> tuple[np.ndarray, np.
 
 
 def _share(step: Mapping[str, Any], name: str, edges: np.ndarray, density: np.ndarray) -> float:
-    """The share of the area that a stored distribution is of.
-
-    It is the contact area, or what is left of it; where a result does not know it, the mean over
-    the whole area over the mean of the distribution.
-    """
-    a_r, whole = step.get("a_r"), step.get({"pressure": "p", "gap": "gap_mean"}.get(name, ""))
-    if name == "patches":
-        return 1.0
-    if a_r is not None:
-        return a_r if name == "pressure" else 1 - a_r
-    mean = (density * np.diff(edges**2) / 2).sum()
-    return whole / mean if good(whole) and mean > 0 else 1.0
+    """The share of the area that a stored distribution is of: the mean over the whole area over its
+    own mean."""
+    whole = step.get({"pressure": "p", "gap": "gap_mean"}.get(name, ""))
+    return whole / (density * np.diff(edges**2) / 2).sum() if good(whole) else 1.0
 
 
 def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:

@@ -96,9 +96,8 @@ def plot(
             if ax is None:
                 page.draw(fig)
                 legend_below(fig)
-                title = _title(contexts[0], what) if len(contexts) == 1 else ""
-                width = int(CHARACTERS * fig.get_figwidth())
-                fig.suptitle(textwrap.fill(title, width), x=0.01, ha="left")
+                if len(contexts) == 1:
+                    fig.suptitle(_title(contexts[0], what, page.width), x=0.01, ha="left")
             elif len(page.panels) == 1:
                 page.panels[0](ax)
             else:
@@ -117,12 +116,8 @@ def _results(given: Any) -> dict[str, Result]:
         return {str(name): _result(one) for name, one in given.items()}
     if not isinstance(given, list | tuple):
         return {"": _result(given)}
-    found = [_result(one) for one in given]
-    names = [_name(one) for one in found]
-    same = len({*names}) < len(names)
-    return {
-        f"{k + 1}: {name}" if same else name: one for k, (name, one) in enumerate(zip(names, found))
-    }
+    found = map(_result, given)
+    return {f"{k}: {_name(one)}": one for k, one in enumerate(found, 1)}
 
 
 def _result(given: Any) -> Result:
@@ -136,15 +131,10 @@ def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
     result = result if isinstance(result, Result) else read_result(result)
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
-    wanted = [what] if isinstance(what, str) else what
-    if not wanted:
-        there = [name for name in PAGES if _steps(result, name)]
-        alone = len(result.steps) == 1 and len(there) > 1
-        wanted = (
-            ["maps"]
-            if how.get("window")
-            else [name for name in there if name != "curves" or not alone]
-        )
+    there = ["maps"] if how.get("window") else [name for name in PAGES if _steps(result, name)]
+    if len(result.steps) == 1 and len(there) > 1:
+        there = [name for name in there if name != "curves"]
+    wanted = [what] if isinstance(what, str) else what or there
     return {name: plot(result, name, **how) for name in wanted}
 
 
@@ -239,12 +229,14 @@ def _name(result: Result) -> str:
     return title or (result.path.stem if result.path else "contact")
 
 
-def _title(context: FigureContext, what: str) -> str:
+def _title(context: FigureContext, what: str, width: float) -> str:
+    """What a picture of this width, in inches, shows, and what it leaves out."""
     result = context.result
     left = len(result.steps) - len(context.chosen) if what != "heights" else 0
     out = f"; {left} of {len(result.steps)} loads not shown" if left else ""
     said = {"n", "physical_sizes", "h_rms", "unit"}
     surface = surface_line({key: result.surface[key] for key in said & {*result.surface}})
+    lines = textwrap.fill(f"{_name(result)}: {surface}{out}", int(CHARACTERS * width))
     for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
-        surface = surface.replace(plain, printed)
-    return f"{_name(result)}: {surface}{out}"
+        lines = lines.replace(plain, printed)
+    return lines

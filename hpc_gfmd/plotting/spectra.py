@@ -8,7 +8,7 @@ import numpy as np
 
 from .context import FigureContext
 from .page import Page
-from .style import COLOURS, log_axis
+from .style import colour, log_axis
 from .units import label
 
 FIELDS = {"heights": "z", "pressure": "p", "gap": "g"}
@@ -44,7 +44,7 @@ def _lines(context: FigureContext, name: str, x: str, y: str) -> Iterator[Any]:
         if f"{name}_{x}" in step:
             same = name == "heights"
             how = {
-                "color": "black" if same else COLOURS[k],
+                "color": "black" if same else colour(k),
                 "label": "heights" if same else context.name_of(k),
             }
             yield *(np.array(step[f"{name}_{of}"], dtype=float) for of in (x, y)), how

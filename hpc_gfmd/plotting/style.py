@@ -73,6 +73,11 @@ class Picture(Figure):
             return png.getvalue()
 
 
+def colour(k: int) -> str:
+    """The k-th of several."""
+    return COLOURS[k % len(COLOURS)]
+
+
 def shade(x: float) -> Any:
     """A colour between dark blue (0) and yellow (1), for what varies evenly."""
     return matplotlib.colormaps["viridis"](x)

@@ -26,27 +26,17 @@ class Survey:
 def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
     """Look at the fields of one load step; pixels: at most so many along each axis; window: points
     (i0, i1, j0, j1), default: all."""
-    i0, i1, j0, j1 = window or (
-        0,
-        next(iter(fields.values())).shape[0],
-        0,
-        next(iter(fields.values())).shape[1],
-    )
+    shape = next(iter(fields.values())).shape
+    i0, i1, j0, j1 = window or (0, shape[0], 0, shape[1])
     f_x, f_y = (max(1, -(-n // pixels)) for n in (i1 - i0, j1 - j0))
     parts: dict[str, list] = {}
     largest = dict.fromkeys(fields, -np.inf)
     for slab in _slabs(fields, i0, i1, f_x, slice(j0, j1)):
         touching = _touching(slab)
         if touching is not None:
-            slab = (
-                slab
-                | {"contact": touching}
-                | (
-                    {"pressure": np.where(touching, slab["pressure"], 0)}
-                    if "pressure" in slab
-                    else {}
-                )
-            )
+            slab["contact"] = touching
+        if "pressure" in slab:
+            slab["pressure"] = np.where(touching, slab["pressure"], 0)
         for name, values in slab.items():
             parts.setdefault(name, []).append(_pixel_sums(values, f_x, f_y))
             if name in largest:

@@ -12,7 +12,12 @@ from ..util.quantities import prefixed
 
 def good(value: Any) -> bool:
     """Tell whether this is a finite positive number."""
-    return isinstance(value, int | float) and isfinite(value) and value > 0
+    return finite(value) and value > 0
+
+
+def finite(value: Any) -> bool:
+    """Tell whether this is a finite number."""
+    return isinstance(value, int | float) and isfinite(value)
 
 
 def tex_number(x: float, form: str = ".3g") -> str:

@@ -20,8 +20,8 @@ from ..contact import (
 from ..contact.area import a_r_discretisation
 from ..contact.base import Observable
 from ..contact.contact import Contact
+from ..driver.load_target import LoadTarget
 from ..driver.lowmemory import LowMemorySweep
-from ..driver.prescribed import Prescribed
 from ..driver.sweep import Sweep
 from ..output.fields import STORABLE
 from ..scene import File, Load, Output, Scene, check_names, has_unit
@@ -32,7 +32,7 @@ from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .progress import Reporter
 
-Loads = Sequence[float | Prescribed]  # mean pressures, or what they have to give
+Loads = Sequence[float | LoadTarget]  # mean pressures, or what they have to give
 
 # the last one is the worst
 STATUS_ORDER = "converged", "max_iterations", "stagnated", "nonfinite", "interrupted"
@@ -157,7 +157,7 @@ def solved(
 
         load = loads[index]
         asked = [(key.removeprefix("target_"), x) for key, x in _target(scene.load, index).items()]
-        if not asked and not isinstance(load, Prescribed):
+        if not asked and not isinstance(load, LoadTarget):
             asked = [("p*", load / (sweep.E_star * sweep.surface.slope))]
         say.step(index, len(loads), *asked[0])
         try:

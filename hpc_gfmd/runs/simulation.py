@@ -3,7 +3,7 @@ run was interrupted."""
 
 import json
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..contact.contact import Contact, heights_of
+from ..driver.load_target import LoadTarget
 from ..driver.precision import first_precision
-from ..driver.prescribed import Prescribed
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import HEAD, clear, is_held, partial_folder
@@ -114,14 +114,12 @@ def run_scene(
         try:
             run = _Run(comm, scene, file, say, interrupt)
             run.start(threads, begun)
-            run.all_loads()
+            status = run.all_loads()
         except Stopped:  # between two iterations: a restart begins from the last checkpoint
             say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
-            steps = [*file.finished.values()]
-            return RunResult(file.path, steps, "interrupted", interrupt.exit_code)
-        steps = [*file.finished.values()]
-        status = worst(steps)
-        return RunResult(file.path, steps, status, 0 if status == "converged" else 3)
+            status = "interrupted"
+        codes = {"converged": 0, "interrupted": interrupt.exit_code}
+        return RunResult(file.path, [*file.finished.values()], status, codes.get(status, 3))
 
 
 @dataclass(eq=False)
@@ -150,7 +148,7 @@ class _Run:
         known = file.earlier.get("heights")
         if (known is not None or file.finished) and (known or None) != surface.checksum:
             raise SceneError(OTHER_HEIGHTS.format(file.partial))
-        self._require_storable(*(load for load in self.loads if not isinstance(load, Prescribed)))
+        self._require_storable(*(load for load in self.loads if not isinstance(load, LoadTarget)))
         attributes = surface_attributes(scene, surface)
         self.table = GrowingTable(attributes)
         file.update(
@@ -161,10 +159,10 @@ class _Run:
         )
         for line in surface.notes:
             say.say(f"note: {line}")
-        say.say(self._headline(time.monotonic() - begun))
+        say.say(self._headline(attributes, time.monotonic() - begun))
 
-    def all_loads(self) -> None:
-        """Solve what is not finished, and complete the file. Raises Stopped."""
+    def all_loads(self) -> str:
+        """Solve what is not finished, and complete the file; returns the status. Raises Stopped."""
         finished = self.file.finished
         if finished:
             self.say.say(self.table.add(finished))
@@ -178,15 +176,17 @@ class _Run:
                 self._after(index, contact, seconds)
                 if index == unfinished[-1]:
                     break
-        self.file.finish(worst([*self.file.finished.values()]))
+        status = worst([*self.file.finished.values()])
+        self.file.finish(status)
         for line in self.table.end():
             self.say.say(line)
+        return status
 
     def _watch(self, index: int, seconds: float) -> bool:
         """After an iteration: a checkpoint where one is due; whether to stop."""
         stop, due = self.interrupt.poll()
         if stop or due:
-            self._save(index, self.sweep.state, seconds)
+            self._save(index, seconds)
         return stop
 
     def _after(self, index: int, contact: Contact, seconds: float) -> None:
@@ -197,7 +197,7 @@ class _Run:
                 self._write(index, contact, seconds)
             stop, _ = self.interrupt.poll()
             if index + 1 < len(self.loads) and (stop or self.interrupt.cheap()):
-                self._save(index + 1, lambda: self.sweep.state(self.loads[index + 1]))
+                self._save(index + 1)
         if stop:
             raise Stopped(self.interrupt.agreed)
 
@@ -210,17 +210,16 @@ class _Run:
         )
         self.say.say(self.table.add({index: attributes}))
 
-    def _save(
-        self, index: int, state: Callable[[], tuple[dict, dict]], seconds: float | None = None
-    ) -> None:
+    def _save(self, index: int, seconds: float | None = None) -> None:
         """A checkpoint in the middle of a load (seconds: spent on it so far) or at its
         beginning."""
         surface, begun = self.sweep.surface, time.monotonic()
         if surface.reduced_axis is None and (surface.g_rms > 0 or surface.grid.padded):
             if self.comm.rank == 0:
                 wisdom.keep_with(self.file.partial)
+            state = self.sweep.state(self.loads[index] if seconds is None else None)
             solver = self.sweep.solver_class.name
-            self.file.write_checkpoint(surface.grid, solver, index, state(), seconds)
+            self.file.write_checkpoint(surface.grid, solver, index, state, seconds)
             self.interrupt.saved(begun)
 
     def _go_back(self, unfinished: int) -> tuple[int, float | None]:
@@ -228,7 +227,7 @@ class _Run:
         since then are repeated, not written again. unfinished: the first load to be solved. Returns
         the load to begin with and, in the middle of it, the seconds spent on it.
         """
-        other, first, seconds = False, 0, None  # died before its first checkpoint
+        first, seconds = 0, None  # died before its first checkpoint
         try:
             found = self.file.checkpoint(self.sweep.solver_class.name)
             if found is not None:
@@ -239,21 +238,19 @@ class _Run:
                         f"{found.path}: later than load {unfinished + 1}, which has to be solved"
                         " again"
                     )
-                other = numbers.get("heights") != self.sweep.surface.checksum
-                if not other:
-                    self.sweep.restore(
-                        lambda grid: {
-                            name: field.slab(grid.comm, grid.rows) for name, field in stored.items()
-                        },
-                        numbers,
-                        self.loads[first],
-                    )
+                if numbers.get("heights") != self.sweep.surface.checksum:
+                    raise SceneError(OTHER_HEIGHTS.format(found.path))
+                self.sweep.restore(
+                    lambda grid: {
+                        name: field.slab(grid.comm, grid.rows) for name, field in stored.items()
+                    },
+                    numbers,
+                    self.loads[first],
+                )
         except GfmdError as error:
             self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
             self.sweep.solver = None
             return unfinished, None
-        if found is not None and other:
-            raise SceneError(OTHER_HEIGHTS.format(found.path))
         if first < unfinished:
             self.say.say(
                 f"note: repeating from load {first + 1}, where the last checkpoint is; finished"
@@ -274,21 +271,14 @@ class _Run:
                         ' allowed: "double"'
                     )
 
-    def _headline(self, seconds: float) -> str:
+    def _headline(self, attributes: dict[str, Any], seconds: float) -> str:
         scene, surface, ranks = self.scene, self.sweep.surface, self.comm.size
         settings = scene.solver
         precision = first_precision(settings).name
         if settings.precision == "auto" and precision == "float32":
             precision += " until a load needs float64"
-        known = {
-            "n": surface.n,
-            "physical_sizes": surface.sizes,
-            "h_rms": surface.h_rms,
-            "g_rms": surface.g_rms,
-            "unit": surface.unit or scene.length_unit,
-        }
         return (
-            f"{scene.title or scene.surface.kind}: {surface_line(known)}"
+            f"{scene.title or scene.surface.kind}: {surface_line(attributes)}"
             f"{'' if surface.reduced_axis is None else ', varies along one axis only'};"
             f" {ranks} rank{'s' * (ranks > 1)}, {precision},"
             f" {'accuracy' if settings.accuracy else 'residual'} {settings.tolerance:g}; ready"

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,17 +19,6 @@ if TYPE_CHECKING:
     from ..operators.elastic import Elastic
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
-
-
-class Outlook(NamedTuple):
-    """What a solution that goes on at its load is expected to come to. contact: points; doubt:
-    their standard deviation; gap_mean: in the problem's units; rise: by how much the mean of the
-    displacement over the whole grid will change, in these units."""
-
-    contact: float
-    gap_mean: float
-    rise: float
-    doubt: float
 
 
 @dataclass(frozen=True)
@@ -49,7 +38,8 @@ class Progress:
         be asked now and then.
     finite : bool
         Whether all numbers are.
-    outlook : Outlook, or None
+    predicted : pair of float, or None
+        The points in contact and the mean gap that the solution at this load is expected to have;
         None where the solver does not know.
     """
 
@@ -58,7 +48,7 @@ class Progress:
     gap_mean: float
     estimate: Estimate | None
     finite: bool = True
-    outlook: Outlook | None = None
+    predicted: tuple[float, float] | None = None
 
     @property
     def estimates(self) -> tuple[float, float] | None:
@@ -79,13 +69,10 @@ class Solver:
         The present mean pressure.
     iterations : int
         Steps since the load began.
-    closing : float
-        Points that are still open but would not be if the last step were made again.
     state_names, scalar_names : tuple of str
         The attributes that a bit-identical continuation needs: local slabs, and numbers.
     """
 
-    closing: float = 0.0
     elastic: Elastic
     g: np.ndarray
     p: np.ndarray

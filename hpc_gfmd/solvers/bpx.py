@@ -33,7 +33,7 @@ from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
 from ..util.aligned import LINE, zeros_aligned
-from .base import Outlook, Progress, Solver
+from .base import Progress, Solver
 from .options import read_options
 
 RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
@@ -44,15 +44,8 @@ SHORT = (
     0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
 )
 
-# The outlook, fitted: the share of the points that the last step, made again, would close, which do
-# so, and where it was shortened, which leaves clipped points a little open, both at errors of the
-# pressure below EARLY; of what certificate/error_estimates.py's second expression says that the
-# mean gap is wrong by, and, where the surface ends, of the first for the mean of the displacement
-CLOSING, SHORTENED, EARLY, SHIFT, LIFT = 0.23, 0.66, 0.05, 0.62, 0.9
-# Its doubt, fitted: of the points that the estimated error of the pressure stands for, of their
-# root, of those that the last step, made again, would change, and of those that missing load stands
-# for
-WRONG, SCATTERED, CHANGING, MISSING = 0.07, 0.42, 0.14, 0.28
+# of what certificate/error_estimates.py says that the mean gap is wrong by
+SHIFT = 0.62
 
 
 class Bpx(Solver):
@@ -76,7 +69,6 @@ class Bpx(Solver):
         "mean",
         "level_sums",
         "changing",
-        "closing",
         "iterations",
     )
 
@@ -92,7 +84,6 @@ class Bpx(Solver):
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(half(dtype))
         self._make_scratch()
-        self.closing = 0.0
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
 
@@ -272,7 +263,7 @@ class Bpx(Solver):
         self.rr, self.pp = sums.rr, sums.pp
         self.level_sums = [r1, t1, rt1, ts1, rs1]
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
-        self.changing, self.closing = max(sums.opening, sums.closing), sums.closing
+        self.changing = max(sums.opening, sums.closing)
 
     # -- how far
     # -------------------------------------------------------------------------
@@ -281,8 +272,8 @@ class Bpx(Solver):
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         residual = np.sqrt(self.rr / self.N) / self.p0
         found = self._estimate() if finite else Estimate()
-        outlook = self._outlook(found) if finite else None
-        return Progress(float(residual), self.contact, self.gap_mean, found, finite, outlook)
+        predicted = self._predicted(found) if finite else None
+        return Progress(float(residual), self.contact, self.gap_mean, found, finite, predicted)
 
     def _estimate(self) -> Estimate:
         """What the certificate will say, but for rounding errors that p has gathered."""
@@ -298,34 +289,15 @@ class Bpx(Solver):
         )
         return estimate(self.problem, self.levels, state)
 
-    def _outlook(self, found: Estimate) -> Outlook | None:
+    def _predicted(self, found: Estimate) -> tuple[float, float] | None:
         """The area goes with the load that the contact carries."""
-        load, n, error = self.p_cell - self.mean, self.contact, found.pressure
+        load, n = self.p_cell - self.mean, self.contact
         if n == 0 or load <= 0:
             return None
         if n == self.N:
-            return Outlook(n, self.gap_mean, 0.0, 0.5)
-        off = self.p_cell / load - 1
-        rise = SHIFT * found.shift / self.N
-        closing = (CLOSING if self.s == 1 else SHORTENED) * self.closing / (1 + error / EARLY)
-        contact, wrong = min((n + closing) * (1 + off), self.N), min(error, 1.0) * n
-        doubt = float(
-            np.linalg.norm(
-                (
-                    WRONG * wrong,
-                    SCATTERED * np.sqrt(wrong),
-                    CHANGING * self.changing,
-                    MISSING * off * n,
-                    0.4,
-                )
-            )
-        )
-        return Outlook(
-            contact,
-            self.gap_mean + rise,
-            -LIFT * off * self.uKu / (self.N * self.p0) if self.grid.padded else rise,
-            doubt,
-        )
+            return n, self.gap_mean
+        gap = self.gap_mean + SHIFT * found.shift / self.N
+        return min(n * self.p_cell / load, self.N), gap
 
     def expected_area(self, squares: float) -> float:
         open_pp, open_p4 = self.grid.comm.sum(open_moments(self.g, self.p, self.grid.inside))

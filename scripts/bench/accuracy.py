@@ -11,6 +11,7 @@ from itertools import product, starmap
 from hpc_gfmd import GfmdError
 
 from .contacts import Case
+from .pictures import Panel, group, picture
 from .report import Report
 from .timing import Row, in_turn, summary
 
@@ -22,10 +23,14 @@ def run(args: Namespace) -> None:
         _one_case(case, args, report)
     report.finish()
     if report.path:
-        from .pictures import accuracy_picture
-
-        accuracy_picture(report.rows, report.path.with_suffix(".png"), "seconds_min")
-        accuracy_picture(report.rows, report.path.with_name("accuracy-pairs.png"), "fft_pairs")
+        rows = [row for row in report.rows if row["n"] == max(args.n)]
+        keys = "solver", "start", "precision"
+        for cost in ("seconds_min", "fft_pairs"):  # error: the worst of area, gap, pressure
+            panels = [
+                Panel(members, keys, cost, "error", f"H = {hurst}, p* = {p_star:.3g}")
+                for (hurst, p_star), members in group(rows, "hurst", "p_star").items()
+            ]
+            picture(report.path.with_name(f"accuracy-{cost}.png"), panels)
 
 
 def _one_case(case: Case, args: Namespace, report: Report) -> None:

@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 
 import hpc_gfmd
+from hpc_gfmd.operators.elastic import Elastic
+from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.coarsening import levels
 from hpc_gfmd.parallel.comm import Comm
@@ -81,6 +83,16 @@ def field_passes(shapes: Sequence[Sequence[int]]) -> dict[str, float]:
     }
 
 
+def watch_passes(now: Callable[[], float] = time.perf_counter) -> Stopwatch:
+    """Return a stopwatch of the passes of all solvers from here on."""
+    watch, solver = Stopwatch(now), solver_class("auto")
+    watch.watch(solver, "_search", "search + rows")
+    watch.watch(Elastic, "pressure_columns", "columns")
+    watch.watch(solver, "_update", "update + rows")
+    watch.watch(Multilevel, "sweep", "sweep")
+    return watch
+
+
 def worker(
     comm: Comm, n: int, precision: str, p_star: float, clock: str
 ) -> Callable[[], dict[str, float]]:
@@ -90,11 +102,7 @@ def worker(
     surface = build_surface(scene.surface, comm, dtype)
     h: Any = surface.h
     solver = solver_class("auto")(Problem(surface.grid, h, p_star), {})
-    watch = Stopwatch(now)
-    watch.watch(solver, "_search", "search + rows")
-    watch.watch(solver.elastic, "pressure_columns", "columns")
-    watch.watch(solver, "_update", "update + rows")
-    watch.watch(solver.levels, "sweep", "sweep")
+    watch = watch_passes(now)
     # not zeros: those have no memory of their own yet
     source, target = np.ones(h.shape, dtype), np.ones(h.shape, dtype)
     others = {

@@ -20,24 +20,22 @@ took 1.1 to 1.6 times what it says (docs/clusters.md).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from hpc_gfmd.parallel.comm import Comm, stages
+from hpc_gfmd.parallel.comm import stages
 from hpc_gfmd.runs.decomposition import Share, share_of
 
 from .kernels import field_passes
-from .timing import Row, measured, seconds, serve
+from .timing import Row
 
 START_AND_END = 2  # pairs on the finest grid beside its iterations: first pressure, certificate
 # bytes per second: a link of 100 Gbit/s, what P3DFFT reached of such a one on 26 nodes
 # (docs/clusters.md), and one of 200 Gbit/s
 CLUSTERS = (12.5e9, 7e9, 25e9)
-FEW, LARGE, COPIED = 8, 2**22, 2**26  # bytes of messages and of a copy
 
 
 @dataclass(frozen=True)
@@ -70,7 +68,7 @@ class Machine:
     link: float = 12.5e9
 
     @classmethod
-    def of(cls, row: Row, small: Row, bandwidth_alone: float) -> Machine:
+    def of(cls, row: Row, small: Row) -> Machine:
         """From rows of scaling.py on one rank; small: of a grid whose points take no time."""
         call = small["seconds_min"] / _pairs(small)[1].sum()
         points, pairs = _pairs(row)
@@ -78,7 +76,7 @@ class Machine:
         itemsize = 4 if row["precision"] == "single" else 8
         coarse = pairs[1] if len(pairs) > 1 else 0.0
         share = row["share_levels"]
-        return cls(work, share, pairs[0], coarse, itemsize, call, bandwidth_alone)
+        return cls(work, share, pairs[0], coarse, itemsize, call, row["copy_bandwidth"])
 
     @property
     def bytes_per_point(self) -> float:
@@ -145,43 +143,3 @@ def predict(n: int, nodes: int, machine: Machine) -> dict[str, Any] | None:
         "share_others": float(parts[2] / parts.sum()),
         "of_bandwidth": float(moved / nodes / machine.bandwidth / parts.sum()),
     }
-
-
-def measure_machine(ranks: int, repeats: int) -> dict[str, float]:
-    """Return what so many ranks find of messages and memory of this machine, the best of each, in
-    seconds and bytes per second."""
-    rows = measured("model", {1: (ranks, {})}, repeats)[1]
-    return {
-        name: (max if "bandwidth" in name else min)(row[name] for row in rows) for name in rows[0]
-    }
-
-
-def worker(comm: Comm) -> Callable[[], dict[str, float]]:
-    """Return what measures messages between two ranks, all-to-alls, and copies of all in memory."""
-    few, many = np.zeros(FEW, np.uint8), np.zeros(LARGE, np.uint8)
-    source, target = np.ones(COPIED // 4, np.float32), np.ones(COPIED // 4, np.float32)
-
-    def once(times: int, run: Callable[[], object]) -> float:
-        return seconds(lambda: [run() for _ in range(times)], comm) / times
-
-    def there_and_back(a: np.ndarray) -> None:
-        for sender in (0, 1):
-            if comm.rank == sender:
-                comm.mpi.Send(a, 1 - sender)
-            elif comm.rank == 1 - sender:
-                comm.mpi.Recv(a, sender)
-
-    def measure() -> dict[str, float]:
-        copied = once(4, lambda: np.copyto(target, source))
-        found = {"copy_bandwidth": 2 * COPIED * comm.size / copied}
-        if comm.size > 1:
-            found["latency"] = once(2000, lambda: there_and_back(few)) / 2
-            found["bandwidth"] = 2 * LARGE / once(20, lambda: there_and_back(many))
-            found["barrier"] = once(2000, comm.node.barrier)
-        return found
-
-    return measure
-
-
-if __name__ == "__main__":
-    serve(worker)

@@ -16,7 +16,7 @@ import resource
 import sys
 import time
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import distributions
 from pathlib import Path
 from typing import Any
 
@@ -165,14 +165,13 @@ KINDS: dict[str, Any] = {
 
 def about(kind: Any) -> dict[str, Any]:
     """Return versions of a code, and how it was built, as scripts/bench-peers-setup left it."""
-    versions, built = {}, Path(sys.prefix) / "build.json"
-    for name in kind.packages:
-        try:
-            versions[name] = version(name)
-        except PackageNotFoundError:
-            versions[name] = "?"
+    there = {found.name: found.version for found in distributions()}
+    built = Path(sys.prefix) / "build.json"
     flags = json.loads(built.read_text()) if built.exists() else {}
-    return {"code_versions": versions, "built": flags.get(kind.packages[0], "")}
+    return {
+        "code_versions": {name: there.get(name, "?") for name in kind.packages},
+        "built": flags.get(kind.packages[0], ""),
+    }
 
 
 def solve(code: Any, tolerance: float, pressure_to: str) -> dict[str, Any]:

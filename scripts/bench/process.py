@@ -11,14 +11,12 @@ from collections.abc import Callable
 from itertools import product
 from typing import Any
 
-from hpc_gfmd.operators.elastic import Elastic
-from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.comm import Comm
-from hpc_gfmd.solvers import solver_class
 
 from .contacts import Case
+from .kernels import watch_passes
 from .report import Report
-from .timing import Row, Stopwatch, measured, serve, summary
+from .timing import Row, measured, serve, summary
 
 
 def run(args: Namespace) -> None:
@@ -40,15 +38,12 @@ def worker(
     comm: Comm, n: int, p_star: float, boundary: str = "periodic", **settings: Any
 ) -> Callable[[], Row]:
     """Return what presses the same surface once more; settings: of hpc_gfmd.solve."""
-    case, watch = Case(n, p_star, boundary=boundary), Stopwatch()
+    case = Case(n, p_star, boundary=boundary)
     assert case.surface.heights.size == n * n  # it is made
     begun = time.perf_counter()
     case.press(**settings)
     cold = time.perf_counter() - begun
-    for method in ("_search", "_update"):
-        watch.watch(solver_class("auto"), method, "passes")
-    watch.watch(Elastic, "pressure_columns", "passes")
-    watch.watch(Multilevel, "sweep", "passes")
+    watch = watch_passes()
 
     def measure() -> Row:
         watch.take()
@@ -57,7 +52,7 @@ def worker(
             row.pop(key, None)
         return row | {
             "cold_seconds": cold,
-            "outside_passes": 1 - watch.take()["passes"] / row["seconds"],
+            "outside_passes": 1 - sum(watch.take().values()) / row["seconds"],
             "peak_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10,
         }
 

@@ -5,6 +5,7 @@ from argparse import Namespace
 
 from hpc_gfmd import __version__
 
+from .pictures import Panel, picture
 from .report import Report
 from .timing import Row, measured, summary
 
@@ -27,6 +28,6 @@ def run(args: Namespace) -> None:
             report.add(release=release, scene=name, n=n, **SCENES[name], **summary(rows))
     report.finish()
     if report.path:
-        from .pictures import releases_picture
-
-        releases_picture(report.rows, report.path.with_suffix(".png"))
+        what = "seconds_min", "fft_pairs", "peak_mib"
+        panels = [Panel(report.rows, ("scene", "n"), "release", name) for name in what]
+        picture(report.path.with_suffix(".png"), panels)

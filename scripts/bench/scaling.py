@@ -8,22 +8,25 @@ from dataclasses import replace
 from itertools import product
 from typing import Any
 
+import numpy as np
 from scipy.fft import next_fast_len
 
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.driver.warmup import compile_once
 from hpc_gfmd.operators.multilevel import Multilevel
-from hpc_gfmd.parallel.comm import Comm, MpiComm, stages
+from hpc_gfmd.parallel.comm import Comm, MpiComm
 from hpc_gfmd.scene import Scene, Solver
 from hpc_gfmd.surface import build_surface
 
 from .contacts import Case
-from .model import CLUSTERS, Machine, measure_machine, predict
+from .model import CLUSTERS, Machine, predict
+from .pictures import Panel, picture
 from .report import Report
-from .timing import Row, Stopwatch, measured, serve, summary
+from .timing import Row, Stopwatch, measured, seconds, serve, summary
 
 ACCURACY = 1e-2
 SMALL = 32  # points along an axis: what a solve takes there is the interpreter's
+COPIED = 2**26  # bytes: far more than caches hold
 WARM_UP = 4  # solves of a process: until then the system still finds it large pages
 
 
@@ -69,39 +72,26 @@ def _grown(n: int, ranks: int) -> int:
 
 
 def _predict(report: Report, args: Namespace) -> None:
-    """Report what the model makes of this machine and of clusters."""
+    """Report what the model makes of one core of this machine on clusters."""
     of = {"precision": args.precision[0], "p_star": args.p_star, "threads": 1, "n": SMALL}
     small = summary(measured("scaling", {1: (1, of)}, args.repeats, WARM_UP)[1])
     rows = [row for row in report.rows if row["kind"] == "strong" and row["threads"] == 1]
     rows = [row for row in rows if row["precision"] == args.precision[0]]
     serial = max((row for row in rows if row["ranks"] == 1), key=lambda row: int(row["n"]))
-    copied = measure_machine(1, args.repeats)["copy_bandwidth"]
-    machine = Machine.of(serial, small, copied)
+    machine = Machine.of(serial, small)
     model = Report("scaling-model", args.out)
     model.note(str(machine))
-    for ranks in {row["ranks"] for row in rows} - {1}:
-        found = measure_machine(ranks, args.repeats)
-        here = replace(
-            machine,
-            cores=ranks,
-            bandwidth=found["copy_bandwidth"],
-            barrier=found["barrier"] / stages(ranks),
-            latency=found["latency"],
-            overhead=found["latency"],
-            link=found["bandwidth"],
-        )
-        model.note(f"this machine, {ranks} ranks: {found}")
-        for row in rows:
-            if row["ranks"] == ranks:
-                model.note(f"measured {row['seconds_min']} s, model: {predict(row['n'], 1, here)}")
     for link, n, nodes in product(CLUSTERS, (2**15, 2**17), range(11)):
         if said := predict(n, 2**nodes, replace(machine, link=link)):
             model.add(**said)
     model.finish()
     if report.path:
-        from .pictures import scaling_picture
-
-        scaling_picture(report.rows, model.rows, report.path.with_suffix(".png"))
+        keys = "kind", "n", "threads", "precision"
+        panels = [
+            Panel(report.rows, keys, "ranks", what) for what in ("efficiency", "share_messages")
+        ]
+        panels.append(Panel(model.rows, ("n", "link_gb_per_s"), "nodes", "seconds", "by the model"))
+        picture(report.path.with_suffix(".png"), panels)
 
 
 def worker(comm: Comm, n: int, precision: Any, p_star: float, threads: int) -> Callable[[], Row]:
@@ -110,6 +100,7 @@ def worker(comm: Comm, n: int, precision: Any, p_star: float, threads: int) -> C
     compile_once(comm, settings)
     scene = Scene.from_dict({"surface": Case(n, p_star).table, "load": {"p_star": p_star}})
     sweep = Sweep(lambda dtype: build_surface(scene.surface, comm, dtype, threads), settings)
+    source, target = np.ones(COPIED // 4, np.float32), np.ones(COPIED // 4, np.float32)
     watch = Stopwatch()
     watch.watch(Multilevel, "sweep", "levels")
     for method in ("_allreduce", "bcast", "exchange", "alltoall_bytes", "barrier"):
@@ -133,6 +124,7 @@ def worker(comm: Comm, n: int, precision: Any, p_star: float, threads: int) -> C
             "accuracy": ACCURACY,
             "seconds": spent,
             "cpu_seconds": time.process_time() - cpu,
+            "copy_bandwidth": 2 * COPIED / seconds(lambda: np.copyto(target, source), comm),
             "share_levels": float(comm.sum([parts["levels"]])[0]) / comm.size / spent,
             "share_messages": float(comm.sum([parts["messages"]])[0]) / comm.size / spent,
             "iterations": step.iterations,

@@ -1,5 +1,4 @@
-"""Writing a field into the result file, and reading it back, against a raw write of the same bytes
-in the same run."""
+"""Writing a field into the result file against a raw write of the same bytes in the same run."""
 
 import os
 import tempfile
@@ -17,7 +16,7 @@ from hpc_gfmd.parallel.world import world
 from .report import Report
 from .timing import in_turn, ratio, seconds
 
-RAW, ONE, READ = "raw", "raw, one file", "read back"
+RAW, ONE = "raw", "raw, one file"
 
 
 def run(args: Namespace) -> None:
@@ -36,8 +35,7 @@ def run(args: Namespace) -> None:
             for way, spent in taken.items():
                 gb = 4e-9 * n * n
                 row = {"gb": gb, "seconds": min(spent), "gb_per_s": gb / min(spent)}
-                if way != READ:
-                    row |= {f"times {raw}": ratio(spent, taken[raw]) for raw in (RAW, ONE)}
+                row |= {f"times {raw}": ratio(spent, taken[raw]) for raw in (RAW, ONE)}
                 report.add(n=n, way=way, **row)
         comm.barrier()
     report.finish()
@@ -63,12 +61,9 @@ def _measure(comm: Comm, place: Path, n: int, repeats: int) -> dict[str, list[fl
             comm, result, (n, n), (start, stop), {"field": data}
         ),
     }
-    taken: dict[str, list[float]] = {way: [] for way in [*runs, READ]}
+    taken: dict[str, list[float]] = {way: [] for way in runs}
     for way in in_turn(runs, repeats + 1):  # the first round is a warm-up
         for path in (own, one, result):
             path.unlink(missing_ok=True)
         taken[way].append(seconds(runs[way], comm))
-    stored = write_file(comm, result, (n, n), (start, stop), {"field": data})["field"]
-    for _ in range(repeats + 1):
-        taken[READ].append(seconds(lambda: stored.slab(comm, (start, stop)), comm))
     return {way: spent[1:] for way, spent in taken.items()}

@@ -82,7 +82,6 @@ def main(arguments=None):
         if given.out:
             with open(given.out, "a") as file:
                 file.writelines(json.dumps(row) + "\n" for row in new)
-    print(report(rows, given.worst))
     if given.record:
         command = shlex.join(
             ["scripts/campaign", *(sys.argv[1:] if arguments is None else arguments)]
@@ -90,6 +89,7 @@ def main(arguments=None):
         found = {"command": command, "time": time.strftime("%Y-%m-%dT%H:%MZ", time.gmtime())}
         with open(given.record, "a") as file:
             file.write(json.dumps(found | count(rows) | {"families": grouped(rows)}) + "\n")
+    print(report(rows, given.worst))
 
 
 def names(wanted, without=()):

@@ -11,13 +11,13 @@ from hpc_gfmd import SceneError, on_rank_0, world
 from hpc_gfmd.commands.cli import Parser
 from hpc_gfmd.commands.cli import main as run_command
 from paper.cases import LEVELS, Store, cases_of, share
-from paper.items import STUDIES
+from paper.items import STUDIES, TEXTS
 from paper.items.curves import reference_data
 from paper.report import coefficients, publish, report, write_whole
 from paper.rows import Rows, as_csv
 from paper.solve import run_missing
 
-OF_PAPER = [name for name, study in STUDIES.items() if not study.question]
+OF_PAPER = [name for name, text in TEXTS.items() if "question" not in text]
 DESCRIPTION = (
     "Reproduce figures and tables of the paper: solve the contacts that are missing, tabulate,"
     " draw. Works the same alone and under mpirun/srun; what is finished is kept, so the same"
@@ -82,8 +82,8 @@ def main(args: Namespace) -> int:
     """Solve, tabulate and draw. Raises SceneError for names, levels and shares that are none."""
     comm = world()
     if args.list:
-        for study in STUDIES.values() if comm.rank == 0 else ():
-            print(f"{study.name:14} {study.title}")
+        for name, text in TEXTS.items() if comm.rank == 0 else ():
+            print(f"{name:14} {text['title']}")
         return 0
     items = _items(args)
     part = _part(args)
@@ -101,12 +101,12 @@ def main(args: Namespace) -> int:
     return code
 
 
-def _publish(args: Namespace, items: list[str], store: Store) -> None:
+def _publish(args, items, store):
     tables: dict[str, Rows] = {}
     for name in items:
         tables[name] = publish(STUDIES[name], store, args.level, args.redraw)
         said = as_csv(tables[name]).strip() or "nothing stored yet"
-        print(f"\n{name}: {STUDIES[name].title}\n{said}", flush=True)
+        print(f"\n{name}: {TEXTS[name]['title']}\n{said}", flush=True)
     if args.report or "all" in args.item:
         for name in OF_PAPER:
             tables.setdefault(name, publish(STUDIES[name], store, args.level, args.redraw))
@@ -119,29 +119,27 @@ def _publish(args: Namespace, items: list[str], store: Store) -> None:
         write_whole(args.reference, reference_data(runs, args.level))
 
 
-def _items(args: Namespace) -> list[str]:
-    allowed = f"allowed: all, {', '.join(STUDIES)}"
+def _items(args):
+    allowed = f"allowed: all, {', '.join(TEXTS)}"
     if not args.item:
         raise SceneError(f"ITEM: found nothing, {allowed}")
     items = [one for name in args.item for one in (OF_PAPER if name == "all" else [name])]
-    for name in items:
-        if name not in STUDIES:
-            raise SceneError(f"ITEM: found {name!r}, {allowed}")
-    if args.level not in LEVELS:
-        raise SceneError(f"--level: found {args.level!r}, allowed: {', '.join(LEVELS)}")
+    if unknown := set(items) - set(TEXTS):
+        raise SceneError(f"ITEM: found {', '.join(sorted(unknown))}, {allowed}")
     if args.threads != "auto" and not (args.threads.isdecimal() and int(args.threads) > 0):
         raise SceneError(f'--threads: found {args.threads!r}, allowed: a number from 1, or "auto"')
     return list(dict.fromkeys(items))
 
 
-def _part(args: Namespace) -> tuple[int, int] | None:
+def _part(args):
     if args.part is None:
         return None
     part, _, parts = args.part.partition("/")
-    if not (part.isdecimal() and parts.isdecimal() and 1 <= int(part) <= int(parts)):
-        raise SceneError(f"--part: found {args.part!r}, allowed: I/K, whole numbers 1 <= I <= K")
-    if not (args.only_run or args.plan):
-        raise SceneError("--part: found alone, allowed: with --only-run (and --no-run at the end)")
+    whole = part.isdecimal() and parts.isdecimal() and 1 <= int(part) <= int(parts)
+    if not (whole and (args.only_run or args.plan)):
+        raise SceneError(
+            f"--part: found {args.part!r}, allowed: I/K, whole numbers 1 <= I <= K, with --only-run"
+        )
     return int(part), int(parts)
 
 

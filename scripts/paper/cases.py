@@ -57,20 +57,21 @@ class Case:
         return {name: getattr(self, name) for name in SURFACE}
 
     @property
-    def columns(self) -> set[str]:
-        """Name what a stored load must have."""
-        return {*self.observables, *(f"{name}_distribution" for name in self.distributions)}
-
-    @property
     def cost(self) -> int:
         """Count grid points times loads."""
         return self.n**2 * len(self.p_star)
 
-    def key(self, p_star: float) -> tuple[float, ...]:
-        """Tell a load from others, as key_of does for what is stored."""
-        return key_of(self.surface | {"p_star": p_star})
+    @property
+    def keys(self) -> list[tuple[float, ...]]:
+        """Tell the loads from others, as key_of does for what is stored."""
+        return [key_of(self.surface | {"p_star": p}) for p in self.p_star]
 
-    def __str__(self) -> str:
+    def is_in(self, stored: dict[tuple, dict], key: tuple) -> bool:
+        """Tell whether a load is stored with all that is wanted of it."""
+        wanted = {*self.observables, *(f"{name}_distribution" for name in self.distributions)}
+        return key in stored and wanted <= set(stored[key])
+
+    def __str__(self):
         return (
             f"H = {self.hurst:g}, L/lam_l = {self.L_over_lam_l:g}, lam_l/lam_s ="
             f" {self.lam_l_over_lam_s:g}, lam_s/a = {self.lam_s_over_a:g} (n = {self.n}), seed"
@@ -141,12 +142,12 @@ class Store:
     part: write runs-<part>.jsonl, so that several jobs can share the folder.
     """
 
-    def __init__(self, folder: str | Path, part: int | None = None) -> None:
+    def __init__(self, folder, part=None):
         self.folder = Path(folder)
         self.path = self.folder / ("runs.jsonl" if part is None else f"runs-{part}.jsonl")
 
-    def load(self) -> Rows:
-        """Read all runs, one that was stored twice once, with the columns of both.
+    def stored(self) -> dict[tuple, dict]:
+        """Read {key: run}, one that was stored twice once, with the columns of both.
 
         A line that is torn, or no run, is left out.
         """
@@ -158,32 +159,22 @@ class Store:
                     found[key_of(run)] = found.get(key_of(run), {}) | run
                 except (ValueError, TypeError, KeyError):
                     continue
-        return list(found.values())
+        return found
 
     def runs_of(self, cases: list[Case]) -> Rows:
         """Read the runs that these cases ask for, with all that they ask for."""
-        wanted: dict[tuple, list[set]] = defaultdict(list)
-        for case in cases:
-            for p_star in case.p_star:
-                wanted[case.key(p_star)].append(case.columns)
-        return [
-            run
-            for run in self.load()
-            if any(columns <= set(run) for columns in wanted.get(key_of(run), ()))
-        ]
+        stored = self.stored()
+        keys = (key for case in cases for key in case.keys if case.is_in(stored, key))
+        return [stored[key] for key in dict.fromkeys(keys)]
 
     def missing(self, cases: list[Case]) -> list[Case]:
         """List the sweeps that are left to solve, cheapest first."""
-        stored = {key_of(run): {"p_star", *run} for run in self.load()}
-
-        def is_left(case: Case, p_star: float) -> bool:
-            return not {"p_star", *case.columns} <= stored.get(case.key(p_star), set())
-
-        todo = [
-            replace(case, p_star=tuple(p for p in case.p_star if is_left(case, p)))
-            for case in cases
-        ]
-        return merged([case for case in todo if case.p_star])
+        stored, todo = self.stored(), []
+        for case in cases:
+            loads = zip(case.p_star, case.keys)
+            left = tuple(p for p, key in loads if not case.is_in(stored, key))
+            todo += [replace(case, p_star=left)] if left else []
+        return merged(todo)
 
     def append(self, runs: Rows) -> None:
         """Add runs, which are on the disk when this returns. Raises OSError."""

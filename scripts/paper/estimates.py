@@ -21,7 +21,7 @@ from hpc_gfmd.theory.least_squares import least_squares
 from hpc_gfmd.theory.tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc
 
 from .cases import CATALOGUE
-from .rows import Rows, families, groups, near
+from .rows import Rows, families, fine_half, groups, longest, near
 
 COLUMNS = (
     *("hurst", "p_star", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a"),
@@ -60,7 +60,7 @@ def power_law(rows: Rows, x: str, y: str, cov: Any = "unscaled") -> tuple[Any, A
     rows = [row for row in rows if row.get(y) and row[y] > 0]
     if len({row[x] for row in rows}) < 3:
         return None, None
-    at, value, error = (np.array([row[k] or 0.0 for row in rows]) for k in (x, y, f"{y}_se"))
+    at, value, error = (np.array([row.get(k) or 0.0 for row in rows]) for k in (x, y, f"{y}_se"))
     weight = value / np.where(error > 0, error, 1e-3 * value)
     line, covariance = np.polyfit(np.log(at), np.log(value), 1, w=weight, cov=cov)
     return float(line[0]), float(np.sqrt(covariance[0, 0]))
@@ -121,12 +121,12 @@ class Scatter:
         return shared + np.diag(value**2 * alone)
 
 
-def _solver(run: dict, observable: str) -> float:
+def _solver(run, observable):
     error = "a_r_error" if observable.startswith(("kappa", "a_r")) else "gap_error"
     return SOLVER_SHARE * run[error]
 
 
-def _law(points: list[tuple]) -> tuple[float, float] | None:
+def _law(points):
     """Fit a line through the logarithms of the variances, by their degrees of freedom."""
     points = [point for point in points if point[1] > 0]
     if not points:
@@ -137,7 +137,7 @@ def _law(points: list[tuple]) -> tuple[float, float] | None:
     return float(np.average(log - slope * at, weights=dof) / 2), float(slope / 2)
 
 
-def _jitter(alike: dict, observable: str) -> float:
+def _jitter(alike, observable):
     squares, dof = 0.0, 0
     for (eps_t, eps_f, eps_c), group in alike.items():
         coarser = {run["seed"]: run[observable] for run in alike.get((eps_t, eps_f, 2 * eps_c), ())}
@@ -150,7 +150,7 @@ def _jitter(alike: dict, observable: str) -> float:
     return float(np.sqrt(squares / dof)) if dof else 0.0
 
 
-def _memory(deviations: dict) -> float:
+def _memory(deviations):
     """Average the products of a seed's normalised deviations one octave apart."""
     products = [
         x * series[at - 1]
@@ -183,7 +183,7 @@ def average(runs: Rows, *observables: str) -> Rows:
     return rows
 
 
-def _mean(name: str, part: Rows, base: Rows, scatter: Scatter) -> tuple[float, float | None]:
+def _mean(name, part, base, scatter):
     """Average over seeds; base: the same surfaces, and more, on another grid."""
     square, mean = scatter.relative(part[0]) ** 2, np.mean([run[name] for run in part])
     seeds = {run["seed"] for run in part}
@@ -197,31 +197,10 @@ def _mean(name: str, part: Rows, base: Rows, scatter: Scatter) -> tuple[float, f
     return float(mean), float(abs(mean) * np.sqrt(square)) if np.isfinite(square) else None
 
 
-def relative_scatter(row: dict, observable: str) -> float | None:
-    """Compute the scatter of single realisations over the mean from the standard error."""
-    se = row.get(f"{observable}_se")
-    return se * row["n_seeds"] ** 0.5 / abs(row[observable]) if se is not None else None
-
-
-def axes(runs: Rows, level: str) -> dict[str, Rows]:
-    """Choose the runs in which one ratio at a time differs from a system of the eps_f series.
-
-    {"t", "f", "c": runs}, the last at the reference lam_l/lam_s, and "fine", those along eps_c at
-    the lam_l/lam_s with most grids.
-    """
-    L, F, C = CATALOGUE["reference"][level]
-    series = groups([run for run in runs if near(run["L_over_lam_l"], L)], "lam_l_over_lam_s")
-    longest = max(series, key=lambda f: len(groups(series[f], "lam_s_over_a")), default=F)
-
-    def picked(**fixed: float) -> Rows:
-        return [run for run in runs if all(near(run[name], x) for name, x in fixed.items())]
-
-    return {
-        "t": picked(lam_s_over_a=C),
-        "f": picked(L_over_lam_l=L, lam_s_over_a=C),
-        "c": picked(L_over_lam_l=L, lam_l_over_lam_s=F),
-        "fine": picked(L_over_lam_l=L, lam_l_over_lam_s=longest),
-    }
+def along_c(runs: Rows, level: str) -> Rows:
+    """Choose the longest series along eps_c, at the reference L/lam_l."""
+    L, _, _ = CATALOGUE["reference"][level]
+    return longest([run for run in runs if near(run["L_over_lam_l"], L)], "eps_c")
 
 
 def fit_runs(
@@ -265,21 +244,24 @@ def fit_observable(runs: Rows, observable: str, level: str, printed: bool = Fals
     1). Otherwise alpha_t = 1, alpha_f is fitted, alpha_c is that of the longest eps_c series, and
     the uncertainty of both is in the covariance.
     """
-    scatter, chosen, limit = known_scatter(runs, observable), runs, None
+    scatter, limit = known_scatter(runs, observable), None
+    L, F, C = CATALOGUE["reference"][level]
+    chosen = [
+        run
+        for run in runs
+        if near(run["lam_s_over_a"], C)
+        or (near(run["L_over_lam_l"], L) and near(run["lam_l_over_lam_s"], F))
+    ]
     if observable.startswith("gap"):
-        octaves = sorted({run["eps_f"] for run in axes(runs, level)["f"]})
-        chosen = [run for run in runs if run["eps_f"] <= octaves[len(octaves) // 2] * 1.01]
-        limit = 0.0
-    part = axes(chosen, level)
-    chosen = list({id(run): run for run in (*part["t"], *part["f"], *part["c"])}.values())
+        chosen, limit = fine_half(chosen), 0.0
 
-    def fit_at(alpha_c: float, alpha_f: float | None = None) -> TfcFit:
+    def fit_at(alpha_c, alpha_f=None):
         alpha = {"t": 1.0, "f": alpha_f, "c": alpha_c}
         return fit_runs(chosen, observable, scatter, alpha, limit)
 
     if printed:
         return fit_at(1.0) if limit == 0 else fit_at(PAPER_ALPHA["c"], PAPER_ALPHA["f"])
-    along = fit_runs(axes(runs, level)["fine"], observable, scatter, {"c": None})
+    along = fit_runs(along_c(runs, level), observable, scatter, {"c": None})
     alpha_c, sigma = along.alpha["c"], along.sigma["alpha_c"]
     if not (POWER_LAW[0] < alpha_c < POWER_LAW[1] and sigma < alpha_c):
         raise SceneError(f"alpha_c: found {alpha_c:.2f} ± {sigma:.2f}, allowed: a power law")
@@ -296,7 +278,7 @@ def local_exponents(runs: Rows, observable: str, level: str) -> Rows:
     Rows eps_c (the middle grid of three), alpha, alpha_se (jackknife over three seeds or more, and
     solver), n_seeds; alpha None where the differences change sign.
     """
-    series = groups(axes(runs, level)["fine"], "lam_s_over_a")
+    series = groups(along_c(runs, level), "lam_s_over_a")
     grids = {c: {run["seed"]: run for run in part} for c, part in series.items()}
     rows = []
     for c in grids:
@@ -315,13 +297,13 @@ def local_exponents(runs: Rows, observable: str, level: str) -> Rows:
     return rows
 
 
-def _log_ratio(steps: np.ndarray, solver: np.ndarray) -> tuple[float | None, float | None]:
+def _log_ratio(steps, solver):
     """Compute log2 of the ratio of mean steps, (seeds, 2); solver: errors of the three means."""
     first, second = steps.mean(axis=0)
     if not first * second > 0:
         return None, None
 
-    def exponent(some: np.ndarray) -> float:
+    def exponent(some):
         ratio = np.divide(*steps[some].mean(axis=0))
         return np.log2(ratio) if ratio > 0 else np.nan
 
@@ -359,11 +341,11 @@ def fit_limit(runs: Rows, observable: str, scatter: Scatter, alpha_f: float | No
     ).T
     count = 8 if alpha_f is None else 7
 
-    def design(x: np.ndarray) -> np.ndarray:
+    def design(x):
         power = f ** (x[7] if alpha_f is None else alpha_f)
         return np.stack([np.ones_like(f), t, power, power * c, c, c**2, c**3], axis=1)
 
-    def jacobian(x: np.ndarray) -> np.ndarray:
+    def jacobian(x):
         terms = design(x)
         return np.column_stack([terms, terms[:, 2:4] @ x[2:4] * np.log(f)])[:, :count]
 
@@ -405,12 +387,12 @@ def limits(runs: Rows) -> Rows:
     return rows
 
 
-def _limit(runs: Rows) -> dict:
+def _limit(runs):
     octaves, hurst = sorted({run["eps_f"] for run in runs}), runs[0]["hurst"]
     expected, out = float(np.clip(2 - 2 * hurst, *ALPHA_F)), len(octaves) // 3
     scatter = {name: known_scatter(runs, name) for name in ROUTES}
 
-    def fit(exponent: float | None, out: int = out) -> Rows:
+    def fit(exponent, out=out):
         chosen = [run for run in runs if run["eps_f"] <= octaves[-1 - out]]
         return [fit_limit(chosen, name, of, exponent) for name, of in scatter.items()]
 
@@ -453,8 +435,8 @@ GRID_TERMS: dict[str, tuple] = {
 LOADS = 0.25  # what realisations add is correlated by (p/p')^LOADS at the loads p < p' of a surface
 
 
-def continuum(runs: Rows, observable: str) -> tuple[dict, float]:
-    """Find {(H, eps_f, p_star): (limit, standard error)} of all runs together, and chi2/dof.
+def continuum(runs: Rows, observable: str) -> dict[tuple, tuple]:
+    """Find {(H, eps_f, p_star): (limit, standard error)} of all runs together.
 
         ln value = ln limit + C_t eps_t + C_1 eps_c + sum over k of eps_c^k (smooth function of H,
         ln eps_f, ln p_star)
@@ -483,14 +465,14 @@ def continuum(runs: Rows, observable: str) -> tuple[dict, float]:
     if rank < len(found):
         raise SceneError("runs: found too few grids or cells, allowed: as many as there are powers")
     dof = len(value) - len(found)
-    chi2 = float(np.sum((target - white / scale @ found) ** 2)) / dof if dof else 1.0
+    chi2 = np.sum((target - white / scale @ found) ** 2) / max(dof, 1)
     variance = np.diag(np.linalg.inv((white / scale).T @ (white / scale))) * max(1.0, chi2)
     limit = np.exp(found / scale)
     sigma = limit * np.sqrt(variance) / scale
-    return {key: (float(v), float(s)) for key, v, s in zip(parts, limit, sigma)}, chi2
+    return {key: (float(v), float(s)) for key, v, s in zip(parts, limit, sigma)}
 
 
-def _covariance(parts: dict[tuple, Rows], observable: str) -> np.ndarray:
+def _covariance(parts, observable):
     """Compute the relative covariance of all runs.
 
     What a grid adds is alike for all H, of each of which few surfaces were solved on several grids:
@@ -517,7 +499,7 @@ def _covariance(parts: dict[tuple, Rows], observable: str) -> np.ndarray:
     return shared * np.outer(sigma, sigma) + np.diag(np.array(alone) + model**2)
 
 
-def _of_families(parts: dict[tuple, Rows], powers: tuple[int, ...]) -> list[np.ndarray]:
+def _of_families(parts, powers):
     """Make columns for the limit of each family, for its C_t where its cells differ, and for each
     of its own powers of eps_c for each H and eps_f (two where there are several loads)."""
     keys = [key for key, part in parts.items() for _ in part]
@@ -536,7 +518,7 @@ def _of_families(parts: dict[tuple, Rows], powers: tuple[int, ...]) -> list[np.n
     ]
 
 
-def _of_grids(runs: Rows, powers: tuple[int, ...], start: int) -> list[np.ndarray]:
+def _of_grids(runs, powers, start):
     """Make columns of eps_c^k times smooth functions of H, ln eps_f and ln p_star, the fewer the
     higher the power, as far as they differ. start: number of powers below."""
     names = ("eps_c", "hurst", "eps_f", "p_star")

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from hpc_gfmd.plotting.style import THEORY, figure, legend, shade
 from hpc_gfmd.theory import elastic, persson
@@ -17,6 +18,7 @@ from hpc_gfmd.theory import elastic, persson
 from .rows import PRESSURES, Rows, by_hurst, groups, low_high
 
 MARKS = "osD^v<>P"
+COLOURS = 48  # of a picture, as many as show no difference
 LABELS = {
     "eps_c": r"$\epsilon_c = a/\lambda_s$",
     "eps_f": r"$\epsilon_f = \lambda_s/\lambda_l$",
@@ -47,6 +49,7 @@ def panels(path: Path, columns: int, lines: int = 1, **how: Any) -> Iterator[Any
         axes = fig.subplots(lines, columns, squeeze=False, **how)
         yield axes if lines > 1 else axes[0] if columns > 1 else axes[0, 0]
         legend(fig, "outside right upper")
+    Image.open(path).quantize(COLOURS).save(path, optimize=True)
 
 
 def colour(hurst: float) -> Any:
@@ -137,7 +140,7 @@ def two_pressures(
                 key(axes[0], f"$\\lambda_l/\\lambda_s = {member:g}$", mark)
 
 
-def kappa_lines(ax: Any, p_star: float, _hursts: object, _range: object) -> None:
+def kappa_lines(ax: Any, p_star: float, *_unused: object) -> None:
     """Draw Persson's kappa and, at low load, that of Bush, Gibson and Thomas."""
     ax.axhline(float(persson.kappa(p_star)), label="Persson", **THEORY)
     if p_star < 0.1:
@@ -148,12 +151,12 @@ def gap_lines(unit: str, widest: Sequence[float] = ()) -> Callable:
     """Make a function for two_pressures: the mean gap of Persson's theory in a unit, over the range
     of eps_f of the data or over `widest`."""
 
-    def draw(ax: Any, p_star: float, hursts: list[float], span: Sequence[float]) -> None:
+    def draw(ax, p_star, hursts, span):
         low, high = widest or (span[0] / 2, span[1] * 2)
         eps_f = np.geomspace(low, min(high, WIDEST), 25)
         for H in hursts:
 
-            def curve(printed: bool, H: float = H) -> tuple:
+            def curve(printed, H=H):
                 gap = (persson.mean_gap(p_star, H, e, printed=printed, unit=unit) for e in eps_f)
                 return eps_f, [float(x) for x in gap]
 
@@ -171,7 +174,7 @@ def pressure_against_gap(rows: Rows, path: Path) -> None:
             label = f"$\\epsilon_f = 1/{1 / eps_f:g}$"
             points(ax, part, "gap_over_h_rms", "p_star", color=color, label=label)
 
-            def curve(printed: bool, H: float = hurst, e: float = eps_f) -> tuple:
+            def curve(printed, H=hurst, e=eps_f):
                 gap = persson.mean_gap(p_star, H, e, printed=printed)
                 return np.ma.masked_less(gap, CLOSED), p_star
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .cases import Store, cases_of
 from .errata import errata_rows
-from .items import STUDIES
+from .items import STUDIES, TEXTS
 from .items.tables import our_table
 from .rows import Rows, as_csv, read_csv, table
 from .study import Study
@@ -56,20 +56,19 @@ def publish(study: Study, store: Store, level: str, redraw: bool = False) -> Row
         if not redraw:
             write_whole(path.with_suffix(".csv"), as_csv(rows))
         study.draw(rows, path.with_suffix(".png"))
-        if study.question:
+        if "question" in TEXTS[study.name]:
             write_whole(path.with_suffix(".md"), _page(study, rows, level))
     return rows
 
 
-def _page(study: Study, rows: Rows, level: str) -> str:
+def _page(study, rows, level):
     columns = {"": "{paper}", "we find": "{ours}", " ": "{why}"}
     lines = list(study.compare(rows))
     if not any(line["why"] for line in lines):
         del columns[" "]
     return PAGE.format(
         name=study.name,
-        title=study.title,
-        question=study.question.strip(),
+        **TEXTS[study.name],
         found=table(lines, columns),
         made=MADE.format(name=study.name, level=level),
     )
@@ -77,7 +76,7 @@ def _page(study: Study, rows: Rows, level: str) -> str:
 
 def report(store: Store, level: str, tables: dict[str, Rows]) -> Path:
     """Write README.md of all figures and tables, {item: rows}; returns its path."""
-    runs = store.load()
+    runs = list(store.stored().values())
     sizes = [run["n"] for run in runs] or [0]
     parts = [
         HEAD.format(
@@ -90,18 +89,18 @@ def report(store: Store, level: str, tables: dict[str, Rows]) -> Path:
             poor=sum(run["status"] != "converged" for run in runs),
         )
     ]
-    beyond = [s for s in STUDIES.values() if (store.folder / f"{s.name}.md").is_file()]
+    beyond = [name for name in TEXTS if (store.folder / f"{name}.md").is_file()]
     if beyond:
-        links = ", ".join(f"[{study.title}]({study.name}.md)" for study in beyond)
+        links = ", ".join(f"[{TEXTS[name]['title']}]({name}.md)" for name in beyond)
         parts.append(f"Beyond the paper: {links}. Their commands solve what `runs*.jsonl` lacks.")
     for name, rows in tables.items():
-        study = STUDIES[name]
-        parts.append(f"## {name}: {study.title}\n\nPaper: {study.paper}.")
+        title = TEXTS[name]["title"]
+        parts.append(f"## {name}: {title}\n\nPaper: {TEXTS[name]['paper']}.")
         if not rows:
             parts.append("Nothing solved yet.")
             continue
-        parts.append(f"![{study.title}]({name}.png)\n\nNumbers: [{name}.csv]({name}.csv).")
-        if lines := list(study.compare(rows)):
+        parts.append(f"![{title}]({name}.png)\n\nNumbers: [{name}.csv]({name}.csv).")
+        if lines := list(STUDIES[name].compare(rows)):
             parts.append(table(lines, SAYS))
     columns = {"": "{number}", "printed": "{printed}", "right": "{right}", "shown by": "{shown}"}
     parts.append("## Errata of the paper\n\n" + table(errata_rows(tables), columns))

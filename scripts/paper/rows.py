@@ -2,8 +2,8 @@
 
 import csv
 import io
-import json
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import groupby
 from operator import itemgetter
 from string import Formatter
@@ -147,10 +147,8 @@ def read_csv(text: str) -> Rows:
     ]
 
 
-def _value(cell: str) -> Any:
-    if cell in ("True", "False", ""):
-        return cell == "True" if cell else None
-    try:
-        return json.loads(cell)
-    except ValueError:
-        return cell
+def _value(cell):
+    for of in (int, float):
+        with suppress(ValueError):
+            return of(cell)
+    return {"True": True, "False": False, "": None}.get(cell, cell)

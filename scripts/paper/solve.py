@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 from zlib import crc32
 
@@ -69,7 +68,7 @@ def run_missing(
     return worst
 
 
-def _solve(case: Case, store: Store, folder: Path, comm: Any, threads: int | str) -> int:
+def _solve(case, store, folder, comm, threads):
     """Solve a case and store its loads; returns the exit code of the run."""
     text = _scene(case, threads)
     scene = folder / f"{crc32(text.encode()):08x}.toml"
@@ -78,7 +77,7 @@ def _solve(case: Case, store: Store, folder: Path, comm: Any, threads: int | str
     result = hpc_gfmd.run(scene, out=out, quiet=True, comm=comm)
     if result.exit_code <= 3:
 
-        def keep() -> None:
+        def keep():
             store.append(_runs_of(case, out, comm.size))
             scene.unlink()
             out.unlink()
@@ -87,21 +86,21 @@ def _solve(case: Case, store: Store, folder: Path, comm: Any, threads: int | str
     return result.exit_code
 
 
-def _plan(cases: list[Case], store: Store) -> tuple[list[Case], str]:
+def _plan(cases, store):
     """Say what is left to solve; how long it takes follows from what is stored."""
-    todo, runs = store.missing(cases), store.load()
+    todo, runs = store.missing(cases), store.stored().values()
     whole, left = (sum(len(case.p_star) for case in part) for part in (merged(cases), todo))
     text = f"{whole} loads, {whole - left} of them stored"
     if todo:
         text += f"; to solve: {left} on {len(todo)} surfaces, up to n = {max(c.n for c in todo)}"
-        if points := sum(run["n"] ** 2 for run in runs):
-            rate = sum(run["wall_seconds"] for run in runs) / points
-            minutes = rate * sum(case.cost for case in todo) / 60
-            text += f", about {minutes:.1f} minutes by what is stored"
+        seconds = sum(run["wall_seconds"] for run in runs) / 60
+        points = sum(run["n"] ** 2 for run in runs)
+        if points:
+            text += f", about {seconds / points * sum(case.cost for case in todo):.1f} minutes"
     return todo, text
 
 
-def _scene(case: Case, threads: int | str) -> str:
+def _scene(case, threads):
     surface = case.surface | {"kind": "self-affine"}
     solver = {"accuracy": surface.pop("accuracy"), "low_memory": case.n >= LARGE}
     return tomli_w.dumps(
@@ -119,7 +118,7 @@ def _scene(case: Case, threads: int | str) -> str:
     )
 
 
-def _runs_of(case: Case, path: Path, ranks: int) -> Rows:
+def _runs_of(case, path, ranks):
     """Read the loads of a result file: dimensionless numbers, lengths in units of the cell."""
     runs: Rows = []
     for solution, p_star in zip(hpc_gfmd.load(path), case.p_star, strict=True):

@@ -18,7 +18,7 @@ PERSONAL = {"wall_seconds", "ranks", "a_r_error", "gap_error", "pressure_error"}
 def test_same_lines(comm, shared_path):
     assert run_missing(CASES, Store(shared_path / "ranks"), comm, say=lambda text: None) == 1
     comm.barrier()
-    found = Store(shared_path / "ranks").load()
+    found = list(Store(shared_path / "ranks").stored().values())
     own = Store(shared_path / f"alone-{comm.rank}")
     run_missing(CASES, own, SerialComm(), say=lambda text: None)
     assert len(found) == len(own.load()) == 3

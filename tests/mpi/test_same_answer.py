@@ -15,7 +15,7 @@ from contacts import (
 
 from hpc_gfmd.certificate.error_estimates import Pattern, misclassified_points
 from hpc_gfmd.contact import all_observables
-from hpc_gfmd.driver.prescribed import Prescribed
+from hpc_gfmd.driver.load_target import LoadTarget
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.grid import Grid
@@ -87,7 +87,7 @@ def test_prescribed(comm, quantity, value, low_memory):
     solver = {"accuracy": 1e-3, "precision": "double", "low_memory": low_memory}
     found, wanted = (sweep_of(surface, comm=world, **solver) for world in (comm, SerialComm()))
     for factor in (1.0, 0.8):
-        steps = [sweep.solve(Prescribed(quantity, factor * value)) for sweep in (found, wanted)]
+        steps = [sweep.solve(LoadTarget(quantity, factor * value)) for sweep in (found, wanted)]
         assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
         assert_same(comm, *steps, tolerance=1e-5)
 
@@ -98,7 +98,7 @@ def test_a_gap_that_closes(comm, boundary):
         sweep_of(rough(boundary=boundary), comm=world, accuracy=1e-6)
         for world in (comm, SerialComm())
     )
-    steps = [sweep.solve(Prescribed("a_r", 1.0)) for sweep in (found, wanted)]
+    steps = [sweep.solve(LoadTarget("a_r", 1.0)) for sweep in (found, wanted)]
     assert steps[0].contact_points == steps[0].N
     assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
     assert_same(comm, *steps, tolerance=1e-5)

@@ -1,24 +1,28 @@
-"""The errata of the paper: what is printed, what is right, and a function that shows it."""
+"""The errata of the paper (errata.toml), each shown by a function of its name here.
 
-from typing import Any
+It takes {item: rows} and says how our numbers show the erratum, "" while they do not reach so far.
+"""
+
+import tomllib
+from pathlib import Path
 
 from ..rows import Rows
 from . import area, formulas, gap
 
-ERRATA = (*formulas.ERRATA, *area.ERRATA, *gap.ERRATA)
+ERRATA = tomllib.loads(Path(__file__).parents[1].joinpath("errata.toml").read_text("utf-8"))
+SHOWS = {**vars(formulas), **vars(area), **vars(gap)}
 
 
 def errata_rows(tables: dict[str, Rows]) -> Rows:
-    """List the errata that {study: rows} show, numbered."""
+    """List the errata that {item: rows} show, numbered."""
     rows: Rows = []
-    for printed, right, show in ERRATA:
+    for name, texts in ERRATA.items():
         try:
-            shown: Any = show(tables)
+            shown = SHOWS[name](tables)
         except (ValueError, TypeError, IndexError):
             if all(tables.values()):
                 raise
-            continue  # some study has no rows yet
+            continue  # some item has no rows yet
         if shown:
-            number = len(rows) + 1
-            rows.append({"number": number, "printed": printed, "right": right, "shown": shown})
+            rows.append(texts | {"number": len(rows) + 1, "shown": shown})
     return rows

@@ -8,17 +8,14 @@ N_SMALL, STEPS = 32, 400
 DT, ETA = 0.25, 0.08  # time step and damping: stable and slightly underdamped
 
 
-def small_surface(n: int = N_SMALL, hurst: float = HURST, seed: int = 1) -> np.ndarray:
-    """A small self-affine surface, h_rms = 1, mean 0, peaks up."""
-    q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(n, 1 / n)], indexing="ij"))
-    keep = (q >= 2) & (q <= n / 4)
-    z_q = np.where(
-        keep,
-        np.fft.fft2(np.random.default_rng(seed).standard_normal((n, n)))
-        / np.where(keep, q, 1) ** (1 + hurst),
-        0,
-    )
-    z = np.fft.ifft2(z_q).real
+Q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(N_SMALL, 1 / N_SMALL)], indexing="ij"))
+
+
+def small_surface() -> np.ndarray:
+    """Make a small self-affine surface, h_rms = 1, mean 0, peaks up."""
+    noise = np.fft.fft2(np.random.default_rng(1).standard_normal(Q.shape))
+    keep = (Q >= 2) & (N_SMALL / 4 >= Q)
+    z = np.fft.ifft2(np.where(keep, noise / np.maximum(Q, 1) ** (1 + HURST), 0)).real
     return z / z.std()
 
 
@@ -32,15 +29,13 @@ def gfmd(damping: int = -1, load: int = -1, lifted: bool = False, steps: int = S
     """
     z = small_surface()
     h = z.max() - z
-    n = len(z)
-    q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(n, 1 / n)], indexing="ij"))
-    q_max = q.max()
-    p = 0.1 * np.sqrt(np.sum(q**2 * np.abs(np.fft.fft2(z) / z.size) ** 2)) * 2  # p* = 0.1
+    q_max = Q.max()
+    p = 0.1 * np.sqrt(np.sum(Q**2 * np.abs(np.fft.fft2(z) / z.size) ** 2)) * 2  # p* = 0.1
     now = np.full_like(h, h.max() if lifted else 0.0)
     old, gap, speed = now.copy(), [], []
     for _ in range(steps):
         u, before = np.fft.fft2(now), np.fft.fft2(old)
-        force = -q * u
+        force = -Q * u
         force[0, 0] += load * p * z.size
         force += damping * ETA * q_max * (u - before) / DT
         with np.errstate(over="ignore", invalid="ignore"):

@@ -9,18 +9,12 @@ from hpc_gfmd.theory import persson
 from ..printed import PRINTED
 from ..rows import PRESSURES
 from .dynamics import HURST as H
-from .dynamics import N_SMALL, STEPS, gfmd, small_surface
-from .listed import Errata
+from .dynamics import N_SMALL, gfmd, small_surface
 
 EPS_F = 1 / 1024  # of the examples, at H
 GRID = 16  # lam_s/a that the text recommends for H = 0
-ERRATA = Errata()
 
 
-@ERRATA.add(
-    "h_rms² = (1/N) Σ |h_q|², g_rms² likewise (eqs. barH, barG)",
-    "no 1/N with the transform that the paper states, nor in its eq. totalBroad",
-)
 def parseval(_tables: object) -> str:
     z = small_surface()
     share = np.sum(np.abs(np.fft.fft2(z) / z.size) ** 2) / np.mean(z**2)
@@ -30,10 +24,6 @@ def parseval(_tables: object) -> str:
     )
 
 
-@ERRATA.add(
-    "h_rms² = q_l² C(q_l)/H {1 - (q_l/q_s)^2H} (eq. scalHeight), so h_f = q_l √(C(q_l)/H)",
-    "/(2H), and h_f = q_l √(C(q_l)/(2H)); both scal equations leave out A_0/(2π)",
-)
 def height_scale(_tables: object) -> str:
     whole, slope = (
         _moment(2, EPS_F),
@@ -52,10 +42,6 @@ def height_scale(_tables: object) -> str:
     )
 
 
-@ERRATA.add(
-    "g_rms lam_s = 2π h_rms √(H/(1-H)) eps_f^H",
-    "only to leading order: times √((1 - eps_f^(2-2H))/(1 - eps_f^2H))",
-)
 def slope_relation(_tables: object) -> str:
     parts = []
     for hurst in (0.0, 0.3, 0.5, 0.8):
@@ -76,10 +62,6 @@ def slope_relation(_tables: object) -> str:
     return "exact over leading order: " + ", ".join(parts)
 
 
-@ERRATA.add(
-    "rms height of the shortest wavelengths of order √(2-2H) g_rms lam_s",
-    "√(2-2H) g_rms lam_s/(2π), since q_s = 2π/lam_s",
-)
 def short_wave_height(_tables: object) -> str:
     claim = np.sqrt(2 - 2 * H) * np.sqrt(_moment(4, EPS_F)) * 2 * np.pi * EPS_F
     share = np.sqrt(_moment(2, EPS_F, from_q=1 / EPS_F / np.e)) / claim
@@ -89,9 +71,6 @@ def short_wave_height(_tables: object) -> str:
     )
 
 
-@ERRATA.add(
-    "p_new(q_new) = p_old(q_new/s)/s", "p_old(s q_new)/s, as one line before: q_new = q_old/s"
-)
 def scaling(_tables: object) -> str:
     s, q_old, u = 2.0, 3.0, 1.0
     q_new = q_old / s
@@ -105,10 +84,6 @@ def scaling(_tables: object) -> str:
     )
 
 
-@ERRATA.add(
-    "stiffness K is the derivative of the mean gap with respect to pressure",
-    "K = -dp/d(gap): the negative inverse of that",
-)
 def stiffness(_tables: object) -> str:
     p_star, h = 0.05, 1e-4
     low, high = (float(persson.mean_gap(p, H, EPS_F)) for p in (p_star * (1 - h), p_star * (1 + h)))
@@ -119,10 +94,6 @@ def stiffness(_tables: object) -> str:
     )
 
 
-@ERRATA.add(
-    "eq. gapFinal: 3 (1-gamma) ∫ erf(tx)² exp(-t²x²) dt/t",
-    "6 (1-gamma): E1(x²) = 2 ∫ exp(-t²x²) dt/t, so this term lacks the 2",
-)
 def missing_factor(_tables: object) -> str:
     hurst, eps_f, parts = 0.8, 1 / 256, []
     for gamma in (1.0, persson.GAMMA):
@@ -139,16 +110,11 @@ def missing_factor(_tables: object) -> str:
     return "gap/h_rms by quadrature of eq. gap with eq. elasticEnergy: " + "; ".join(parts)
 
 
-@ERRATA.add("GFMD: F_q ← F_q + eta (u_now - u_old)", "minus: the printed sign feeds energy")
 def damping_sign(_tables: object) -> str:
     good, bad = (_range(gfmd(damping=sign)["speed"]) for sign in (-1, +1))
-    return (
-        f"{N_SMALL} × {N_SMALL}, {STEPS} steps: largest speed {good} with the minus, {bad} as"
-        " printed"
-    )
+    return f"{N_SMALL} × {N_SMALL} points: largest speed {good} with the minus, {bad} as printed"
 
 
-@ERRATA.add("GFMD: F(0) ← F(0) + p with u >= -h", "minus p: printed, it pulls the solids apart")
 def load_sign(_tables: object) -> str:
     good, bad = gfmd(load=-1), gfmd(load=+1)
     return (
@@ -157,10 +123,6 @@ def load_sign(_tables: object) -> str:
     )
 
 
-@ERRATA.add(
-    "start: set all grid points to h_max",
-    "any u >= -h will do; touching in one point (u = 0), or a coarser solution, is nearer",
-)
 def start(_tables: object) -> str:
     touching, above = gfmd()["gap"], gfmd(lifted=True)["gap"]
     steps = [_settled(gap, touching[-1]) for gap in (touching, above)]
@@ -170,7 +132,6 @@ def start(_tables: object) -> str:
     )
 
 
-@ERRATA.add("p* = 0.007 and 0.353", "0.01/√2 and 0.5/√2")
 def rounded_pressures(_tables: object) -> str:
     parts = []
     for name, p in PRESSURES.items():
@@ -185,7 +146,6 @@ def rounded_pressures(_tables: object) -> str:
     return "; ".join(parts)
 
 
-@ERRATA.add("L/lam_s = 1/512 is more than sufficient (H = 0)", "L/lam_s = 512: inverted")
 def inverted_ratio(_tables: object) -> str:
     return (
         f"with the recommended a/lam_s = 1/{GRID} the cell has {GRID * 512:.0f} points along an"
@@ -197,7 +157,7 @@ def gap_from_energy(p_star: float, hurst: float, eps_f: float, gamma: float) -> 
     """gap/h_rms = ∫ (dU/dp)/p dp from p_star up (eq. gap), integrated by parts, with the energy of
     eq. elasticEnergy."""
 
-    def energy(p: float) -> float:
+    def energy(p):
         return float(persson.elastic_energy(p, hurst, eps_f, gamma))
 
     top = 40.0  # full contact: the energy no longer changes
@@ -211,7 +171,7 @@ def gap_from_energy(p_star: float, hurst: float, eps_f: float, gamma: float) -> 
     return rest + (energy(top) - energy(p_star)) / top
 
 
-def _moment(power: float, eps_f: float, from_q: float = 1.0) -> float:
+def _moment(power, eps_f, from_q=1.0):
     """∫ q^power C dq/q of C = q^(-2-2H) up to q_s = 1/eps_f by quadrature."""
     return quad(
         lambda y: np.exp((power - 2 - 2 * H) * y),
@@ -222,15 +182,10 @@ def _moment(power: float, eps_f: float, from_q: float = 1.0) -> float:
     )[0]
 
 
-def _range(speed: list[float]) -> str:
-    begun, ended = max(speed[:20]), speed[-1]
-    return (
-        f"falls from {begun:.2g} to {ended:.1e}"
-        if ended < begun
-        else f"grows from {begun:.2g} to {ended:.1e} in {len(speed)} steps"
-    )
+def _range(speed):
+    return f"goes from {max(speed[:20]):.2g} to {speed[-1]:.1e} in {len(speed)} steps"
 
 
-def _settled(gap: list[float], last: float) -> int:
+def _settled(gap, last):
     off = np.flatnonzero(np.abs(np.array(gap) / last - 1) > 0.01)
     return int(off[-1]) + 2 if off.size else 1

@@ -1,6 +1,5 @@
 """Errata of what the paper says about the mean gap, each shown by the rows of our items."""
 
-from collections.abc import Iterator
 from typing import Any
 
 from hpc_gfmd.theory import persson
@@ -8,13 +7,11 @@ from hpc_gfmd.theory import persson
 from ..items import gap
 from ..printed import PRINTED, at, coefficients, correction, of_hurst
 from ..rows import Rows, by_hurst, families, fine_half, finest, low_high, where
-from .listed import Errata
 
 GAP = "gap_over_h_rms"
-ERRATA = Errata()
 
 
-def _printed(tables: dict[str, Rows]) -> Iterator[tuple[str, float, Rows]]:
+def _printed(tables):
     """Yield the families of figure 6 for which the paper's tables have coefficients, with the gap
     that these make as column "table"."""
     for pressure, hurst, rows in families(tables["fig6"]):
@@ -22,7 +19,6 @@ def _printed(tables: dict[str, Rows]) -> Iterator[tuple[str, float, Rows]]:
             yield pressure, hurst, [one | {"table": correction(row, one)} for one in rows]
 
 
-@ERRATA.add("caption of the second gap table: p* = 0.007", "p* = 0.353, as its label says")
 def caption_pressure(tables: dict[str, Rows]) -> Any:
     parts, low = [], low_high(tables["fig6"])["low"]
     for pressure, hurst, rows in _printed(tables):
@@ -35,10 +31,6 @@ def caption_pressure(tables: dict[str, Rows]) -> Any:
     return "; ".join(parts)
 
 
-@ERRATA.add(
-    "gap tables 3 and 4: C_c eps_c + C_f eps_f^alpha_f + C_t eps_t (the limit is zero)",
-    "too large at the high pressure",
-)
 def gap_tables(tables: dict[str, Rows]) -> Any:
     parts = [
         f"{gap.span([row['table'] / row[GAP] for row in fine_half(rows)])} ({at(pressure, hurst)})"
@@ -47,10 +39,6 @@ def gap_tables(tables: dict[str, Rows]) -> Any:
     return parts and "printed sum over our gap, finer half of the eps_f: " + ", ".join(parts)
 
 
-@ERRATA.add(
-    "figure 6: the printed theory is 3, 3, 2 times below the simulations (H = 0.3, 0.5, 0.8)",
-    "table 4 says something else of the same simulations",
-)
 def tables_against_captions(tables: dict[str, Rows]) -> Any:
     parts = []
     for pressure, hurst, rows in _printed(tables):
@@ -61,10 +49,6 @@ def tables_against_captions(tables: dict[str, Rows]) -> Any:
     return parts and "simulation over theory as printed: " + "; ".join(parts)
 
 
-@ERRATA.add(
-    "tables 3 and 4 serve to extrapolate the gap to the TFC limit",
-    'gap/h_rms vanishes in the fractal limit: the "correction" is nearly the whole gap',
-)
 def fractal_term_is_the_gap(tables: dict[str, Rows]) -> Any:
     parts = [
         f"{row['term_f'] / sum(row[f'term_{i}'] for i in 'cft'):.0%} (H = {row['hurst']:g}, p* ="
@@ -76,22 +60,11 @@ def fractal_term_is_the_gap(tables: dict[str, Rows]) -> Any:
     return parts and head + ", ".join(parts)
 
 
-@ERRATA.add(
-    "gap/(g_rms lam_s) increases with eps_f with exponents 0.25 and 0.75 (p* = 0.007), 0.002 and"
-    " 0.14 (0.353)",
-    "it decreases: exponents in the two units differ by H, so these are negative",
-)
 def sign_of_exponents(tables: dict[str, Rows]) -> Any:
     lines = gap.exponents(tables["fig7"], "g_rms_lam_s")
     return "; ".join(f"{line['paper']}, ours {line['ours']}" for line in lines)
 
 
-@ERRATA.add(
-    "self-affine between the cutoffs, L/lam_l = 2 (nothing is said of which modes at the cutoffs"
-    " are included)",
-    "a cell of two lam_l has few long modes: their number changes g_rms lam_s/h_rms, and with it"
-    " every gap in units of h_rms",
-)
 def realised_slope(tables: dict[str, Rows]) -> Any:
     parts, same = [], ("hurst", "p_star", "eps_f", "eps_t", "eps_c")
     for hurst, rows in by_hurst(low_high(tables["fig6"])["low"]).items():

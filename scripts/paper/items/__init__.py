@@ -4,5 +4,5 @@ from ..cases import CATALOGUE
 from . import curves, distributions, gap, kappa, load, percolation, stiffness, tables
 
 MODULES = (kappa, gap, load, tables, curves, distributions, percolation, stiffness)
-FOUND = {study.name: study for module in MODULES for study in module.STUDIES}
-STUDIES = {name: FOUND[name] for name in CATALOGUE["items"]}
+STUDIES = {study.name: study for module in MODULES for study in module.STUDIES}
+TEXTS = CATALOGUE["items"]  # {name: title, paper, and of what goes beyond it question}

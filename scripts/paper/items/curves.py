@@ -17,7 +17,7 @@ from hpc_gfmd.theory.reference.data import FORMAT
 from ..cases import CATALOGUE
 from ..estimates import GRID_TERMS, continuum
 from ..pictures import named, of_h, panels, points
-from ..rows import PRESSURES, Rows, at_load, each, groups, saying
+from ..rows import PRESSURES, Rows, at_load, groups, saying
 from ..study import Study
 
 LOADS, LIGHT = (CATALOGUE["series"]["curves"]["loads"][name] for name in ("all", "light"))
@@ -41,7 +41,7 @@ def limits(runs: Rows, level: str) -> Rows:
         found[name] = {}
         for part in parts:
             try:
-                found[name] |= continuum(part, name)[0]
+                found[name] |= continuum(part, name)
             except SceneError:  # not enough runs yet, or closed gaps
                 continue
     rows = []
@@ -68,7 +68,7 @@ def findings(rows: Rows) -> Iterator[dict]:
     if not known or not gaps:
         return
 
-    def worst(part: Rows, name: str, low: float = 0.0) -> str:
+    def worst(part, name, low=0.0):
         errors = [row[f"{name}_se"] / row[name] for row in part if row["p_star"] >= low]
         return f"{max(errors, default=0):.1%} from p* = {low:.3g}"
 
@@ -87,8 +87,6 @@ def findings(rows: Rows) -> Iterator[dict]:
     for part, name in ((known, "kappa"), (gaps, GAP)):
         over = [row[name] / row[f"persson_{name}"] for row in part]
         yield saying(f"{name} over Persson's theory", f"{min(over):.2f} to {max(over):.2f}")
-    at = [row for row in known if row["p_star"] == 0.001 and row["eps_f"] == known[0]["eps_f"]]
-    yield saying("kappa at p* = 0.001, largest eps_f first", each("{kappa:±} (H = {hurst:g})", at))
 
 
 def draw(rows: Rows, path: Path) -> None:
@@ -134,20 +132,15 @@ def reference_data(runs: Rows, level: str) -> str:
         if len(loads) < 2:
             raise SceneError("--reference: found no curves, allowed: a folder with stored runs")
 
-        def cube(of: Any, loads: list = loads) -> list:
-            return [
-                [[float(f"{of(at[H, e, p]):.{DIGITS}g}") for p in loads] for e in axes["eps_f"]]
-                for H in axes["hurst"]
-            ]
-
-        def value(row: dict, area: bool = name == "a_r", column: str = column) -> float:
-            return row[column] * (row["p_star"] if area else 1)
-
-        def sigma(row: dict, column: str = column) -> float:
-            return row[f"{column}_se"] / row[column]
-
+        rough = [at[H, e, p] for H in axes["hurst"] for e in axes["eps_f"] for p in loads]
+        factors = [row["p_star"] if name == "a_r" else 1 for row in rough]
+        value = [row[column] * factor for row, factor in zip(rough, factors)]
+        sigma = [row[f"{column}_se"] / row[column] for row in rough]
         tables["p_star"][name] = loads
-        tables["value"][name], tables["sigma"][name] = cube(value), cube(sigma)
+        for what, flat in (("value", value), ("sigma", sigma)):
+            rounded = [float(f"{x:.{DIGITS}g}") for x in flat]
+            shape = (*map(len, axes.values()), len(loads))
+            tables[what][name] = np.reshape(rounded, shape).tolist()
     data = {
         "format": FORMAT,
         "note": NOTE.format(end=tables["p_star"][GAP][-1]),
@@ -163,7 +156,7 @@ def reference_data(runs: Rows, level: str) -> str:
     return json.dumps(data | axes | tables) + "\n"
 
 
-def _loads(rows: Rows, column: str, curves: int) -> list[float]:
+def _loads(rows, column, curves):
     """List the loads at which all curves are known well enough, up to the first where not."""
     loads: list[float] = []
     for p_star, part in groups(rows, "p_star").items():

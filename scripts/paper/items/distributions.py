@@ -54,7 +54,7 @@ def means(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def _binned(found: dict, unit: float, edges: np.ndarray) -> np.ndarray:
+def _binned(found, unit, edges):
     """Compute the density in other bins, in units of `unit`; it is even within each of its own."""
     own, density = np.array(found["edges"]) / unit, np.array(found["density"]) * unit
     below = np.append(0.0, np.cumsum(density * np.diff(own)))

@@ -10,7 +10,7 @@ import numpy as np
 from hpc_gfmd.theory import persson
 
 from .. import printed
-from ..estimates import average, power_law, relative_scatter
+from ..estimates import average, power_law
 from ..pictures import gap_lines, two_pressures
 from ..printed import NUMBERS, of_hurst
 from ..rows import (
@@ -66,8 +66,7 @@ def coarse_grid(rows: Rows) -> Iterator[dict]:
         if ratio and len(series) > 1:
             best = finest(series, "eps_c")
             yield saying(
-                f"{printed.at('high', hurst)}: gap {'almost' if ratio > 2 else 'roughly'} {ratio:g}"
-                " times the limit at eps_c = 1/2",
+                f"{printed.at('high', hurst)}: gap {ratio:g} times the limit at eps_c = 1/2",
                 "{ratio:.4f} times that at eps_c = {eps_c:1/} (lam_l/lam_s = {lam_l_over_lam_s:g})",
                 "the same surfaces on finer grids: this is what the grid alone does",
                 **best,
@@ -86,8 +85,7 @@ def finite_size(rows: Rows) -> Iterator[dict]:
                 f"{printed.at(pressure, hurst)}: C_t = {row['C_t']:g}",
                 f"{slope:+.3g} from eps_t = {small['eps_t']:g} to {large['eps_t']:g} (lam_l/lam_s ="
                 " {lam_l_over_lam_s:g})",
-                f"one realisation scatters by {relative_scatter(small, GAP) or 0:.1%} at eps_t ="
-                " {eps_t:g}: the few longest waves make h_rms",
+                "the few longest waves make h_rms, and scatter most",
                 **small,
             )
 
@@ -134,7 +132,7 @@ def decades_needed(rows: Rows) -> Iterator[dict]:
     if not any(near(row["hurst"], claim["hurst"]) for row in low_high(rows)["low"]):
         return
 
-    def gap(decades: float) -> float:
+    def gap(decades):
         at = (PRESSURES["low"], claim["hurst"], 10.0**-decades)
         return float(persson.mean_gap(*at, unit="g_rms_lam_s")) / float(
             persson.mean_gap(*at[:2], 1e-60, unit="g_rms_lam_s")
@@ -157,12 +155,12 @@ def span(values: list[Any], digits: int = 2) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _against_theory(name: str, unit: str, widest: tuple = ()) -> Study:
+def _against_theory(name, unit, widest=()):
     """Make the study of the gap in a unit against eps_f, with theory over `widest` or the data."""
     how: dict[str, Any] = {"x": "eps_f", "y": f"gap_over_{unit}", "logarithmic": True}
     how |= {"theory": gap_lines(unit, widest), "base": 10 if widest else 2}
 
-    def compare(rows: Rows) -> Iterator[dict]:
+    def compare(rows):
         return chain(exponents(rows, unit), theory_factors(rows, unit))
 
     tabulate, draw = partial(with_theory, unit=unit), partial(two_pressures, **how)

@@ -12,7 +12,7 @@ from scipy.special import ndtr, ndtri
 
 from hpc_gfmd.plotting.style import THEORY
 
-from ..estimates import jackknife, weighted
+from ..estimates import jackknife, power_law, weighted
 from ..pictures import named, of_h, panels, points
 from ..rows import Rows, by_hurst, each, groups, longest, saying, where
 from ..study import Study
@@ -54,7 +54,7 @@ def middle(bounds: ArrayLike, share: float = 0.5) -> tuple[float, float]:
     inside = (low > 0) & (high < 1)
     start = np.mean((low + high)[inside]) / 2 if inside.any() else 0.4, np.log(0.03)
 
-    def misfit(x: np.ndarray) -> float:
+    def misfit(x):
         below, above = (ndtr((area - x[0]) / np.exp(x[1])) for area in (low, high))
         return -np.sum(np.log(np.maximum(above - below, 1e-12)))
 
@@ -97,7 +97,7 @@ def thresholds(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def _known(bounds: np.ndarray, share: float) -> tuple[float, float]:
+def _known(bounds, share):
     value, error = jackknife(lambda some: middle(bounds[some], share)[0], len(bounds))
     return float(value), float(error)
 
@@ -116,7 +116,7 @@ def to_fine_grids(grids: dict) -> dict[float, dict[str, float]]:
     wanted: list[tuple[Any, float]] = [(k, HALF) for k in (0, 1, 2, 3, PERCOLATION)]
     wanted.append((LAST, SEALED))
 
-    def shifts(some: np.ndarray) -> np.ndarray:
+    def shifts(some):
         at = np.array(
             [[middle(grid[:, k], share)[0] for k, share in wanted] for grid in bounds[:, some]]
         )
@@ -136,77 +136,48 @@ def sizes(rows: Rows) -> Rows:
 
 
 def large(rows: Rows) -> Rows:
-    """Find the limit of large cells for each H.
+    """Find the limit of large cells and a -> 0 for each H: a_c, sealed, NAME_se.
 
-    at_grid, counted: mean a_c over cells of two lam_l and more, where it hardly depends on the
-    size; a_c, sealed: for a -> 0, with the mean SHIFTS of all that have one, None without; NAME_se;
-    exponent: of the width in L/lam_l; surfaces: of all sizes.
+    The mean over cells of two lam_l and more, where it hardly depends on the size, with the mean
+    shift of all sizes; None where none is known. exponent: of the width in L/lam_l, or None.
     """
     found = []
     for hurst, family in by_hurst(rows).items():
         part = sizes(family)
+        one: dict[str, Any] = {"hurst": hurst}
+        for name, shift in (("a_c", "shift"), ("a_c_sealed", "shift_sealed")):
+            big = [row for row in part if row["L_over_lam_l"] >= 2 and (row["a_c_se"] or 0) > 0]
+            shifted = [row for row in part if row[shift] is not None]
+            one |= {name: None, f"{name}_se": None}
+            if big and shifted:
+                (a, a_se), (b, b_se) = (
+                    weighted([row[of] for row in some], [row[f"{of}_se"] for row in some])
+                    for of, some in ((name, big), (shift, shifted))
+                )
+                one |= {name: a + b, f"{name}_se": float(np.hypot(a_se, b_se))}
         many = [row for row in part if row["surfaces"] >= SEVERAL]
-        big = [row for row in part if row["L_over_lam_l"] >= 2 and (row["a_c_se"] or 0) > 0]
-        if not big:
-            continue
-        one: dict[str, Any] = {"hurst": hurst, "lam_s_over_a": big[0]["lam_s_over_a"]}
-        one |= {"surfaces": sum(row["surfaces"] for row in part), "exponent": None, "a_c": None}
-
-        def mean(some: Rows, name: str, error: str) -> tuple[float, float]:
-            return weighted([row[name] for row in some], [row[error] for row in some])
-
-        one["at_grid"], one["at_grid_se"] = mean(big, "a_c", "a_c_se")
-        one["counted"], one["counted_se"] = mean(big, "a_c_counted", "a_c_se")
-        if shifted := [row for row in part if row["shift"] is not None]:
-            for area, name, shift in (
-                ("a_c", "a_c", "shift"),
-                ("sealed", "a_c_sealed", "shift_sealed"),
-            ):
-                value, error = mean(big, name, f"{name}_se")
-                one[shift], one[f"{shift}_se"] = mean(shifted, shift, f"{shift}_se")
-                one[area] = value + one[shift]
-                one[f"{area}_se"] = float(np.hypot(error, one[f"{shift}_se"]))
-        if len(many) > 1:
-            names = ("L_over_lam_l", "width", "surfaces")
-            size, width, count = np.array([[row[name] for name in names] for row in many]).T
-            one["exponent"] = float(np.polyfit(np.log(size), np.log(width), 1, w=np.sqrt(count))[0])
-        found.append(one)
+        found.append(one | {"exponent": power_law(many, "L_over_lam_l", "width")[0]})
     return found
 
 
 def findings(rows: Rows) -> Iterator[dict]:
-    """Compare the critical area by our definition and by that of the literature; say what grid and
-    connectivity do to it, and how the width falls."""
+    """Compare the critical area by our definition and by that of the literature, and how the width
+    falls with the size."""
     limit = large(rows)
-    if not limit:
-        return
-    grid = f"lam_s/a = {limit[0]['lam_s_over_a']:g}"
-    if fine := [row for row in limit if row["a_c"]]:
-        said = "in the literature {:g} to {:g}".format(*LITERATURE)
-        for what, name in (
-            ("critical contact area of large cells, a -> 0", "a_c"),
-            (f"the same from fluids, which get through {1 - SEALED:.1%} of the cells", "sealed"),
-        ):
-            names = (name, f"{name}_se")
-            mean = {k: float(np.mean([row[k] for row in fine])) for k in names}
-            each_h = each(f"{{{name}:±}} (H = {{hurst:g}})", fine)
-            yield saying(what, f"{each_h}; mean {{{name}:±}}", said, **mean)
+    known = [row for row in limit if row["a_c"]]
+    for what, name in (
+        ("critical contact area of large cells, a -> 0", "a_c"),
+        (f"the same from fluids, which get through {1 - SEALED:.1%} of the cells", "a_c_sealed"),
+    ):
+        if known:
+            mean = {k: np.mean([row[k] for row in known]) for k in (name, f"{name}_se")}
+            ours = each(f"{{{name}:±}} (H = {{hurst:g}})", known) + f"; mean {{{name}:±}}"
+            yield saying(what, ours, "literature: {:g} to {:g}".format(*LITERATURE), **mean)
+    if limit and limit[0]["exponent"]:
         yield saying(
-            f"from {grid}, edge-corrected, to a -> 0",
-            each("{shift:±} (H = {hurst:g})", fine),
-            "the same surfaces on all grids",
+            f"width falls as L^-{1 / NU:g} in two dimensions",
+            each("L^{exponent:.2f} (H = {hurst:g})", limit),
         )
-    for name, what in (("at_grid", "edge-corrected"), ("counted", "as counted")):
-        yield saying(f"at {grid}, {what}", each(f"{{{name}:±}} (H = {{hurst:g}})", limit))
-    apart = [
-        f"{np.mean([row['a_c_sides'] - row['a_c_corners'] for row in part]):.4f} (lam_s/a = {c:g})"
-        for c, part in groups(rows, "lam_s_over_a").items()
-    ]
-    yield saying("points that share corners percolate earlier by", ", ".join(apart))
-    yield saying(
-        f"width falls as L^-{1 / NU:g} in two dimensions",
-        each("L^{exponent:.2f} (H = {hurst:g})", limit),
-    )
 
 
 def draw(rows: Rows, path: Path) -> None:
@@ -227,8 +198,9 @@ def draw(rows: Rows, path: Path) -> None:
         ends = np.array([1.0, max((row["L_over_lam_l"] for row in rows), default=2)])
         left.axhspan(*LITERATURE, color="0.85", zorder=0, label="literature")
         centre.plot(ends, 0.08 * ends ** (-1 / NU), label=r"$\propto\mathcal{L}^{-3/4}$", **THEORY)
-        named(left, "L_over_lam_l", "contact area at percolation", xscale="log")
-        named(centre, "L_over_lam_l", "width", xscale="log", yscale="log")
+        for ax, y in ((left, "contact area at percolation"), (centre, "width")):
+            named(ax, "L_over_lam_l", y, yscale="log" if ax is centre else "linear")
+            ax.set_xscale("log", base=2)
         named(right, "eps_c", r"area minus limit for $a \to 0$")
 
 

@@ -16,7 +16,6 @@ from ..study import Study
 
 SYSTEM = ("hurst", "L_over_lam_l", "lam_l_over_lam_s")
 LOW = 0.0005  # p_star up to which the power law is fitted
-LINEAR = 0.01  # about which K is compared with a line
 
 
 def means(runs: Rows, level: str) -> Rows:
@@ -50,32 +49,30 @@ def means(runs: Rows, level: str) -> Rows:
     return rows
 
 
-def _mean(values: list[float]) -> tuple[float, float]:
+def _mean(values):
     return float(np.mean(values)), float(sem(values)) if len(values) > 1 else np.nan
 
 
 def power_laws(rows: Rows) -> Rows:
     """Find for each system the mean exponent at the lowest loads, and where the power law ends.
 
-    exponent: up to LOW, exponent_se (of one surface: neighbouring loads are not independent),
-    longer: up to 3 LOW. ends: p_star at which it is halfway between 1/(1 + H) and 1, by
-    interpolation, and its _se; None where it is so nowhere or everywhere.
+    exponent: up to LOW, exponent_se (of one surface: neighbouring loads are not independent).
+    ends: p_star at which it is halfway between 1/(1 + H) and 1, by interpolation, and its _se; None
+    where it is so nowhere or everywhere.
     """
     found = []
     for system, part in groups(rows, *SYSTEM).items():
         inner = [row for row in part if (row["exponent_se"] or 0) > 0]
         law = dict(zip(SYSTEM, system)) | {"surfaces": part[0]["surfaces"]}
         law |= _rises_to((1 / (1 + system[0]) + 1) / 2, inner)
-        for name, most in (("exponent", LOW), ("longer", 3 * LOW)):
-            low = [row for row in inner[1:] if row["p_star"] <= most]
-            for end in ("", "_se"):
-                values = [row[f"exponent{end}"] for row in low]
-                law[f"{name}{end}"] = float(np.mean(values)) if low else None
+        low = [row for row in inner[1:] if row["p_star"] <= LOW]
+        for name in ("exponent", "exponent_se"):
+            law[name] = float(np.mean([row[name] for row in low])) if low else None
         found.append(law)
     return found
 
 
-def _rises_to(exponent: float, rows: Rows) -> dict[str, float | None]:
+def _rises_to(exponent, rows):
     for a, b in zip(rows, rows[1:]):
         if a["exponent"] < exponent <= b["exponent"]:
             slope = np.log(b["p_star"] / a["p_star"]) / (b["exponent"] - a["exponent"])
@@ -86,14 +83,13 @@ def _rises_to(exponent: float, rows: Rows) -> dict[str, float | None]:
 
 
 def findings(rows: Rows) -> Iterator[dict]:
-    """Compare the exponents with 1/(1 + H), say where they end; compare K with theory."""
+    """Compare the exponents with 1/(1 + H), and say where they end."""
     laws = [law for law in power_laws(rows) if law["exponent"] is not None]
     for law in laws:
         yield saying(
             "H = {hurst:g}, L/lam_l = {L_over_lam_l:g}, eps_f = 1/{lam_l_over_lam_s:g}: K as p^1/(1"
             f" + H) = p^{1 / (1 + law['hurst']):.3f}",
-            f"exponent {{exponent:±}} up to p* = {LOW:g}, {{longer:.2f}} up to {3 * LOW:g}; halfway"
-            " to 1 at p* = {ends:±}",
+            f"exponent {{exponent:±}} up to p* = {LOW:g}; halfway to 1 at p* = {{ends:±}}",
             "{surfaces} surfaces",
             **law,
         )
@@ -106,13 +102,6 @@ def findings(rows: Rows) -> Iterator[dict]:
                 "as the number of highest hills would: -2",
                 power=power,
                 power_se=error,
-            )
-    for hurst, part in by_hurst(rows).items():
-        near_line = [row for row in part if LINEAR / 2 < row["p_star"] < 2 * LINEAR]
-        if ratios := [row["stiffness"] / row["persson"] for row in near_line]:
-            yield saying(
-                f"H = {hurst:g}: stiffness over Persson's theory near p* = {LINEAR:g}",
-                f"{min(ratios):.2f} to {max(ratios):.2f}",
             )
 
 

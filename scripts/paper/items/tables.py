@@ -5,18 +5,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from hpc_gfmd import SceneError
-from hpc_gfmd.plotting.style import COLOURS, THEORY
-from hpc_gfmd.theory import elastic, persson
-from hpc_gfmd.theory.tfc_fit import TfcFit
+from hpc_gfmd.plotting.style import COLOURS
 
 from .. import estimates, printed
 from ..cases import CATALOGUE
-from ..pictures import MARKS, TITLES, named, panels, points
+from ..pictures import MARKS, TITLES, kappa_lines, named, panels, points
 from ..printed import NUMBERS, of_hurst
-from ..rows import PRESSURES, Rows, at_load, by_hurst, each, filled, groups, low_high, saying, where
+from ..rows import PRESSURES, Rows, by_hurst, each, filled, groups, low_high, saying, where
 from ..study import Study
 
 AREAS = {"raw": "", "edge": "_edge"}  # as counted, edge-corrected
@@ -47,11 +43,11 @@ def coefficients(runs: Rows, level: str, observable: str, pressure: str) -> Rows
     return rows
 
 
-def _flat(row: dict) -> dict[str, float]:
+def _flat(row):
     return {k: v for k, v in row.items() if k[:2] in ("C_", "al", "li")}
 
 
-def _fits(runs: Rows, level: str, observable: str) -> Iterator[tuple[str, str, TfcFit]]:
+def _fits(runs, level, observable):
     """Yield (area, exponents, fit) of all fits that the runs allow."""
     for area, ending in AREAS.items():
         for exponents in ("free", "paper"):
@@ -126,48 +122,35 @@ def draw_coefficients(rows: Rows, path: Path) -> None:
 
 
 def limit(runs: Rows, level: str) -> Rows:
-    """Find kappa in the limit for each H and pressure (estimates.limits), beside the paper's."""
-    rows = estimates.limits(runs)
-    for row in rows:
-        low = row["p_star"] < 0.1
-        row["printed"] = of_hurst("kappa_tfc", row["hurst"]) if low else None
+    """List kappa of other authors, and ours in the limit (estimates.limits) beside the paper's."""
+    rows = [{"area": "literature"} | entry for entry in NUMBERS["literature"]]
+    for row in estimates.limits(runs):
+        printed = of_hurst("kappa_tfc", row["hurst"]) if row["p_star"] < 0.1 else None
+        rows.append({"area": "ours"} | row | {"printed": printed})
     return rows
-
-
-def beside_others(runs: Rows, level: str) -> Rows:
-    """List the kappa of other authors, of the paper, and ours in the limit, at the low pressure."""
-    theirs = [{"area": "literature"} | entry for entry in NUMBERS["literature"]]
-    ours = [row | {"area": "ours"} for row in at_load(limit(runs, level), PRESSURES["low"])]
-    return theirs + ours
 
 
 def our_limits(rows: Rows) -> Iterator[dict]:
     """Compare our limits with the paper's, and say which statements of the paper survive."""
-    for row in (row for row in rows if "kappa_tfc" in row):
-        expected = 2 - 2 * row["hurst"]
+    ours = where(rows, area="ours")
+    for row in ours:
         yield saying(
-            "H = {hurst:g}, p* = {p_star:.3g}: "
-            + ("kappa = {printed:g}" if row.get("printed") else "no number printed"),
+            "H = {hurst:g}, p* = {p_star:.3g}"
+            + (": kappa = {printed:g}" if row["printed"] else ""),
             "kappa = {kappa_tfc:±}; as counted {counted:.4f}, edge-corrected {edge:.4f}",
-            f"alpha_f = {{alpha_f:±}}; 2 - 2H = {expected:g}"
+            f"alpha_f = {{alpha_f:±}}; 2 - 2H = {2 - 2 * row['hurst']:g}"
             f" {'agrees' if row['agrees'] else 'does not'}",
             **row,
         )
-
-
-def of_the_paper(rows: Rows) -> Iterator[dict]:
-    """Say of the limits, too, what survives: that they fall with H, that one exponent holds."""
-    yield from our_limits(rows)
-    for p_star, part in groups(rows, "p_star").items():
-        falls = bool(np.all(np.diff([row["kappa_tfc"] for row in part]) < 0))
+    for p_star, part in groups(ours, "p_star").items():
+        fall = 1 - part[-1]["kappa_tfc"] / part[0]["kappa_tfc"]
         yield saying(
             f"kappa falls as H grows, p* = {p_star:.3g}",
-            f"by {1 - part[-1]['kappa_tfc'] / part[0]['kappa_tfc']:.0%} from the smallest H to the"
-            " largest",
-            "survives" if falls else "does not survive",
+            f"by {fall:.0%} from the smallest H to the largest",
+            "survives" if fall > 0 else "does not survive",
         )
     exponent = NUMBERS["alpha_f"]
-    against = [row for row in rows if abs(row["alpha_f"] - exponent) > 2 * row["alpha_f_se"]]
+    against = [row for row in ours if abs(row["alpha_f"] - exponent) > 2 * row["alpha_f_se"]]
     yield saying(
         f"one exponent alpha_f = {exponent:g} for all H",
         each("{alpha_f:±} at H = {hurst:g}, p* = {p_star:.3g}", against) or "agrees",
@@ -177,21 +160,19 @@ def of_the_paper(rows: Rows) -> Iterator[dict]:
 
 def draw_limits(rows: Rows, path: Path) -> None:
     """Draw kappa in the limit against H, with the paper, other authors at H = 0.8 and theories."""
-    ours = [row for row in rows if "kappa_tfc" in row]
-    with panels(path, max(1, len(low_high(ours)["high"]) and 2)) as axes:
-        for ax, (pressure, part) in zip(np.atleast_1d(axes), low_high(ours).items()):
+    with panels(path, 2) as axes:
+        for ax, (pressure, part) in zip(axes, low_high(where(rows, area="ours")).items()):
             points(ax, part, "hurst", "kappa_tfc", color=COLOURS[0], label="ours")
             points(ax, part, "hurst", "printed", "s", color=COLOURS[1], label="paper")
-            ax.axhline(float(persson.kappa(PRESSURES[pressure])), label="Persson", **THEORY)
+            kappa_lines(ax, PRESSURES[pressure])
             named(ax, "hurst", "kappa_tfc", title=TITLES[pressure])
-        for row, mark in zip(where(rows, area="literature") if ours != rows else [], MARKS[2:]):
+        for row, mark in zip(where(rows, area="literature"), MARKS):
             label = f"{row['authors'].split(',')[0]} {row['year']}"
-            how: Any = {"color": COLOURS[2], "label": label}
-            points(np.atleast_1d(axes)[0], [row | {"hurst": 0.8}], "hurst", "kappa_08", mark, **how)
-        np.atleast_1d(axes)[0].axhline(elastic.KAPPA_BGT, linestyle=":", label="BGT", **THEORY)
+            at_08 = [row | {"hurst": 0.8}]
+            points(axes[0], at_08, "hurst", "kappa_08", mark, color=COLOURS[2], label=label)
 
 
-def _coefficients(name: str, observable: str, pressure: str) -> Study:
+def _coefficients(name, observable, pressure):
     what: Any = {"observable": observable, "pressure": pressure}
     return Study(name, partial(coefficients, **what), draw_coefficients, partial(compare, **what))
 
@@ -201,6 +182,5 @@ STUDIES = (
     _coefficients("table2", "kappa", "high"),
     _coefficients("table3", "gap_over_h_rms", "low"),
     _coefficients("table4", "gap_over_h_rms", "high"),
-    Study("table5", beside_others, draw_limits, our_limits),
-    Study("limit", limit, draw_limits, of_the_paper),
+    *(Study(name, limit, draw_limits, our_limits) for name in ("table5", "limit")),
 )

@@ -11,7 +11,7 @@ import pytest
 from paper import __main__ as command
 from paper import solve
 from paper.cases import CATALOGUE, LEVELS, Case, Store, cases_of, merged, series, share
-from paper.items import STUDIES
+from paper.items import STUDIES, TEXTS
 
 import hpc_gfmd
 from hpc_gfmd import GfmdError
@@ -36,7 +36,7 @@ def three(tmp_path_factory):
 
 
 def test_stored_runs(three):
-    runs = three.load()
+    runs = list(three.stored().values())
     assert len(runs) == 6
     for run in runs:
         assert set(run) == ALL
@@ -74,13 +74,13 @@ def test_store_survives_a_torn_line(tmp_path, torn):
     with open(store.path, "ab") as file:
         file.write(torn)
     store.append([SMALL.surface | {"p_star": 0.35, "a_r": 0.5}])
-    assert [run["a_r"] for run in store.load()] == [0.1, 0.5]
+    assert [run["a_r"] for run in store.stored().values()] == [0.1, 0.5]
 
 
 def test_exit_codes(tmp_path, monkeypatch):
     """What fails does not stop the others; a signal does, and what cannot be stored."""
     code, said = solved([replace(SMALL, lam_s_over_a=1.5), SMALL], Store(tmp_path / "bad"))
-    assert (code, len(Store(tmp_path / "bad").load())) == (1, 2)
+    assert (code, len(list(Store(tmp_path / "bad").stored().values()))) == (1, 2)
     assert any(text.startswith("FAILED") and "lam_s_over_a" in text for text in said)
     assert solved([replace(SMALL, accuracy=1e-300)], Store(tmp_path / "poor"))[0] == 3
     (tmp_path / "file").write_text("")
@@ -97,13 +97,13 @@ def test_exit_codes(tmp_path, monkeypatch):
     stopped = hpc_gfmd.RunResult(tmp_path, [], "interrupted", 143)
     monkeypatch.setattr(hpc_gfmd, "run", lambda *args, **how: stopped)
     assert solved(CASES, Store(tmp_path / "stopped"))[0] == 143
-    assert Store(tmp_path / "stopped").load() == []
+    assert list(Store(tmp_path / "stopped").stored().values()) == []
 
 
 def test_cheapest_first_each_surface_once_and_fair_shares():
     some = [replace(SMALL, p_star=(0.1,)), CASES[2], SMALL, replace(SMALL, p_star=(0.2, 0.05))]
     assert [case.p_star for case in merged(some)] == [(0.05, 0.1, 0.2, 0.35), (0.05, 0.35)]
-    cases = [case for name in STUDIES for case in cases_of(name, "paper")]
+    cases = [case for name in TEXTS for case in cases_of(name, "paper")]
     whole = merged(cases)
     for parts in (1, 3, 16):
         shares = [share(cases, part, parts) for part in range(1, parts + 1)]
@@ -114,13 +114,14 @@ def test_cheapest_first_each_surface_once_and_fair_shares():
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_catalogue(level):
-    assert len(STUDIES) == 23
-    for name, study in STUDIES.items():
+    assert set(STUDIES) == set(TEXTS)
+    assert len(TEXTS) == 23
+    for name, text in TEXTS.items():
         cases = cases_of(name, level)
         assert cases
         assert all(case.n == np.prod(list(case.surface.values())[1:4]) for case in cases)
-        assert study.title
-        assert bool(study.question) == (not name.startswith(("fig", "table")))
+        assert text["title"]
+        assert ("question" in text) == (not name.startswith(("fig", "table")))
     for name in ("eps_c", "eps_f", "eps_t"):
         cases = series(name, level)
         ratios = {tuple(case.surface.values())[1:4] for case in cases}
@@ -153,11 +154,11 @@ def paper(cli):
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        ("fig14", "ITEM: found 'fig14'"),
+        ("fig14", "ITEM: found fig14"),
         ("", "ITEM: found nothing"),
         ("fig1 --level big", "desk"),
         ("fig1 --part 3/2 --only-run", "--part: found '3/2'"),
-        ("fig1 --part 1/2", "--only-run"),
+        ("fig1 --part 1/2", "with --only-run"),
         ("fig1 --threads 0", "--threads: found '0'"),
         ("fig1 --only-run --no-run", "not allowed"),
         ("fig1 --only-run --report", "--only-run: found with"),
@@ -169,7 +170,7 @@ def test_wrong_arguments(paper, args, said):
 
 def test_command(paper, tmp_path):
     lines = paper.prints("--list").splitlines()
-    assert [line.split()[0] for line in lines] == list(STUDIES)
+    assert [line.split()[0] for line in lines] == list(TEXTS)
     assert "to solve" in paper.prints("all --level desk --plan")
     assert "nothing stored yet" in paper.prints("fig13 --no-run -o empty")
     assert not list(tmp_path.iterdir())

@@ -78,51 +78,40 @@ def ink(path):
     return float((image.min(axis=-1) < 0.99).mean())
 
 
-def test_three_pictures_lie_beside_the_file(tmp_path):
-    made = plot_result(write("run.h5"))
-    assert [p.name for p in made] == ["run_maps.png", "run_distributions.png", "run_curves.png"]
-    assert all(ink(p) > 0.02 for p in made)
-    assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".h5") == sorted(
-        p.name for p in made
-    )
-
-
-def test_pictures_in_a_new_folder(tmp_path, cli):
+def test_pictures_lie_beside_the_file_or_in_a_new_folder(tmp_path, cli):
     file = write("run.h5", status="stagnated")
+    names = ["maps.png", "distributions.png", "curves.png"]
+    made = plot_result(file)
+    assert [str(path) for path in made] == [f"run_{name}" for name in names]
+    assert all(ink(path) > 0.02 for path in made)
     assert "! not converged: step 0, 1 (marked in the pictures)" in cli.prints(
         "plot", file, "-o", "a"
     )
-    assert sorted(p.name for p in (tmp_path / "a").iterdir()) == [
-        "curves.png",
-        "distributions.png",
-        "maps.png",
-    ]
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == sorted(names)
     assert "pictures cannot go to" in cli.refused("plot", file, "-o", "no/b")
 
 
-@pytest.mark.parametrize("fields", [("gap",), ()])
-def test_whatever_fields_there_are(fields):
-    made = plot_result(write("run.h5", fields=fields))
-    assert len(made) == (3 if fields else 1)
-    assert all(ink(p) > 0.01 for p in made)
-
-
 @pytest.mark.parametrize(
-    ("surface", "attributes"),
+    ("pictures", "surface", "attributes"),
     [
         (
+            3,
             {"h_rms": 0.0, "g_rms": 0.0, "eps_f": 0.0},
             {"p_star": float("inf"), "gap_over_h_rms": float("nan")},
         ),
-        ({}, {"a_r": 1.0, "gap_mean": 0.0, "gap_over_h_rms": 0.0}),
-        ({}, {"a_r_error": float("inf"), "gap_error": float("nan")}),
-        ({"eps_f": float("nan")}, {"a_r": None, "kappa": None}),
-        ({"physical_sizes": [0.1, 2.0]}, {"n": (3, 50), "steps": 3}),
+        (3, {}, {"a_r": 1.0, "gap_mean": 0.0, "gap_over_h_rms": 0.0}),
+        (3, {}, {"a_r_error": float("inf"), "gap_error": float("nan")}),
+        (3, {"eps_f": float("nan")}, {"a_r": None, "kappa": None}),
+        (3, {"physical_sizes": [0.1, 2.0]}, {"n": (3, 50)}),
+        (3, {}, {"fields": ("gap",)}),
+        (1, {}, {"fields": ()}),
     ],
-    ids=["flat", "full contact", "unknown errors", "few observables", "many steps of a long cell"],
+    ids=["flat", "full contact", "unknown errors", "few numbers", "long cell", "gap", "no field"],
 )
-def test_unusual_results_are_drawn_too(surface, attributes):
-    assert len(plot_result(write("run.h5", surface=surface, **attributes))) == 3
+def test_unusual_results_are_drawn_too(pictures, surface, attributes):
+    made = plot_result(write("run.h5", surface=surface, **attributes))
+    assert len(made) == pictures
+    assert all(ink(path) > 0.01 for path in made)
 
 
 def test_nothing_to_draw_or_nowhere_to_put_it(tmp_path):
@@ -276,8 +265,10 @@ def test_a_spectrum_is_drawn_whole(kind):
     """That of a wave is a single point, in units of a profile."""
     solution = solved(kind, units=True)[0]
     found = solution.distribution("heights_spectrum")
-    (ax,) = solution.plot("spectra").axes
+    solution.distribution("pressure_autocorrelation")
+    ax = figures(solution.result)["spectra"].axes[0]
     assert_readable(ax.figure)
+    assert "A_p(r)/A_p(0)" in texts(ax.figure)
     (line,) = ax.get_lines()
     q, power = line.get_data()
     assert q == pytest.approx(found["q"][found["power"] > 1e-12 * found["power"].max()] * 1e-6)
@@ -285,6 +276,16 @@ def test_a_spectrum_is_drawn_whole(kind):
         assert ax.get_ylabel() == "$C_z(q)$ (nm$^{2}$ µm)"
         assert power == pytest.approx([200**2 * 20 / 4])
         assert line.get_marker() == "."
+
+
+def test_units_are_those_of_the_scene_or_none():
+    solutions = solved("rough", units=True)
+    assert "20 × 20 µm" in texts(solutions.plot("maps"))
+    for what, relative in (("maps", "/{L_x}"), ("curves", "p^* ="), ("distributions", "/(E^* g")):
+        fig = solutions.plot(what, dimensionless=True)
+        assert_readable(fig)
+        assert relative in texts(fig)
+        assert not [ax for ax in fig.axes if re.search("[µM]", ax.get_xlabel() + ax.get_ylabel())]
 
 
 def test_one_panel_on_axes_of_ones_own():
@@ -315,14 +316,6 @@ def test_results_are_drawn_together():
         hpc_gfmd.plot([soft, solved("rough", units=False)], "a_r")
 
 
-def test_figures_are_saved_at_print_resolution(tmp_path, monkeypatch):
-    monkeypatch.setitem(style.RC, "savefig.dpi", style.DPI)
-    fig = solved("rough", units=False).plot("a_r")
-    fig.savefig(tmp_path / "a.png")
-    width = matplotlib.image.imread("a.png").shape[1]
-    assert width == pytest.approx(300 * fig.get_figwidth(), rel=0.05)
-
-
 class Whole:
     """A field in memory that looks like a stored one and remembers how much was read at once."""
 
@@ -348,6 +341,16 @@ def test_the_suffix_says_the_format(suffix, begins):
     assert one.name == f"one.{suffix}"
     several = plot_result(file, f"all.{suffix}", ["gap", "contact"])
     assert [p.name for p in several] == [f"all_gap.{suffix}", f"all_contact.{suffix}"]
+
+
+def test_figures_are_saved_at_print_resolution(monkeypatch):
+    monkeypatch.setitem(style.RC, "savefig.dpi", style.DPI)
+    file = write("run.h5", n=(8, 6))
+    fig = plot(file, "a_r")
+    fig.savefig("a.png")
+    made = ["a.png", *plot_result(file, "b.png", "a_r", dpi=60)]
+    wide = [matplotlib.image.imread(path).shape[1] for path in made]
+    assert wide == pytest.approx([300 * fig.get_figwidth(), wide[0] / 5], rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -396,22 +399,7 @@ def test_the_gap_of_theory_is_that_of_the_surface(rolloff):
     assert apart < 1e-9 if rolloff == 1 else apart > 0.05
 
 
-def test_axes_have_units_or_none():
-    density = {"pressure_edges": [0.0, 2e7], "pressure_density": [5e-8]}
-    file = write("run.h5", n=(8, 6), surface=UNITS, p=2e7, p_star=0.1, gap_mean=3e-8, **density)
-    for what, absolute, relative in (
-        ("maps", "(µm)", "/{L_x}"),
-        ("curves", "p_0$ (MPa)", "p^*"),
-        ("distributions", "(MPa$^{-1}$)", r"(E^* g_\mathrm{rms})"),
-    ):
-        plain, scaled = texts(plot(file, what)), texts(plot(file, what, dimensionless=True))
-        assert absolute in plain
-        assert "10 × 7.5 µm" in plain
-        assert absolute not in scaled
-        assert relative in scaled
-
-
-def test_a_spike_does_not_take_the_colours_and_is_said():
+def test_a_spike_does_not_take_the_colours_and_is_said(tmp_path):
     for spike, said in ((1.0, False), (100.0, True)):
         fig = plot(write(f"{spike}.h5", spike=spike), "pressure", step=0)
         (image,) = fig.axes[0].get_images()
@@ -452,6 +440,7 @@ def test_what_is_left_out_is_said(cli):
     file = write("run.h5", n=(8, 6), steps=9)
     assert "5 of 9 loads not shown" in texts(plot(file))
     assert "not shown" not in texts(plot(file, "curves"))
+    assert len(plot(file, "distributions", step=range(9)).axes[0].patches) == 9
     assert "shown: step 0, 3, 5, 8; left out: 1, 2, 4, 6, 7" in cli.prints(
         "plot", file, "-o", "a.png", "--what", "maps"
     )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from contacts import random_heights, rough, sweep_of
 
-from hpc_gfmd.driver.prescribed import Prescribed
+from hpc_gfmd.driver.load_target import LoadTarget
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Load, Scene
@@ -36,13 +36,13 @@ def test_the_state_of_another_load_is_refused():
 
 def test_the_state_of_another_version_is_refused():
     sweep = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
-    load = Prescribed("a_r", 0.2)
+    load = LoadTarget("a_r", 0.2)
     sweep.solve(load, watch=lambda iterations, _: iterations == 3)
     arrays, numbers = sweep.state()
     held, search = {name: np.array(data) for name, data in arrays.items()}, numbers["search"]
     for other in (
         search | {"guesses": 0},
-        {key: value for key, value in search.items() if key != "wall"},
+        {key: value for key, value in search.items() if key != "finest"},
     ):
         with pytest.raises(SceneError, match="of another version"):
             sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(

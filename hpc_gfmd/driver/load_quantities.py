@@ -1,0 +1,202 @@
+"""The quantities that a load is searched for by: how each goes with the load, and what is known of
+it before, in the course of the iterations and in the end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import copysign, erf, inf, isfinite, log, sqrt
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Any
+
+from .load import GivenLoad, HeightStatistics
+from .load_search import STEEPEST, STEP, Errors, LoadSearch, Value
+
+if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
+    from ..solvers.base import Progress, Solver
+    from ..surface import Surface
+    from .load_target import LoadTarget
+
+Known = tuple[float, bool, HeightStatistics]
+
+POINT = 1.001  # by which an area may be missed
+FIELD = 0.1  # of the error of the pressure: that of the approach, beside that of the mean gap
+
+
+class AreaSearch(LoadSearch):
+    """For an area, which is a number of points: it is met to the tolerance or to one point."""
+
+    kind, usual, steps = "a_r", 1.0, True
+
+    def guess(self, surface: Surface) -> float:
+        """The area is about 2 p*."""
+        return log(self.half_area)
+
+    @property
+    def half_area(self) -> float:
+        """Of the contact that is asked for."""
+        return self.target / 2
+
+    @property
+    def aim(self) -> float:
+        """The area that this grid has, by Persson's theory, where the finest has the target, or the
+        least that it has at any load."""
+        aim, finer = self.target, self.finest.steepness / (self.heights.steepness or inf)
+        if finer > 1 > aim:
+            aim = erf(NormalDist().inv_cdf((1 + aim) / 2) * finer / sqrt(2))
+        return max(aim, self.heights.highest / self.heights.points)
+
+    def miss(self, y: float) -> float:
+        """A point more or less is nothing."""
+        miss = super().miss(y)
+        return miss if miss * self.aim * self.heights.points > POINT else 0.0
+
+    def straight(self, y: float) -> float:
+        """By the inverse of Persson's area, erf(c p0)."""
+        y = min(y, 1 - 0.25 / self.heights.points)
+        return log(NormalDist().inv_cdf((1 + y) / 2)) if y > 0 else -inf
+
+    def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
+        """By the load that the points in contact carry: as uncertain as the pressure."""
+        return (round(progress.predicted[0]) / solver.N, errors[1]) if progress.predicted else None
+
+    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
+        """By a look at all points."""
+        return GivenLoad.may_be_met(self, solver, progress, room)
+
+    def certified(self, solver: Solver, certificate: Certificate) -> Value:
+        """The area of the certificate."""
+        return certificate.contact / solver.N, certificate.errors[0]
+
+    def learn(self, solver: Solver, certificate: Certificate) -> float:
+        """As any value; an area that is less than any load has is missed, which is said."""
+        left = super().learn(solver, certificate)
+        point = POINT / self.heights.points
+        if left < 1 and self.aim - self.target > max(self.tolerance * self.target, point):
+            self.note = f"a_r jumps from 0 to {self.aim:.4g}: the least at any load"
+        return left
+
+
+class GapSearch(LoadSearch):
+    """For a mean gap."""
+
+    kind, usual = "gap_mean", 0.4
+
+    def guess(self, surface: Surface) -> float:
+        """That of self-affine walls, or where one point carries all."""
+        alone = (self.heights.top - self.target) / (surface.grid.a * self.heights.points)
+        return max(-1 - 2 * self.target * surface.slope / surface.h_rms, log(alone))
+
+    def straight(self, y: float) -> float:
+        """The mean gap decreases like exp(-c p0^s)."""
+        return log(log(self.heights.top / y)) if 0 < y < self.heights.top else copysign(inf, -y)
+
+    def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
+        """As uncertain as the mean gap, or the pressure where nothing is open yet."""
+        error = max(errors) if progress.contact == solver.N else errors[0]
+        return (progress.predicted[1] * solver.grid.a, error) if progress.predicted else None
+
+    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
+        """By the estimated error of the mean gap."""
+        found = progress.estimate
+        return not found or found.gap < room or found.attainable[0] >= self.tolerance
+
+    def certified(self, solver: Solver, certificate: Certificate) -> Value:
+        """The mean gap of the certificate."""
+        limited = certificate.attainable[0] >= self.tolerance  # no iteration helps
+        error = 0.0 if limited else certificate.errors[1]
+        return certificate.gap_mean * solver.grid.a, error
+
+
+class OpeningSearch(GapSearch):
+    """For a mean gap next to full contact: a power of p0/(closes_at - p0)."""
+
+    kind, usual, from_full_contact = "opening", 1.5, True
+
+    @classmethod
+    def below(cls, closes_at: float, opens: float, target: float, known: Known) -> OpeningSearch:
+        """Begin where a single point is open so far, which takes that much less load."""
+        x = log(closes_at) + log(max(closes_at / opens - 1, 1.0))
+        return cls(target, *known, known[-1], closes_at, x, cls.usual)
+
+    def straight(self, y: float) -> float:
+        """Its logarithm."""
+        return log(self.heights.top / y) if y > 0 else inf
+
+
+class ApproachSearch(LoadSearch):
+    """For an approach."""
+
+    kind, usual = "approach", 0.8
+
+    def guess(self, surface: Surface) -> float:
+        """That of a punch as large as the surface."""
+        return log(self.target / max(surface.sizes))
+
+    def straight(self, y: float) -> float:
+        """A power law."""
+        return log(y) if y > 0 else -inf
+
+    def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
+        """By the displacement as it is."""
+        grid, heights = solver.grid, self.heights
+        share, mean = grid.N / grid.cell_points, grid.comm.sum([solver.g.sum(dtype=float)])[0]
+        y = (solver.p_cell / solver.elastic.multipliers.uniform - mean / grid.cell_points) * grid.a
+        y += heights.top * share - heights.lowest * (1 - share)
+        return y, _error(y, progress.gap_mean * grid.a, *errors)
+
+    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
+        """By the error of what is predicted."""
+        found = self._prediction(solver, progress)
+        return not found or found[1] < room
+
+    def certified(self, solver: Solver, certificate: Certificate) -> Value:
+        """The approach of the certificate."""
+        y, a = certificate.approach * solver.grid.a, solver.grid.a
+        return y, _error(y, certificate.gap_mean * a, *certificate.errors[1:])
+
+
+def _error(y: float, gap: float, gap_error: float, pressure_error: float) -> float:
+    """Of an approach y at a mean gap."""
+    return gap_error * gap / y + FIELD * pressure_error if y > 0 else inf
+
+
+SEARCHES: dict[str, type[LoadSearch]] = {
+    search.kind: search for search in (AreaSearch, GapSearch, ApproachSearch, OpeningSearch)
+}
+
+
+def search_for(
+    load: LoadTarget,
+    surface: Surface,
+    known: Known,
+    history: Sequence[dict[str, float]],
+) -> LoadSearch:
+    """Begin the search for the load that gives a target.
+
+    known: the tolerance, whether the error of the solution counts towards it, and the heights;
+    history: loads that were solved before, x and what each gave.
+    """
+    value = load.value if load.quantity == "a_r" else load.value / surface.slope
+    found = SEARCHES[load.quantity]
+    search = found(value, *known, known[-1], slope=found.usual)
+    wanted, straight = search.straight(search.aim), search.straight
+    before = [(point["x"], straight(point[load.quantity])) for point in history]
+    before = [point for point in before if isfinite(point[1])]
+    if not before:
+        search.x = search.guess(surface)
+        return search
+    (x0, f0), (x, f) = before[0], before[-1]
+    slope = (f - f0) / (x - x0) if x != x0 else 0.0
+    near = 1 / STEEPEST < slope < STEEPEST and abs(wanted - f) < 4 * STEP * slope
+    search.slope = slope if near else found.usual
+    search.x = x + (wanted - f) / search.slope
+    search.known = near and abs(search.x - x) < STEP
+    return search
+
+
+def restored(numbers: dict[str, Any]) -> LoadSearch:
+    """Go on with the numbers of a checkpoint."""
+    parts = {name: HeightStatistics(*numbers[name]) for name in ("finest", "heights")}
+    own = {name: value for name, value in numbers.items() if name != "kind"}
+    return SEARCHES[numbers["kind"]](**own | parts)

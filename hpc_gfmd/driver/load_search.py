@@ -1,0 +1,244 @@
+"""The load: a mean pressure that is given, or the one that gives an area, a mean gap or an
+approach, which a bracketed secant method with inexact solves finds.
+
+All three are monotone in the mean pressure p0, and a solver goes on at another p0 without a
+transform. So after every iteration, on every grid of a nested start, the load is changed where the
+value that the solver predicts misses the target by more than the prediction may be wrong by. Once
+the contact is solved the certified value counts: it bounds the load, and a secant, or the middle
+of the bounds, leads on. What is missed and the error of the solution are together no more than the
+accuracy asked for. Where bounds meet and the target stays between them the area jumps, as in
+ordered walls whose asperities touch all at once: the nearer side is taken, and `note` says so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from math import copysign, exp, inf, isfinite, log
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from .load import GivenLoad, HeightStatistics
+
+if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
+    from ..operators.problem import Problem
+    from ..solvers.base import Progress, Solver
+    from ..surface import Surface
+
+STEP = log(2.0)  # longest change of log p0 by a slope
+STEEPEST = 10.0  # slope of a straightened value that is believed, and 1 over the least
+SHARE = 0.35  # of tolerance and error: a predicted miss beyond it is corrected
+COARSE = 0.05  # relative: a coarse grid knows the value no better
+JUMP = 1e-3  # of log p0, or the tolerance: where it is half of that between bounds
+TRIALS, MOST = 5, 60  # corrections by predictions on a grid, and in all
+
+Value = tuple[float, float]  # and its relative error
+Errors = tuple[float, float]
+
+
+@dataclass
+class LoadSearch(GivenLoad):
+    """The state of a search: plain numbers, which make a checkpoint. A subclass knows a quantity.
+
+    target: an area, or a length over the unit of slopes; tolerance: relative; counts: whether the
+    error of the solution counts towards it; finest, heights: of the finest grid and of this one;
+    closes_at: p0 that closes the gap; x: log p0, or -log(1/p0 - 1/closes_at); slope: of the
+    straightened value over x; known: whether x is, so well that coarse grids need not search;
+    low, high: (x, value) that bound the load; before: (x, straightened value) of the last
+    certificate; trials: corrections by predictions on this grid; corrections: in all; looked: the
+    last iteration that was looked at.
+    """
+
+    kind: ClassVar[str]
+    usual: ClassVar[float]  # slope, before anything is known
+    steps: ClassVar[bool] = False  # whether the value may jump
+
+    target: float
+    tolerance: float
+    counts: bool
+    finest: HeightStatistics
+    heights: HeightStatistics
+    closes_at: float = inf
+    x: float = 0.0
+    slope: float = 1.0
+    known: bool = False
+    low: tuple[float, float] | None = None
+    high: tuple[float, float] | None = None
+    before: tuple[float, float] | None = None
+    trials: int = 0
+    corrections: int = 0
+    looked: int = -1
+    note: str | None = None
+
+    # -- the quantity: what a subclass has to tell
+
+    def guess(self, surface: Surface) -> float:
+        """Guess log p0."""
+        raise NotImplementedError
+
+    def straight(self, y: float) -> float:
+        """Make the value y one that rises about in proportion to x: -inf where nothing touches, inf
+        where all does."""
+        raise NotImplementedError
+
+    def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
+        """Tell the value that is expected of a solution at this load, and its relative error.
+        errors: estimated, of the mean gap and the pressure."""
+        raise NotImplementedError
+
+    def certified(self, solver: Solver, certificate: Certificate) -> Value:
+        """Tell the value and its relative error."""
+        raise NotImplementedError
+
+    @property
+    def aim(self) -> float:
+        """The target, or what is nearest to it on this grid."""
+        return self.target
+
+    def miss(self, y: float) -> float:
+        """Tell how far y is from the aim, relative."""
+        return abs(y / self.aim - 1)
+
+    # -- from grid to grid
+
+    @property
+    def p0(self) -> float:
+        """The mean pressure, in the program's units."""
+        x = min(max(self.x, -700.0), 700.0)  # no overflow
+        return 1 / (exp(-x) + 1 / self.closes_at)
+
+    def on_grid(self, problem: Problem) -> Problem:
+        """Begin on a coarse grid, at the load of the grid before."""
+        self._begin(HeightStatistics.of(problem.grid, problem.heights))
+        return replace(problem, p0=self.p0)
+
+    def on_finest_grid(self) -> float:
+        """Begin there, at the load of the grid before."""
+        self._begin(self.finest)
+        return self.p0
+
+    def _begin(self, heights: HeightStatistics) -> None:
+        self.heights, self.trials, self.looked = heights, 0, -1
+        self.low = self.high = self.before = self.note = None
+
+    def numbers(self) -> dict[str, Any]:
+        """Give what makes a checkpoint."""
+        return {"kind": self.kind} | asdict(self)
+
+    # -- in the course of the iterations
+
+    def near(self, solver: Solver, progress: Progress) -> bool:
+        """Tell whether the value is as near as this grid knows it: not without the highest peak."""
+        blind = self.heights.lowest > self.heights.top
+        return (
+            self.known or blind or self.trials == TRIALS or not self._try(solver, progress, COARSE)
+        )
+
+    def adjust(self, solver: Solver, progress: Progress) -> bool:
+        """Change the load where more than a share of the tolerance is missed or, in the end, where
+        a value that may jump surely misses the target."""
+        if solver.iterations == self.looked or self.note:
+            return False
+        self.looked = solver.iterations
+        if self.trials < TRIALS:
+            return self._try(solver, progress, SHARE * self.tolerance)
+        found = self._prediction(solver, progress) if self.steps else None
+        miss = self.miss(found[0]) if found else 0.0
+        if not found or miss < max(found[1], self.tolerance) or self.corrections == MOST:
+            return False
+        if not self.within(solver, progress, miss):
+            return False
+        self._bound(found[0])
+        return self._step(found[0], miss, solver)
+
+    def _try(self, solver: Solver, progress: Progress, least: float) -> bool:
+        found = self._prediction(solver, progress)
+        if found is None or self.miss(found[0]) <= max(least, SHARE * found[1]):
+            return False
+        x = self.x + self._way(found[0])
+        if (self.low and x <= self.low[0]) or (self.high and x >= self.high[0]):
+            return False
+        self.trials += 1
+        return self._go(x, solver)
+
+    def _prediction(self, solver: Solver, progress: Progress) -> Value | None:
+        """Tell what the solver predicts, once it is far enough."""
+        errors = progress.estimates if progress.finite else None
+        return self.predicted(solver, progress, errors) if errors and errors[1] < STEP else None
+
+    def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
+        """Tell whether the certificate may find the target met, or has to say what is missed."""
+        found = self._prediction(solver, progress) if self.counts and not self.note else None
+        missed = self.miss(found[0]) if found else 0.0
+        room = accuracy - missed if missed < accuracy else accuracy
+        area_is_known = self.steps or super().may_be_met(solver, progress, accuracy)
+        return area_is_known and self.within(solver, progress, room)
+
+    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
+        """Tell whether the certificate may find the error of the value less than room."""
+        raise NotImplementedError
+
+    # -- once the contact is solved
+
+    def learn(self, solver: Solver, certificate: Certificate) -> float:
+        """Bound the load by a value that surely misses the target."""
+        y, error = self.certified(solver, certificate)
+        if self.miss(y) > error and not self.note:
+            self._bound(y)
+        if self.note:
+            return 0.0 if self.x == self._nearer[0] else inf
+        return (self.miss(y) + (error if self.counts else 0.0)) / self.tolerance
+
+    def _bound(self, y: float) -> None:
+        """Where the bounds meet and the target stays between them the value jumps."""
+        small, here = y < self.aim, (self.x, y)
+        low, high = (here, self.high) if small else (self.low, here)
+        if low and high and low[0] >= high[0]:  # one of them was none
+            low, high = (here, None) if small else (None, here)
+        self.low, self.high = low, high
+        if self.steps and low and high and 2 * (high[0] - low[0]) < max(JUMP, self.tolerance):
+            self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g}: the nearer is taken"
+
+    @property
+    def _nearer(self) -> tuple[float, float]:
+        bounds = [bound for bound in (self.low, self.high) if bound]
+        return min(bounds, key=lambda bound: abs(bound[1] - self.aim))
+
+    def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
+        """Go where a secant has the target, between the bounds; over a plateau twice as far."""
+        y, error = self.certified(solver, certificate)
+        if self.corrections == MOST or not (solved or self.miss(y) > error):
+            return False
+        return self._step(y, error, solver)
+
+    def _step(self, y: float, error: float, solver: Solver) -> bool:
+        if self.note:
+            return self._go(self._nearer[0], solver)
+        least, way = self._secant(y, error), self._way(y)
+        x = self.x + copysign(max(abs(way), least), way)
+        if self.low and self.high and not self.low[0] < x < self.high[0]:
+            x = 0.5 * (self.low[0] + self.high[0])
+        return self._go(x, solver)
+
+    def _secant(self, y: float, error: float) -> float:
+        """Learn the slope from the last two values; returns how far it is to go at least."""
+        f, last = self.straight(y), self.before
+        if not isfinite(f):
+            return 0.0
+        self.before = (self.x, f)
+        if last is None or not abs(self.x - last[0]) * self.slope > error:
+            return 0.0
+        slope = (f - last[1]) / (self.x - last[0])
+        if 1 / STEEPEST < slope < STEEPEST:
+            self.slope = slope
+        return 2 * abs(self.x - last[0]) if slope <= 1 / STEEPEST else 0.0
+
+    def _way(self, y: float) -> float:
+        """Tell by how much x is to change: not at all where this grid cannot have the target."""
+        wanted = self.straight(self.aim)
+        way = (wanted - self.straight(y)) / self.slope
+        return min(max(way, -STEP), STEP) if isfinite(wanted) else 0.0
+
+    def _go(self, x: float, solver: Solver) -> bool:
+        self.x, self.corrections = x, self.corrections + 1
+        solver.correct_load(self.p0)
+        return True
