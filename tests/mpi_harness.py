@@ -22,7 +22,7 @@ import hpc_gfmd
 
 REPORT = "HPC_GFMD_TEST_REPORT"  # set for children: the folder of the reports
 RANKS = "HPC_GFMD_TEST_RANKS"
-TIMEOUT = float(os.environ.get("HPC_GFMD_TEST_TIMEOUT", "120"))  # seconds for one test
+TIMEOUT = float(os.environ.get("HPC_GFMD_TEST_TIMEOUT", "300"))  # seconds for one test
 GRACE = 15  # seconds that a rank which failed waits for the others before it ends them
 
 
