@@ -110,7 +110,7 @@ class ContactMechanicsPK:
     """constrained_conjugate_gradients: Polonsky and Keer at a given force. Its three tolerances are
     tied to one relative number."""
 
-    packages = ("ContactMechanics", "SurfaceTopography", "NuMPI", "muFFT")
+    packages = ("ContactMechanics", "SurfaceTopography", "NuMPI", "muGrid")
 
     def __init__(self, heights: np.ndarray, p0: float, free: bool = False):
         import ContactMechanics as cm
