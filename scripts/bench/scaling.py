@@ -83,7 +83,8 @@ def _predict(report, args):
     if report.path:
         keys = "kind", "n", "threads", "precision"
         panels = [
-            Panel(report.rows, keys, "ranks", what) for what in ("efficiency", "share_messages")
+            Panel(report.rows, keys, "ranks", what, scale="linear")
+            for what in ("efficiency", "share_messages")
         ]
         panels.append(Panel(model.rows, ("n", "link_gb_per_s"), "nodes", "seconds", "by the model"))
         picture(report.path.with_suffix(".png"), panels)
