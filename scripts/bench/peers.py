@@ -133,5 +133,5 @@ def _loosest(solve, target, budget):
         lowest = min(lowest, row["error"])
         if time.perf_counter() - begun > budget:
             break
-        tolerance *= float(np.clip(0.7 * target / row["error"], 0.01, 0.6))
+        tolerance *= float(np.clip(0.7 * target / row["error"], 0.2, 0.6))
     raise GfmdError(f"an error of {lowest:.1e} at the lowest, wanted: {target:g}")
