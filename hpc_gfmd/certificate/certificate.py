@@ -31,10 +31,10 @@ from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
 from .error_estimates import (
     State,
-    error_pattern,
     estimate,
     misclassified_points,
     relative_area,
+    spread_of,
 )
 
 if TYPE_CHECKING:
@@ -181,8 +181,8 @@ def _errors(
     )
     if not np.isfinite(found.squares):
         return (np.inf, np.inf, np.inf), (0.0, 0.0)
-    pattern = error_pattern(sums.open_p, sums.open_pp, sums.open_p4, contact, grid.N)
-    wrong = misclassified_points(problem, g, p, found.squares, pattern)
+    spread = spread_of(sums.open_pp, sums.open_p4, contact, grid.N)
+    wrong = misclassified_points(problem, g, p, found.squares, spread)
     # the one point that may be open is a gap that is not known
     gap = found.gap if wrong == 0 or contact < grid.N else np.inf
     return (relative_area(wrong, contact), gap, found.pressure), found.attainable

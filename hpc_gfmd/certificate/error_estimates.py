@@ -28,6 +28,7 @@ points.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -35,45 +36,54 @@ import numpy as np
 from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain
 from ..operators.multilevel import EQUIVALENCE
 from ..operators.problem import ROUNDING
-from ..parallel.halo import next_row
 
 if TYPE_CHECKING:
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
 
-# The error of the pressure over the bound with the compliance in place of 1/K_max; more on small
-# grids, by TINY over the root of their points, and with few points in contact, by LONE over their
-# number
-PRESSURE, TINY, LONE = 0.55, 5.0, 1.0
-# of the relative error of the pressure by S: one of the load that changes the mean gap as much
-# (0.04 was seen)
-LOADED = 0.05
-CORNER = 0.3  # of the norm of that error: where the last points are open (0.22 was seen)
-# times the root of m: the compliance of m points with contact all around them, 8/(3 pi^1.5) for a
-# disc; of one it is 1
-POCKET = 0.5
-# in the second expression for the mean gap: share of the bound, at most; S over the sum over levels
-# for long waves
-UNKNOWN, ALIGNED = 0.5, 1.2
 
-# times the rms of rounding errors in double precision: a difference of pressures that means nothing
-TIE = 4.0
-# The error of the pressure of a point is at most FAR times the rms, of EDGE points; of more it is
-# at most NEAR times, and what it takes less than CLOSE times to move is moved; where it moves edges
-# together, TOGETHER. Of the points that are near a SHARE is on the wrong side; ASPERITY may change
-# sides at once.
-FAR, NEAR, CLOSE, TOGETHER, EDGE = 12.0, 1.8, 0.5, 1.5, 3
-# Edges move together where the error has one sign, as long waves have (total^2 over squares and
-# spread: from ANY_SIGN to ONE_SIGN), or chords of the contact are LONG (points), but not where the
-# error is one of single asperities (FEW: share of the contact's points).
-ANY_SIGN, ONE_SIGN, LONG, FEW = 0.2, 0.4, 16, 0.02
-SHARE, ASPERITY = 0.08, 10
-# of all that take as little or less: so many within an octave of squares are alike (at an edge 0.2
-# to 0.5 are)
-ALIKE = 0.75
-SURE = (
-    3.0  # times the same in single precision: the heights that were rounded might be on either side
-)
+@dataclass(frozen=True)
+class Calibration:
+    """How large the errors are that sums alone do not bound.
+
+    Calibrated on true errors of walls of all kinds (scripts/campaign), with a margin such that a
+    true error is above its estimate once in a thousand loads or less.
+
+    Attributes
+    ----------
+    pressure : float
+        The error of the pressure field over the bound with the compliance of a typical wave in
+        place of the stiffest: 0.5 was seen.
+    unknown : float
+        In the error of the mean gap, the part of the bound that stands for what is not known of
+        the solution: at most a half.
+    shift : float
+        S of long waves over its sum over levels.
+    loaded, corner : float
+        What an error of S does to the mean gap, over what as large an error of the load does, with
+        all points counted as open; of its norm, where the last points are open (0.04 and 0.22 were
+        seen).
+    reach : float
+        Points change sides if that takes less than so many times the rms error of the pressure,
+        where that error is: 0.5 for random roughness, 1.3 for lattices of alike points.
+    farthest, few : float
+        So many points change sides if that takes less than `farthest` times that rms.
+    rounding : float
+        Times the rms rounding errors of the pressure: less tells no side.
+    """
+
+    pressure: float = 0.6
+    unknown: float = 0.5
+    shift: float = 1.2
+    loaded: float = 0.05
+    corner: float = 0.3
+    reach: float = 1.5
+    farthest: float = 12.0
+    few: float = 3.0
+    rounding: float = 4.0
+
+
+CALIBRATION = Calibration()
 
 
 class State(NamedTuple):
@@ -125,9 +135,7 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
         state.open_p, state.open_pp, contact, *state[-5:]
     )
     e, response = np.sqrt(EQUIVALENCE * compliance * residual), np.sqrt(compliance * test) / share
-    squares = (PRESSURE * (1 + TINY / np.sqrt(N) + LONE / contact) * e) ** 2 * body.typical(
-        problem.grid
-    )
+    squares = (CALIBRATION.pressure * e) ** 2 * body.typical(problem.grid)
 
     eps = ROUNDING * float(np.finfo(problem.dtype).eps)
     relative = float(np.sqrt(squares / closed_pp))
@@ -140,11 +148,13 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
     shift = compliance * product / share
     norm = np.sqrt(max(state.uKu, 0.0))
     wrong = min(
-        e * ((norm + e) / p0 + problem.self_energy), UNKNOWN * response * e + ALIGNED * abs(shift)
+        e * ((norm + e) / p0 + problem.self_energy),
+        CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift),
     )
     wide = np.sqrt(N - contact)
-    last = CORNER * np.sqrt(N) * wide * max(1, POCKET * wide)
-    least = body.error * p0 * min(LOADED * (response**2 + compliance * N), last)
+    last = CALIBRATION.corner * np.sqrt(N) * wide * max(1, wide / 2)  # m points: sqrt(m)/2
+    loaded = CALIBRATION.loaded * (response**2 + compliance * N)
+    least = body.error * p0 * min(loaded, last)
     least += eps * (p0 * response**2 + gap) + problem.rounding * (N - contact)
     attainable = _relative(least, gap) if wrong < least else 0.0, floor
     return Estimate(_relative(wrong + least, gap), pressure, attainable, squares, shift)
@@ -154,85 +164,42 @@ def _relative(shift: float, gap: float) -> float:
     return float(shift / (gap - shift)) if shift < gap else (0.0 if shift == 0 else np.inf)
 
 
-class Pattern(NamedTuple):
-    """How the error of the pressure is spread: participation number, and whether it has one sign
-    (1, else 0; or between)."""
-
-    spread: float
-    coherence: float
-
-
-def error_pattern(total: float, squares: float, fourth: float, contact: float, N: int) -> Pattern:
-    """Pattern of the error of the pressure: as that of what is left out of contact (sums of p, p^2,
-    p^4), over no more points than are in contact, or out of it."""
-    spread = max(min(squares**2 / fourth if fourth > 0 else 1.0, contact, N - contact), 1.0)
-    alike = total**2 / (squares * spread) if squares > 0 else 0.0
-    return Pattern(spread, min(max((alike - ANY_SIGN) / (ONE_SIGN - ANY_SIGN), 0.0), 1.0))
-
-
 def misclassified_points(
-    problem: Problem,
-    g: np.ndarray,
-    p: np.ndarray,
-    squares: float,
-    pattern: Pattern,
+    problem: Problem, g: np.ndarray, p: np.ndarray, squares: float, spread: float
 ) -> float:
-    """How many points may be in the wrong set, in contact or out of it; squares: sum of squares of
-    the error of the pressure, pattern: how it is spread. Collective.
+    """How many points may be in the wrong set, in contact or out of it; squares: of the error of
+    the pressure, summed over points; spread: number of points that it is spread over. Collective.
 
-    No more than it takes to use `squares` up, the easiest first. Of the points that are near few
-    are in the wrong set if they differ; of those that are alike, as in ordered walls, all may be.
-    Points in contact and out of it are counted apart: they change the area in opposite ways.
+    Those whose change takes little beside the rms of that error, no more than it takes to use
+    `squares` up, the easiest first. Points in contact and out of it are counted apart: they change
+    the area in opposite ways.
     """
-    double, rounding = problem.dtype == np.float64, problem.rounding
-    mean_square = squares / pattern.spread
-    sure = 0.0 if double else SURE * rounding
-    largest = max(min(mean_square * FAR**2, squares), sure**2)
+    mean_square, tie = squares / spread, CALIBRATION.rounding * problem.rounding
+    double = problem.dtype == np.float64
+    sure = 0.0 if double else tie
+    largest = max(min(mean_square * CALIBRATION.farthest**2, squares), sure**2)
     if largest <= 0:
         return 0.0
-    bins = np.zeros((2, BINS))
-    grid, compliance = problem.grid, 1.0 / problem.body.scale(problem.grid)
-    below = next_row(
-        grid.comm, g[: min(grid.inside[0], 1)], np.minimum(grid.starts, grid.nominal[0])
-    )
-    found = count_uncertain(
-        g, p, grid.inside, below, compliance, TIE * rounding if double else 0.0, sure, largest, bins
-    )
-    *counts, contact, along, across = grid.comm.sum([*bins.ravel(), *found])
-    edges = min(along, across)  # of the longer chords
-    together = (
-        max(pattern.coherence, 2 * contact > LONG * edges)
-        if pattern.spread > FEW * contact
-        else 0.0
-    )
-    moved = CLOSE + (TOGETHER - CLOSE) * together
+    counts, grid = np.zeros((2, BINS)), problem.grid
+    compliance = 1.0 / problem.body.scale(grid)
+    count_uncertain(g, p, grid.inside, compliance, tie if double else 0.0, sure, largest, counts)
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
     wrong = 0.0
-    near = takes < mean_square * NEAR**2
-    for points in np.reshape(counts, (2, BINS)):
-        affordable = np.floor(
-            np.interp(squares, np.cumsum((points * takes)[::-1]), np.cumsum(points[::-1]))
+    for points in np.reshape(grid.comm.sum(counts.ravel()), (2, BINS)):
+        likely = max(
+            points[takes < mean_square * CALIBRATION.reach**2].sum(),
+            min(points.sum(), CALIBRATION.few),
         )
-        easy = points * near
-        at_once = max(
-            (easy[1:] + easy[:-1]).max(),
-            min(easy.sum(), ASPERITY),
-            min(points.sum(), EDGE),
-            _alike(points, takes, squares),
-        )
-        likely = max(SHARE * easy.sum() + at_once, easy[takes < mean_square * moved**2].sum())
-        wrong = max(wrong, min(likely, affordable))
-    return wrong
+        spent, easiest = np.cumsum((points * takes)[::-1]), np.cumsum(points[::-1])
+        wrong = max(wrong, min(likely, np.floor(np.interp(squares, spent, easiest))))
+    return float(wrong)
 
 
-def _alike(points: np.ndarray, takes: np.ndarray, squares: float) -> float:
-    """The most points that take about the same while hardly any take less, as in ordered walls, if
-    `squares` is enough for them."""
-    octave = np.ones(PER_OCTAVE)
-    alike, spent = (np.convolve(x, octave)[PER_OCTAVE - 1 :] for x in (points, points * takes))
-    easier = np.cumsum(points[::-1])[::-1]
-    return float(alike[(alike > ALIKE * easier) & (spent <= squares)].max(initial=0.0))
+def spread_of(squares: float, fourth: float, contact: float, N: int) -> float:
+    """Number of points that the error of the pressure is spread over, as what is left out of
+    contact is (sums of p^2 and p^4); no more than are in contact, or out of it."""
+    return max(min(squares**2 / fourth if fourth > 0 else 1.0, contact, N - contact), 1.0)
 
 
 def full_contact_error(problem: Problem) -> float:

@@ -149,7 +149,8 @@ class Sweep:
             contact = self._solve(watch, False)
         assert contact is not None  # without `promote` there is one
         self._failed = contact.status not in ("converged", "interrupted")
-        return contact
+        # what is given comes back as it was, without rounding errors of the unit
+        return contact if isinstance(load, LoadTarget) else replace(contact, p_mean=load)
 
     def _forget_failure(self) -> None:
         """After a load that failed the next one starts afresh."""

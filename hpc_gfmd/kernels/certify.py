@@ -106,36 +106,21 @@ def open_moments(g, p, inside):
 
 
 @kernel
-def count_uncertain(g, p, inside, below, compliance, tie, sure, largest, counts):
+def count_uncertain(g, p, inside, compliance, tie, sure, largest, counts):
     """Count the points that errors of the pressure might move into contact or out of it, by the
     square of what that takes.
 
     It takes |p| where g <= 0, elsewhere g/compliance less the pressure that is left there, which
     closes the point by itself. counts (2, BINS), points in contact and out of it: bin k holds
     squares from largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones. Less than tie:
-    on either side right, not counted; less than sure: takes nothing. Returns how many points are
-    closed, and how often rows and columns close or open, the first point being after the last one.
-    below: the row after this slab.
+    on either side right, not counted; less than sure: takes nothing.
     """
     real = g.dtype.type
     reach, stiffness, zero = real(ROUNDED * np.sqrt(largest)), real(1 / compliance), real(0)
-    closed = along = across = 0
     rows, n = inside
     for i in range(rows):
-        row, after = g[i, :n], g[i + 1] if i + 1 < rows else below
-        for j in range(n):
-            across += (row[j] <= 0) != (after[j] <= 0)
-        along += (row[0] <= 0) != (row[-1] <= 0)
         for j0 in range(0, n, GROUP):
-            here, pressure, right = (
-                row[j0 : j0 + GROUP],
-                p[i, j0 : j0 + GROUP],
-                row[j0 + 1 : j0 + GROUP + 1],
-            )
-            for j in range(here.shape[0]):
-                closed += here[j] <= 0
-            for j in range(right.shape[0]):
-                along += (here[j] <= 0) != (right[j] <= 0)
+            here, pressure = g[i, j0 : min(j0 + GROUP, n)], p[i, j0 : min(j0 + GROUP, n)]
             near = 0
             for j in range(here.shape[0]):  # with vectors: few groups have any
                 near += (
@@ -156,7 +141,6 @@ def count_uncertain(g, p, inside, below, compliance, tie, sure, largest, counts)
                     if t > sure:
                         k = min(int(-PER_OCTAVE * np.log2(t * t / largest)), k)
                     counts[0 if here[j] <= 0 and pressure[j] > 0 else 1, k] += 1
-    return closed, along, across
 
 
 @kernel

@@ -37,11 +37,15 @@ class Page:
         axes = fig.subplots(
             len(self.rows), columns, squeeze=False, sharex=self.images, sharey=self.images
         )
-        for line, row in zip(axes, self.rows, strict=True):
+        for line, row, next_row in zip(axes, self.rows, [*self.rows[1:], ()], strict=True):
             for k, ax in enumerate(line):
-                if k < len(row):
-                    row[k](ax)
-                    if self.images:
-                        ax.label_outer()
-                else:
+                if k >= len(row):
                     ax.set_axis_off()
+                    continue
+                row[k](ax)
+                if self.images and k:
+                    ax.set_ylabel("")
+                if self.images and k < len(next_row):
+                    ax.set_xlabel("")
+                elif self.images:
+                    ax.tick_params(labelbottom=True)

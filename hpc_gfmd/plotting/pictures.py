@@ -96,9 +96,8 @@ def plot(
             if ax is None:
                 page.draw(fig)
                 legend_below(fig)
-                title = _title(contexts[0], what) if len(contexts) == 1 else ""
-                width = int(CHARACTERS * fig.get_figwidth())
-                fig.suptitle(textwrap.fill(title, width), x=0.01, ha="left")
+                if len(contexts) == 1:
+                    fig.suptitle(_title(contexts[0], what, page.width), x=0.01, ha="left")
             elif len(page.panels) == 1:
                 page.panels[0](ax)
             else:
@@ -230,12 +229,14 @@ def _name(result: Result) -> str:
     return title or (result.path.stem if result.path else "contact")
 
 
-def _title(context: FigureContext, what: str) -> str:
+def _title(context: FigureContext, what: str, width: float) -> str:
+    """What a picture of this width, in inches, shows, and what it leaves out."""
     result = context.result
     left = len(result.steps) - len(context.chosen) if what != "heights" else 0
     out = f"; {left} of {len(result.steps)} loads not shown" if left else ""
     said = {"n", "physical_sizes", "h_rms", "unit"}
     surface = surface_line({key: result.surface[key] for key in said & {*result.surface}})
+    lines = textwrap.fill(f"{_name(result)}: {surface}{out}", int(CHARACTERS * width))
     for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
-        surface = surface.replace(plain, printed)
-    return f"{_name(result)}: {surface}{out}"
+        lines = lines.replace(plain, printed)
+    return lines

@@ -98,7 +98,7 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
         Those of the scene's [surface] with kind = "file", such as physical_sizes=("10 um", "8 um"),
         unit="nm", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1), mirror=True,
         window="hann", refine=2, downsample=2, flip=True, boundary="free", dataset="name". What the
-        file says of sizes and units holds unless they are given here.
+        file says of sizes holds unless they are given here; another unit than its own is refused.
 
     Returns
     -------

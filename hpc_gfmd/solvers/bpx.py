@@ -20,10 +20,10 @@ import numpy as np
 from ..certificate.error_estimates import (
     Estimate,
     State,
-    error_pattern,
     estimate,
     misclassified_points,
     relative_area,
+    spread_of,
 )
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
@@ -301,7 +301,6 @@ class Bpx(Solver):
 
     def expected_area(self, squares: float) -> float:
         open_pp, open_p4 = self.grid.comm.sum(open_moments(self.g, self.p, self.grid.inside))
-        open_p = self.mean * self.grid.cell_points
-        pattern = error_pattern(open_p, open_pp, open_p4, self.contact, self.N)
-        wrong = misclassified_points(self.problem, self.g, self.p, squares, pattern)
+        spread = spread_of(open_pp, open_p4, self.contact, self.N)
+        wrong = misclassified_points(self.problem, self.g, self.p, squares, spread)
         return relative_area(max(wrong, self.changing), self.contact)

@@ -2,6 +2,7 @@
 on every rank."""
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from math import prod
 from pathlib import Path
 from typing import Any, NoReturn
@@ -20,6 +21,7 @@ Read = Callable[[slice, slice], np.ndarray]  # of rows and columns
 NPY = b"\x93NUMPY"
 ANY = "surface"  # the data set of a scene that names none
 MASK = "mask"  # where it is not 0 there is no height (SurfaceTopography)
+SMALL = 4096  # bytes of what an archive says of sizes and units
 HDF5 = b"\x89HDF\r\n\x1a\n"  # how an HDF5 file begins, unless its user keeps something before it
 
 
@@ -105,17 +107,25 @@ class HeightMap:
 
     def _npz(self, spec: Any) -> Read:
         with np.load(self.path, allow_pickle=False) as file:
-            heads = {name: _npz_head(file.zip, name) for name in file.files}
+            inside = {*file.zip.namelist()}
+            names = [name for name in file.files if f"{name}.npy" in inside]
+            heads = {name: _npz_head(file.zip, name) for name in names}
             name = self._one_of(
                 [name for name, (shape, _) in heads.items() if len(shape) == 2], spec
             )
-            small = (name for name in NAMES if name in heads and prod(heads[name][0]) <= 2)
-            self.metadata = by_attributes({name: file[name] for name in small})
+            sizes = {key: prod(shape) * dtype.itemsize for key, (shape, dtype) in heads.items()}
+            small = (key for key in NAMES if sizes.get(key, SMALL) < SMALL)
+            self.metadata = by_attributes({key: file[key] for key in small})
             self.shape, self.dtype = heads[name]
-            wanted = prod(self.shape) * self.dtype.itemsize
-            if file.zip.getinfo(f"{name}.npy").file_size < wanted:
+            if file.zip.getinfo(f"{name}.npy").file_size < sizes[name]:
                 raise ValueError(f"{name} is shorter than it says")
-            return self._array(file[name])
+
+        @cache
+        def array() -> np.ndarray:  # unpacked where it is first read: by then it is known to fit
+            with np.load(self.path, allow_pickle=False) as file:
+                return file[name]
+
+        return lambda rows, columns: array()[rows, columns]
 
     def _hdf5(self, spec: Any) -> Read:
         import h5py

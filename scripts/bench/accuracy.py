@@ -5,7 +5,6 @@ for accuracies, the others, which have no estimates of their own, for residuals.
 takes longer than the budget, or that does not converge, no tighter ones are tried.
 """
 
-from argparse import Namespace
 from itertools import product, starmap
 
 from hpc_gfmd import GfmdError
@@ -13,10 +12,10 @@ from hpc_gfmd import GfmdError
 from .contacts import Case
 from .pictures import Panel, group, picture
 from .report import Report
-from .timing import Row, in_turn, summary
+from .timing import in_turn, summary
 
 
-def run(args: Namespace) -> None:
+def run(args):
     """Measure all cases; args: of command.py."""
     report = Report("accuracy", args.out)
     for case in starmap(Case, product(args.n, args.p_star, args.hurst)):
@@ -33,15 +32,15 @@ def run(args: Namespace) -> None:
             picture(report.path.with_name(f"accuracy-{cost}.png"), panels)
 
 
-def _one_case(case: Case, args: Namespace, report: Report) -> None:
+def _one_case(case, args, report):
     try:
         case.reference  # noqa: B018
     except GfmdError as error:
         report.note(str(error))
         return
-    settings: dict[tuple, Row] = {}
-    errors: dict[tuple, Row] = {}
-    taken: dict[tuple, list[Row]] = {}
+    settings = {}
+    errors = {}
+    taken = {}
     for precision, solver, start in product(args.precision, args.solvers, args.start):
         case.press(precision=precision, accuracy=0.1)  # compiles and plans
         for asked in sorted(args.accuracy, reverse=True):

@@ -11,25 +11,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
-from typing import Any
 
 import numpy as np
 
-from hpc_gfmd.bodies.base import Multipliers, Tabled
+from hpc_gfmd.bodies.base import Tabled
 from hpc_gfmd.bodies.free import Coupled, Free, added
 from hpc_gfmd.bodies.images import images, kernel
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.parallel.fft import SlabFFT
-from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.scene import Scene, Solver
 from hpc_gfmd.surface import build_surface
 
-from .contacts import Case
-
 
 @lru_cache(1)
-def by_cells(case: Case) -> np.ndarray:
+def by_cells(case):
     """Return the pressure of the contact by this discretisation, far more accurate than any that is
     measured."""
     spec = Scene.from_dict({"surface": case.table, "load": {"pressure": 1.0}}).surface
@@ -45,7 +40,7 @@ def by_cells(case: Case) -> np.ndarray:
 class Cells(Free):
     """See bodies/free.py: nothing but S between two points is different."""
 
-    def _coupled(self, plain: Multipliers, grid: Grid, fft: SlabFFT) -> Multipliers:
+    def _coupled(self, plain, grid, fft):
         shape = self._shape(grid)
         if shape is None:
             return plain
@@ -57,18 +52,18 @@ class Cells(Free):
         return Coupled(tabled, grid, fft, found, added(found, S, fft.dtype))
 
 
-def _table(grid: Grid, fft: SlabFFT) -> np.ndarray:
+def _table(grid, fft):
     """K of the periodic cell: S less what `Coupled` adds to it."""
     out = np.zeros((fft.K, fft.W, grid.n[0] // 2 + 1), fft.dtype)
     cell = [k * s / grid.a for k, s in zip(grid.n, grid.spacings)]
     half = [s / grid.a / 2 for s in grid.spacings]
 
-    def rows(i0: int, i1: int, out: np.ndarray) -> None:
+    def rows(i0, i1, out):
         points = np.arange(i0, i1), np.arange(grid.n[1])
         x, y = (2 * h * np.minimum(i, n - i) for h, i, n in zip(half, points, grid.n))
         out[: i1 - i0] = love(x, y, *half) - kernel(x, y, *cell)
 
-    def keep(block: np.ndarray, m: int) -> None:
+    def keep(block, m):
         out[m, : len(block)] = 1 / block.real[:, : grid.n[0] // 2 + 1]
 
     fft.forward_rows(rows)
@@ -76,13 +71,13 @@ def _table(grid: Grid, fft: SlabFFT) -> np.ndarray:
     return out
 
 
-def love(x: np.ndarray, y: np.ndarray, a: float, b: float) -> Any:
+def love(x, y, a, b):
     """S at distances x, y from the middle of a cell of 2a x 2b under pressure 1, all over the root
     of its area."""
     signs = product((1, -1), repeat=2)
     return sum(s * t * _corner(x[:, None] + s * a, y + t * b) for s, t in signs) / np.pi
 
 
-def _corner(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _corner(x, y):
     """Integral of 1/r over the rectangle between the origin and (x, y)."""
     return x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))

@@ -1,7 +1,6 @@
 """The command line of the measurements."""
 
 import tomllib
-from argparse import Namespace
 from importlib import import_module
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from hpc_gfmd.util.errors import SceneError
 ITEMS = tomllib.loads(Path(__file__).with_name("items.toml").read_text())
 
 
-def make_parser() -> Parser:
+def make_parser():
     """The parser of all measurements."""
     parser = Parser(
         prog="bench",
@@ -38,7 +37,7 @@ def make_parser() -> Parser:
     return parser
 
 
-def main(args: Namespace) -> int:
+def main(args):
     """Measure one item: run(args) of the file of that name. Raises SceneError for arguments that
     make no sense."""
     from hpc_gfmd.parallel.world import world

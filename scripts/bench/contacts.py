@@ -5,13 +5,10 @@ import time
 import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 import hpc_gfmd
-
-from .timing import Row
 
 WORST = 1e-6  # estimated error of the pressure that a reference may have
 
@@ -27,7 +24,7 @@ class Case:
     boundary: str = "periodic"
 
     @property
-    def table(self) -> dict[str, Any]:
+    def table(self):
         """[surface] of a scene."""
         return {
             "kind": "self-affine",
@@ -41,18 +38,18 @@ class Case:
         }
 
     @cached_property
-    def surface(self) -> hpc_gfmd.PreparedSurface:
+    def surface(self):
         """The wall, peaks up."""
         return hpc_gfmd.make_surface(**self.table)
 
-    def press(self, **settings: Any) -> tuple[Row, np.ndarray]:
+    def press(self, **settings):
         """Return numbers of hpc_gfmd.solve, all of the call timed, and the pressure; settings: of
         solve."""
-        loads: Row = {"pressure": self.p_star, "fields": ["pressure"]} | settings
+        loads = {"pressure": self.p_star, "fields": ["pressure"]} | settings
         begun, cpu = time.perf_counter(), time.process_time()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", hpc_gfmd.NotConverged)
-            solution: Any = hpc_gfmd.solve(self.surface, **loads)
+            solution = hpc_gfmd.solve(self.surface, **loads)
         pressure = np.asarray(solution.pressure)
         row = {
             "seconds": time.perf_counter() - begun,
@@ -67,13 +64,13 @@ class Case:
         }
         return row, pressure
 
-    def at_area(self, a_r: float) -> "Case":
+    def at_area(self, a_r):
         """Return the same surface at the load at which about a share a_r of it touches."""
         row, _ = self.press(pressure=None, a_r=a_r)
         return replace(self, p_star=float(f"{row['p_star']:.3g}"))
 
     @cached_property
-    def reference(self) -> tuple[Row, np.ndarray]:
+    def reference(self):
         """The solution far tighter than any that is measured. Raises GfmdError without one."""
         row, pressure = self.press(precision="double", residual=1e-9)
         if not row["estimates"][2] < WORST:
@@ -83,7 +80,7 @@ class Case:
             )
         return row, pressure
 
-    def errors(self, row: Row, pressure: np.ndarray) -> Row:
+    def errors(self, row, pressure):
         """Return the true relative errors of a solution."""
         known, wanted = self.reference
         found = {
@@ -94,7 +91,7 @@ class Case:
         return found | {"error": max(found.values())}
 
 
-def distance(pressure: np.ndarray, wanted: np.ndarray) -> float:
+def distance(pressure, wanted):
     """Return the relative L2 distance of two fields."""
     difference = np.subtract(pressure, wanted, dtype=np.float64)
     return float(np.linalg.norm(difference) / np.linalg.norm(wanted))

@@ -7,11 +7,8 @@ overwritten, are not, neither here nor for the copy. Cores: ranks of one solve.
 """
 
 import time
-from argparse import Namespace
-from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +17,6 @@ from hpc_gfmd.operators.elastic import Elastic
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.coarsening import levels
-from hpc_gfmd.parallel.comm import Comm
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.solvers import solver_class
@@ -28,13 +24,13 @@ from hpc_gfmd.surface import build_surface
 
 from .contacts import Case
 from .report import Report
-from .timing import Row, Stopwatch, measured, ratio, seconds, serve
+from .timing import Stopwatch, measured, ratio, seconds, serve
 
 DTYPES = {name: np.dtype(name) for name in ("single", "double")}
 ITERATIONS = 16  # after which the contact is begun anew: what is iterated is not a solution
 
 
-def run(args: Namespace) -> None:
+def run(args):
     """Report one row per pass, copy and transform, and number of cores; args: of command.py."""
     report = Report("kernels", args.out)
     for n, precision in product(args.n, args.precision):
@@ -46,7 +42,7 @@ def run(args: Namespace) -> None:
     report.finish()
 
 
-def _add(report: Report, series: dict[str, list[float]], of: Row) -> None:
+def _add(report, series, of):
     moved = field_passes([level.n for level in levels(Grid((of["n"], of["n"])))])
     moved |= {"iteration": sum(moved.values()), "copy": 2.0}
     for what, taken in series.items():
@@ -64,7 +60,7 @@ def _add(report: Report, series: dict[str, list[float]], of: Row) -> None:
         report.add(**of, what=what, repeats=len(taken), **row)
 
 
-def field_passes(shapes: Sequence[Sequence[int]]) -> dict[str, float]:
+def field_passes(shapes):
     """Return {pass: fields read or written}, in fields of the fine grid; shapes: (n_x, n_y) of all
     levels, finest first."""
     share = [n_x * n_y / (shapes[0][0] * shapes[0][1]) for n_x, n_y in shapes]
@@ -83,7 +79,7 @@ def field_passes(shapes: Sequence[Sequence[int]]) -> dict[str, float]:
     }
 
 
-def watch_passes(now: Callable[[], float] = time.perf_counter) -> Stopwatch:
+def watch_passes(now=time.perf_counter):
     """Return a stopwatch of the passes of all solvers from here on."""
     watch, solver = Stopwatch(now), solver_class("auto")
     watch.watch(solver, "_search", "search + rows")
@@ -93,14 +89,12 @@ def watch_passes(now: Callable[[], float] = time.perf_counter) -> Stopwatch:
     return watch
 
 
-def worker(
-    comm: Comm, n: int, precision: str, p_star: float, clock: str
-) -> Callable[[], dict[str, float]]:
+def worker(comm, n, precision, p_star, clock):
     """Return what measures the seconds of everything on the slowest rank."""
     dtype, now = DTYPES[precision], getattr(time, clock)
     scene = Scene.from_dict({"surface": Case(n, p_star).table, "load": {"p_star": p_star}})
     surface = build_surface(scene.surface, comm, dtype)
-    h: Any = surface.h
+    h = surface.h
     solver = solver_class("auto")(Problem(surface.grid, h, p_star), {})
     watch = watch_passes(now)
     # not zeros: those have no memory of their own yet
@@ -110,7 +104,7 @@ def worker(
     } | bare_pairs((n, n), dtype, comm)
     left = 0
 
-    def measure() -> dict[str, float]:
+    def measure():
         nonlocal left
         if left == 0:
             solver.start(np.maximum(h - h.dtype.type(h.mean()), 0))
@@ -126,7 +120,7 @@ def worker(
     return measure
 
 
-def bare_pairs(n: tuple[int, int], dtype: np.dtype, comm: Comm) -> dict[str, Callable[[], object]]:
+def bare_pairs(n, dtype, comm):
     """Return {name: function} of mpi4py-fft's transforms forward and back as planned by default,
     and FFTW's alone on one rank. Raises GfmdError where it is missing."""
     try:
@@ -146,7 +140,7 @@ def bare_pairs(n: tuple[int, int], dtype: np.dtype, comm: Comm) -> dict[str, Cal
         for transform in transforms:
             transform.input_array[...] = 0
 
-    def run(*pair: Any) -> None:
+    def run(*pair):
         for transform in pair:
             transform(normalize=False)
 

@@ -22,7 +22,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -30,7 +29,6 @@ from hpc_gfmd.parallel.comm import stages
 from hpc_gfmd.runs.decomposition import Share, share_of
 
 from .kernels import field_passes
-from .timing import Row
 
 START_AND_END = 2  # pairs on the finest grid beside its iterations: first pressure, certificate
 # bytes per second: a link of 100 Gbit/s, what P3DFFT reached of such a one on 26 nodes
@@ -68,7 +66,7 @@ class Machine:
     link: float = 12.5e9
 
     @classmethod
-    def of(cls, row: Row, small: Row) -> Machine:
+    def of(cls, row, small):
         """From rows of scaling.py on one rank; small: of a grid whose points take no time."""
         call = small["seconds_min"] / _pairs(small)[1].sum()
         points, pairs = _pairs(row)
@@ -79,12 +77,12 @@ class Machine:
         return cls(work, share, pairs[0], coarse, itemsize, call, row["copy_bandwidth"])
 
     @property
-    def bytes_per_point(self) -> float:
+    def bytes_per_point(self):
         """Bytes that an FFT pair moves between memory and caches for each point."""
         return self.itemsize * sum(field_passes([(2**k, 2**k) for k in range(14, -1, -1)]).values())
 
 
-def _pairs(row: Row) -> tuple[np.ndarray, np.ndarray]:
+def _pairs(row):
     """Points of every grid, and the FFT pairs on it."""
     points = np.array([share.points for share in _shares(row["n"], 1)], float)
     pairs = min(row["iterations"] + START_AND_END, row["fft_pairs"])
@@ -93,13 +91,13 @@ def _pairs(row: Row) -> tuple[np.ndarray, np.ndarray]:
 
 
 @cache
-def _shares(n: int, ranks: int, itemsize: int = 4, per_node: int = 1) -> list[Share]:
+def _shares(n, ranks, itemsize=4, per_node=1):
     """What rank 0 has of a grid and of all coarser ones of the nested start."""
     finest = share_of((n, n), np.float32 if itemsize == 4 else np.float64, ranks, per_node=per_node)
     return [finest, *(Share(grid, finest.dtype) for grid in finest.grids)]
 
 
-def _pair(share: Share, machine: Machine) -> np.ndarray:
+def _pair(share, machine):
     """Seconds of the parts of an FFT pair on a grid: compute, transpose, levels and reductions."""
     here = len(share.grid.comm.node_ranks)  # ranks of its node with a part in the grid
     alone = machine.work * np.log2(share.grid.cell_points)
@@ -117,14 +115,14 @@ def _pair(share: Share, machine: Machine) -> np.ndarray:
     return np.array([compute, transpose, others])
 
 
-def _solve(n: int, ranks: int, per_node: int, machine: Machine) -> np.ndarray:
+def _solve(n, ranks, per_node, machine):
     """Seconds of the parts of a solve."""
     shares = _shares(n, ranks, machine.itemsize, per_node)
     finest, *coarser = (_pair(share, machine) for share in shares)
     return machine.pairs * finest + machine.coarse_pairs * sum(coarser, np.zeros(3))
 
 
-def predict(n: int, nodes: int, machine: Machine) -> dict[str, Any] | None:
+def predict(n, nodes, machine):
     """Return one row of the model: seconds of a solve, efficiency against one full node, the share
     of transposes and of messages of the levels and reductions, and the part of the bandwidth of the
     nodes' memory that is used; None beyond the slab limit of one row for each rank."""

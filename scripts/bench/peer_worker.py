@@ -35,19 +35,19 @@ class Ours:
 
     packages = ("hpc-gfmd", "numba", "mpi4py-fft")
 
-    def __init__(self, heights: np.ndarray, p0: float, **settings: Any):
+    def __init__(self, heights, p0, **settings):
         import hpc_gfmd
 
         self.settings = settings | {"fields": ["pressure"]}
-        self.press: Any = partial(hpc_gfmd.solve, heights, p0)
+        self.press = partial(hpc_gfmd.solve, heights, p0)
         self.solve(0.5)
 
-    def solve(self, tolerance: float) -> Solved:
+    def solve(self, tolerance):
         found = self.press(residual=tolerance, **self.settings)
         return np.asarray(found.pressure), found.iterations, found.status
 
     @staticmethod
-    def pressure(field: np.ndarray) -> np.ndarray:
+    def pressure(field):
         return field
 
 
@@ -56,7 +56,7 @@ class Aspher:
 
     packages = ("aspher",)
 
-    def __init__(self, heights: np.ndarray, p0: float, **settings: Any):
+    def __init__(self, heights, p0, **settings):
         self.settings = {
             "backend": "periodic",
             "grid_size": len(heights),
@@ -68,14 +68,14 @@ class Aspher:
         } | settings
         self.solve(1e-2)  # FFTW keeps the plans
 
-    def solve(self, tolerance: float) -> Solved:
+    def solve(self, tolerance):
         import aspher
 
         result = aspher.solve_nested(tol=tolerance, **self.settings)
         return result, int(result.iterations), str(result.status)
 
     @staticmethod
-    def pressure(result: Any) -> np.ndarray:
+    def pressure(result):
         return np.asarray(result.pressure)
 
 
@@ -84,7 +84,7 @@ class Tamaas:
 
     packages = ("tamaas",)
 
-    def __init__(self, heights: np.ndarray, p0: float):
+    def __init__(self, heights, p0):
         import tamaas as tm
 
         tm.initialize(1)
@@ -94,7 +94,7 @@ class Tamaas:
         self.model.E, self.model.nu = 1.0, 0.0
         self.solve(1e-1, 3)
 
-    def solve(self, tolerance: float, max_iterations: int = MAX_ITERATIONS) -> Solved:
+    def solve(self, tolerance, max_iterations=MAX_ITERATIONS):
         self.model.traction[...] = 0
         self.model.displacement[...] = 0
         solver = self.tm.PolonskyKeerRey(self.model, self.heights, tolerance)
@@ -102,7 +102,7 @@ class Tamaas:
         left = solver.solve(self.p0)
         return None, None, "converged" if left <= tolerance else "not converged"
 
-    def pressure(self, _: object) -> np.ndarray:
+    def pressure(self, _):
         return np.asarray(self.model.traction).reshape(self.heights.shape)
 
 
@@ -110,9 +110,9 @@ class ContactMechanicsPK:
     """constrained_conjugate_gradients: Polonsky and Keer at a given force. Its three tolerances are
     tied to one relative number."""
 
-    packages = ("ContactMechanics", "SurfaceTopography", "NuMPI", "muFFT")
+    packages = ("ContactMechanics", "SurfaceTopography", "NuMPI", "muGrid")
 
-    def __init__(self, heights: np.ndarray, p0: float, free: bool = False):
+    def __init__(self, heights, p0, free=False):
         import ContactMechanics as cm
         from ContactMechanics.Factory import make_system
         from SurfaceTopography import Topography
@@ -125,7 +125,7 @@ class ContactMechanicsPK:
         self.h_rms, self.p0, self.force = heights.std(), p0, p0 / n**2  # force per pixel
         substrate.evaluate_disp(np.ones((n, n)))
 
-    def solve(self, tolerance: float) -> Solved:
+    def solve(self, tolerance):
         result = self.system.minimize_proxy(
             external_force=self.p0,
             pentol=tolerance * self.h_rms,
@@ -135,7 +135,7 @@ class ContactMechanicsPK:
         )
         return result.jac, int(result.nit), "converged" if result.success else "not converged"
 
-    def pressure(self, forces: Any) -> np.ndarray:
+    def pressure(self, forces):
         points = math.isqrt(np.size(forces))  # with free edges also those beyond the surface
         return np.asarray(forces).reshape(points, points)[: self.n, : self.n] * self.n**2
 
@@ -144,7 +144,7 @@ class ContactMechanicsCCG(ContactMechanicsPK):
     """Constrained conjugate gradients without restart (Bugnicourt et al.) in the pixel forces, at a
     given mean force."""
 
-    def solve(self, tolerance: float) -> Solved:
+    def solve(self, tolerance):
         from NuMPI.Optimization import CCGWithoutRestart
 
         result = CCGWithoutRestart.constrained_conjugate_gradients(
@@ -158,12 +158,12 @@ class ContactMechanicsCCG(ContactMechanicsPK):
         return result.x, int(result.nit), "converged" if result.success else "not converged"
 
 
-KINDS: dict[str, Any] = {
+KINDS = {
     kind.__name__: kind for kind in (Ours, Aspher, Tamaas, ContactMechanicsPK, ContactMechanicsCCG)
 }
 
 
-def about(kind: Any) -> dict[str, Any]:
+def about(kind):
     """Return versions of a code, and how it was built, as scripts/bench-peers-setup left it."""
     there = {found.name: found.version for found in distributions()}
     built = Path(sys.prefix) / "build.json"
@@ -174,7 +174,7 @@ def about(kind: Any) -> dict[str, Any]:
     }
 
 
-def solve(code: Any, tolerance: float, pressure_to: str) -> dict[str, Any]:
+def solve(code, tolerance, pressure_to):
     """Solve once and write the pressure."""
     begun, cpu = time.perf_counter(), time.process_time()
     result, iterations, status = code.solve(tolerance)
@@ -189,11 +189,11 @@ def solve(code: Any, tolerance: float, pressure_to: str) -> dict[str, Any]:
     return answer
 
 
-def main() -> None:
+def main():
     """Answer until standard input ends."""
     answers = os.fdopen(os.dup(1), "w")  # what the codes print must not mix with the answers
     os.dup2(2, 1)
-    code: Any = None
+    code = None
     for line in sys.stdin:
         asked = json.loads(line)
         try:

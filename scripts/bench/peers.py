@@ -15,8 +15,6 @@ import sys
 import tempfile
 import time
 import tomllib
-from argparse import Namespace
-from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import replace
 from itertools import product
@@ -29,13 +27,13 @@ from hpc_gfmd import GfmdError, SceneError
 from .cells import by_cells
 from .contacts import Case, distance
 from .report import Report
-from .timing import Process, Row, in_turn, ratio, summary
+from .timing import Process, in_turn, ratio, summary
 
 CODES = tomllib.loads(Path(__file__).with_name("codes.toml").read_text())
 TRIES = 25
 
 
-def peers_python() -> Path:
+def peers_python():
     """The interpreter of the environment that scripts/bench-peers-setup makes. Raises SceneError
     where there is none."""
     root = os.environ.get("HPC_GFMD_PEERS") or Path(__file__).resolve().parents[2] / ".venv-peers"
@@ -51,18 +49,18 @@ def peers_python() -> Path:
 class Code(Process):
     """A process that solves with one code; known: the exact pressure of its discretisation."""
 
-    def __init__(self, name: str, folder: Path, known: np.ndarray):
+    def __init__(self, name, folder, known):
         self.ours, self.path, self.known = name in CODES["ours"], folder / f"{name}.npy", known
         python = sys.executable if self.ours else peers_python()
         super().__init__(name, [python, Path(__file__).with_name("peer_worker.py")])
 
-    def solve(self, tolerance: float) -> Row:
+    def solve(self, tolerance):
         """Return the numbers of one solve, with its true error."""
         answer = self.ask(tolerance=tolerance, pressure_to=str(self.path))
         return answer | {"error": distance(np.load(self.path), self.known)}
 
 
-def run(args: Namespace) -> None:
+def run(args):
     """Compare all codes on all surfaces; args: of command.py. Raises SceneError for a code that is
     not known or not there."""
     free = args.boundary == "free"
@@ -86,12 +84,12 @@ def run(args: Namespace) -> None:
     report.finish()
 
 
-def _one_case(case: Case, names: list[str], error: float, args: Namespace, report: Report) -> None:
+def _one_case(case, names, error, args, report):
     row, known = case.reference
     head = vars(replace(case)) | {"a_r": row["a_r"], "asked": error}
     boundary = {"boundary": case.boundary}
-    about: dict[Code, Row] = {}
-    taken: dict[Code, list[Row]] = {}
+    about = {}
+    taken = {}
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         np.save(folder / "heights.npy", case.surface.heights)
@@ -101,7 +99,7 @@ def _one_case(case: Case, names: list[str], error: float, args: Namespace, repor
             exact = known if ours or case.boundary != "free" else by_cells(case)
             code = stack.enter_context(closing(Code(name, folder, exact)))
             options = ours | boundary if ours else CODES[case.boundary][name]
-            of: Row = {"code": name, "options": options}
+            of = {"code": name, "options": options}
             try:
                 of |= code.ask(**surface, **options)
                 of["version"] = next(iter(of["code_versions"].values()))
@@ -123,9 +121,7 @@ def _one_case(case: Case, names: list[str], error: float, args: Namespace, repor
         report.add(**head, **about[code], **summary(runs) | worst | slower)
 
 
-def _loosest(
-    solve: Callable[[float], Row], target: float, budget: float
-) -> tuple[float, list[Row]]:
+def _loosest(solve, target, budget):
     """Return a tolerance whose error is at most the target, hardly tighter than it has to be, with
     the solve that showed it: from loose ones on, proportionally to the error. Raises GfmdError
     where there is none."""
@@ -137,5 +133,5 @@ def _loosest(
         lowest = min(lowest, row["error"])
         if time.perf_counter() - begun > budget:
             break
-        tolerance *= float(np.clip(0.7 * target / row["error"], 0.01, 0.6))
+        tolerance *= float(np.clip(0.7 * target / row["error"], 0.2, 0.6))
     raise GfmdError(f"an error of {lowest:.1e} at the lowest, wanted: {target:g}")

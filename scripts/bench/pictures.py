@@ -1,7 +1,6 @@
 """Pictures of rows: lines of those that share some values."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 from matplotlib.figure import Figure
@@ -23,7 +22,7 @@ class Panel(NamedTuple):
     scale: str = "log"
 
 
-def picture(path: Path, panels: Sequence[Panel]) -> None:
+def picture(path, panels):
     """Draw panels into a file."""
     columns = min(len(panels), 5) or 1
     lines = -(-len(panels) // columns)
@@ -40,9 +39,9 @@ def picture(path: Path, panels: Sequence[Panel]) -> None:
     fig.savefig(path, dpi=150)
 
 
-def group(rows: Rows, *keys: str) -> dict[tuple, list[Row]]:
+def group(rows, *keys):
     """Return the rows that share the values of the keys."""
-    found: dict[tuple, list[Row]] = {}
+    found = {}
     for row in rows:
         found.setdefault(tuple(row[key] for key in keys), []).append(row)
     return found

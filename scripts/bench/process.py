@@ -6,20 +6,15 @@ Other codes beside it: `python scripts/bench peers --n 64 128 256 512 1024 2048 
 
 import resource
 import time
-from argparse import Namespace
-from collections.abc import Callable
 from itertools import product
-from typing import Any
-
-from hpc_gfmd.parallel.comm import Comm
 
 from .contacts import Case
 from .kernels import watch_passes
 from .report import Report
-from .timing import Row, measured, serve, summary
+from .timing import measured, serve, summary
 
 
-def run(args: Namespace) -> None:
+def run(args):
     """Report every size; all numbers of threads in turn. args: of command.py."""
     report = Report("process", args.out)
     for n, precision in product(args.n, args.precision):
@@ -34,9 +29,7 @@ def run(args: Namespace) -> None:
     report.finish()
 
 
-def worker(
-    comm: Comm, n: int, p_star: float, boundary: str = "periodic", **settings: Any
-) -> Callable[[], Row]:
+def worker(comm, n, p_star, boundary="periodic", **settings):
     """Return what presses the same surface once more; settings: of hpc_gfmd.solve."""
     case = Case(n, p_star, boundary=boundary)
     assert case.surface.heights.size == n * n  # it is made
@@ -45,7 +38,7 @@ def worker(
     cold = time.perf_counter() - begun
     watch = watch_passes()
 
-    def measure() -> Row:
+    def measure():
         watch.take()
         row, _ = case.press(**settings)
         for key in ("p_star", *settings):

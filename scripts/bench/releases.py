@@ -1,15 +1,13 @@
 """Time, FFT pairs and memory of five standard contacts: every release adds its rows to the file
 that is there, so that a loss is seen."""
 
-from argparse import Namespace
-
 from hpc_gfmd import __version__
 
 from .pictures import Panel, picture
 from .report import Report
-from .timing import Row, measured, summary
+from .timing import measured, summary
 
-SCENES: dict[str, Row] = {  # p*, and arguments of hpc_gfmd.solve
+SCENES = {  # p*, and arguments of hpc_gfmd.solve
     "light": {"p_star": 0.007},
     "dense": {"p_star": 0.353},
     "tight": {"p_star": 0.05, "accuracy": 1e-6},
@@ -18,7 +16,7 @@ SCENES: dict[str, Row] = {  # p*, and arguments of hpc_gfmd.solve
 }
 
 
-def run(args: Namespace) -> None:
+def run(args):
     """Add the rows of this release; args: of command.py."""
     report = Report("releases", args.out, append=True)
     release = f"{__version__} {report.head['commit']}"

@@ -8,13 +8,10 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
-from hpc_gfmd.parallel.comm import Comm, SerialComm
+from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.fftw import fft_library
 from hpc_gfmd.util.versions import processor, versions
-
-from .timing import Row
 
 
 class Report:
@@ -23,10 +20,10 @@ class Report:
     append: to the rows that are there.
     """
 
-    def __init__(self, name: str, out: str | None, comm: Comm | None = None, append: bool = False):
+    def __init__(self, name, out, comm=None, append=False):
         comm = comm or SerialComm()
         self.head = {"bench": name} | provenance(comm)
-        self.rows: list[Row] = []
+        self.rows = []
         self.notes = ["# " + ", ".join(f"{key} {value}" for key, value in self.head.items())]
         self.speaks, self.path = comm.rank == 0, Path(out) / f"{name}.jsonl" if out else None
         if self.path and self.speaks:
@@ -34,13 +31,13 @@ class Report:
             self.path.open("a" if append else "w").close()
             self.rows = [json.loads(line) for line in self.path.read_text().splitlines()]
 
-    def note(self, line: str) -> None:
+    def note(self, line):
         """Say something that is no row."""
         self.notes.append(f"# {line}")
         if self.speaks:
             print(self.notes[-1], flush=True)
 
-    def add(self, **row: Any) -> None:
+    def add(self, **row):
         """Add one row of results: to the screen and, at once, to the file."""
         self.rows.append(row)
         if self.speaks:
@@ -49,14 +46,14 @@ class Report:
                 with self.path.open("a") as file:
                     file.write(json.dumps(row | {"provenance": self.head}) + "\n")
 
-    def finish(self) -> None:
+    def finish(self):
         """Write the table."""
         if self.speaks and self.path:
             self.path.with_suffix(".txt").write_text("\n".join([*self.notes, *table(self.rows)]))
             print(f"written: {self.path}, .txt", file=sys.stderr)
 
 
-def table(rows: list[Row]) -> list[str]:
+def table(rows):
     """Return lines of what is a number or a word in the rows, in columns."""
     keys = dict.fromkeys(
         key for row in rows for key in row if not isinstance(row[key], dict | list)
@@ -66,11 +63,11 @@ def table(rows: list[Row]) -> list[str]:
     return ["  ".join(f"{c:>{w}}" for c, w in zip(line, widths, strict=True)) for line in cells]
 
 
-def _shown(value: object) -> str:
+def _shown(value):
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def provenance(comm: Comm) -> Row:
+def provenance(comm):
     """Return host, processor, load, versions, commit, time, and the ranks of this process."""
     git = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty=+"]
     said = subprocess.run(git, capture_output=True, text=True, check=False)

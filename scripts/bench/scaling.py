@@ -2,11 +2,8 @@
 makes of it on a cluster."""
 
 import time
-from argparse import Namespace
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import product
-from typing import Any
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -14,7 +11,7 @@ from scipy.fft import next_fast_len
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.driver.warmup import compile_once
 from hpc_gfmd.operators.multilevel import Multilevel
-from hpc_gfmd.parallel.comm import Comm, MpiComm
+from hpc_gfmd.parallel.comm import MpiComm
 from hpc_gfmd.scene import Scene, Solver
 from hpc_gfmd.surface import build_surface
 
@@ -22,7 +19,7 @@ from .contacts import Case
 from .model import CLUSTERS, Machine, predict
 from .pictures import Panel, picture
 from .report import Report
-from .timing import Row, Stopwatch, measured, seconds, serve, summary
+from .timing import Stopwatch, measured, seconds, serve, summary
 
 ACCURACY = 1e-2
 SMALL = 32  # points along an axis: what a solve takes there is the interpreter's
@@ -30,7 +27,7 @@ COPIED = 2**26  # bytes: far more than caches hold
 WARM_UP = 4  # solves of a process: until then the system still finds it large pages
 
 
-def run(args: Namespace) -> None:
+def run(args):
     """Measure every n on all ranks (strong), on threads of one rank, and the smallest n grown with
     sqrt(ranks) (weak), all of a size in turn; then predict larger machines. args: of command.py."""
     report = Report("scaling", args.out)
@@ -45,9 +42,7 @@ def run(args: Namespace) -> None:
     report.finish()
 
 
-def _add(
-    report: Report, kind: str, sizes: Mapping[tuple[int, int], int], precision: str, args: Namespace
-) -> None:
+def _add(report, kind, sizes, precision, args):
     """Report the solves of some sizes by (ranks, threads); efficiency: time of a point, a pair and
     a core of the first over that."""
     jobs = {
@@ -65,13 +60,13 @@ def _add(
         report.add(kind=kind, efficiency=first / cost, **row)
 
 
-def _grown(n: int, ranks: int) -> int:
+def _grown(n, ranks):
     """The multiple of 4 nearest above n sqrt(ranks) that has small prime factors: others are slow
     to transform."""
     return 4 * next_fast_len(round(n * ranks**0.5 / 4), real=True)
 
 
-def _predict(report: Report, args: Namespace) -> None:
+def _predict(report, args):
     """Report what the model makes of one core of this machine on clusters."""
     of = {"precision": args.precision[0], "p_star": args.p_star, "threads": 1, "n": SMALL}
     small = summary(measured("scaling", {1: (1, of)}, args.repeats, WARM_UP)[1])
@@ -88,13 +83,14 @@ def _predict(report: Report, args: Namespace) -> None:
     if report.path:
         keys = "kind", "n", "threads", "precision"
         panels = [
-            Panel(report.rows, keys, "ranks", what) for what in ("efficiency", "share_messages")
+            Panel(report.rows, keys, "ranks", what, scale="linear")
+            for what in ("efficiency", "share_messages")
         ]
         panels.append(Panel(model.rows, ("n", "link_gb_per_s"), "nodes", "seconds", "by the model"))
         picture(report.path.with_suffix(".png"), panels)
 
 
-def worker(comm: Comm, n: int, precision: Any, p_star: float, threads: int) -> Callable[[], Row]:
+def worker(comm, n, precision, p_star, threads):
     """Return what solves once."""
     settings = Solver(precision=precision, accuracy=ACCURACY)
     compile_once(comm, settings)
@@ -106,7 +102,7 @@ def worker(comm: Comm, n: int, precision: Any, p_star: float, threads: int) -> C
     for method in ("_allreduce", "bcast", "exchange", "alltoall_bytes", "barrier"):
         watch.watch(MpiComm, method, "messages")
 
-    def measure() -> Row:
+    def measure():
         sweep.solver = None
         comm.barrier()
         watch.take()

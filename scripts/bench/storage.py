@@ -2,13 +2,11 @@
 
 import os
 import tempfile
-from argparse import Namespace
 from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 
-from hpc_gfmd.parallel.comm import Comm
 from hpc_gfmd.parallel.h5 import io_way, write_file
 from hpc_gfmd.parallel.layout import row_starts
 from hpc_gfmd.parallel.world import world
@@ -19,7 +17,7 @@ from .timing import in_turn, ratio, seconds
 RAW, ONE = "raw", "raw, one file"
 
 
-def run(args: Namespace) -> None:
+def run(args):
     """Write single precision fields of n x n points in a temporary folder; on all ranks. args: of
     command.py.
 
@@ -41,13 +39,13 @@ def run(args: Namespace) -> None:
     report.finish()
 
 
-def _measure(comm: Comm, place: Path, n: int, repeats: int) -> dict[str, list[float]]:
+def _measure(comm, place, n, repeats):
     """Return {way: seconds} of one size."""
     start, stop = (int(k) for k in row_starts(n, comm.size)[comm.rank : comm.rank + 2])
     data = np.random.default_rng(comm.rank).standard_normal((stop - start, n), dtype=np.float32)
     own, one, result = place / f"raw-{comm.rank}", place / "raw", place / "result.h5"
 
-    def write_raw(path: Path, offset: int) -> None:
+    def write_raw(path, offset):
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT)
         for i in range(0, data.nbytes, 2**26):
             os.pwrite(descriptor, data.reshape(-1).view("u1")[i : i + 2**26].data, offset + i)
@@ -61,7 +59,7 @@ def _measure(comm: Comm, place: Path, n: int, repeats: int) -> dict[str, list[fl
             comm, result, (n, n), (start, stop), {"field": data}
         ),
     }
-    taken: dict[str, list[float]] = {way: [] for way in runs}
+    taken = {way: [] for way in runs}
     for way in in_turn(runs, repeats + 1):  # the first round is a warm-up
         for path in (own, one, result):
             path.unlink(missing_ok=True)

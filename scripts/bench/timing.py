@@ -6,14 +6,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
-from hpc_gfmd.parallel.comm import Comm
 from hpc_gfmd.parallel.world import world
 from hpc_gfmd.util.errors import GfmdError
 
@@ -24,19 +22,19 @@ SCRIPTS = str(Path(__file__).resolve().parents[1])
 PAUSE = 2e-2
 
 
-def in_turn(names: Iterable[K], repeats: int) -> Iterator[K]:
+def in_turn(names, repeats):
     """Yield all names in so many rounds, every other one backwards (A B B A), so that a drift of
     the machine's speed hits all alike."""
     for k in range(repeats):
         yield from list(names)[:: 1 if k % 2 == 0 else -1]
 
 
-def ratio(a: Sequence[float], b: Sequence[float]) -> float:
+def ratio(a, b):
     """Return the median of a/b, of two series that were taken in turn."""
     return float(np.median([x / y for x, y in zip(a, b, strict=False)]))
 
 
-def summary(rows: Sequence[Row]) -> Row:
+def summary(rows):
     """Return the last row with the times of all in place of its own."""
     found = dict(rows[-1])
     for key in ("seconds", "cpu_seconds"):
@@ -46,9 +44,7 @@ def summary(rows: Sequence[Row]) -> Row:
     return found | {"repeats": len(rows)}
 
 
-def seconds(
-    run: Callable[[], object], comm: Comm, now: Callable[[], float] = time.perf_counter
-) -> float:
+def seconds(run, comm, now=time.perf_counter):
     """Return the seconds of run() on the slowest rank, by the clock `now`."""
     comm.barrier()
     begun = now()
@@ -60,16 +56,16 @@ class Stopwatch:
     """Adds up seconds by name, by the clock `now`; time of inner parts is not counted in outer
     ones."""
 
-    def __init__(self, now: Callable[[], float] = time.perf_counter):
+    def __init__(self, now=time.perf_counter):
         self.now, self.inner = now, 0.0
-        self.seconds: dict[str, float] = {}
+        self.seconds = {}
 
-    def watch(self, owner: object, method: str, name: str) -> None:
+    def watch(self, owner, method, name):
         """Time a method of an object or of all objects of a class from here on."""
         function = getattr(owner, method)
         self.seconds.setdefault(name, 0.0)
 
-        def timed(*args: Any, **kwargs: Any) -> Any:
+        def timed(*args, **kwargs):
             before, begun = self.inner, self.now()
             self.inner = 0.0
             try:
@@ -81,7 +77,7 @@ class Stopwatch:
 
         setattr(owner, method, timed)
 
-    def take(self) -> dict[str, float]:
+    def take(self):
         """Return the seconds since the last time."""
         found, self.seconds = self.seconds, dict.fromkeys(self.seconds, 0.0)
         return found
@@ -90,11 +86,11 @@ class Stopwatch:
 class Process:
     """A program that answers each line of JSON with one. Raises GfmdError where it fails."""
 
-    def __init__(self, name: str, command: Sequence[object], **environment: str):
+    def __init__(self, name, command, **environment):
         self.name = name
         self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115
         try:
-            self._process: Any = subprocess.Popen(
+            self._process = subprocess.Popen(
                 list(map(str, command)),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
@@ -105,7 +101,7 @@ class Process:
         except OSError as error:
             raise GfmdError(f"{name}: {error}") from None
 
-    def ask(self, **what: object) -> Row:
+    def ask(self, **what):
         """Return the answer."""
         try:
             print(json.dumps(what), file=self._process.stdin, flush=True)
@@ -117,11 +113,11 @@ class Process:
             raise GfmdError(f"{self.name}: {answer['error']}")
         return answer
 
-    def close(self) -> None:
+    def close(self):
         """Let it end."""
         self._process.communicate()
 
-    def _last_words(self) -> str:
+    def _last_words(self):
         """The end of what the program itself says: mpirun adds advice between lines of dashes."""
         self._process.wait()
         self._errors.seek(0)
@@ -130,12 +126,10 @@ class Process:
         return own.splitlines()[-1] if own else "it died without a word"
 
 
-def measured(
-    item: str, jobs: Mapping[K, tuple[int, Row]], repeats: int, warm: int = 1
-) -> dict[K, list[Row]]:
+def measured(item, jobs, repeats, warm=1):
     """Return what worker(**arguments) of a file here finds on some ranks, so many times, all in
     turn; jobs: (ranks, arguments) of each; warm: times before. Raises GfmdError."""
-    found: dict[K, list[Row]] = {name: [] for name in jobs}
+    found = {name: [] for name in jobs}
     with ExitStack() as stack:
         workers = {}
         for name, (ranks, arguments) in jobs.items():
@@ -150,7 +144,7 @@ def measured(
     return found
 
 
-def serve(worker: Callable[..., Callable[[], Row]]) -> None:
+def serve(worker):
     """Be such a worker: print what worker(comm, **arguments)() returns on rank 0, as often as asked
     on standard input. Collective."""
     comm = world()
@@ -161,7 +155,7 @@ def serve(worker: Callable[..., Callable[[], Row]]) -> None:
             print(json.dumps(row), flush=True)
 
 
-def _asked(comm: Comm) -> bool:
+def _asked(comm):
     more = comm.rank == 0 and bool(sys.stdin.readline())
     if comm.size > 1:
         met = comm.mpi.Ibarrier()

@@ -59,7 +59,7 @@ def numbers():
                 continue
             for field in dataclasses.fields(kind):
                 if field.metadata.get("measured", "campaign") == "campaign":
-                    name = f"{kind.__name__}.{field.name}"
+                    name = f"{kind.__module__.rpartition('.')[2]}.{field.name}"
                     found[name] = (
                         getattr(owner, field.name),
                         partial(_with_field, modules, owner, field.name),

@@ -21,8 +21,8 @@ def test_numbers_are_found_and_put_back(monkeypatch):
     for module in (certificate, error_estimates):
         monkeypatch.setattr(module, "SOME", some, raising=False)
     found = calibrate.numbers()
-    assert "SomeCalibration.derived" not in found
-    value, change = found["SomeCalibration.share"]
+    assert "test_calibrate.derived" not in found
+    value, change = found["test_calibrate.share"]
     with change(0.25):
         assert certificate.SOME == error_estimates.SOME == SomeCalibration(0.25)
     assert value == 0.5

@@ -1,11 +1,13 @@
 """Bad files of every kind: one line that says what is wrong, exit code 2, nothing written, nothing
 executed."""
 
+import zipfile
+
 import h5py
 import numpy as np
 import pytest
 import tomli_w
-from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, cut, h5
+from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, archive, cut, h5
 
 from hpc_gfmd.scene import File
 from hpc_gfmd.surface.files import HeightMap
@@ -91,6 +93,15 @@ def test_sound_height_maps_of_every_kind(array, tmp_path):
         found = HeightMap(File(kind="file", path=str(path)))
         assert found.shape == array.shape
         assert np.array_equal(found.rows(1, 4), np.asarray(array, dtype=float)[1:4])
+
+
+def test_of_an_archive_one_array_is_unpacked(tmp_path):
+    """Beside it may be what claims to be anything."""
+    archive(tmp_path / "z.npz", unit=(10**9,), other=(10**6, 10**6))
+    with zipfile.ZipFile(tmp_path / "z.npz", "a") as file, file.open("z.npy", "w") as array:
+        np.save(array, Z)
+    found = HeightMap(File(kind="file", path=str(tmp_path / "z.npz"), dataset="z"))
+    assert np.array_equal(found.rows(1, 4), Z[1:4])
 
 
 def test_soft_links_within_the_file_are_followed(tmp_path):

@@ -85,10 +85,9 @@ def test_the_pressure_is_found(wall, quantity):
 
 
 @pytest.mark.parametrize(
-    ("quantity", "boundary", "most"),
-    [("gap_mean", "periodic", 1.5), ("a_r", "periodic", 1.5), ("approach", "free", 1.5)],
+    ("quantity", "boundary"), [("gap_mean", "periodic"), ("a_r", "periodic"), ("approach", "free")]
 )
-def test_what_it_costs(quantity, boundary, most):
+def test_what_it_costs(quantity, boundary):
     """FFT pairs of a sweep, all trials counted, over those of the same loads as pressures; the
     first one knows nothing yet."""
     surface, loads = (
@@ -101,47 +100,7 @@ def test_what_it_costs(quantity, boundary, most):
     ]
     found = [sweeps[1].solve(LoadTarget(quantity, value)).pairs for _, value in plain]
     assert found[0] <= 2.5 * plain[0][0]
-    assert sum(found[1:]) <= most * sum(pairs for pairs, _ in plain[1:])
-
-
-@pytest.mark.parametrize(
-    ("surface", "loads"),
-    [
-        (rough((2, 32, 2), seed=31), (0.02, 0.04, 0.08, 0.1)),
-        (rough((2, 32, 2), seed=31), 0.02 * 1.35 ** np.arange(4)),
-        (rough((2, 16, 8), seed=32), 0.02 * 1.35 ** np.arange(4)),
-    ],
-    ids=["rough", "rough, closer", "smooth"],
-)
-def test_an_area_is_not_turned_around(surface, loads):
-    """No load of a sweep goes to and fro between two pressures, on walls where many corrections
-    come before their answers."""
-    plain, sweep = (sweep_of(surface, accuracy=1e-3) for _ in range(2))
-    for p in loads:
-        given = plain.solve(p)
-        assert sweep.solve(LoadTarget("a_r", quantity_of(given, "a_r"))).pairs < 2.5 * given.pairs
-
-
-def first_error(solve, *args):
-    """Estimated, of the pressure, where the finest grid begins."""
-    errors = []
-    solve(*args, lambda iterations, progress: errors.append(progress.estimates[1]) and False)
-    return errors[0]
-
-
-@pytest.mark.parametrize("wall", ["periodic", "free"])
-def test_a_search_starts_as_a_given_load_does(wall):
-    """Coarser grids hand on the contact of the load that the finest one takes, not of that which
-    gives them the same area."""
-    given = found = 0.0
-    for seed in (1, 2, 3):
-        plain, sweep = (sweep_of(WALLS[wall][0] | {"seed": seed}, accuracy=1e-3) for _ in range(2))
-        areas = [quantity_of(plain.solve(p), "a_r") for p in (0.05, 0.15)]
-        sweep.solve(LoadTarget("a_r", areas[0]))
-        plain.solver = None
-        given += first_error(plain.solve, 0.15)
-        found += first_error(sweep.solve, LoadTarget("a_r", areas[1]))
-    assert found < 1.5 * given
+    assert sum(found[1:]) <= 1.5 * sum(pairs for pairs, _ in plain[1:])
 
 
 def test_a_corrected_load_keeps_the_last_step():
