@@ -22,7 +22,7 @@ import hpc_gfmd
 
 REPORT = "HPC_GFMD_TEST_REPORT"  # set for children: the folder of the reports
 RANKS = "HPC_GFMD_TEST_RANKS"
-TIMEOUT = float(os.environ.get("HPC_GFMD_TEST_TIMEOUT", "120"))  # seconds for one test
+TIMEOUT = float(os.environ.get("HPC_GFMD_TEST_TIMEOUT", "300"))  # seconds for one test
 GRACE = 15  # seconds that a rank which failed waits for the others before it ends them
 
 
@@ -49,11 +49,12 @@ def must_run():
 
 
 def environment(**extra):
-    """The environment of processes that tests start: this package, and an MPI library that takes
-    root and many ranks."""
+    """The environment of processes that tests start: this package, helpers of tests, and an MPI
+    library that takes root and many ranks."""
     launcher = ("OMPI_COMM", "PMIX_", "PMI_", "PRTE_", "ORTE_")  # of a launcher around the parent
     env = {k: v for k, v in os.environ.items() if not k.startswith(launcher)}
-    paths = [str(Path(hpc_gfmd.__file__).parents[1]), env.get("PYTHONPATH", "")]
+    here = Path(__file__).parent
+    paths = [str(Path(hpc_gfmd.__file__).parents[1]), str(here), env.get("PYTHONPATH", "")]
     env |= {
         "PYTHONPATH": os.pathsep.join(filter(None, paths)),
         "OMP_NUM_THREADS": "1",

@@ -1,8 +1,9 @@
-"""Transfers between a grid and the next coarser one as matrices, and the sizes that they are tried
-on."""
+"""K and its inverse applied to whole fields; transfers between a grid and the next coarser one as
+matrices, and the sizes that they are tried on."""
 
 import numpy as np
 
+from hpc_gfmd.operators.elastic import reader
 from hpc_gfmd.parallel.coarsening import Transfer, levels
 from hpc_gfmd.parallel.grid import Grid
 
@@ -39,3 +40,23 @@ def whole(n, dtype=float):
     m = hierarchy[1].n if len(hierarchy) > 1 else n
     t = Transfer(n, m, [0, n[0]], 0, dtype)
     return t, m, interpolation(n[0], m[0]), interpolation(n[1], m[1])
+
+
+def stiffness_times(elastic, u, out):
+    """out = K u, local slabs; returns this rank's share of <u, K u>."""
+    return _through(elastic, u, elastic.pressure_columns, out)
+
+
+def compliance_times(elastic, p, out):
+    """out = S p with zero mean, local slabs; returns this rank's share of <p, S p>."""
+    return _through(elastic, p, elastic.displacement_columns, out)
+
+
+def _through(elastic, field, columns, out):
+    def use(i0, i1, x):
+        out[i0:i1] = x[: i1 - i0]
+
+    elastic.pressure_rows(reader(field))
+    energy = columns()
+    elastic.use_rows(use)
+    return energy

@@ -149,31 +149,7 @@ def _read(path: Path, kind: str = FORMAT) -> Result:
     one SceneError."""
     import h5py
 
-    unfit = (
-        "no such file"
-        if not path.exists()
-        else (
-            f"is the folder of a run, allowed: {path.with_suffix('')}"
-            if path.is_dir() and path.suffix == ".partial"
-            else (
-                "is a folder, not a result file"
-                if path.is_dir()
-                else (
-                    "is no file"
-                    if not path.is_file()
-                    else (
-                        "no permission to read it"
-                        if not os.access(path, os.R_OK)
-                        else "not an HDF5 file"
-                        if not h5py.is_hdf5(path)
-                        else None
-                    )
-                )
-            )
-        )
-    )
-    if unfit is not None:
-        raise SceneError(f"{path}: {unfit}")
+    _require_hdf5(path)
     try:
         with h5py.File(path, "r", locking=False) as file:
             version = file.attrs.get("format_version")
@@ -212,6 +188,27 @@ def _read(path: Path, kind: str = FORMAT) -> Result:
         raise SceneError(f"{path}: the file is damaged ({guard.one_line(error)})") from error
 
 
+def _require_hdf5(path: Path) -> None:
+    """Raise SceneError for what is no HDF5 file that may be read."""
+    import h5py
+
+    if not path.exists():
+        unfit = "no such file"
+    elif path.is_dir() and path.suffix == ".partial":
+        unfit = f"is the folder of a run, allowed: {path.with_suffix('')}"
+    elif path.is_dir():
+        unfit = "is a folder, not a result file"
+    elif not path.is_file():
+        unfit = "is no file"
+    elif not os.access(path, os.R_OK):
+        unfit = "no permission to read it"
+    elif not h5py.is_hdf5(path):
+        unfit = "not an HDF5 file"
+    else:
+        return
+    raise SceneError(f"{path}: {unfit}")
+
+
 def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
     """The fields in a group of an open file, to be read slab by slab later. Raises ValueError if
     one does not fit the surface."""
@@ -223,11 +220,10 @@ def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
                 raise ValueError(
                     f"{name} holds {data.shape} of {data.dtype}, the surface has {tuple(n)} points"
                 )
-            if (
-                data.id.get_num_chunks() * prod(data.chunks) < data.size
-                if data.chunks
-                else (data.id.get_storage_size() < data.nbytes)
-            ):
+            there = data.id.get_storage_size()
+            if data.chunks:  # packed
+                there = data.id.get_num_chunks() * prod(data.chunks) * data.dtype.itemsize
+            if there < data.nbytes:
                 raise ValueError(f"{name} has no numbers at some points")
             found[name] = Stored(
                 path, data.name.lstrip("/"), data.shape, data.dtype, int(data.attrs[CHECKSUM])

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from applied import compliance_times, stiffness_times
 from scipy.linalg import eigh
-from transfers import interpolation
+from transfers import compliance_times, interpolation, stiffness_times
 
 from hpc_gfmd.bodies import body_classes, body_of
 from hpc_gfmd.bodies.base import SQRT2, Tabled

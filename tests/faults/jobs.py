@@ -23,7 +23,7 @@ from hpc_gfmd.output.read import read_result
 
 MARK = "HPC_GFMD_TEST_JOB"  # in the environment of all processes of a job
 SABOTAGE = Path(__file__).with_name("sabotage.py")
-PATIENCE = 120.0  # seconds that an undisturbed job may take here, where others compute as well
+PATIENCE = 300.0  # seconds that an undisturbed job may take here, where others compute as well
 # seconds from a fault to the end of the last process; the machine of the tests may be busy
 AT_ONCE = 60.0
 

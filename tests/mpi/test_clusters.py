@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from counted import found, masks, walk
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from masks import found, masks, walk
 
 from hpc_gfmd.parallel import clusters
 

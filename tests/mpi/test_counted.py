@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from counted import contact_of, random_fields
-from masks import walk
+from counted import contact_of, random_fields, walk
 
 from hpc_gfmd.contact import all_distributions, all_observables, observables_named
 

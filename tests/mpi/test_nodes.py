@@ -8,7 +8,7 @@ import os
 import numpy as np
 import pytest
 from contacts import rough, sweep_of
-from nodes import NODES, PER_NODE, on_pretended_nodes
+from mpi.nodes import NODES, PER_NODE, on_pretended_nodes
 
 from hpc_gfmd.parallel import shared
 from hpc_gfmd.parallel.comm import MpiComm, SerialComm

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from applied import compliance_times, stiffness_times
+from transfers import compliance_times, stiffness_times
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.bodies.layer import Layer

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from applied import stiffness_times
+from transfers import stiffness_times
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.operators.elastic import Elastic

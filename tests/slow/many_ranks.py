@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from contacts import EXACT, field, rough, sweep_of
-from nodes import on_pretended_nodes
+from mpi.nodes import on_pretended_nodes
 
 from hpc_gfmd.parallel.world import world
 from hpc_gfmd.runs.decomposition import share_of
