@@ -28,6 +28,7 @@ class FullContact(GivenLoad):
     beyond it; None where the surface does not end."""
 
     from_full_contact = closes = True
+    given = False
 
     def __init__(self, tolerance: float, unit: np.ndarray | None, p0: float = 1.0):
         super().__init__(p0)

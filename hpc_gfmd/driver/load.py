@@ -44,9 +44,11 @@ class GivenLoad:
     note: str | None = None  # what is to be said of the load
     from_full_contact = False  # whether the gap is closed to begin with
     closes = False  # whether it is the least load that closes the gap
+    given = True
+    p_mean: float | None = None  # in the scene's units, where it was given
 
-    def __init__(self, p0: float):
-        self._p0 = p0
+    def __init__(self, p0: float, p_mean: float | None = None):
+        self._p0, self.p_mean = p0, p_mean
 
     @property
     def p0(self) -> float:

@@ -51,6 +51,7 @@ class LoadSearch(GivenLoad):
     kind: ClassVar[str]
     usual: ClassVar[float]  # slope, before anything is known
     steps: ClassVar[bool] = False  # whether the value may jump
+    given = False
 
     target: float
     tolerance: float

@@ -15,81 +15,44 @@ from __future__ import annotations
 import ctypes
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import DTypeLike
 
+from ..operators.problem import HeightSpectrum, Problem
 from ..util.errors import SceneError
-from .drive import certificate_of
 from .nested import Nested
 from .precision import NOISE_IN_TURN, counting
 from .sweep import Sweep
-
-if TYPE_CHECKING:
-    from ..operators.problem import Problem
-    from .sweep import Slabs
 
 
 class LowMemorySweep(Sweep):
     """As Sweep. Raises SceneError for surfaces that are not known by their spectrum and for other
     solvers than bpx."""
 
-    def _set_precision(self, dtype: DTypeLike) -> None:
-        self.dtype = np.dtype(dtype)
-        self.solver = None
-        self.surface = self.make_surface(self.dtype)
-        self.__dict__.pop("_heights", None)
-        if (
-            self.surface.add_spectrum is None and not self.surface.grid.padded
-        ) or self.solver_class.name != "bpx":
+    closed_form = False  # the nested start finds out
+
+    def _plan(self) -> None:
+        known = self.surface.add_spectrum is not None or self.surface.grid.padded
+        if not known or self.solver_class.name != "bpx":
             raise SceneError(
                 'solver.low_memory: found true, allowed: with surface.kind = "self-affine" and'
                 ' solver.name = "bpx"'
             )
 
-    closes = False
-
-    def _full_contact(self, problem: Problem) -> tuple[None, float]:
-        return None, 0.0  # the nested start finds out
-
-    def _begin(
-        self, problem: Problem, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None
-    ) -> None:
-        if arrays is None and self._goes_on_at(problem.p0):
-            self._reset_counts()
-            self.solver.continue_at(problem.p0)
-            self._choose_certificate()
-            return
+    def _opened(self, p0: float) -> tuple[Problem, np.ndarray | None]:
         self.solver = None  # its memory is needed now
-        h = self.surface.h if self.surface.h is not None else self.make_surface(self.dtype).h
-        problem = replace(problem, h=h)
-        memory = None if self.surface.grid.padded else h
-        g, h_rms = memory, problem.root_mean_square
-        if arrays is None:
-            g = self._starting_gap(problem, memory)
-            problem = replace(problem, p0=self._load.on_finest_grid())
-        if memory is not None:
+        h = self.surface.gap if self.surface.h is not None else self.make_surface(self.dtype).gap
+        problem = Problem(self.surface.grid, h, p0, body=self.body)
+        problem = replace(problem, h_rms=problem.root_mean_square)  # as long as they are there
+        return problem, None if self.surface.grid.padded else h
+
+    def _kept(self, problem: Problem) -> Problem:
+        if self.surface.add_spectrum is not None:
+            spectrum = HeightSpectrum(self.surface.add_spectrum, self.dtype)
+            problem = replace(problem, h=spectrum)
             self.surface = replace(self.surface, h=None)
-            problem = replace(
-                problem,
-                h=None,
-                add_spectrum=self.surface.add_spectrum,
-                working=self.dtype,
-                h_rms=h_rms,
-            )
         _give_back()
-        self.solver = self._make(problem, g)
-        self._reset_counts()
-        self._choose_certificate()
-        if arrays is not None:
-            self._load_state(arrays, numbers or {})
-        elif self.target.in_turn:
-            fresh = certificate_of(self.solver, self.target)
-            self._spent += fresh.pairs
-            self.solver.refresh(fresh.uKu)
-        else:
-            self.solver.start(g)
+        return problem
 
     def _starting_gap(self, problem: Problem, into: np.ndarray | None) -> np.ndarray:
         self.nested = Nested(self.surface.grid, self.dtype, self.settings.accuracy)

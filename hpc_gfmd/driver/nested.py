@@ -269,7 +269,7 @@ def _prolong(
         u *= real(coarse.grid.a / fine.a)
     before, after = _heights_around(problem)
     heights, rows, coarse_rows = (
-        (before, problem.h, after),
+        (before, problem.heights, after),
         (fine.rows[0], fine.n[0]),
         (int(step.beside[fine.comm.rank]), step.n[0]),
     )

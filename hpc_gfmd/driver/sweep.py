@@ -20,11 +20,10 @@ from ..parallel import interrupt
 from ..solvers import solver_class
 from ..surface.units import require_range, single_solves
 from ..util.errors import SceneError
-from .drive import LoopState, drive
+from .drive import LoopState, certificate_of, drive
 from .full_contact import CLOSED, FullContact
 from .load import ClosingLoad, GivenLoad, HeightStatistics
 from .load_quantities import OpeningSearch, restored, search_for
-from .load_search import LoadSearch
 from .load_target import LoadTarget, load_targets
 from .nested import Nested, cold_gap
 from .precision import NOISE, counting, few_points, first_precision, too_little
@@ -69,6 +68,7 @@ class Sweep:
     surface: Surface
     solver: Any  # a solvers.base.Solver; None before the first load, and while its memory is needed
     nested: Nested | None
+    closed_form = True  # whether the solution of full contact is at hand
 
     def __init__(
         self,
@@ -160,10 +160,10 @@ class Sweep:
     def _load_for(self, load: float | LoadTarget) -> GivenLoad:
         """What finds the load."""
         if not isinstance(load, LoadTarget):
-            return GivenLoad(load / (self.E_star * self.surface.slope))
+            return GivenLoad(self._p_star(load), load)
         tolerance, heights = self.settings.tolerance, self._heights
         if load.quantity == "a_r" and load.value == 1:
-            if self.closes:
+            if self.closed_form and not self.surface.grid.padded:
                 return ClosingLoad(self._closing_pressure())
             if self.solver_class.holds_tension:
                 return FullContact(tolerance, self._flat_solution())
@@ -240,11 +240,11 @@ class Sweep:
                         f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is"
                         " asked for"
                     )
-                self._load = GivenLoad(p0)
-            self._begin(self._problem(p0), arrays, numbers)
+                self._load = GivenLoad(p0, load)
+            self._begin(p0, arrays, numbers)
 
     def _problem(self, p_star: float) -> Problem:
-        return Problem(self.surface.grid, self.surface.h, p_star, body=self.body)
+        return Problem(self.surface.grid, self.surface.gap, p_star, body=self.body)
 
     def _may_start_here(self, load: float | LoadTarget) -> bool:
         """Whether a load, or one that follows it if it closes the gap at once, may start from the
@@ -262,19 +262,21 @@ class Sweep:
         too little."""
         unit = self.E_star * self.surface.slope
         if not midway:
-            problem = self._problem(self._load.p0)
-            full, pairs = self._full_contact(problem)
+            full, pairs = self._full_contact(self._load.p0)
             self._spent += pairs
             if full is not None:
-                return self._contact(self._load.p0 * unit, *full, pairs=self._spent)
-            self._begin(problem)
+                return self._contact(
+                    self._load.p_mean or self._load.p0 * unit, *full, pairs=self._spent
+                )
+            self._begin(self._load.p0)
             if promote and self._too_little():
                 return None
         solver = self.solver
         status, certificate, pairs = drive(solver, self.target, watch, self.loop, self._load)
         pairs = self._spent + (solver.pairs - self._first_pairs) + pairs
+        p_mean = self._load.p_mean or solver.p0 * unit
         return self._contact(
-            solver.p0 * unit, solver.g, solver.p, status, certificate, solver.iterations, pairs
+            p_mean, solver.g, solver.p, status, certificate, solver.iterations, pairs
         )
 
     def _contact(
@@ -313,36 +315,45 @@ class Sweep:
         return contact
 
     def _begin(
-        self, problem: Problem, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None
+        self, p0: float, arrays: Slabs | None = None, numbers: dict[str, Any] | None = None
     ) -> None:
         """Make or reuse the solver and give it a start: a state, the load before, coarser grids, or
         a flat plane."""
-        warm = arrays is None and self._goes_on_at(problem.p0)
-        g = None
-        if arrays is None and not warm:
-            g = self._starting_gap(problem, self.solver.g if self.solver is not None else None)
+        if arrays is None and self._goes_on_at(p0):
+            self._reset_counts()
+            self.solver.continue_at(p0)
+            self._choose_certificate()
+            return
+        problem, g = self._opened(p0)
+        if arrays is None:
+            g = self._starting_gap(problem, g)
             problem = replace(problem, p0=self._load.on_finest_grid())
+        problem = self._kept(problem)
         if self.solver is None:
             self.solver = self._make(problem, g)
         self._reset_counts()
-        if warm:
-            self.solver.continue_at(problem.p0)
         self.solver.p0 = problem.p0
         self._choose_certificate()
         if arrays is not None:
             self._load_state(arrays, numbers or {})
-        elif warm:
-            return
         elif self.target.certificate_dtype != self.dtype and self.solver.takes_gap:
             # Rounding errors of the first pressure would stay to the end: only its changes are
             # added to it.
             if g is not self.solver.g:
                 self.solver.g[...] = g
-            fresh = certify(problem, self.solver.g, self.solver.p)
+            fresh = certificate_of(self.solver, replace(self.target, duality=False))
             self._spent += fresh.pairs
             self.solver.refresh(fresh.uKu)
         else:
             self.solver.start(g)
+
+    def _opened(self, p0: float) -> tuple[Problem, np.ndarray | None]:
+        """Give the problem with its heights, and memory for the starting gap, if there is any."""
+        return self._problem(p0), None if self.solver is None else self.solver.g
+
+    def _kept(self, problem: Problem) -> Problem:
+        """Give the problem as it is while the solver iterates."""
+        return problem
 
     def _choose_certificate(self) -> None:
         """Its precision, and that of the first pressure: double where rounding errors would
@@ -399,11 +410,6 @@ class Sweep:
         ratio = p_star / self.solver.p0
         return 1 / WARM_DOWN < ratio < WARM_UP
 
-    @property
-    def closes(self) -> bool:
-        """Whether the least pressure that closes the gap is known at once."""
-        return not self.surface.grid.padded
-
     def _closing_pressure(self) -> float:
         """The least load at which u = -h is the solution: the largest tension without any."""
         problem = self._problem(1.0)
@@ -434,20 +440,21 @@ class Sweep:
         return self._punch
 
     def _full_contact(
-        self, problem: Problem
+        self, p0: float
     ) -> tuple[tuple[np.ndarray, np.ndarray, str, Certificate] | None, float]:
         """Whether u = -h is the solution, which needs no iteration; (g, p, status, certificate) or
         None, and the pairs spent on finding out."""
         pairs = 0.0
-        if isinstance(self._load, LoadSearch | FullContact):
+        if not (self.closed_form and self._load.given):
             return None, 0.0
+        problem = self._problem(p0)
         if not self._load.closes:
-            if problem.p0 < self.body.full_p_star:
+            if p0 < self.body.full_p_star:
                 return None, 0.0
             likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
             if not likely:
                 return None, pairs
-        g, p = np.zeros_like(problem.h), np.empty_like(problem.h)
+        g, p = np.zeros_like(problem.heights), np.empty_like(problem.heights)
         certificate = certify(problem, g, p, dual=self.target.duality)
         pairs += certificate.pairs
         if certificate.contact < problem.grid.N:
@@ -466,13 +473,16 @@ class Sweep:
         if known not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
         self.__dict__.pop("_heights", None)
+        self._plan()
+
+    def _plan(self) -> None:
+        """Plan the transforms, and the grids of a nested start."""
+        grid, wanted = self.surface.grid, self.settings.nested
         if not self._is_flat:
-            grid = self.surface.grid
-            grid.fft(dtype)
+            grid.fft(self.dtype)
             grid.fft(np.float64)  # of the certificate
-            wanted = self.settings.nested
             nests = self.solver_class.nests if wanted == "auto" else wanted
-            self.nested = Nested(grid, dtype, self.settings.accuracy) if nests else None
+            self.nested = Nested(grid, self.dtype, self.settings.accuracy) if nests else None
 
     @cached_property
     def _heights(self) -> HeightStatistics:

@@ -33,6 +33,15 @@ EVERY = 8  # rows of which one says what the mean is
 
 
 @dataclass(frozen=True)
+class HeightSpectrum:
+    """Heights that are not stored but known mode by mode. add(fft) gives a function (block, m) that
+    adds the transform of minus the heights to a block of columns; dtype: of the gap."""
+
+    add: Callable[[SlabFFT], Columns]
+    dtype: np.dtype
+
+
+@dataclass(frozen=True)
 class Problem:
     """A body pressed against a wall with a mean pressure.
 
@@ -40,15 +49,10 @@ class Problem:
     ----------
     grid : Grid
         Of the cell.
-    h : array, local part of the nominal area, or None
-        Initial gap, >= 0 with minimum 0, in the working precision. Without it u = g - h is formed
-        in Fourier space by `add_spectrum`.
+    h : array, local part of the nominal area, or HeightSpectrum
+        Initial gap, >= 0 with minimum 0, in the working precision.
     p0 : float
         Mean pressure over the nominal area.
-    add_spectrum : function of a SlabFFT
-        Gives a function (block, m) that adds the transform of -h to a block of columns.
-    working : dtype
-        The precision where there is no h.
     h_rms : float
         What root_mean_square was, where that is known.
     body : Body
@@ -56,33 +60,36 @@ class Problem:
     """
 
     grid: Grid
-    h: np.ndarray | None
+    h: np.ndarray | HeightSpectrum
     p0: float
-    add_spectrum: Callable[[SlabFFT], Columns] | None = None
-    working: np.dtype | None = None
     h_rms: float | None = None
     body: Body = HALF_SPACE
 
     @property
     def dtype(self) -> np.dtype:
         """The working precision."""
-        return np.dtype(self.working) if self.h is None else self.h.dtype
+        return self.h.dtype
 
     @cached_property
     def root_mean_square(self) -> float:
         """sqrt(mean h^2). Collective where it is first asked for."""
-        if self.h_rms is not None or self.h is None:
+        if self.h_rms is not None or self.stored is None:
             return self.h_rms or 0.0
-        squares = np.einsum("ij,ij->i", self.h, self.h).sum(
+        squares = np.einsum("ij,ij->i", self.stored, self.stored).sum(
             dtype=float
         )  # rows: sums that long would lose digits
         return float(np.sqrt(self.grid.comm.sum([squares])[0] / self.grid.N))
 
     @property
+    def stored(self) -> np.ndarray | None:
+        """The heights, where they are stored."""
+        return None if isinstance(self.h, HeightSpectrum) else self.h
+
+    @property
     def heights(self) -> np.ndarray:
-        """h, where there is one."""
-        assert self.h is not None
-        return self.h
+        """The heights, which are stored."""
+        assert self.stored is not None
+        return self.stored
 
     @property
     def p_cell(self) -> float:
@@ -124,7 +131,11 @@ class Problem:
         """The rms error of the pressure from transforms in the working precision, at most; h_rms:
         of the heights."""
         varies = (
-            h_rms if self.h is None else self.sunk if self.grid.padded else min(h_rms, self.sunk)
+            h_rms
+            if self.stored is None
+            else self.sunk
+            if self.grid.padded
+            else min(h_rms, self.sunk)
         )
         return TRANSFORMED * float(np.finfo(self.dtype).eps) * varies
 
@@ -132,7 +143,7 @@ class Problem:
         """The mean of what is transformed of u = g - h, about. K does not see it, but rounding
         errors go with it. Collective."""
         few = g[::EVERY]
-        heights = 0.0 if self.h is None else self.h[::EVERY].sum()
+        heights = 0.0 if self.stored is None else self.stored[::EVERY].sum()
         total, points = self.grid.comm.sum([few.sum() - heights, few.size])
         return float(total / points)
 
@@ -141,10 +152,10 @@ class Problem:
         where `adder` does the rest; x may be of another precision."""
         from ..kernels.certify import displacement_rows
 
-        h = np.zeros((0, 0), self.dtype) if self.h is None else self.h
+        h = np.zeros((0, 0), self.dtype) if self.stored is None else self.stored
         return lambda i0, i1, x: displacement_rows(g, h, x, i0, i1, level)
 
     def adder(self, fft: SlabFFT) -> Columns | None:
         """What completes the columns of u after a transform of its rows: None where the rows are
         those of u already."""
-        return self.add_spectrum(fft) if self.h is None and self.add_spectrum is not None else None
+        return self.h.add(fft) if isinstance(self.h, HeightSpectrum) else None

@@ -100,7 +100,14 @@ class Ccg(Solver):
             fill(i0, i1, x)
             x[: i1 - i0] += self.real(self.offset)  # S p
             return kernels.new_gap(
-                self.iterate, self.gap0, self.problem.h, x, i0, i1, scale, self.real(self.offset)
+                self.iterate,
+                self.gap0,
+                self.problem.heights,
+                x,
+                i0,
+                i1,
+                scale,
+                self.real(self.offset),
             )
 
         self._set_gap([scaled(i0, i1) for i0, i1 in self.elastic.fft.passes()])
@@ -177,7 +184,7 @@ class Ccg(Solver):
         self._set_gap(
             self.elastic.use_rows(
                 lambda i0, i1, x: kernels.new_gap(
-                    self.iterate, self.gap0, self.problem.h, x, i0, i1, scale, offset
+                    self.iterate, self.gap0, self.problem.heights, x, i0, i1, scale, offset
                 )
             )
         )
