@@ -18,12 +18,9 @@ from functools import lru_cache
 
 import numpy as np
 
-NEEDED, ALONE = (
-    20 / 3,
-    11,
-    # modes along an axis, times the free part of the cell over its length; where the other axis is
-    # periodic
-)
+# modes along an axis, times the free part of the cell over its length; where the other axis is
+# periodic
+NEEDED, ALONE = 20 / 3, 11
 NODES = 6.0  # points of the surface at which c is met, over the modes
 LEAST = 1e-12  # product of two singular values, over the largest, that counts
 SOFTEST = 0.65  # the least of S + T over S, about: of the modes that the constant is chosen by
@@ -167,11 +164,8 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
     V, one = V[seen].T, basis[:, 0] @ U[:, seen] / s[seen]
     A, t = V.T @ (T[1:, 1:] / np.outer(root, root)) @ V, V.T @ (T[0, 1:] / root)
     u, v = np.linalg.solve(np.linalg.cholesky(np.eye(len(one)) + A), np.transpose([one, t])).T
-    uu, uv, vv = (
-        np.cumsum(u * u),
-        np.cumsum(u * v),
-        np.cumsum(v * v),
-    )  # of ever more singular values
+    # of ever more singular values
+    uu, uv, vv = np.cumsum(u * u), np.cumsum(u * v), np.cumsum(v * v)
     many = max(int(np.searchsorted(uu * vv - uv**2, (1 - SOFTEST) * (STIFFEST - 1))), 1)
     uu, uv, vv = uu[many - 1], uv[many - 1], vv[many - 1]
     V, A, one, t = V[:, :many], A[:many, :many], one[:many], t[:many]

@@ -29,13 +29,7 @@ from numpy.typing import DTypeLike
 from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
-from .error_estimates import (
-    State,
-    estimate,
-    misclassified_points,
-    relative_area,
-    spread_of,
-)
+from .error_estimates import State, estimate, misclassified_points, relative_area, spread_of
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem

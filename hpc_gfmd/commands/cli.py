@@ -15,18 +15,7 @@ from ..util.errors import GfmdError, SceneError, one_line
 from ..util.streams import unfailing_output
 
 ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
-COMMANDS = (
-    "init",
-    "help",
-    "run",
-    "plan",
-    "show",
-    "plot",
-    "export",
-    "persson",
-    "tfc",
-    "info",
-)
+COMMANDS = ("init", "help", "run", "plan", "show", "plot", "export", "persson", "tfc", "info")
 # commands that are scripts of the repository
 MOVED = {"study": "python scripts/paper", "bench": "python scripts/bench"}
 DESCRIPTION = (

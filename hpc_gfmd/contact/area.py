@@ -72,9 +72,7 @@ def _one_dimensional(contact: Contact) -> bool:
     return min(contact.surface.grid.nominal) == 1
 
 
-def _over_p_star(
-    area: Callable[[Contact], float | None],
-) -> Callable[[Contact], float | None]:
+def _over_p_star(area: Callable[[Contact], float | None]) -> Callable[[Contact], float | None]:
     def kappa(contact: Contact) -> float | None:
         value = area(contact) if contact.g_rms > 0 else None
         return None if value is None else value / contact.p_star

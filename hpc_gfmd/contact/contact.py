@@ -313,9 +313,8 @@ def _on_the_whole_grid(
     left_out = surface.reduced_axis
 
     def rows(i0: int, i1: int) -> np.ndarray:
-        first = (
-            surface.rows[0] if left_out == 1 else 0
-        )  # with the second axis left out every rank has all rows
+        # with the second axis left out every rank has all rows
+        first = surface.rows[0] if left_out == 1 else 0
         found = values(slice(0, 1) if left_out == 0 else slice(first + i0, first + i1))
         return found if left_out is None else np.broadcast_to(found, (i1 - i0, surface.n[1]))
 

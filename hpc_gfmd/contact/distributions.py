@@ -22,10 +22,8 @@ if TYPE_CHECKING:
 ROWS = 64
 FINE = 7  # at most 2^FINE bins of pressure, more than half as many
 NARROW = 2.0**-10  # relative: a distribution narrower than that gets no finer bins
-GAP_OCTAVES, GAP_BINS = (
-    20,
-    4,
-)  # below h_rms, all smaller gaps being in the first bin; bins in a factor of two
+# below h_rms, all smaller gaps being in the first bin; bins in a factor of two
+GAP_OCTAVES, GAP_BINS = 20, 4
 
 
 def pressure(contact: Contact) -> Arrays | None:

@@ -18,21 +18,17 @@ if TYPE_CHECKING:
 
     Watch = Callable[[int, Progress], Any]
 
-CHECK_FROM, CHECK_GROWTH = (
-    10,
-    1.25,
-)  # iterations at which a solver without error estimates is certified: each 1.25 times later
+# iterations at which a solver without error estimates is certified: each 1.25 times later
+CHECK_FROM, CHECK_GROWTH = 10, 1.25
 # times that the certificate may refuse without having come nearer, before the solver counts as
 # stagnated
 REFUSALS = 5
 # a solver that was refused is certified again where its own numbers promise so much of what is
 # asked
 AGAIN = 0.9
-FLOOR = (
-    1 / 6
-    # of the patience with a solver that believed that it was there: where only rounding errors are
-    # left
-)
+# of the patience with a solver that believed that it was there: where only rounding errors are
+# left
+FLOOR = 1 / 6
 DRIFT = 0.01  # of the residual, relative: above, the solver goes on from the fresh pressure
 IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
 UNKNOWN = 1.0

@@ -167,10 +167,7 @@ SEARCHES: dict[str, type[LoadSearch]] = {
 
 
 def search_for(
-    load: LoadTarget,
-    surface: Surface,
-    known: Known,
-    history: Sequence[dict[str, float]],
+    load: LoadTarget, surface: Surface, known: Known, history: Sequence[dict[str, float]]
 ) -> LoadSearch:
     """Begin the search for the load that gives a target.
 

@@ -45,9 +45,8 @@ COARSEST, FINER, SLIM = 32, 2, 4
 # to them.
 REDUCTION, FEW_REDUCTION, FEW, LARGE = 0.6, 0.2, 3e-3, 1.0
 ITERATIONS = 60  # at most, on a coarse grid
-RANK_POINTS = (
-    2**13
-)  # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
+# of a coarse grid on one rank, at least: fewer are solved faster than they are sent
+RANK_POINTS = 2**13
 # share of points under tension in a closed coarse contact up to which the fine one may be without
 # any
 TENSION = 0.02
@@ -223,11 +222,7 @@ class Nested:
 
 
 def _roughly_solved(
-    problem: Problem,
-    make_solver: MakeSolver,
-    g: np.ndarray,
-    reduction: float,
-    load: GivenLoad,
+    problem: Problem, make_solver: MakeSolver, g: np.ndarray, reduction: float, load: GivenLoad
 ) -> Solver:
     """A solver that has come from the gap g to a residual that is so much smaller, and to a load
     that is near enough."""

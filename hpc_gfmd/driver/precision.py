@@ -23,10 +23,8 @@ if TYPE_CHECKING:
 SINGLE_ACCURACY = 2e-4
 COARSE = 512  # points along an axis, or wave numbers, that tell heights and slopes
 FEW_POINTS = 6  # points on the wrong side that single precision may have
-NOISE, NOISE_IN_TURN = (
-    0.2,
-    0.3,
-)  # Problem.noise over what counts; in low memory double precision takes more time
+# Problem.noise over what counts; in low memory double precision takes more time
+NOISE, NOISE_IN_TURN = 0.2, 0.3
 
 
 def first_precision(settings: Settings) -> np.dtype:

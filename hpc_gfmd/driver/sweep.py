@@ -39,10 +39,8 @@ if TYPE_CHECKING:
     MakeSurface = Callable[[np.dtype], Surface]
     Slabs = Callable[[Grid], dict[str, Any]]  # local slabs of a stored state by name
 
-WARM_UP, WARM_DOWN = (
-    1.45,
-    1.26,
-)  # a load up to so much larger or smaller starts from the one before, others from coarser grids
+# a load up to so much larger or smaller starts from the one before, others from coarser grids
+WARM_UP, WARM_DOWN = 1.45, 1.26
 # (not round numbers, nor the next one: p* has rounding errors)
 SAME_LOAD = (
     1e-9  # relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks

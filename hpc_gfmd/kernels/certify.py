@@ -8,10 +8,8 @@ import numpy as np
 from .jit import kernel, making_arrays, points_inside
 
 BINS, PER_OCTAVE = 160, 4  # of squares: down to 2^-40 of the largest
-GROUP, ROUNDED = (
-    32,
-    1.00001,
-)  # points that are looked at together; more than rounding in single precision makes of a number
+# points that are looked at together; more than rounding in single precision makes of a number
+GROUP, ROUNDED = 32, 1.00001
 
 # Fields are local slabs (n_loc, n_y), x scratch (>= i1 - i0, n_y) that begins with row i0, h its
 # part of the nominal area. Where the surface ends within the grid, `inside` is the shape of this

@@ -11,9 +11,8 @@ from .lines import WIDTH, move_line, publish, stream_line
 
 TILE = 8  # complex numbers of single precision in a cache line
 PIECE = 1024  # numbers that are summed up in their own precision
-STREAMED = (
-    4 * 2**20
-)  # bytes of a spectrum above which it is not expected to stay in a cache until it is read
+# bytes of a spectrum above which it is not expected to stay in a cache until it is read
+STREAMED = 4 * 2**20
 
 
 @kernel

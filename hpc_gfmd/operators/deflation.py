@@ -27,10 +27,8 @@ if TYPE_CHECKING:
 
 STEPS = 3
 SOLVED = 1e-6  # of <r, M r>, relative: where contact is the same everywhere, one step is enough
-COARSER, FEWEST = (
-    64,
-    250,
-)  # the level has so many times fewer points than the grid, and at least so many
+# the level has so many times fewer points than the grid, and at least so many
+COARSER, FEWEST = 64, 250
 MOST = 0.3  # share of the grid in contact above which w is no exception
 
 

@@ -131,10 +131,8 @@ class Hierarchy:
 
 
 _hierarchies: WeakKeyDictionary[Grid, dict[tuple, Hierarchy]] = WeakKeyDictionary()
-FIELDS = (
-    3,
-    2,
-)  # of the first step, which has x besides p on F and the indicator of A, and of all others
+# of the first step, which has x besides p on F and the indicator of A, and of all others
+FIELDS = 3, 2
 
 
 def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
@@ -370,9 +368,8 @@ class Multilevel:
         z, squares, mean = self.coarsest.sweep(rows[0], rows[1])
         self._hand_out(last, z[None])
         ratio = self.grid.cell_points / (n * m)
-        products = (
-            (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))
-        )  # where level 1 itself is one of them
+        # where level 1 itself is one of them
+        products = (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))
         return *products, *(a * ratio for a in squares), t_s, r_s, mean
 
     def _find_mode(self, coarsest: CoarsestLevels, t: np.ndarray) -> None:

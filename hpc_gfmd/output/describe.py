@@ -13,10 +13,8 @@ SIGNS = (
     "lengths count away from the rigid surface: gap = displacement + initial gap >= 0, initial gap"
     " = -heights; pressures push"
 )
-LENGTH, PRESSURE = (
-    ("unit", "unit of physical_sizes"),
-    ("pressure_unit", "unit of E_star"),
-)  # attribute of the surface; or else
+# attribute of the surface; or else
+LENGTH, PRESSURE = ("unit", "unit of physical_sizes"), ("pressure_unit", "unit of E_star")
 FIELDS = {  # what it is measured in, long_name
     "pressure": (PRESSURE, "contact pressure, 0 where the gap is open"),
     "gap": (

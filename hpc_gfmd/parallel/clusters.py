@@ -26,12 +26,8 @@ if TYPE_CHECKING:
 STRIP_POINTS = 2**20  # labelled at a time
 NOTHING = -1  # label of a point outside the mask
 NO_EDGES = np.zeros((0, 4), np.int64)
-FIRST_ROW, LAST_ROW, FIRST_COLUMN, LAST_COLUMN = (
-    1,
-    2,
-    4,
-    8,
-)  # what edges of the cell a cluster reaches
+# what edges of the cell a cluster reaches
+FIRST_ROW, LAST_ROW, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4, 8
 
 
 @dataclass(frozen=True)

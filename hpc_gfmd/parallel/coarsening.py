@@ -132,10 +132,8 @@ class Transfer:
         self.fine = int(starts[rank]), int(starts[rank + 1])
         self.start = int(self.coarse_starts[rank])
         empty = np.diff(starts) == 0
-        self.lo, self.hi = (
-            self.coarse_starts[:-1] - ~empty,
-            self.coarse_starts[1:] + ~empty,
-        )  # windows of all ranks
+        # windows of all ranks
+        self.lo, self.hi = self.coarse_starts[:-1] - ~empty, self.coarse_starts[1:] + ~empty
 
     @cached_property
     def tables(self) -> Tables:

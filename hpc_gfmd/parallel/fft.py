@@ -71,9 +71,8 @@ class SlabFFT(Layout):
         self._far_rows = _runs(np.repeat(self.far, np.diff(self.starts)))
         own = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
         self._own_widths = np.diff(self.edges).reshape(self.K, self.size)[:, self.rank].tolist()
-        self._first = (
-            first + np.diff(self._rows)[:, 0] * own[:, None]
-        )  # where the node's rows of this rank's blocks begin
+        # where the node's rows of this rank's blocks begin
+        self._first = first + np.diff(self._rows)[:, 0] * own[:, None]
         self._scratch = []
         for _ in range(threads):
             received = (n_x * self.W,) if self.far.any() else (0,)

@@ -25,9 +25,8 @@ from .guard import guarded, on_rank_0
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
 # attribute of a field; HDF5's own, Fletcher-32, needs chunks and is five times as slow as writing
 CHECKSUM = "checksum"
-PIECE_BYTES = (
-    2**26
-)  # per rank and call: little extra memory, and far below the 2 GB where MPI-IO fails
+# per rank and call: little extra memory, and far below the 2 GB where MPI-IO fails
+PIECE_BYTES = 2**26
 PACKED = {"shuffle": True, "compression": "gzip", "compression_opts": 1}
 _SLACK, _PER_CHUNK = 2**16, 64  # bytes, generous; what is not needed is given back
 
@@ -41,10 +40,8 @@ class Stored:
     shape: tuple[int, int]
     dtype: np.dtype
     checksum: int
-    passed: tuple[int, int] = (
-        0,
-        0,
-    )  # how many rows were read one after the other from the first on, and their checksum
+    # how many rows were read one after the other from the first on, and their checksum
+    passed: tuple[int, int] = 0, 0
 
     def pieces(
         self, comm: Comm | None = None, rows: tuple[int, int] | None = None

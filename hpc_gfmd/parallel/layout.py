@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 COLUMN_BYTES = 256 * 1024  # of a block of columns, which is transposed in the second-level cache
-ROW_BYTES = (
-    256 * 1024
-    # of the spectra of one pass of rows: these share the second-level cache with the rows of the
-    # caller's fields
-)
+# of the spectra of one pass of rows: these share the second-level cache with the rows of the
+# caller's fields
+ROW_BYTES = 256 * 1024
 MIN_WIDTH, MAX_WIDTH = 8, 64
 
 

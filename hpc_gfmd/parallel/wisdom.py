@@ -32,11 +32,9 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-LIMIT = (
-    2**20
-    # bytes beyond which a file is left, and begun anew; this process forgets beyond twice that, not
-    # in the middle of a run
-)
+# bytes beyond which a file is left, and begun anew; this process forgets beyond twice that, not
+# in the middle of a run
+LIMIT = 2**20
 
 
 def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashable) -> T:

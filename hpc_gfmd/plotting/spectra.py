@@ -23,10 +23,7 @@ def spectra(context: FigureContext) -> Page:
             for name in FIELDS
             if any(f"{name}_{kind}" in step for step in context.steps)
         ]
-        for panel, kind in (
-            (_spectrum, "spectrum_q"),
-            (_autocorrelation, "autocorrelation_r"),
-        )
+        for panel, kind in ((_spectrum, "spectrum_q"), (_autocorrelation, "autocorrelation_r"))
     ]
     return Page([row for row in rows if row], height=2.3)
 

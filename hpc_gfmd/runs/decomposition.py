@@ -19,11 +19,8 @@ from ..parallel.grid import Grid
 from ..parallel.imagined import Imagined
 from ..parallel.layout import Layout
 
-REDUCTIONS = (
-    1,
-    2,
-    len(UpdateSums._fields) + 8,
-)  # numbers that a step of bpx sums over all ranks, the last with those of a sweep
+# numbers that a step of bpx sums over all ranks, the last with those of a sweep
+REDUCTIONS = 1, 2, len(UpdateSums._fields) + 8
 
 
 @dataclass(frozen=True)

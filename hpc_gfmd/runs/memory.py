@@ -28,12 +28,9 @@ from ..surface import cell_of
 from ..util.errors import SceneError
 from .decomposition import share_of
 
-FIELDS, STEP = (
-    2,
-    0.5,
-    # g, p; d, which has half the width; and h, which in low memory is kept only where the surface
-    # ends
-)
+# g, p; d, which has half the width; and h, which in low memory is kept only where the surface
+# ends
+FIELDS, STEP = 2, 0.5
 SOLVER = (
     4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
 )
@@ -41,15 +38,12 @@ TANGENT = 4
 PIECE_GIB = 1 / 16  # of a field that is written at a time
 MODES_GIB = 0.025  # while the modes are made that free edges couple
 PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
-THREADS_GIB, THREAD_GIB = (
-    0.01,
-    0.0015,
-)  # what threads keep for themselves, however many; each of them
+# what threads keep for themselves, however many; each of them
+THREADS_GIB, THREAD_GIB = 0.01, 0.0015
 GIB = 2**30
 
-LONGEST_AXIS = (
-    2**26
-)  # points: for more, which no machine holds, not even the tables of an axis are worth making
+# points: for more, which no machine holds, not even the tables of an axis are worth making
+LONGEST_AXIS = 2**26
 
 
 @dataclass(frozen=True)
@@ -110,9 +104,8 @@ def memory_of(
     loads = each.count(dtype)  # in the largest precision: before it nothing is kept
 
     levels, coarse = share.level_bytes / GIB, share.nested_points * itemsize / GIB
-    first = (
-        np.prod(share.grids[0].shape) / share.points if share.grids else 0.0
-    )  # of the next grid, over this one
+    # of the next grid, over this one
+    first = np.prod(share.grids[0].shape) / share.points if share.grids else 0.0
     passing = [
         2 * min(field, PIECE_GIB) if scene.output.fields else 0.0,  # as it is, and as it is written
         coarse + first * (SOLVER * field + levels) if not low and loads > 1 else 0.0,

@@ -101,10 +101,7 @@ def run_scene(
     require_memory(comm, scene, n, sizes, threads)
     rows = grid_of(n, sizes, comm, free=scene.surface.free).nominal_rows
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
-    how: dict[str, Any] = {
-        "compressed": scene.output.compression,
-        "dtype": scene.output.dtype,
-    }
+    how: dict[str, Any] = {"compressed": scene.output.compression, "dtype": scene.output.dtype}
     with (
         Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt,
         RunFile(comm, scene.output.path, n, rows, head, {}, force=force, **how) as file,

@@ -174,9 +174,8 @@ def _unknown(
     guess = prefix + nearest(name, here)
     other = name if name in scene.model_fields else elsewhere.get(name, path)
     if other != path:
-        guess = (
-            f"{guess} ({other} is a key, too)" if model else other
-        )  # without a table it is a key that lost its own
+        # without a table it is a key that lost its own
+        guess = f"{guess} ({other} is a key, too)" if model else other
     return f"{path}: unknown key, nearest: {guess}, allowed: {', '.join(here)}"
 
 

@@ -111,7 +111,6 @@ class Bpx(Solver):
         self.rd = self.zKd = self.dKd = 0.0
 
     # -- starting
-    # -------------------------------------------------------------------------
 
     def start(self, g: np.ndarray) -> None:
         if g is not self.g:
@@ -164,7 +163,6 @@ class Bpx(Solver):
         self.resume()
 
     # -- one iteration
-    # -------------------------------------------------------------------------
 
     def _descend_to_contact(self) -> None:
         """Nothing is in contact: come down until something is. A rigid shift costs no elastic
@@ -266,7 +264,6 @@ class Bpx(Solver):
         self.changing = max(sums.opening, sums.closing)
 
     # -- how far
-    # -------------------------------------------------------------------------
 
     def progress(self) -> Progress:
         finite = bool(np.isfinite(self.pp + self.gap_mean))

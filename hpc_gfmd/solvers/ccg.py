@@ -65,7 +65,6 @@ class Ccg(Solver):
         self.patience = 5 * self.patience
 
     # -- starting
-    # -------------------------------------------------------------------------
 
     def start(self, g: np.ndarray) -> None:
         p0, inside = self.real(self.p_cell), self.grid.inside
@@ -118,7 +117,6 @@ class Ccg(Solver):
         self.fresh, self.previous = True, 1.0
 
     # -- one iteration
-    # -------------------------------------------------------------------------
 
     def step(self) -> None:
         tau = self._search()
@@ -207,7 +205,6 @@ class Ccg(Solver):
         return self.grid.comm.sum(_total(parts, count))
 
     # -- how far
-    # -------------------------------------------------------------------------
 
     def progress(self) -> Progress:
         """residual: an estimate of K applied to what is left of the gap: e in contact, and e < 0

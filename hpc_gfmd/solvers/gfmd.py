@@ -60,7 +60,6 @@ class Gfmd(Solver):
         )
 
     # -- starting
-    # -------------------------------------------------------------------------
 
     def start(self, g: np.ndarray) -> None:
         self.g[...] = g
@@ -84,7 +83,6 @@ class Gfmd(Solver):
         """The solids are at rest."""
 
     # -- one time step
-    # -------------------------------------------------------------------------
 
     def step(self) -> None:
         a, b = (self.problem.dtype.type(c) for c in self._coefficients())
@@ -124,7 +122,6 @@ class Gfmd(Solver):
         )
 
     # -- how far
-    # -------------------------------------------------------------------------
 
     def progress(self) -> Progress:
         residual = float(np.sqrt(self.rr / self.N)) / self.p0

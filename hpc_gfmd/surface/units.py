@@ -18,10 +18,8 @@ from ..util.errors import SceneError
 if TYPE_CHECKING:
     from . import Surface
 
-SMALLEST, LARGEST = (
-    1e-250,
-    1e250,
-)  # of what the program multiplies: units of pressure and height, their product, mean pressures
+# of what the program multiplies: units of pressure and height, their product, mean pressures
+SMALLEST, LARGEST = 1e-250, 1e250
 P_STAR = 1e-100, 1e100
 
 

@@ -99,9 +99,7 @@ def worker(comm, n, precision, p_star, clock):
     watch = watch_passes(now)
     # not zeros: those have no memory of their own yet
     source, target = np.ones(h.shape, dtype), np.ones(h.shape, dtype)
-    others = {
-        "copy": lambda: np.copyto(target, source),
-    } | bare_pairs((n, n), dtype, comm)
+    others = {"copy": lambda: np.copyto(target, source)} | bare_pairs((n, n), dtype, comm)
     left = 0
 
     def measure():

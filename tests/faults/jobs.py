@@ -210,11 +210,7 @@ def call(words, ranks=None, cwd="."):
     if ranks:
         return run(words, ranks, cwd)
     job, out, err = Job.__new__(Job), io.StringIO(), io.StringIO()
-    with (
-        contextlib.chdir(cwd),
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
-    ):
+    with contextlib.chdir(cwd), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         job.code = main(words.split())
     job.out, job.err = out.getvalue(), err.getvalue()
     return job

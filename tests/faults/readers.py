@@ -16,17 +16,10 @@ from hpc_gfmd.theory import tfc
 from hpc_gfmd.util.errors import GfmdError
 
 MOST_POINTS = 2**20  # of a field that is read; larger ones are left to the check of the memory
-SECONDS, BYTES, LONGEST = (
-    1,
-    8 * 2**30,
-    1500,
-)  # of the child that tries a file, and characters of a message
-HDF5 = (
-    "hdf5",
-    "netcdf",
-    "result",
-    "checkpoint",
-)  # a file made to crash the HDF5 library is the library's matter
+# of the child that tries a file, and characters of a message
+SECONDS, BYTES, LONGEST = 1, 8 * 2**30, 1500
+# a file made to crash the HDF5 library is the library's matter
+HDF5 = "hdf5", "netcdf", "result", "checkpoint"
 
 
 def read_scene(path):

@@ -12,14 +12,8 @@ from hpc_gfmd.output.read import read_result
 pytestmark = needs_mpi
 RANKS = 2
 EXCEPTIONS = {  # where: fault, message
-    "while the surface is made": (
-        "surface 1",
-        "internal error on rank 1: RuntimeError: sabotage",
-    ),
-    "in the middle of a solve": (
-        "solve 1 20",
-        "internal error on rank 1: RuntimeError: sabotage",
-    ),
+    "while the surface is made": ("surface 1", "internal error on rank 1: RuntimeError: sabotage"),
+    "in the middle of a solve": ("solve 1 20", "internal error on rank 1: RuntimeError: sabotage"),
     "in the writer": ("write 1 6", r"writing .*\.h5: sabotage"),
     "in the writer, rank 0": ("write 0 6", r"writing .*\.h5: sabotage"),
 }

@@ -184,9 +184,7 @@ def test_what_is_noted(comm):
             np.save("z.npy", z)
         comm.barrier()
         notes = build_surface(
-            File(kind="file", path="z.npy", physical_sizes=SIZES, **keys),
-            comm,
-            np.float64,
+            File(kind="file", path="z.npy", physical_sizes=SIZES, **keys), comm, np.float64
         ).notes
         assert len(notes) == len(words), notes
         assert all(word in note for word, note in zip(words, notes))

@@ -3,15 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from contacts import (
-    EXACT,
-    field,
-    random_heights,
-    rough,
-    solve_scene,
-    sweep_of,
-    sweep_over,
-)
+from contacts import EXACT, field, random_heights, rough, solve_scene, sweep_of, sweep_over
 
 from hpc_gfmd.certificate.error_estimates import misclassified_points
 from hpc_gfmd.contact import all_observables
@@ -107,11 +99,7 @@ def test_a_gap_that_closes(comm, boundary):
 @pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
 @pytest.mark.parametrize(
     "surface",
-    [
-        rough(),
-        rough((1, 31, 2.0), seed=3),
-        {"kind": "sphere", "radius": 3.0, "n": [5, 33]},
-    ],
+    [rough(), rough((1, 31, 2.0), seed=3), {"kind": "sphere", "radius": 3.0, "n": [5, 33]}],
     ids=["64x64", "62x62", "5x33"],
 )
 def test_surfaces_that_end(comm, surface, boundary):
@@ -235,11 +223,7 @@ def test_uncertain_points_of_slabs(comm, side):
         mine = slice(*grid.rows)
         found.append(
             misclassified_points(
-                Problem(grid, g[mine], 0.1),
-                g[mine],
-                p[mine],
-                float(side**2),
-                float(side**2),
+                Problem(grid, g[mine], 0.1), g[mine], p[mine], float(side**2), float(side**2)
             )
         )
     assert found[0] == found[1] > 0

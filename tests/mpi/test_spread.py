@@ -52,11 +52,7 @@ def test_large_grid(comm):
 
 @pytest.mark.parametrize(
     "surface",
-    [
-        rough(),
-        rough((1, 31, 2.0), seed=3),
-        rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
-    ],
+    [rough(), rough((1, 31, 2.0), seed=3), rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5])],
     ids=["64x64", "62x62", "48x24"],
 )
 def test_small_limits(comm, surface, monkeypatch):

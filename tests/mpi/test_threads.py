@@ -27,11 +27,7 @@ CASES = {
         {"residual": 1e-10, "precision": "double"},
     ),
     "free": (rough(boundary="free"), {"p_star": [0.05]}, {"accuracy": 1e-3}),
-    "free, one axis": (
-        rough(boundary=["free", "periodic"]),
-        {"force": [0.02]},
-        {"accuracy": 1e-3},
-    ),
+    "free, one axis": (rough(boundary=["free", "periodic"]), {"force": [0.02]}, {"accuracy": 1e-3}),
     "prescribed gap": (rough(), {"gap_over_h_rms": [1.0, 0.5]}, {"accuracy": 1e-3}),
     "prescribed area": (rough(), {"a_r": [0.1]}, {"accuracy": 1e-3}),
     "single, then double": (rough(), {"p_star": [0.05, 0.06, 0.4]}, {"accuracy": 1e-3}),

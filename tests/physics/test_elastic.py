@@ -29,9 +29,8 @@ def test_westergaard_numbers():
         wave = Westergaard(share * full, a, length, e_star)
         assert wave.p_full == pytest.approx(full)
         assert wave.a_r == pytest.approx(2 / np.pi * np.arcsin(np.sqrt(share)))
-        mean = (
-            quad(wave.pressure, -wave.a_r, wave.a_r, epsabs=1e-10)[0] / length
-        )  # a_r L/2 on either side
+        # a_r L/2 on either side
+        mean = quad(wave.pressure, -wave.a_r, wave.a_r, epsabs=1e-10)[0] / length
         assert mean == pytest.approx(share * full, rel=1e-7)
         assert wave.pressure(0) == pytest.approx(wave.peak_pressure)
         assert wave.peak_pressure == pytest.approx(2 * np.sqrt(share) * full)

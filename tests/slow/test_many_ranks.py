@@ -6,14 +6,8 @@ import mpi_harness
 import pytest
 
 SCRIPT = Path(__file__).with_name("many_ranks.py")
-RANKS = (
-    (2, 2),
-    (4, 4),
-    (8, 8),
-    (8, 1),
-    (16, 16),
-    (16, 4),
-)  # and as if so many of them shared a node
+# and as if so many of them shared a node
+RANKS = (2, 2), (4, 4), (8, 8), (8, 1), (16, 16), (16, 4)
 ROUNDING = 1e-9
 
 

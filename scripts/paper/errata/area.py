@@ -4,18 +4,7 @@ from typing import Any
 
 from ..items import kappa
 from ..printed import NUMBERS, coefficients, correction, of_hurst
-from ..rows import (
-    PRESSURES,
-    Rows,
-    by_hurst,
-    coarsest,
-    each,
-    finest,
-    longest,
-    low_high,
-    near,
-    where,
-)
+from ..rows import PRESSURES, Rows, by_hurst, coarsest, each, finest, longest, low_high, near, where
 
 SLOPE = NUMBERS["slope"]
 

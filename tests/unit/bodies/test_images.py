@@ -71,9 +71,8 @@ def test_kernel_makes_free_space_periodic(cell, monkeypatch):
     )
     u, w = np.polynomial.legendre.leggauss(40)
     c = w @ kernel((u + 1) * X / 4, (u + 1) * Y / 4, X, Y) @ w / 4
-    over_r = (
-        (X * np.arcsinh(Y / X) + Y * np.arcsinh(X / Y)) * 2 / (np.pi * X * Y)
-    )  # mean of 1/(pi r)
+    # mean of 1/(pi r)
+    over_r = (X * np.arcsinh(Y / X) + Y * np.arcsinh(X / Y)) * 2 / (np.pi * X * Y)
     assert c == pytest.approx(over_r, rel=1e-10)
     monkeypatch.setattr(module, "WIDTH", 0.13)
     assert 1 / (np.pi * np.hypot(x[:, None], y)) - kernel(x, y, X, Y) == pytest.approx(S, abs=1e-12)

@@ -185,11 +185,7 @@ def test_plan(cli, folder):
 )
 def test_plan_of_a_map_that_ends(cli, tmp_path, keys):
     """The cell is that of the lengths that the map has when it is pressed, whoever says them."""
-    np.savez(
-        "z.npz",
-        surface=np.random.default_rng(0).random((40, 20)),
-        physical_sizes=[1.0, 3.0],
-    )
+    np.savez("z.npz", surface=np.random.default_rng(0).random((40, 20)), physical_sizes=[1.0, 3.0])
     scene = (
         f'[surface]\nkind = "file"\npath = "z.npz"\nboundary = "free"\n{keys}\n[load]\np_star ='
         " 0.1\n"

@@ -140,9 +140,7 @@ def test_what_nobody_says_is_not_invented(cli):
         assert f"surface.{lack}" in complaint  # all at once
     assert "surface.boundary: found nothing" in complaint
     assert not compose(
-        "map.npz",
-        Path("a.toml"),
-        ['surface.physical_sizes=["3 um", "2 um"]', "surface.unit=nm"],
+        "map.npz", Path("a.toml"), ['surface.physical_sizes=["3 um", "2 um"]', "surface.unit=nm"]
     )[1]
 
 

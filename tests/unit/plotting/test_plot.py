@@ -382,8 +382,7 @@ def test_the_gap_of_theory_is_that_of_the_surface(rolloff):
     spectrum sampled finely."""
     scene = SCENE.replace("lam_s_over_a", f"lam_l_over_lam_r = {rolloff}\nlam_s_over_a")
     picture = plot(
-        write("run.h5", scene=scene, surface={"kind": "self-affine", "eps_f": 1 / 16}),
-        "curves",
+        write("run.h5", scene=scene, surface={"kind": "self-affine", "eps_f": 1 / 16}), "curves"
     )
     (ax,) = (ax for ax in picture.axes if "langle g" in ax.get_ylabel())
     (line,) = (line for line in ax.get_lines() if line.get_label().startswith("Persson"))

@@ -32,11 +32,9 @@ def test_no_rank_has_more_than_its_share(n, dtype):
             more = max(0.1 * slab, MIB / itemsize)
             assert share.points <= slab + n
             assert share.coarse_points <= slab / 3 + more, (ranks, share.grid.comm.rank)
-            halo = (
-                2 * 6 * n
-                # the rows beside its own on all levels: 3 fields of n/2 points and 2 of n/4, n/8,
-                # ... each side
-            )
+            # the rows beside its own on all levels: 3 fields of n/2 points and 2 of n/4, n/8,
+            # ... each side
+            halo = 2 * 6 * n
             assert share.level_bytes <= (23 / 24 * slab + halo) * itemsize + max(
                 0.1 * slab * itemsize, MIB
             ), ranks

@@ -15,10 +15,8 @@ from hpc_gfmd.surface.instruments import surface_topography
 from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.errors import SceneError
 
-N, SIZES = (
-    (12, 8),
-    (1.2e-6, 0.4e-6),
-)  # m; neither as many points nor square cells: exchanged axes show
+# m; neither as many points nor square cells: exchanged axes show
+N, SIZES = (12, 8), (1.2e-6, 0.4e-6)
 UNITS = {"nm": 1e-9, "um": 1e-6, "m": 1.0}
 Z = 2e-8 * random_heights(N)
 
@@ -144,8 +142,7 @@ def test_every_format_that_surface_topography_writes_is_here():
 def test_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
     BARE[name](tmp_path / name, 1e9 * Z)
     with pytest.raises(
-        SceneError,
-        match=r"^surface.physical_sizes: found nothing, .*; surface.unit: found nothing",
+        SceneError, match=r"^surface.physical_sizes: found nothing, .*; surface.unit: found nothing"
     ):
         hpc_gfmd.read_surface(tmp_path / name)
     with pytest.raises(SceneError, match=r"^surface.unit: found nothing for the heights"):

@@ -20,9 +20,7 @@ def fake_runs(scatter=0.01):
     p_star = 1.5."""
     runs = []
     for run in runs_of(
-        series("curves", "quick"),
-        scatter=scatter,
-        kappa=lambda case, t, f, c: (1 + c, 1 + 0.2 * c),
+        series("curves", "quick"), scatter=scatter, kappa=lambda case, t, f, c: (1 + c, 1 + 0.2 * c)
     ):
         p_star, of = run["p_star"], (run["hurst"], run["eps_f"])
         area = persson.contact_area(p_star) * (AREA + 0.1 * run["hurst"] if p_star < 0.5 else 1.0)
