@@ -27,11 +27,11 @@ class FullContact(GivenLoad):
     surface at a mean pressure of 1, local slab: the pressure on the surface, the displacement
     beyond it; None where the surface does not end."""
 
-    from_full_contact = closes = True
+    from_full_contact = True
     given = False
 
     def __init__(self, tolerance: float, unit: np.ndarray | None, p0: float = 1.0):
-        super().__init__(p0)
+        super().__init__(p0, closes=True)
         self.tolerance, self.unit, self.known = tolerance, unit, False
 
     def numbers(self) -> dict[str, Any]:

@@ -44,11 +44,11 @@ class GivenLoad:
     note: str | None = None  # what is to be said of the load
     from_full_contact = False  # whether the gap is closed to begin with
     closes = False  # whether it is the least load that closes the gap
-    given = True
+    given = True  # whether it is known at once
     p_mean: float | None = None  # in the scene's units, where it was given
 
-    def __init__(self, p0: float, p_mean: float | None = None):
-        self._p0, self.p_mean = p0, p_mean
+    def __init__(self, p0: float, p_mean: float | None = None, closes: bool = False):
+        self._p0, self.p_mean, self.closes = p0, p_mean, closes
 
     @property
     def p0(self) -> float:
@@ -98,9 +98,3 @@ class GivenLoad:
         """Change the load of the solver where the certificate finds that it is wrong; returns
         whether. solved: whether the solution is as accurate as asked."""
         return False
-
-
-class ClosingLoad(GivenLoad):
-    """The least load that closes the gap, where it is known at once."""
-
-    closes = True

@@ -22,7 +22,7 @@ from ..surface.units import require_range, single_solves
 from ..util.errors import SceneError
 from .drive import LoopState, certificate_of, drive
 from .full_contact import CLOSED, FullContact
-from .load import ClosingLoad, GivenLoad, HeightStatistics
+from .load import GivenLoad, HeightStatistics
 from .load_quantities import OpeningSearch, restored, search_for
 from .load_target import LoadTarget, load_targets
 from .nested import Nested, cold_gap
@@ -162,7 +162,7 @@ class Sweep:
         tolerance, heights = self.settings.tolerance, self._heights
         if load.quantity == "a_r" and load.value == 1:
             if self.closed_form and not self.surface.grid.padded:
-                return ClosingLoad(self._closing_pressure())
+                return GivenLoad(self._closing_pressure(), closes=True)
             if self.solver_class.holds_tension:
                 return FullContact(tolerance, self._flat_solution())
         known = (tolerance, self.settings.accuracy is not None, heights)
