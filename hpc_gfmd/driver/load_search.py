@@ -183,7 +183,9 @@ class LoadSearch(GivenLoad):
     def learn(self, solver: Solver, certificate: Certificate) -> float:
         """Bound the load by a value that surely misses the target."""
         y, error = self.certified(solver, certificate)
-        if self.miss(y) > error and not self.note:
+        if self.note:
+            self._side_of_jump(y)
+        elif self.miss(y) > error:
             self._bound(y)
         if self.note:
             return 0.0 if self.x == self._nearer[0] else inf
@@ -197,7 +199,22 @@ class LoadSearch(GivenLoad):
             low, high = (here, None) if small else (None, here)
         self.low, self.high = low, high
         if self.steps and low and high and 2 * (high[0] - low[0]) < max(JUMP, self.tolerance):
-            self.note = f"a_r jumps from {low[1]:.4g} to {high[1]:.4g}: the nearer is taken"
+            self._tell(low[1], high[1])
+
+    def _side_of_jump(self, y: float) -> None:
+        """Put the certified value in place of a predicted one; begin anew where that was wrong."""
+        sides = [
+            (self.x, y) if side and side[0] == self.x else side for side in (self.low, self.high)
+        ]
+        self.low, self.high = sides
+        if sides[0] and sides[1] and sides[0][1] < self.aim <= sides[1][1]:
+            self._tell(sides[0][1], sides[1][1])
+        else:
+            self.note = self.low = self.high = None
+            self._bound(y)
+
+    def _tell(self, below: float, above: float) -> None:
+        self.note = f"a_r jumps from {below:.4g} to {above:.4g}: the nearer is taken"
 
     @property
     def _nearer(self) -> tuple[float, float]:
