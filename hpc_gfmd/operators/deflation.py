@@ -31,7 +31,6 @@ COARSER, FEWEST = (
     64,
     250,
 )  # the level has so many times fewer points than the grid, and at least so many
-MOST = 0.3  # share of the grid in contact above which w is no exception
 
 
 class GapMode:
@@ -60,7 +59,7 @@ class GapMode:
 
     def wanted(self, share: float) -> bool:
         """Whether there is one where so much of the grid is in contact."""
-        return self.at is not None and 0 < share < MOST
+        return self.at is not None and 0 < share < 1
 
     def find(self, t: np.ndarray) -> np.ndarray:
         """w sqrt((1 - mu)/<1, w>) where t is the share of contact."""
