@@ -23,9 +23,6 @@ CHECK_FROM, CHECK_GROWTH = 10, 1.25
 # times that the certificate may refuse without having come nearer, before the solver counts as
 # stagnated
 REFUSALS = 5
-# a solver that was refused is certified again where its own numbers promise so much of what is
-# asked
-AGAIN = 0.9
 # of the patience with a solver that believed that it was there: where only rounding errors are
 # left
 FLOOR = 1 / 6
@@ -103,7 +100,7 @@ def drive(
                 loop.refusals = loop.refusals + 1 if not error < IMPROVEMENT * loop.refused else 0
                 if loop.refusals > REFUSALS:
                     return "stagnated", certificate, loop.checks
-                loop.threshold = AGAIN * measure / left if np.isfinite(left) else AGAIN * measure
+                loop.threshold = measure / left if np.isfinite(left) else measure
                 loop.refused = min(error, loop.refused)
             if (
                 abs(progress.residual - certificate.residual) > DRIFT * certificate.residual

@@ -55,7 +55,7 @@ class LowMemorySweep(Sweep):
         return problem
 
     def _starting_gap(self, problem: Problem, into: np.ndarray | None) -> np.ndarray:
-        self.nested = Nested(self.surface.grid, self.dtype, self.settings.accuracy)
+        self.nested = Nested(self.surface.grid, self.dtype)
         g = super()._starting_gap(problem, into)
         self.nested = None  # the transforms of coarser grids go with it
         return g

@@ -34,30 +34,24 @@ if TYPE_CHECKING:
 
     MakeSolver = Callable[[Problem], Solver]
 
-# Points along an axis, in the geometric mean, below which there is no coarser grid, and twice as
-# many where so many grids are finer: what they take counts less. An axis of fewer than SLIM points,
-# which a cubic takes, is not decimated.
-COARSEST, FINER, SLIM = 32, 2, 4
-# Residual of a coarse solution, of what its own start had (at most LARGE): so much less for each
-# grid finer than it. What a finer grid adds is about what this one added to the coarser: to solve
-# it better than that is no use, but the coarser, the cheaper it is. An accuracy that takes a few
-# iterations needs a start without errors in long waves; where there are more iterations, they see
-# to them.
-REDUCTION, FEW_REDUCTION, FEW, LARGE = 0.6, 0.2, 3e-3, 1.0
+# Points along an axis, in the geometric mean, below which there is no coarser grid. An axis of
+# fewer than SLIM points, which a cubic takes, is not decimated.
+COARSEST, SLIM = 32, 4
+# Residual of a coarse solution, of what its own start had: so much less for each grid finer than
+# it. What a finer grid adds is about what this one added to the coarser: to solve it better than
+# that is no use, but the coarser, the cheaper it is.
+REDUCTION = 0.6
 ITERATIONS = 60  # at most, on a coarse grid
 # of a coarse grid on one rank, at least: fewer are solved faster than they are sent
 RANK_POINTS = 2**13
 # share of points under tension in a closed coarse contact up to which the fine one may be without
 # any
 TENSION = 0.02
-# p* below which the flat start rests on the heights above mean + rms; not a round number: p* has
-# rounding errors
-FLAT_START = 0.049
 
 
 def cold_gap(problem: Problem) -> np.ndarray:
-    """A flat displacement pressed into the surface: the gap of a rigid plane at a height that suits
-    the load.
+    """A flat displacement pressed into the surface: the gap of a rigid plane that rests on the
+    heights above mean + rms.
 
     Beyond the surface the displacement is that of the plane.
     """
@@ -66,10 +60,7 @@ def cold_gap(problem: Problem) -> np.ndarray:
         [h.sum(dtype=np.float64), np.einsum("ij,ij->", h, h, dtype=np.dtype(np.float64))]
     )
     mean = s1 / N
-    level = mean
-    if problem.p0 < FLAT_START:
-        level = mean - np.sqrt(max(s2 / N - mean * mean, 0.0))
-    level = h.dtype.type(max(level, 0.0))
+    level = h.dtype.type(max(mean - np.sqrt(max(s2 / N - mean * mean, 0.0)), 0.0))
     rows, points = problem.grid.inside
     g = np.empty(problem.grid.shape, h.dtype) if problem.grid.padded else np.empty_like(h)
     g[rows:], g[:rows, points:] = -level, -level
@@ -91,14 +82,13 @@ class Decimation:
     starts: np.ndarray
 
     @classmethod
-    def of(cls, grid: Grid, finer: int = 0) -> Decimation | None:
-        """Of a grid than which so many are finer, or None where it is coarse already. No memory,
-        but communicators: collective."""
+    def of(cls, grid: Grid) -> Decimation | None:
+        """Of a grid, or None where it is coarse already. No memory, but communicators:
+        collective."""
         n, _ = halved(grid.n, grid.spacings, SLIM)
         coarsened = [a != b for a, b in zip(n, grid.n)]
         points = [k for k, c in zip(n, coarsened) if c]
-        least = COARSEST * (2 if finer >= FINER else 1)
-        if not points or np.prod(points) < least ** len(points):
+        if not points or np.prod(points) < COARSEST ** len(points):
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
@@ -152,17 +142,14 @@ class Nested:
     """The decimated grids of a grid, planned once; `start` solves on them. Collective, as is all of
     it."""
 
-    def __init__(self, grid: Grid, dtype: DTypeLike, accuracy: float | None = None, finer: int = 0):
-        """accuracy: that is asked for on the finest grid, None where it is a residual; finer:
-        number of grids that are finer."""
-        self.grid, self.step = grid, Decimation.of(grid, finer)
+    def __init__(self, grid: Grid, dtype: DTypeLike, finer: int = 0):
+        """finer: number of grids that are finer."""
+        self.grid, self.step = grid, Decimation.of(grid)
         self.coarser: Nested | None = None
-        self.reduction = (REDUCTION if accuracy is None or accuracy < FEW else FEW_REDUCTION) ** (
-            finer + 1
-        )
+        self.reduction = REDUCTION ** (finer + 1)
         if self.step is not None and self.step.coarse is not None:
             self.step.coarse.fft(dtype)
-            self.coarser = Nested(self.step.coarse, dtype, accuracy, finer + 1)
+            self.coarser = Nested(self.step.coarse, dtype, finer + 1)
 
     @property
     def grids(self) -> list[Grid]:
@@ -229,7 +216,7 @@ def _roughly_solved(
     solver = make_solver(problem)
     solver.start(g)
     progress = solver.progress()
-    enough = reduction * min(progress.residual, LARGE)
+    enough = reduction * progress.residual
     for _ in range(ITERATIONS):
         interrupt.check(problem.grid.comm)
         near = load.near(solver, progress)

@@ -480,7 +480,7 @@ class Sweep:
             grid.fft(self.dtype)
             grid.fft(np.float64)  # of the certificate
             nests = self.solver_class.nests if wanted == "auto" else wanted
-            self.nested = Nested(grid, self.dtype, self.settings.accuracy) if nests else None
+            self.nested = Nested(grid, self.dtype) if nests else None
 
     @cached_property
     def _heights(self) -> HeightStatistics:

@@ -159,8 +159,8 @@ def gather_rows(fine, k0, f_x, i, here, after):
 
 
 @making_arrays
-def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer, nominal):
-    """out = r/(weight + damping t) + coupling P z_coarse on own rows; rt: (>=2, rows + 2, n).
+def smooth_level(rt, z_coarse, out, weight, damping, transfer, nominal):
+    """out = r/(weight + damping t) + P z_coarse on own rows; rt: (>=2, rows + 2, n).
     Returns <r, out>, <x, out>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>.
 
     x is the third field of rt if there is one; s is the product of nominal = (rows,), (n,). out may
@@ -181,7 +181,7 @@ def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer, nominal
         out_r = r_r = t_t = r_t = t_s = r_s = zero
         for j in range(n):
             r, t = rt[0, h, j], rt[1, h, j]
-            z = r / (weight + damping * t) + coupling * fine[j]
+            z = r / (weight + damping * t) + fine[j]
             out_r += r * z
             r_r += r * r
             t_t += t * t
@@ -206,7 +206,7 @@ def smooth_level(rt, z_coarse, out, weight, damping, coupling, transfer, nominal
 
 
 @making_arrays
-def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling, mode, at):
+def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, mode, at):
     """The sweep over the levels that one rank holds completely, in place: r of the finest of them
     becomes z.
 
@@ -248,9 +248,7 @@ def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, coupling, 
             m_x, m_y = shapes[k + 1]
             b = offsets[k + 1]
             _interpolate(
-                r[b : b + m_x * m_y].reshape(m_x, m_y),
-                r[a : a + n_x * n_y].reshape(n_x, n_y),
-                coupling,
+                r[b : b + m_x * m_y].reshape(m_x, m_y), r[a : a + n_x * n_y].reshape(n_x, n_y)
             )
         if k == at:
             for i in range(mode.shape[0]):
@@ -292,8 +290,8 @@ def _restrict(fine, coarse):
 
 
 @making_arrays
-def _interpolate(coarse, fine, coupling):
-    """fine += coupling P coarse."""
+def _interpolate(coarse, fine):
+    """fine += P coarse."""
     one = fine.dtype.type(1)
     n_x, n_y = fine.shape
     m_x, m_y = coarse.shape
@@ -310,4 +308,4 @@ def _interpolate(coarse, fine, coupling):
             row[J] = coarse[K, J] * a + coarse[L, J] * b
         interpolate_row(row, temp, mode, j0, f)
         for j in range(n_y):
-            fine[i, j] += coupling * temp[j]
+            fine[i, j] += temp[j]

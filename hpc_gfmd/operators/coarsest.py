@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from ..parallel.coarsening import Level
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
-COUPLING = 1.05  # of what comes from the coarser levels
 
 
 class CoarsestLevels:
@@ -31,7 +30,7 @@ class CoarsestLevels:
         self.offsets = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
         self.weights, self.softness = weights, softness
         self.r, self.t = np.zeros(sizes.sum(), dtype), np.zeros(sizes.sum(), dtype)
-        self.damping, self.coupling = dtype.type(DAMPING), dtype.type(COUPLING)
+        self.damping = dtype.type(DAMPING)
         self.mode, self.at = np.zeros(0, dtype), 0
 
     @property
@@ -53,7 +52,6 @@ class CoarsestLevels:
             self.weights,
             self.softness,
             self.damping,
-            self.coupling,
             self.mode,
             self.at,
         )

@@ -29,7 +29,6 @@ STEPS = 3
 SOLVED = 1e-6  # of <r, M r>, relative: where contact is the same everywhere, one step is enough
 # the level has so many times fewer points than the grid, and at least so many
 COARSER, FEWEST = 64, 250
-MOST = 0.3  # share of the grid in contact above which w is no exception
 
 
 class GapMode:
@@ -58,7 +57,7 @@ class GapMode:
 
     def wanted(self, share: float) -> bool:
         """Whether there is one where so much of the grid is in contact."""
-        return self.at is not None and 0 < share < MOST
+        return self.at is not None and 0 < share < 1
 
     def find(self, t: np.ndarray) -> np.ndarray:
         """w sqrt((1 - mu)/<1, w>) where t is the share of contact."""

@@ -30,7 +30,7 @@ from ..kernels.multilevel import join_edges, restrict_level, smooth_level
 from ..parallel.coarsening import Level, Transfer, gathered, levels
 from ..parallel.halo import Windows
 from ..util.aligned import LINE, zeros_aligned
-from .coarsest import COUPLING, DAMPING, CoarsestLevels
+from .coarsest import DAMPING, CoarsestLevels
 from .deflation import GapMode
 from .nominal import NominalArea
 
@@ -155,7 +155,7 @@ class Multilevel:
     ):
         self.grid, self.comm = grid, grid.comm
         self.dtype: np.dtype = np.dtype(dtype)
-        self.damping, self.coupling = np.array([DAMPING, COUPLING], self.dtype)
+        self.damping = np.array([DAMPING], self.dtype)[0]
         known = Hierarchy.of(grid, body, self.dtype, coarsest_points)
         self.steps, self.levels, self.surface = known.steps, known.levels, known.surface
         self.weights, self.softness, self.gap_mode = known.weights, known.softness, known.gap_mode
@@ -389,7 +389,6 @@ class Multilevel:
             a[0],
             self.weights[k + 1],
             self.damping,
-            self.coupling,
             self.transfers[k + 1].tables,
             self.nominal[k + 1],
         )

@@ -110,7 +110,6 @@ class _Response:
             self.z,
             levels.weights[0],
             levels.damping,
-            levels.coupling,
             transfer,
             nominal,
         )

@@ -54,11 +54,7 @@ class Share:
         """The coarser grids of the nested start that this rank has a part in, finest first."""
         found: list[Grid] = []
         grid = self.grid
-        while (
-            self.nested
-            and (step := Decimation.of(grid, len(found))) is not None
-            and step.coarse is not None
-        ):
+        while self.nested and (step := Decimation.of(grid)) is not None and step.coarse is not None:
             grid = step.coarse
             found.append(grid)
         return found

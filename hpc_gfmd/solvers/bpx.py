@@ -28,7 +28,6 @@ from ..certificate.error_estimates import (
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
 from ..kernels.halfwidth import Widened, half, narrowed
-from ..operators.coarsest import COUPLING
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
@@ -36,13 +35,8 @@ from ..util.aligned import LINE, zeros_aligned
 from .base import Progress, Solver
 from .options import read_options
 
-RHO_MIN, RHO_MAX = 0.4, 1.0  # bounds of the predicted Rayleigh quotient
-GRADIENT = 1.0041  # a projected gradient step is so much shorter than what the largest K allows
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
-CLIPPED = 0.02  # share of it up to which a step counts as not clipped
-SHORT = (
-    0.8  # a clipped step is made shorter only below this: clipped points stay a little open then
-)
+SHORT = 0.9  # a step is made shorter only below this: clipped points stay a little open then
 
 # of what certificate/error_estimates.py says that the mean gap is wrong by
 SHIFT = 0.62
@@ -90,7 +84,7 @@ class Bpx(Solver):
     @cached_property
     def gradient(self) -> float:
         """The length of a projected gradient step."""
-        return 1.0 / (GRADIENT * self.compliance * self.problem.body.bounds(self.grid)[1])
+        return 1.0 / (self.compliance * self.problem.body.bounds(self.grid)[1])
 
     def _make_scratch(self) -> None:
         """Rows for each thread."""
@@ -148,7 +142,7 @@ class Bpx(Solver):
     def _begin(self, sums: UpdateSums) -> None:
         """A new descent begins: no momentum, no memory of the Rayleigh quotient."""
         self.s = 1.0
-        self.rayleigh = RHO_MAX
+        self.rayleigh = 1.0
         self._measure(sums, anew=True)
         if self.levels.gap_mode.wanted(self.contact / self.grid.cell_points):
             self.elastic.pairs += self.levels.gap_mode.pairs
@@ -180,21 +174,20 @@ class Bpx(Solver):
         if self.contact == 0:
             self._descend_to_contact()
         a, b = self._coefficients()
-        pd = self._search(a, b, COUPLING)
+        pd = self._search(a, b, 1.0)
         descent = a * self.rz + b * self.rd
         plain = not -pd > DESCENT * descent
         if plain:
             a, b = 0.0, 0.0
             pd = self._search(self.gradient, 0.0, 0.0)
-        free = not plain and abs(pd + descent) < CLIPPED * descent
         dKd = self.elastic.pressure_columns()
         dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
         optimum = -pd / dKd if dKd > 0 else 1.0
-        self.s = optimum if 0 < optimum < (1.0 if free else SHORT) else 1.0
+        self.s = optimum if 0 < optimum < SHORT else 1.0
         sums = self._update(self.s)
 
         if plain or not a * a * self.rz > 0:
-            self.rayleigh = RHO_MAX
+            self.rayleigh = 1.0
         else:
             zKz = dKd - 2 * a * b * self.zKd - b * b * self.dKd
             self.rayleigh = zKz / (a * a * self.rz)
@@ -207,10 +200,9 @@ class Bpx(Solver):
     def _coefficients(self) -> tuple[float, float]:
         """a and b of the step -(a z + b d): the minimum of the energy in the plane of z and d.
 
-        It had better be too long than too short: where nothing is clipped the line search, which
-        can only shorten it, then makes it the step of conjugate gradients.
+        It had better be too long than too short: the line search can only shorten it.
         """
-        rho = min(max(self.rayleigh, RHO_MIN), RHO_MAX)
+        rho = self.rayleigh if 0 < self.rayleigh < 1 else 1.0
         rz, rd, zKd, dKd = self.rz, self.rd, self.zKd, self.dKd
         zKz = rho * rz
         if dKd <= 0 or rz <= 0:
@@ -254,9 +246,9 @@ class Bpx(Solver):
         )
         sums = UpdateSums(*totals)
         s, compliance = self.s, self.compliance
-        self.rz = compliance * (sums.rr + COUPLING * rz1)  # <p, z> on F
+        self.rz = compliance * (sums.rr + rz1)  # <p, z> on F
         self.rd = s * sums.pd  # <p, d>
-        self.zKd = s * compliance * (sums.px + COUPLING * xz1)
+        self.zKd = s * compliance * (sums.px + xz1)
         self.dKd = s * s * sums.dx
         self.rr, self.pp = sums.rr, sums.pp
         self.level_sums = [r1, t1, rt1, ts1, rs1]

@@ -81,7 +81,7 @@ def main(arguments=None):
         rows += new
         if given.out:
             with open(given.out, "a") as file:
-                file.writelines(json.dumps(row) + "\n" for row in new)
+                file.writelines(json.dumps(row, default=float) + "\n" for row in new)
     if given.record:
         command = shlex.join(
             ["scripts/campaign", *(sys.argv[1:] if arguments is None else arguments)]

@@ -7,7 +7,7 @@ from transfers import SIZES, interpolation, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import multilevel
-from hpc_gfmd.operators.coarsest import COUPLING, DAMPING
+from hpc_gfmd.operators.coarsest import DAMPING
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.coarsening import levels
 from hpc_gfmd.parallel.grid import Grid
@@ -34,7 +34,6 @@ def test_transfers_are_adjoint(random, n):
         Py[0],
         1.0,
         4.0,
-        1.0,
         t.tables,
         tuple(map(np.ones, n)),
     )
@@ -43,7 +42,7 @@ def test_transfers_are_adjoint(random, n):
 
 
 def by_matrices(grid, r, theta, level=0):
-    """M' r by the recursion z_l = r_l/(weight_l + c theta_l) + w P z_(l+1), from a level on."""
+    """M' r by the recursion z_l = r_l/(weight_l + c theta_l) + P z_(l+1), from a level on."""
     hierarchy = levels(grid)
     z = r / (HalfSpace().weights(grid)[level] + DAMPING * theta)
     if level + 1 < len(hierarchy):
@@ -52,8 +51,7 @@ def by_matrices(grid, r, theta, level=0):
         ratio = n[0] * n[1] / (m[0] * m[1])
         z = (
             z
-            + COUPLING
-            * P_x
+            + P_x
             @ by_matrices(grid, P_x.T @ r @ P_y / ratio, P_x.T @ theta @ P_y / ratio, level + 1)
             @ P_y.T
         )
