@@ -8,7 +8,6 @@ python scripts/campaign calibrate
 
 import argparse
 import json
-import os
 import shlex
 import sys
 import time
@@ -61,15 +60,8 @@ def parser():
     return found
 
 
-def main(arguments=None):
-    """Run the campaign, or calibrate."""
-    given = parser().parse_args(arguments)
-    os.environ["OMP_NUM_THREADS"] = "1"
-    if given.what == "calibrate":
-        from .calibrate import calibrate
-
-        calibrate(given)
-        return
+def main(given):
+    """Run the campaign with these arguments, print what came out, and record it."""
     from .table import count, grouped, markdown, read, report
 
     if given.records:
@@ -83,9 +75,7 @@ def main(arguments=None):
             with open(given.out, "a") as file:
                 file.writelines(json.dumps(row, default=float) + "\n" for row in new)
     if given.record:
-        command = shlex.join(
-            ["scripts/campaign", *(sys.argv[1:] if arguments is None else arguments)]
-        )
+        command = shlex.join(["scripts/campaign", *sys.argv[1:]])
         found = {"command": command, "time": time.strftime("%Y-%m-%dT%H:%MZ", time.gmtime())}
         with open(given.record, "a") as file:
             file.write(json.dumps(found | count(rows) | {"families": grouped(rows)}) + "\n")

@@ -210,7 +210,8 @@ def test_python_interface(folder):
     z = np.random.default_rng(0).standard_normal((20, 30))
     found = hpc_gfmd.solve(z, 0.1, E_star=2.0, physical_sizes=(2.0, 3.0))
     assert found.pressure.shape == found.gap.shape == z.shape
-    assert found.pressure.mean() == pytest.approx(0.1, rel=1e-3)
+    claimed = found.errors[2] * np.sqrt(np.mean(found.pressure**2))  # bounds that of the mean
+    assert found.pressure.mean() == pytest.approx(0.1, abs=claimed)
 
 
 @pytest.mark.parametrize(
