@@ -57,7 +57,8 @@ def test_one_command_makes_all(quick):
     for name in (*SPECIAL, "limit"):
         page = (quick / f"{name}.md").read_text()
         assert f"python scripts/paper {name} --level quick" in page
-        assert page.count("\n| ") >= 3
+        least = 2 if name == "percolation" else 3  # on one grid there is nothing to compare
+        assert page.count("\n| ") >= least
         text += page
     assert "nan" not in re.sub(r"[a-zA-Z]nan|nan[a-zA-Z]", "", text)
 
