@@ -77,7 +77,7 @@ class Calibration:
     shift: float = 1.2
     loaded: float = 0.05
     corner: float = 0.3
-    reach: float = 1.5
+    reach: float = 1.75
     farthest: float = 12.0
     few: float = 3.0
     rounding: float = 4.0
