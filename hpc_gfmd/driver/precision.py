@@ -108,9 +108,9 @@ def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
 
 def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float | None]:
     """g_rms, and h_rms over g_rms times the grid spacing, of a surface of n points, as far as they
-    are known beforehand: from the spectrum, or a coarse grid; None of a map."""
+    are known beforehand: from the spectrum, or a coarse grid; None of a map and on a form."""
     surface = scene.surface
-    if surface.kind == "file":
+    if surface.kind == "file" or (surface.kind == "self-affine" and surface.radius):
         return None, None
     if surface.kind != "self-affine":
         coarse = surface.model_copy(update={"n": tuple(min(k, COARSE) for k in surface.n or ())})
