@@ -21,7 +21,8 @@ from .units import Scale, good
 class Theory:
     """area(p), gap(p), approach(p): relative contact area, mean gap, approach under the mean
     pressures p; density(x, p): of the local pressure x > 0, integrates to the area; all in the
-    units of the result, None where it does not say. height: what heights are measured in."""
+    units of the result, None where it does not say. height: what heights are measured in; sources:
+    papers, with DOI."""
 
     name: str
     area: Callable | None
@@ -29,6 +30,7 @@ class Theory:
     density: Callable | None = None
     approach: Callable | None = None
     height: Scale | None = None
+    sources: tuple[str, ...] = ()
 
 
 def scene_of(result: Result) -> Scene | None:
@@ -47,9 +49,11 @@ def theory_of(scene: Scene | None, found: Mapping[str, Any]) -> Theory | None:
     surface, E_star = scene.surface, float(scene.material.E_star)
     if scene.material.thickness is not None:
         return None
-    if any(surface.free) and surface.kind != "sphere":
+    if surface.kind == "sphere":
+        return _hertz(surface, E_star) if len({*surface.radii}) == 1 else None
+    if any(surface.free):
         return None
-    known = {"self-affine": _persson, "wave": _westergaard, "sphere": _hertz}.get(surface.kind)
+    known = {"self-affine": _persson, "wave": _westergaard}.get(surface.kind)
     return known and known(surface, E_star, found)
 
 
@@ -73,14 +77,16 @@ def _persson(surface: Any, E_star: float, found: Any) -> Theory | None:
         return persson.pressure_distribution(x / unit, p / unit) / unit
 
     name = "Persson" if gap is None else f"Persson ($\\gamma = {persson.GAMMA:g}$)"
-    return Theory(name, lambda p: persson.contact_area(p / unit), gap, density)
-
-
-def _hertz(surface: Any, E_star: float, _: object) -> Theory:
-    radius, area = (
-        float(surface.radius),
-        float(surface.physical_sizes[0]) * float(surface.physical_sizes[1]),
+    sources = (
+        "Persson, J. Chem. Phys. 115 (2001) 3840, doi:10.1063/1.1388626",
+        "Persson, Phys. Rev. Lett. 99 (2007) 125502, doi:10.1103/PhysRevLett.99.125502",
     )
+    return Theory(name, lambda p: persson.contact_area(p / unit), gap, density, sources=sources)
+
+
+def _hertz(surface: Any, E_star: float) -> Theory:
+    radius = float(surface.radii[0])
+    area = float(surface.physical_sizes[0]) * float(surface.physical_sizes[1])
 
     def contact(p: Any) -> Any:
         return Hertz(radius, p * area, E_star)
@@ -100,6 +106,7 @@ def _hertz(surface: Any, E_star: float, _: object) -> Theory:
         density,
         (lambda p: contact(p).approach) if all(surface.free) else None,
         Scale(float(surface.physical_sizes[0]), "L_x", True),
+        ("Hertz, J. Reine Angew. Math. 92 (1882) 156, doi:10.1515/crll.1882.92.156",),
     )
 
 
@@ -128,4 +135,5 @@ def _westergaard(surface: Any, E_star: float, _: object) -> Theory | None:
         lambda p: contact(p).gap_mean,
         density,
         height=height,
+        sources=("Westergaard, J. Appl. Mech. 6 (1939) A49, doi:10.1115/1.4008919",),
     )

@@ -18,6 +18,7 @@ from ..contact import (
     observable_names,
     require_periodic,
 )
+from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..output.fields import FIELDS
 from ..output.read import Result, read_result
 from ..output.save import in_memory, save
@@ -25,13 +26,14 @@ from ..output.summary import summary, surface_line
 from ..parallel.comm import SerialComm
 from ..scene.explain import nearest
 from ..util.errors import SceneError
+from .references import references_of
 from .table import html_table
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
     from ..plotting.style import Figure
 
-LOST = ("energy", "approach", "duality_gap")  # observables that the fields do not tell
+LOST = ("energy", "approach", *OF_DUALITY)  # observables that the fields do not tell
 
 
 def _require_known(what: str, name: str, known: set[str]) -> None:
@@ -69,6 +71,10 @@ class _Solved:
         replaces. Raises SceneError where it may not be written, GfmdError where writing fails.
         """
         return save(self.result, path, force, self.rows, self.comm)
+
+    def references(self) -> list[str]:
+        """What to cite: the program and the papers behind these numbers, with DOI, a line each."""
+        return references_of(self.result)
 
     def plot(self, what: str | None = None, **how: Any) -> "Figure":
         """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads; default of

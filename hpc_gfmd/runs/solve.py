@@ -24,11 +24,12 @@ from ..parallel.grid import Grid
 from ..parallel.guard import guarded
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
+from ..surface.analytic import Rows, on_form
 from ..surface.arrays import checked_array, is_topography
 from ..surface.build import Surface, surface_from_rows
 from ..surface.heights import checked
 from ..surface.quality import DIFFERENT_UNITS, MapQuality
-from ..surface.topography import Rows, Topography
+from ..surface.topography import Topography
 from ..util.errors import NotConverged, SceneError
 from ..util.versions import versions
 from .keywords import HOMES, scene_of_keywords, several_loads
@@ -93,6 +94,9 @@ def solve(
         "frictionless"; no `thickness`: a half-space.
     boundary : "periodic", "free" or one for each axis
         Of an array; default: periodic. A surface that was read or made knows its own.
+    radius : number, text or (R_x, R_y)
+        Of an array with a free boundary: a ball (inf: a cylinder) under its heights. A surface that
+        was read or made knows its own.
     fields : list of "pressure", "gap", "displacement", "heights"
         Fields that are kept and that `save` writes; () keeps none, for long sweeps of large maps.
     observables, distributions : lists of names
@@ -156,6 +160,8 @@ def solve(
     def rows_of(start: int, stop: int) -> np.ndarray:
         return np.asarray(z[start:stop], dtype=np.float64)
 
+    rows = rows_of if known else on_form(rows_of, scene.surface.radii, z.shape, sizes)
+
     notes = (
         known.notes
         if known
@@ -168,7 +174,7 @@ def solve(
         made = _kept_surface(known, dtype, comm, of_each_rank) or surface_from_rows(
             z.shape,
             sizes,
-            rows_of,
+            rows,
             comm,
             dtype,
             of_each_rank,

@@ -71,6 +71,8 @@ class Solver:
         Steps since the load began.
     state_names, scalar_names : tuple of str
         The attributes that a bit-identical continuation needs: local slabs, and numbers.
+    sources : tuple of str
+        Papers that the algorithm is from, with DOI.
     """
 
     elastic: Elastic
@@ -78,6 +80,7 @@ class Solver:
     p: np.ndarray
     d: np.ndarray  # the last step, of those that have one
     name = ""
+    sources: tuple[str, ...] = ()
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
     nests = True  # whether a nested start pays

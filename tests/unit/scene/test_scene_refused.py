@@ -9,7 +9,7 @@ from scene_tables import SURFACE, TABLES, changed, refusal, rows, tables
 
 from hpc_gfmd.contact import distribution_names, observable_names
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.scene.not_modelled import is_not_modelled
+from hpc_gfmd.scene.not_modelled import not_modelled
 from hpc_gfmd.scene.surface import KINDS
 from hpc_gfmd.solvers import solver_names
 from hpc_gfmd.solvers.options import read_options
@@ -27,6 +27,7 @@ seed = [-1, 1.0, 9223372036854775808, true]
 g_rms = [0, "1"]
 h_rms = [-1, 1e-200]
 physical_sizes = [1, [1], [1, 0], [1, 1, 1], [1, inf]]
+radius = [0, nan, [1], "1 Pa", inf, [inf, inf]]
 [material]
 E_star = [0, nan]
 E1 = [-1]
@@ -129,7 +130,9 @@ solvr.name = "gfmd" | nearest: solver,
 hurst = 0.8 | nearest: surface.hurst,
 surface.title = "late" | nearest: surface.physical_sizes (title is a key, too),
 surface.accuracy = 1e-3 | nearest: surface.boundary (solver.accuracy is a key, too),
-surface.radius = 1 | nearest: surface.
+surface.radius = 1 | surface: found radius with a periodic boundary, allowed: boundary = "free", or along x or y
+surface = {radius = [1, inf], boundary = ["periodic", "free"]} | surface: found radius with a periodic boundary
+surface.hurst_ = 1 | nearest: surface.hurst
 surface.kind = "sefl-affine" | nearest: "self-affine",
 machine.thread = 2 | nearest: machine.threads,
 xyzzy = 1 | nearest: title,
@@ -166,7 +169,7 @@ def test_tables_that_are_missing():
 ALIKE = "frictionless shared mumble gammas speedup wearable"
 NOT_MODELLED = """adhesion friction friction_coefficient mu plasticity elastoPlastic yield_stress
     viscosity viscoelastic hardness work_of_adhesion surface_energy gamma lubricant wear wear_rate
-    temperature T_thermal JKR Tabor_parameter shear_stress sliding_velocity relaxation_time
+    JKR Tabor_parameter shear_stress sliding_velocity relaxation_time
     hysteresis pull_off"""
 
 
@@ -188,11 +191,16 @@ def test_what_is_not_modelled_is_said(name):
         read_options("gfmd", {name: 1.0}, {"mass": (0, 1)})
 
 
+@pytest.mark.parametrize("name", ["temperature", "T_thermal", "heat", "current", "electric"])
+def test_conduction_is_an_observable(name):
+    assert 'output.observables = ["conductance"]' in refusal(tables() | {name: 1})
+
+
 def test_what_is_modelled_is_not_refused():
     tables_of = [Scene.model_fields[table].annotation for table in TABLES[1:]]
     keys = {key for model in (Scene, *KINDS.values(), *tables_of) for key in model.model_fields}
     known = keys | observable_names() | distribution_names() | set(solver_names())
-    assert not [name for name in known | set(ALIKE.split()) if is_not_modelled(name)]
+    assert not [name for name in known | set(ALIKE.split()) if not_modelled(name)]
 
 
 @pytest.mark.parametrize(("low", "band"), list(itertools.product([1.0, 1.7, 2.5], [1.0, 1.1, 1.2])))
