@@ -33,8 +33,10 @@ class Layer(Body):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        rigid = material.rigid_base and not any(free)
-        return cls(material.thickness, material.nu1, material.base) if rigid else None
+        t, nu = material.thickness, material.nu1
+        if t is None or nu is None or not material.rigid_base or any(free):
+            return None
+        return cls(t, nu, material.base)
 
     @classmethod
     def examples(cls) -> list[Body]:
