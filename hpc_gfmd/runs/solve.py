@@ -152,7 +152,8 @@ def solve(
         scene = scene_of_keywords(given, more, known)
         check(scene)
         z = _complete(heights if known is None else known.heights)
-    _require_the_same(comm, scene, z.shape)
+    if comm.size > 1:
+        _require_the_same(comm, scene, z.shape)
     of_each_rank = threads_of(comm, scene.machine.threads, z.size)
     head: dict[str, Any] = {}
     sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
