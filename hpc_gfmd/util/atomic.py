@@ -9,7 +9,7 @@ from uuid import uuid4
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """`with atomic_write(path) as tmp`: what is written to tmp becomes `path` in one move at the end.
+    """`with atomic_write(path) as tmp`: what is written to tmp becomes `path` in one move at last.
 
     Of a failure nothing is left, nor, where the file system has files without a name, of a process
     that is killed.
