@@ -21,7 +21,7 @@ COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 WARNING = "#D55E00"
 THEORY: dict[str, Any] = {"color": "0.35", "linewidth": 1.2}
 WIDTH = 7.2  # inches across two columns
-DPI, SCREEN_DPI = 300, 150
+DPI = 300
 
 
 def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
@@ -69,7 +69,7 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         with io.BytesIO() as png:
-            self.savefig(png, format="png", dpi=SCREEN_DPI)
+            self.savefig(png, format="png", dpi=DPI / 2)
             return png.getvalue()
 
 
