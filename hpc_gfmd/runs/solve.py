@@ -91,7 +91,8 @@ def solve(
         Wanted relative accuracy of a_r, mean gap and pressure field (L2); or residual=.
     nu, thickness, base
         An elastic layer of Poisson's ratio `nu` on a rigid base, "bonded" (default) or
-        "frictionless"; no `thickness`: a half-space.
+        "frictionless", or with base_E= and base_nu= on an "elastic" one; no `thickness`: a
+        half-space.
     boundary : "periodic", "free" or one for each axis
         Of an array; default: periodic. A surface that was read or made knows its own.
     radius : number, text or (R_x, R_y)

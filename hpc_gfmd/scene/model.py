@@ -77,7 +77,7 @@ class Scene(Table):
         pressures = {f"load.{key}": getattr(self.load, key) for key in ("pressure", "force")}
         pressures |= {
             f"material.{key}": getattr(material, key)
-            for key in (("E_star",) if material.E1 is None else ("E1", "E2"))
+            for key in ("base_E", *(("E_star",) if material.E1 is None else ("E1", "E2")))
         }
         alike("lengths", lengths | {"material.thickness": None if measured else material.thickness})
         alike("pressures and forces" if self.load.force else "pressures", pressures)
@@ -95,12 +95,10 @@ class Scene(Table):
                 "load.force: found periodic boundaries, allowed: with a free boundary (with"
                 " periodic ones: load.pressure)"
             )
-        if self.load.approach and not (
-            all(self.surface.free) or self.material.thickness is not None
-        ):
+        if self.load.approach and not (all(self.surface.free) or self.material.rigid_base):
             raise ValueError(
                 "load.approach: found a half-space that gives way without end, allowed: with free"
-                " boundaries along both axes, or material.thickness"
+                " boundaries along both axes, or material.thickness on a rigid base"
             )
         return self
 
