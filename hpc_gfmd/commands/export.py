@@ -15,7 +15,7 @@ from ..contact import all_numbers, unit_of
 from ..output.describe import coordinates, image, name_it
 from ..output.read import Result, read_result
 from ..parallel.guard import one_line
-from ..util.atomic import aside
+from ..util.atomic import atomic_write
 from ..util.errors import GfmdError, SceneError
 from ..util.quantities import in_units
 
@@ -66,7 +66,7 @@ def export(result: Result, kind: str, path: str | os.PathLike | None = None) -> 
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to export")
     try:
-        with aside(path) as tmp:
+        with atomic_write(path) as tmp:
             FORMATS[kind](result, tmp)
     except (OSError, ValueError) as error:
         raise GfmdError(f"writing {path}: {one_line(error)}") from error

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterable, Mapping
+from functools import cache
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -117,6 +118,7 @@ def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Arr
     return {name: arrays for name, arrays in found.items() if arrays is not None}
 
 
+@cache
 def _merged(table: str) -> dict[str, Any]:
     return {
         name: entry
@@ -125,5 +127,6 @@ def _merged(table: str) -> dict[str, Any]:
     }
 
 
+@cache
 def _observables() -> list[ModuleType]:
     return [importlib.import_module(f"{__name__}.{name}") for name in names_in(__name__, COMMON)]

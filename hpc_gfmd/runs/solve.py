@@ -16,12 +16,12 @@ import numpy as np
 
 from ..contact.contact import Contact, heights_of
 from ..driver.warmup import compile_once
-from ..kernels.cache import announced, sound
+from ..kernels.cache import on_first_compile, retry_without_cache
 from ..output.fields import FIELDS, Slab
 from ..output.read import Result
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
-from ..parallel.guard import guarded
+from ..parallel.guard import collective_errors
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
 from ..surface.analytic import Rows, on_form
@@ -146,14 +146,15 @@ def solve(
     given = {key: arguments[key] for key in HOMES if key in arguments} | {"nu1": nu}
     started, begun = datetime.now(UTC).isoformat(timespec="seconds"), time.monotonic()
     comm = comm_of(comm)
-    with guarded(comm, "reading the arguments"):
+    with collective_errors(comm, "reading the arguments"):
         if is_topography(heights):
             heights = prepare_surface(heights)
         known = heights if isinstance(heights, PreparedSurface) else None
         scene = scene_of_keywords(given, more, known)
         check(scene)
         z = _complete(heights if known is None else known.heights)
-    _require_the_same(comm, scene, z.shape)
+    if comm.size > 1:
+        _require_the_same(comm, scene, z.shape)
     of_each_rank = threads_of(comm, scene.machine.threads, z.size)
     head: dict[str, Any] = {}
     sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
@@ -215,8 +216,8 @@ def solve(
             compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
             solve_all()
         else:
-            with announced(partial(print, file=sys.stderr) if progress else None):
-                sound(solve_all)
+            with on_first_compile(partial(print, file=sys.stderr) if progress else None):
+                retry_without_cache(solve_all)
     except KeyboardInterrupt:
         if comm.size > 1 or not (steps and several):  # other ranks may not have been interrupted
             raise

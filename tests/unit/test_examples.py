@@ -29,7 +29,10 @@ def blocks(page):
     return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
 
 
-PAGES = [page for page in sorted(FOLDER.parent.glob("docs/howto/*.md")) if blocks(page)]
+DOCS = FOLDER.parent / "docs"
+PAGES = [
+    page for page in (*sorted(DOCS.glob("howto/*.md")), DOCS / "literature.md") if blocks(page)
+]
 
 
 def run(path, monkeypatch):
