@@ -4,7 +4,7 @@
 
 weight_l is the body's stiffness on that level (bodies/base.py), theta_l the local contact fraction:
 the restricted indicator of the contact. Damping each level by it is what keeps the spectrum of M K
-on the free points narrow at every load, without a parameter to tune.
+on the free points encode at every load, without a parameter to tune.
 
 The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the
 indicator of A, and x) and interpolate from it. Every rank restricts to the window of coarse rows
@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import DTypeLike
 
+from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_state
-from ..kernels.halfwidth import half
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level
 from ..parallel.coarsening import Level, Transfer, agglomerated, levels
 from ..parallel.halo import Windows
@@ -363,7 +363,7 @@ class Multilevel:
         UpdateSums, with <p, d> on F where there is a d."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
-        none, nowhere = self.dtype.type(0), np.zeros(still.shape, half(self.dtype))
+        none, nowhere = self.dtype.type(0), np.zeros(still.shape, stored_dtype(self.dtype))
 
         def restrict(k: int, i0: int, i1: int, scratch: tuple) -> tuple[float, ...]:
             rows = nowhere if d is None else d[i0:i1]

@@ -28,7 +28,7 @@ from ..surface import cell_of
 from ..util.errors import SceneError
 from .decomposition import share_of
 
-# g, p; d, which has half the width; and h, which in low memory is kept only where the surface
+# g, p; d, which is bfloat16; and h, which in low memory is kept only where the surface
 # ends
 FIELDS, STEP = 2, 0.5
 SOLVER = (

@@ -6,7 +6,7 @@ from transfers import SIZES, interpolation, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import bpx
-from hpc_gfmd.kernels.halfwidth import Widened, half, narrow, narrowed, widen
+from hpc_gfmd.kernels.bfloat16 import Decoded, decode, encode, encoded, stored_dtype
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.grid import Grid
 
@@ -14,7 +14,7 @@ from hpc_gfmd.parallel.grid import Grid
 def state(random, n, dtype=float):
     g = np.maximum(random.standard_normal(n), 0).astype(dtype)
     p = random.standard_normal(n).astype(dtype)
-    d = narrowed(random.standard_normal(n) * (g > 0), dtype)
+    d = encoded(random.standard_normal(n) * (g > 0), dtype)
     return g, p, d
 
 
@@ -32,7 +32,7 @@ def test_projected_step(random, n, coupling, dtype, rough, rounding):
     z = compliance * (p + coupling * P_x @ z_coarse @ P_y.T)
     closed = (g <= 0) & (p > 0)
     d[g > 1] = clipped_of(dtype)  # the last time: no step for the next one
-    last = np.where(g > 1, 0, Widened(d)[:]).astype(float)
+    last = np.where(g > 1, 0, Decoded(d)[:]).astype(float)
     wanted = np.where(closed, 0, np.maximum(g - a * z - b * last, 0) - g)
     x, work = np.empty(n, dtype), np.zeros((2, n[1] + 1), dtype)
     step = tuple(dtype(number) for number in (a, b, coupling, compliance))
@@ -41,31 +41,31 @@ def test_projected_step(random, n, coupling, dtype, rough, rounding):
     clipped = (wanted == -g) & ~closed
     assert np.array_equal(x[clipped], -g[clipped])  # to the bit
     assert np.array_equal(
-        np.where(np.isinf(Widened(d)[:]), -g, Widened(d)[:]), x
+        np.where(np.isinf(Decoded(d)[:]), -g, Decoded(d)[:]), x
     )  # what `update_state` takes it for
     assert np.all(g + x >= 0)
     assert found == pytest.approx(np.vdot(p.astype(float), x), abs=10 * rounding)
 
 
 def clipped_of(dtype):
-    """Minus infinity in half the width."""
-    return narrowed([-np.inf], dtype)[0]
+    """Minus infinity as it is stored."""
+    return encoded([-np.inf], dtype)[0]
 
 
 @pytest.mark.parametrize(("dtype", "rough"), [(np.float32, 1 / 128), (np.float64, 1e-7)])
-def test_half_the_width(random, dtype, rough):
+def test_storage_of_the_last_step(random, dtype, rough):
     """In kernels as in NumPy; 16 bits make nothing larger, and infinity stays what it is."""
     numbers = np.concatenate(
         [random.standard_normal(999) * 10.0 ** random.integers(-30, 30, 999), [0, -np.inf, np.inf]]
     ).astype(dtype)
-    halves = narrowed(numbers, dtype)
-    assert halves.dtype == half(dtype)
+    halves = encoded(numbers, dtype)
+    assert halves.dtype == stored_dtype(dtype)
     assert halves.itemsize == numbers.itemsize // 2
-    assert np.array_equal([narrow(number) for number in numbers], halves)
-    assert np.array_equal([widen(one) for one in halves], Widened(halves)[:])
-    assert np.allclose(Widened(halves)[:], numbers, rtol=rough, atol=0)
-    assert dtype == np.float64 or np.all(np.abs(Widened(halves)[:]) <= np.abs(numbers))
-    assert Widened(halves)[-2:].tolist() == [-np.inf, np.inf]
+    assert np.array_equal([encode(number) for number in numbers], halves)
+    assert np.array_equal([decode(one) for one in halves], Decoded(halves)[:])
+    assert np.allclose(Decoded(halves)[:], numbers, rtol=rough, atol=0)
+    assert dtype == np.float64 or np.all(np.abs(Decoded(halves)[:]) <= np.abs(numbers))
+    assert Decoded(halves)[-2:].tolist() == [-np.inf, np.inf]
 
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
