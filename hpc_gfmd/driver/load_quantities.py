@@ -167,7 +167,11 @@ SEARCHES: dict[str, type[LoadSearch]] = {
 
 
 def search_for(
-    load: LoadTarget, surface: Surface, known: Known, history: Sequence[dict[str, float]]
+    load: LoadTarget,
+    surface: Surface,
+    known: Known,
+    history: Sequence[dict[str, float]],
+    hardness: float | None = None,
 ) -> LoadSearch:
     """Begin the search for the load that gives a target.
 
@@ -176,7 +180,7 @@ def search_for(
     """
     value = load.value if load.quantity == "a_r" else load.value / surface.slope
     found = SEARCHES[load.quantity]
-    search = found(value, *known, known[-1], slope=found.usual)
+    search = found(value, *known, known[-1], hardness or inf, slope=found.usual)
     wanted, straight = search.straight(search.aim), search.straight
     before = [(point["x"], straight(point[load.quantity])) for point in history]
     before = [point for point in before if isfinite(point[1])]

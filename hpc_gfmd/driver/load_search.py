@@ -35,13 +35,18 @@ Value = tuple[float, float]  # and its relative error
 Errors = tuple[float, float]
 
 
+def x_of(p0: float, closes_at: float | None = None) -> float:
+    """The variable x of a search for p0, which is below closes_at where that is given."""
+    return log(p0) if closes_at is None else -log(1 / p0 - 1 / closes_at)
+
+
 @dataclass
 class LoadSearch(GivenLoad):
     """The state of a search: plain numbers, which make a checkpoint. A subclass knows a quantity.
 
     target: an area, or a length over the unit of slopes; tolerance: relative; counts: whether the
     error of the solution counts towards it; finest, heights: of the finest grid and of this one;
-    closes_at: p0 that closes the gap; x: log p0, or -log(1/p0 - 1/closes_at); slope: of the
+    closes_at: p0 that closes the gap, or the hardness; x: log p0, or -log(1/p0 - 1/closes_at); slope: of the
     straightened value over x; known: whether x is, so well that coarse grids need not search;
     low, high: (x, value) that bound the load; before: (x, straightened value) of the last
     certificate; trials: corrections by predictions on this grid; corrections: in all; looked: the

@@ -250,6 +250,8 @@ def _prolong(
         u[:inner, :points] -= coarse.h
         u *= real(coarse.grid.a / fine.a)
     before, after = _heights_around(problem)
+    compliance = 1 / problem.body.scale(fine)
+    most = np.inf if problem.hardness is None else compliance * problem.hardness
     heights, rows, coarse_rows = (
         (before, problem.heights, after),
         (fine.rows[0], fine.n[0]),
@@ -264,8 +266,9 @@ def _prolong(
         rows,
         coarse_rows,
         halved,
-        real(1 / problem.body.scale(fine)),
+        real(compliance),
         problem.body.near(fine).astype(problem.dtype),
+        real(most),
         fine.nominal,
     )
     return out

@@ -20,10 +20,12 @@ from ..parallel import interrupt
 from ..solvers import solver_class
 from ..surface.units import require_range, single_solves
 from ..util.errors import SceneError
+from ..util.quantities import format_quantity
 from .drive import LoopState, certificate_of, drive
 from .full_contact import CLOSED, FullContact
 from .load import GivenLoad, HeightStatistics
 from .load_quantities import OpeningSearch, restored, search_for
+from .load_search import x_of
 from .load_target import LoadTarget, load_targets
 from .nested import Nested, cold_gap
 from .precision import NOISE, counting, few_points, first_precision, too_little
@@ -76,10 +78,15 @@ class Sweep:
         lam_s: float | None = None,
         duality: bool = False,
         body: Body = HALF_SPACE,
+        hardness: float | None = None,
     ):
         self.make_surface, self.settings = make_surface, settings
-        self.E_star, self.lam_s, self.body = float(E_star), lam_s, body
+        self.E_star, self.lam_s, self.body, self.hardness = float(E_star), lam_s, body, hardness
         self.solver_class = solver_class(settings.name)
+        if hardness is not None and not self.solver_class.dents:
+            raise SceneError(
+                f'solver.name: found "{settings.name}" with material.hardness, allowed: "bpx"'
+            )
         self.target = Target(
             settings.accuracy, settings.residual, settings.max_iterations, duality=duality
         )
@@ -104,6 +111,17 @@ class Sweep:
             )
         pressures = load.p0(self.E_star, g_rms, float(np.prod(self.surface.sizes)))
         require_range(self.E_star, self.surface, pressures)
+        for p_mean in pressures:
+            if self.hardness is not None and p_mean >= self.hardness:
+                raise SceneError(
+                    f"load.{name}: found a pressure of {format_quantity(p_mean)}, allowed: below"
+                    f" material.hardness, {format_quantity(self.hardness)}"
+                )
+        if self.hardness is not None and (name == "a_r" and max(values) == 1 or min(values) == 0):
+            raise SceneError(
+                f"load.{name}: found full contact, allowed with material.hardness: less, as at a"
+                " pressure"
+            )
         if self.settings.precision == "single" and g_rms > 0:
             for p_mean in pressures:
                 if not single_solves(p_mean / (self.E_star * g_rms), self.surface.grid.N):
@@ -160,13 +178,14 @@ class Sweep:
         if not isinstance(load, LoadTarget):
             return GivenLoad(self._p_star(load), load)
         tolerance, heights = self.settings.tolerance, self._heights
-        if load.quantity == "a_r" and load.value == 1:
+        if load.quantity == "a_r" and load.value == 1 and self.hardness is None:
             if self.closed_form and not self.surface.grid.padded:
                 return GivenLoad(self._closing_pressure(), closes=True)
             if self.solver_class.holds_tension:
                 return FullContact(tolerance, self._flat_solution())
         known = (tolerance, self.settings.accuracy is not None, heights)
-        if load.quantity == "gap_mean" and self.solver_class.holds_tension:
+        elastic = self.solver_class.holds_tension and self.hardness is None
+        if load.quantity == "gap_mean" and elastic:
             single = load.value / self.surface.height_unit * self.surface.grid.N
             opens = single * float(self.body.near(self.surface.grid)[0])  # a single point so far
             if opens < NEARLY:
@@ -177,7 +196,7 @@ class Sweep:
                 closes_at = closed.p_mean / closed.pressure_unit
                 target = load.value / self.surface.slope
                 return OpeningSearch.below(closes_at, opens, target, known)
-        return search_for(load, self.surface, known, self._history)
+        return search_for(load, self.surface, known, self._history, self._limit)
 
     def _too_little(self) -> bool:
         """Whether single precision is too little for the load."""
@@ -242,7 +261,14 @@ class Sweep:
             self._begin(p0, arrays, numbers)
 
     def _problem(self, p_star: float) -> Problem:
-        return Problem(self.surface.grid, self.surface.gap, p_star, body=self.body)
+        return Problem(
+            self.surface.grid, self.surface.gap, p_star, body=self.body, hardness=self._limit
+        )
+
+    @property
+    def _limit(self) -> float | None:
+        """The hardness in the program's unit."""
+        return None if self.hardness is None else self._p_star(self.hardness)
 
     def _may_start_here(self, load: float | LoadTarget) -> bool:
         """Whether a load, or one that follows it if it closes the gap at once, may start from the
@@ -301,10 +327,11 @@ class Sweep:
             self._load.note,
             iterations,
             float(pairs),
+            self.hardness,
         )
         if status == "converged":
             known = {
-                "x": float(np.log(p_mean / (self.E_star * self.surface.slope))),
+                "x": x_of(p_mean / (self.E_star * self.surface.slope), self._limit),
                 "a_r": contact.contact_points / contact.N,
                 "gap_mean": certificate.gap_mean * self.surface.grid.a,
                 "approach": certificate.approach * self.surface.grid.a,

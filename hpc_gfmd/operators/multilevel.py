@@ -223,6 +223,7 @@ class Multilevel:
         x: np.ndarray,
         s: float,
         scratch: np.ndarray,
+        hardness: np.floating | None = None,
     ) -> tuple[float, ...]:
         """Pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of the
         pass. Returns its UpdateSums as a plain tuple."""
@@ -235,6 +236,7 @@ class Multilevel:
             self.fields[0],
             edges,
             self.transfers[0].tables,
+            hardness,
             self.grid.inside,
             scratch,
         )
@@ -339,7 +341,13 @@ class Multilevel:
         test = max(tt - 2 * share * ts + share**2 * norm, 0.0)
         return open_pp + missing**2 * contact + residual, finest + test, product
 
-    def restrict(self, g: np.ndarray, p: np.ndarray, d: np.ndarray | None = None) -> UpdateSums:
+    def restrict(
+        self,
+        g: np.ndarray,
+        p: np.ndarray,
+        hardness: np.floating | None = None,
+        d: np.ndarray | None = None,
+    ) -> UpdateSums:
         """From a state that no step has led to, what the update passes restrict; returns
         UpdateSums, with <p, d> on F where there is a d."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
@@ -347,7 +355,9 @@ class Multilevel:
         scratch = zeros_aligned((6, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
         none, nowhere = self.dtype.type(0), np.zeros(still.shape, half(self.dtype))
         sums = [
-            self.update_rows(k, g, p, nowhere if d is None else d[i0:i1], still, none, scratch)
+            self.update_rows(
+                k, g, p, nowhere if d is None else d[i0:i1], still, none, scratch, hardness
+            )
             for k, (i0, i1) in enumerate(self.passes)
         ]
         return UpdateSums.total(sums)

@@ -22,6 +22,7 @@ FIELDS = {  # what it is measured in, long_name
         "gap between the deformed surface and the rigid one, displacement + initial gap",
     ),
     "displacement": (LENGTH, "displacement of the elastic surface away from the rigid surface"),
+    "plastic": (LENGTH, "depth of the dents where the pressure is the hardness"),
     "heights": (
         LENGTH,
         "heights of the rigid surface, peaks up, measured from the highest; initial gap = -heights",

@@ -76,7 +76,7 @@ class Scene(Table):
         pressures = {f"load.{key}": getattr(self.load, key) for key in ("pressure", "force")}
         pressures |= {
             f"material.{key}": getattr(material, key)
-            for key in (("E_star",) if material.E1 is None else ("E1", "E2"))
+            for key in ("hardness", *(("E_star",) if material.E1 is None else ("E1", "E2")))
         }
         alike("lengths", lengths | {"material.thickness": None if measured else material.thickness})
         alike("pressures and forces" if self.load.force else "pressures", pressures)

@@ -38,7 +38,7 @@ PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 Parameter = Annotated[int, Field(ge=-MAX_INT, le=MAX_INT)] | float
 Names = Annotated[tuple[Path, ...], LIST, DISTINCT]
 Fields = Annotated[
-    tuple[Literal["pressure", "gap", "displacement", "heights"], ...], LIST, DISTINCT
+    tuple[Literal["pressure", "gap", "displacement", "plastic", "heights"], ...], LIST, DISTINCT
 ]
 POISSON = "a number above -1 and up to 0.5"
 NAMES = "a list of names, each once"
@@ -94,6 +94,15 @@ class Material(Table):
     )
     base: Literal["bonded", "frictionless"] = key(
         "how the layer is held by its base", '"bonded" or "frictionless"', "bonded"
+    )
+
+    hardness: Pressure | None = key(
+        "the largest pressure: where it is reached the solid has a dent (elastic - perfectly plastic)",
+        MODULUS,
+        None,
+        unit="pressure",
+        example="6 GPa",
+        said="none, elastic",
     )
 
     @model_validator(mode="after")
@@ -277,7 +286,7 @@ class Output(Table):
     )
     fields: Fields = key(
         "maps that are kept; pictures of the contact need pressure or gap",
-        'a list out of "pressure", "gap", "displacement", "heights", each once',
+        'a list out of "pressure", "gap", "displacement", "plastic", "heights", each once',
         (),
         example=["pressure", "gap"],
         said="none",

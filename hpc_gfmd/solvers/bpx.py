@@ -46,12 +46,14 @@ class Bpx(Solver):
     """The default solver. options: none. g: memory for the gap, taken over."""
 
     name = "bpx"
-    takes_gap = True
+    takes_gap = dents = True
     state_names = ("g", "p", "d")
     scalar_names = (
         "s",
         "rayleigh",
         "contact",
+        "yielded",
+        "depth",
         "gap_mean",
         "rz",
         "rd",
@@ -124,7 +126,7 @@ class Bpx(Solver):
     def refresh(self, uKu: float | None = None) -> None:
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
-        self._begin(self.levels.restrict(self.g, self.p))
+        self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
 
     def correct_load(self, p0: float) -> None:
         """The last step stays what the next one begins with: on F M is about 1/K, so that <z, K d>
@@ -132,11 +134,11 @@ class Bpx(Solver):
         before, self.p0 = self.p_cell, float(p0)
         self.p += self.problem.dtype.type(self.p_cell - before)
         rd, zKd, dKd = self.rd, self.zKd, self.dKd
-        self._measure(self.levels.restrict(self.g, self.p, self.d))
+        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit, self.d))
         self.zKd, self.dKd = zKd + self.rd - rd, dKd
 
     def resume(self) -> None:
-        self.levels.restrict(self.g, self.p)
+        self.levels.restrict(self.g, self.p, self.problem.limit)
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
     def _begin(self, sums: UpdateSums) -> None:
@@ -144,7 +146,7 @@ class Bpx(Solver):
         self.s = 1.0
         self.rayleigh = 1.0
         self._measure(sums, anew=True)
-        if self.levels.gap_mode.wanted(self.contact / self.grid.cell_points):
+        if self.levels.gap_mode.wanted((self.contact - self.yielded) / self.grid.cell_points):
             self.elastic.pairs += self.levels.gap_mode.pairs
 
     def state(self) -> tuple[dict[str, Any], ...]:
@@ -184,7 +186,7 @@ class Bpx(Solver):
         dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
         optimum = -pd / dKd if dKd > 0 else 1.0
         self.s = optimum if 0 < optimum < SHORT else 1.0
-        sums = self._update(self.s)
+        sums, depth = self._update(self.s), self.depth
 
         if plain or not a * a * self.rz > 0:
             self.rayleigh = 1.0
@@ -195,6 +197,8 @@ class Bpx(Solver):
         self.uKu += (
             2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd
         )  # K u = p - p_cell
+        if self.problem.hardness is not None:  # pd is without the work of what yields
+            self.uKu -= 2 * self.problem.hardness * (self.depth - depth)
         self.iterations += 1
 
     def _coefficients(self) -> tuple[float, float]:
@@ -220,8 +224,9 @@ class Bpx(Solver):
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
 
         def fill(i0: int, i1: int, x: np.ndarray) -> float:
+            rows, scratch, hardness = (i0, i1), self._scratch[id(x)], self.problem.limit
             return projected_step(
-                self.g, self.p, self.d, x, (i0, i1), z, transfer, step, inside, self._scratch[id(x)]
+                self.g, self.p, self.d, x, rows, z, transfer, step, hardness, inside, scratch
             )
 
         return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
@@ -234,8 +239,9 @@ class Bpx(Solver):
 
     def _update_rows(self, i0: int, i1: int, x: np.ndarray, s: float) -> tuple[float, ...]:
         scratch = self._scratch[id(x)]
+        k, s, hardness = self._number[i0], self.problem.dtype.type(s), self.problem.limit
         return self.levels.update_rows(
-            self._number[i0], self.g, self.p, self.d[i0:i1], x, self.problem.dtype.type(s), scratch
+            k, self.g, self.p, self.d[i0:i1], x, s, scratch, hardness
         )
 
     def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
@@ -253,6 +259,7 @@ class Bpx(Solver):
         self.rr, self.pp = sums.rr, sums.pp
         self.level_sums = [r1, t1, rt1, ts1, rs1]
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
+        self.yielded, self.depth = sums.yielded, sums.depth
         self.changing = max(sums.opening, sums.closing)
 
     # -- how far
@@ -272,6 +279,7 @@ class Bpx(Solver):
             self.rr,
             self.pp - self.rr,
             self.contact,
+            self.yielded,
             self.gap_mean * self.N,
             self.uKu,
             *self.level_sums,
@@ -289,7 +297,7 @@ class Bpx(Solver):
         return min(n * self.p_cell / load, self.N), gap
 
     def expected_area(self, squares: float) -> float:
-        open_pp, open_p4 = self.grid.comm.sum(open_moments(self.g, self.p, self.grid.inside))
+        open_pp, open_p4 = self.grid.comm.sum(open_moments(self.g, self.p, self.problem.limit, self.grid.inside))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
         wrong = misclassified_points(self.problem, self.g, self.p, squares, spread)
         return relative_area(max(wrong, self.changing), self.contact)
