@@ -10,7 +10,7 @@ import numpy as np
 
 from ..output.read import Result
 from ..scene import Scene
-from ..theory import persson
+from ..theory import persson, yielding
 from ..theory.elastic import Hertz, Westergaard
 from ..theory.slope_profile import SlopeProfile
 from ..util.errors import SceneError
@@ -47,6 +47,9 @@ def theory_of(scene: Scene | None, found: Mapping[str, Any]) -> Theory | None:
     surface, E_star = scene.surface, float(scene.material.E_star)
     if scene.material.thickness is not None:
         return None
+    if (hardness := scene.material.hardness) is not None:
+        periodic = surface.kind == "self-affine" and not any(surface.free)
+        return _yielding(E_star, float(hardness), found) if periodic else None
     if any(surface.free) and surface.kind != "sphere":
         return None
     known = {"self-affine": _persson, "wave": _westergaard, "sphere": _hertz}.get(surface.kind)
@@ -74,6 +77,23 @@ def _persson(surface: Any, E_star: float, found: Any) -> Theory | None:
 
     name = "Persson" if gap is None else f"Persson ($\\gamma = {persson.GAMMA:g}$)"
     return Theory(name, lambda p: persson.contact_area(p / unit), gap, density)
+
+
+def _yielding(E_star: float, hardness: float, found: Any) -> Theory | None:
+    slope = found.get("g_rms")
+    if not good(slope):
+        return None
+
+    def density(x: Any, p: Any) -> np.ndarray:
+        return yielding.pressure_distribution(x, p, hardness, slope, E_star)
+
+    def area(p: Any) -> np.ndarray:
+        def one(p0: float) -> float:
+            return yielding.areas(p0, hardness, slope, E_star)[0] if p0 < hardness else np.nan
+
+        return np.vectorize(one)(p)
+
+    return Theory("Persson, two ends", area, None, density)
 
 
 def _hertz(surface: Any, E_star: float, _: object) -> Theory:
