@@ -25,6 +25,7 @@ from ..output.summary import summary, surface_line
 from ..parallel.comm import SerialComm
 from ..scene.explain import nearest
 from ..util.errors import SceneError
+from .references import references_of
 from .table import html_table
 
 if TYPE_CHECKING:
@@ -69,6 +70,10 @@ class _Solved:
         replaces. Raises SceneError where it may not be written, GfmdError where writing fails.
         """
         return save(self.result, path, force, self.rows, self.comm)
+
+    def references(self) -> list[str]:
+        """What to cite: the program and the papers behind these numbers, with DOI, a line each."""
+        return references_of(self.result)
 
     def plot(self, what: str | None = None, **how: Any) -> "Figure":
         """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads; default of
