@@ -9,11 +9,11 @@ the solution:
     E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 1/K,
 
 for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled. With a
-hardness H p^ is at most that, H where there is a dent, and G has <H - p^, g^-> besides <p^, g^+>. The norm
-S of p^ - p is bounded without a transform by sums of squares on the levels of the multilevel
-operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap and of the pressure
-(certificate/error_estimates.py), and from that of the pressure how many points may be in the wrong
-set, in contact or out of it.
+hardness H p^ is at most that, H where there is a dent, and G has <H - p^, g^-> besides <p^, g^+>.
+The norm S of p^ - p is bounded without a transform by sums of squares on the levels of the
+multilevel operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap and of the
+pressure (certificate/error_estimates.py), and from that of the pressure how many points may be in
+the wrong set, in contact or out of it.
 
 In single precision what is smaller than the rounding errors of the heights, which count towards the
 errors, cannot be seen.
@@ -42,13 +42,13 @@ class Certificate:
     points over p0; complementarity: mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact -
     p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for; residual: rms of p out of contact
     over p0. errors: relative, estimated, of (area, mean gap, pressure field), nan if not asked for;
-    attainable: of the mean gap and the pressure field, what no iteration makes smaller.
-    energy: elastic energy per area, and approach: how far the bodies have come together since they
-    touched, without any deformation, both in the problem's unit; a half-space that is periodic
-    gives way to a uniform pressure without end: it has no approach (nan), nor, periodic along one
-    axis only, an energy (its own part is left out where it is periodic along both); uKu: <u, K u>;
-    contact: points; yielded: of these; gap_mean: problem's unit; pairs: FFT pairs this took; precision: in which it
-    was computed."""
+    attainable: of the mean gap and the pressure field, what no iteration makes smaller. energy:
+    elastic energy per area, and approach: how far the bodies have come together since they touched,
+    without any deformation, both in the problem's unit; a half-space that is periodic gives way to
+    a uniform pressure without end: it has no approach (nan), nor, periodic along one axis only, an
+    energy (its own part is left out where it is periodic along both); uKu: <u, K u>; contact:
+    points; yielded: of these; gap_mean: problem's unit; pairs: FFT pairs this took; precision: in
+    which it was computed."""
 
     penetration: float = 0.0
     tension: float = 0.0

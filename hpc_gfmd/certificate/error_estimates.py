@@ -11,7 +11,7 @@ at most |v|_S |e|_K; two of them give mean(e):
   |mean(e)| = |<v, S (p - p*)>|/N, which is far smaller where little is out of contact. Here p* is
   p^ but for a part that is at most half of the bound |v|_S sqrt(2 G)/N, because 1/2 <e, K e> is
   nearly all of G; and <v, S (p - p^)> is known. Where points yield e does not vanish either: of
-  what is free the open points have that share of the error, and the root of it of |v|_S, about.
+  what is free the open points have their share of it.
 
 Where the surface ends within the cell the first is a bound of the mean of e over the cell. That
 over the surface alone is different by <v, e>/N, v = 1 on the surface (less its mean): |v|_S is
@@ -91,7 +91,8 @@ class State(NamedTuple):
     """Sums over all points, and all ranks, of a state at the mean pressure p0.
 
     open_p, open_pp: of p and p^2 out of contact, less the hardness where a point yields; closed_pp:
-    of p^2 in contact; contact: points; yielded: of these; uKu: <u, K u>; rr, tt, rt, ts, rs: what Multilevel.sweep returns of p out of contact.
+    of p^2 in contact; contact: points; yielded: of these; uKu: <u, K u>; rr, tt, rt, ts, rs: what
+    Multilevel.sweep returns of p out of contact.
     """
 
     p0: float
@@ -137,10 +138,7 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
         state.open_p, state.open_pp, contact, *state[-5:]
     )
     opened = (N - state.contact) / max(N - contact, 1)  # not yielded, of what is free
-    e, response = (
-        np.sqrt(EQUIVALENCE * compliance * residual),
-        np.sqrt(opened * compliance * test) / share,
-    )
+    e, response = np.sqrt(EQUIVALENCE * compliance * residual), np.sqrt(compliance * test) / share
     squares = (CALIBRATION.pressure * e) ** 2 * body.typical(problem.grid)
 
     eps = ROUNDING * float(np.finfo(problem.dtype).eps)

@@ -92,7 +92,9 @@ OBSERVABLES = {
     "a_r": Observable(a_r, "relative contact area: points in contact over all points"),
     "kappa": Observable(_over_p_star(a_r), "a_r/p_star"),
     "a_plastic": Observable(
-        a_plastic, "share of the area where the pressure is the hardness: the part of a_r that yields"
+        a_plastic,
+        "share of the area where the pressure is the hardness: the part of a_r that yields",
+        sources=("Almqvist, Tribol. Int. 40 (2007) 574, doi:10.1016/j.triboint.2005.11.008",),
     ),
     "a_r_corrected": Observable(
         a_r_corrected,

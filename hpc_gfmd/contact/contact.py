@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 FEW_POINTS = 100  # fewer contact points than this say little about a rough contact
 PLASTIC, MANY = 0.2, 0.1  # pressure over E*, and share of the contact, at which solids yield
+YIELDS = (
+    "the pressure exceeds E*/5 on more than a tenth of the contact: material.hardness limits it"
+)
 UNIT_SLOPE = 1e-6
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
 
@@ -131,7 +134,7 @@ class Contact:
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
         of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
-        said = [self._doubt, self.remark, self._overloaded, *of_load, *self.surface.notes]
+        said = [self._doubt, self.remark, *of_load, *self.surface.notes, self._overloaded]
         return "; ".join(filter(None, said)) or None
 
     @cached_property
@@ -144,14 +147,10 @@ class Contact:
         if self.p_mean < MANY * area * high:
             return None
         limit, (rows, _) = high / self.pressure_unit, self.surface.grid.inside
-        above = sum(
-            np.count_nonzero(self.pressure_rows(slice(i, min(i + LAZY_ROWS, rows))) > limit)
-            for i in range(0, rows, LAZY_ROWS)
-        )
-        share = float(self.surface.grid.comm.sum([above])[0]) / max(self.contact_points, 1)
-        if share <= MANY:
-            return None
-        return f"the pressure exceeds E*/5 on {share:.0%} of the contact (material.hardness limits it)"
+        parts = (slice(i, min(i + LAZY_ROWS, rows)) for i in range(0, rows, LAZY_ROWS))
+        above = [float(np.count_nonzero(self.pressure_rows(part) > limit)) for part in parts]
+        found = self.surface.grid.comm.sum([sum(above)])[0]
+        return YIELDS if found > MANY * self.contact_points else None
 
     @property
     def _doubt(self) -> str | None:

@@ -117,7 +117,7 @@ class Sweep:
                     f"load.{name}: found a pressure of {format_quantity(p_mean)}, allowed: below"
                     f" material.hardness, {format_quantity(self.hardness)}"
                 )
-        if self.hardness is not None and (name == "a_r" and max(values) == 1 or min(values) == 0):
+        if self.hardness is not None and ((name == "a_r" and max(values) == 1) or min(values) == 0):
             raise SceneError(
                 f"load.{name}: found full contact, allowed with material.hardness: less, as at a"
                 " pressure"

@@ -4,9 +4,9 @@ Fourier transform.
 State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in half the width
 (halfwidth.py): one that is as rough costs no iteration. Contact A = {g <= 0 and p > 0}, the active
 set; free F = the rest. With a hardness g < 0 is the depth of a dent, A the elastic contact, and
-points that yield, which are free, have the residual p - hardness in place of p (yielding.py). `rows` = (i0, i1) are the local rows of one pass, x is scratch (>= i1 - i0,
-n_y) that begins with row i0; `transfer` is the tuple of tables that Transfer.tables has
-(parallel/coarsening.py).
+points that yield, which are free, have the residual p - hardness in place of p (yielding.py).
+`rows` = (i0, i1) are the local rows of one pass, x is scratch (>= i1 - i0, n_y) that begins with
+row i0; `transfer` is the tuple of tables that Transfer.tables has (parallel/coarsening.py).
 
 Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first
 rows and points of a slab). Beyond it there is no wall: g is the displacement u itself and does not
@@ -21,7 +21,7 @@ import numpy as np
 from .halfwidth import narrow, widen
 from .jit import inline, kernel, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row
-from .yielding import limit, yields
+from .yielding import at_contact, landing, limit, yields
 
 
 class UpdateSums(NamedTuple):
@@ -29,9 +29,8 @@ class UpdateSums(NamedTuple):
     tuple, which costs nothing to make.
 
     rr, pp: p^2 on F and everywhere, p less what yields; pd: p d on F; dx, px: d x and p x on F;
-    contact: points that touch; gap; opening, closing: points that would open, and close, if the same
-    step were made again; yielded: points of the contact; depth: of their dents.
-    """
+    contact: points that touch; gap; opening, closing: points that would open, and close, if the
+    same step were made again; yielded: points of the contact; depth: of their dents."""
 
     rr: float
     pp: float
@@ -53,8 +52,12 @@ class UpdateSums(NamedTuple):
 
 @kernel
 def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside, scratch):
-    """Write the next step to d and x: d = max(g - a z - b d, 0) - g on F, 0 on A; min where a point
-    yields. Returns <p, d>.
+    """Write the next step to d and x: d = max(g - a z - b d, 0) - g on F, 0 on A. Returns <p, d>
+    and
+    by how much dents become deeper, in all.
+
+    With a hardness a point may go through contact and yield, or come out of it (yielding.py); <p,
+    d> then has the work of dents.
 
     step: (a, b, coupling, compliance). z = compliance (p + coupling P z_coarse) is formed on the
     fly; coupling = 0 gives a plain projected gradient step. d has half the width, and x is what it
@@ -72,10 +75,10 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside,
     one, most = g.dtype.type(1), limit(hardness, zero)
     fine[:] = zero
     length = a * compliance
-    total = 0.0
+    total = deeper = 0.0
     for i in range(i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
-        s = zero
+        s = dents = zero
         if coupling > 0:
             combine_rows(z_coarse, k0[i], f_x[i], row)
             interpolate_row(row, fine, mode, j0, f)
@@ -83,14 +86,18 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside,
         for j in range(inner):
             last = zero if di[j] == clipped else widen(di[j])
             y = yields(gi[j], pi[j], hardness, zero, one)
-            side, r = one - y - y, pi[j] - y * most
+            r = pi[j] - y * most
             v = gi[j] - length * (r + coupling * fine[j]) - b * last
             closed = gi[j] <= zero and pi[j] > zero and y == zero
-            rough = narrow(side * max(side * v, zero) - gi[j])
-            rough = clipped if (side * v <= zero or side * widen(rough) <= -side * gi[j]) else rough
+            w = landing(v, y, length, hardness, zero)
+            rough = narrow(w - gi[j])
+            rough = clipped if at_contact(w, gi[j], widen(rough), hardness, zero) else rough
             rough = none if closed else rough
             e = -gi[j] if rough == clipped else widen(rough)
             s += r * e
+            if hardness is not None:
+                s += most * max((y + y - one) * (gi[j] + e), zero)
+                dents += max(-(gi[j] + e), zero) - max(-gi[j], zero)
             di[j] = rough
             xi[j] = e
         for j in range(inner, np.uint64(n)):
@@ -100,7 +107,8 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside,
             di[j] = rough
             xi[j] = e
         total += s
-    return total
+        deeper += dents
+    return total, deeper
 
 
 @kernel

@@ -152,7 +152,8 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, counts):
 
 @kernel
 def dual_rows(g, p, x, scale, shift, hardness, inside, i0, i1):
-    """x = e = p^ - p with the admissible pressure p^ = scale p + shift in contact, the hardness where
+    """x = e = p^ - p with the admissible pressure p^ = scale p + shift in contact, the hardness
+    where
     a point yields, 0 elsewhere; returns the sum of p^ g (0 if g >= 0) out of dents."""
     total = 0.0
     zero, one = x.dtype.type(0), x.dtype.type(1)

@@ -32,9 +32,9 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
     this rank's own, those, and the rows after: HALO of u and p, SWEEPS of h. halved: whether the
     coarse grid has half as many points along x, along y; nominal: points along each axis that have
     an initial gap. stencil: K_near for the point itself, its neighbours along x, along y, and the
-    diagonal ones. most: compliance times the hardness, inf without one. g may be h's own rows. Coarse point J lies on fine point 2 J; points in between
-    get the cubic through the four nearest, (-1, 9, 9, -1)/16, of u, and the mean of two of p.
-    """
+    diagonal ones. most: compliance times the hardness, inf without one. g may be h's own rows.
+    Coarse point J lies on fine point 2 J; points in between get the cubic through the four nearest,
+    (-1, 9, 9, -1)/16, of u, and the mean of two of p."""
     u_before, u, u_after = u
     p_before, p, p_after = p
     h_before, h, h_after = h

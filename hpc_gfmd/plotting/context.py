@@ -13,9 +13,9 @@ class FigureContext:
     """A result as it is drawn.
 
     result; chosen: indices into its steps; window: (x0, x1, y0, y1) in the unit of its sizes,
-    points: the same in grid points; hardness: of the solid, None without one; units, theory, lengths: how it is scaled, and what is drawn
-    beside it; dpi: of the print; name: in a legend of several results.
-    """
+    points: the same in grid points; hardness: of the solid, None without one; units, theory,
+    lengths: how it is scaled, and what is drawn beside it; dpi: of the print; name: in a legend of
+    several results."""
 
     def __init__(
         self,

@@ -97,7 +97,7 @@ class Material(Table):
     )
 
     hardness: Pressure | None = key(
-        "the largest pressure: where it is reached the solid has a dent (elastic - perfectly plastic)",
+        "the largest pressure, where the solid gets a dent (elastic - perfectly plastic)",
         MODULUS,
         None,
         unit="pressure",

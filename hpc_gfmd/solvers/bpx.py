@@ -28,7 +28,7 @@ from ..certificate.error_estimates import (
 from ..kernels.bpx import UpdateSums, projected_step
 from ..kernels.certify import open_moments
 from ..kernels.halfwidth import Widened, half, narrowed
-from ..operators.elastic import Elastic
+from ..operators.elastic import Elastic, total
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
 from ..util.aligned import LINE, zeros_aligned
@@ -179,17 +179,17 @@ class Bpx(Solver):
         if self.contact == 0:
             self._descend_to_contact()
         a, b = self._coefficients()
-        pd = self._search(a, b, 1.0)
+        pd, deeper = self._search(a, b, 1.0)
         descent = a * self.rz + b * self.rd
         plain = not -pd > DESCENT * descent
         if plain:
             a, b = 0.0, 0.0
-            pd = self._search(self.gradient, 0.0, 0.0)
+            pd, deeper = self._search(self.gradient, 0.0, 0.0)
         dKd = self.elastic.pressure_columns()
         dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
         optimum = -pd / dKd if dKd > 0 else 1.0
         self.s = optimum if 0 < optimum < SHORT else 1.0
-        sums, depth = self._update(self.s), self.depth
+        sums = self._update(self.s)
 
         if plain or not a * a * self.rz > 0:
             self.rayleigh = 1.0
@@ -200,8 +200,8 @@ class Bpx(Solver):
         self.uKu += (
             2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd
         )  # K u = p - p_cell
-        if self.problem.hardness is not None:  # pd is without the work of what yields
-            self.uKu -= 2 * self.problem.hardness * (self.depth - depth)
+        if self.problem.hardness is not None:  # pd has the work of dents
+            self.uKu -= 2 * self.s * self.problem.hardness * deeper
         self.iterations += 1
 
     def _coefficients(self) -> tuple[float, float]:
@@ -221,18 +221,20 @@ class Bpx(Solver):
         b = (zKz * rd - zKd * rz) / det
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
-    def _search(self, a: float, b: float, coupling: float) -> float:
-        """First pass: the next step into d and its row spectra; returns <p, d>."""
+    def _search(self, a: float, b: float, coupling: float) -> list[float]:
+        """First pass: the next step into d and its row spectra; returns <p, d>, and by how much
+        dents become deeper."""
         z, transfer, inside = self.levels.z, self.levels.transfers[0].tables, self.grid.inside
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
 
-        def fill(i0: int, i1: int, x: np.ndarray) -> float:
+        def fill(i0: int, i1: int, x: np.ndarray) -> tuple[float, float]:
             rows, scratch, hardness = (i0, i1), self._scratch[id(x)], self.problem.limit
             return projected_step(
                 self.g, self.p, self.d, x, rows, z, transfer, step, hardness, inside, scratch
             )
 
-        return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
+        found = self.elastic.pressure_rows(fill, self.passes)
+        return total(self.grid.comm, np.reshape(found, (-1, 2))).tolist()
 
     def _update(self, s: float) -> UpdateSums:
         """Last pass: x = K d by rows, new g and p; returns this rank's UpdateSums."""
@@ -243,9 +245,7 @@ class Bpx(Solver):
     def _update_rows(self, i0: int, i1: int, x: np.ndarray, s: float) -> tuple[float, ...]:
         scratch = self._scratch[id(x)]
         k, s, hardness = self._number[i0], self.problem.dtype.type(s), self.problem.limit
-        return self.levels.update_rows(
-            k, self.g, self.p, self.d[i0:i1], x, s, scratch, hardness
-        )
+        return self.levels.update_rows(k, self.g, self.p, self.d[i0:i1], x, s, scratch, hardness)
 
     def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping
@@ -300,7 +300,8 @@ class Bpx(Solver):
         return min(n * self.p_cell / load, self.N), gap
 
     def expected_area(self, squares: float) -> float:
-        open_pp, open_p4 = self.grid.comm.sum(open_moments(self.g, self.p, self.problem.limit, self.grid.inside))
+        moments = open_moments(self.g, self.p, self.problem.limit, self.grid.inside)
+        open_pp, open_p4 = self.grid.comm.sum(moments)
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
         wrong = misclassified_points(self.problem, self.g, self.p, squares, spread)
         return relative_area(max(wrong, self.changing), self.contact)

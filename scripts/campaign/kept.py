@@ -41,7 +41,7 @@ def _truths(contact, sizes, loads, *hardness):
         truth = _read(path)
         if truth is None or not truth.kkt < DOUBTFUL:
             near = start is not None and 0.5 < p_star / start.mean() < 2 and not hardness
-            truth = contact.solve(p_star, *hardness, start=start if near else None)
+            truth = contact.solve(p_star, start if near else None, *hardness)
             if near and not truth.kkt < DOUBTFUL:
                 truth = contact.solve(p_star)
             _write(path, truth)

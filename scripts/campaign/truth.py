@@ -89,8 +89,9 @@ class Contact:
     def times(self, multiplier, x):
         return fft.irfft2(multiplier * fft.rfft2(x), s=self.n)
 
-    def solve(self, p_star, hardness=None, start=None):
-        """The Truth at p*. start: the pressure of a similar load, without a hardness."""
+    def solve(self, p_star, start=None, hardness=None):
+        """The Truth at p*. start: the pressure of a similar load, without a hardness (unit of
+        p*)."""
         if hardness is not None:
             return self._yielding(p_star, hardness)
         K, h, D, N = self.K, self.h, self.D, self.N
@@ -149,8 +150,8 @@ class Contact:
         )
 
     def _yielding(self, p_star, hardness):
-        """The Truth where the pressure is at most a hardness (unit of p*): accelerated
-        proximal gradients (FISTA with restarts), then one linear problem on what is free; again
+        """The Truth where the pressure is at most a hardness: accelerated proximal gradients (FISTA
+        with restarts), then one linear problem on what is free; again
         where that moves points to another side."""
         K, h, D, N = self.K, self.h, self.D, self.N
         p0, step, inertia = p_star * (N / h.size), 1 / K.max(), 1.0

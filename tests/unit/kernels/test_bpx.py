@@ -10,7 +10,6 @@ from hpc_gfmd.kernels.halfwidth import Widened, half, narrow, narrowed, widen
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.grid import Grid
 
-
 with_a_hardness = pytest.mark.parametrize("hardness", [None, 0.4])
 
 
@@ -45,12 +44,14 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     z = compliance * (r + coupling * P_x @ z_coarse @ P_y.T)
     d[g > 1] = clipped_of(dtype)  # the last time: no step for the next one
     last = np.where(g > 1, 0, Widened(d)[:]).astype(float)
-    v = g - a * z - b * last
-    wanted = np.where(closed, 0, np.where(yields, np.minimum(v, 0), np.maximum(v, 0)) - g)
+    v, through = g - a * z - b * last, a * compliance * (hardness or np.inf)
+    opens = np.maximum(v, 0) + np.minimum(v + through, 0)
+    dents = np.minimum(v, 0) + np.maximum(v - through, 0)
+    wanted = np.where(closed, 0, np.where(yields, dents, opens) - g)
     x, work = np.empty(n, dtype), np.zeros((2, n[1] + 1), dtype)
     step = tuple(dtype(number) for number in (a, b, coupling, compliance))
     limit = hardness and dtype(hardness)
-    found = bpx.projected_step(
+    found, deeper = bpx.projected_step(
         g, p, d, x, (0, n[0]), padded.astype(dtype), t.tables, step, limit, n, work
     )
     assert np.allclose(x, wanted, rtol=rough, atol=rounding)
@@ -59,8 +60,11 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     assert np.array_equal(
         np.where(np.isinf(Widened(d)[:]), -g, Widened(d)[:]), x
     )  # what `update_state` takes it for
-    assert np.all(np.where(yields, -1, 1) * (g + x) >= 0)
-    assert found == pytest.approx(np.vdot(r.astype(float), x), abs=10 * rounding)
+    assert hardness or np.all(g + x >= 0)
+    grown = np.sum(np.maximum(-(g + x), 0) - np.maximum(-g, 0), dtype=float)
+    work_done = np.vdot(p.astype(float), x) + (hardness or 0) * grown
+    assert found == pytest.approx(work_done, abs=10 * rounding)
+    assert deeper == pytest.approx(grown, abs=10 * rounding)
 
 
 def clipped_of(dtype):
