@@ -49,5 +49,5 @@ for solution, colour in zip(solutions, ("C0", "C1")):
         label=f"Persson, {yielding.areas(*of_theory)[1]:.1%}",
     )
 ax.set(xlabel="pressure $p/H$", ylabel="$H\\,P(p)$ in elastic contact", xlim=(0, 1))
-ax.legend()
+fig.legend(loc="outside upper center", ncols=2)
 fig.savefig("hardness.png", dpi=150)

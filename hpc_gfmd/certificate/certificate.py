@@ -42,13 +42,14 @@ class Certificate:
     points over p0; complementarity: mean |p| g/(p0 gap_mean); load_balance: |mean of p in contact -
     p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for; residual: rms of p out of contact
     over p0. errors: relative, estimated, of (area, mean gap, pressure field), nan if not asked for;
-    attainable: of the mean gap and the pressure field, what no iteration makes smaller. energy:
-    elastic energy per area, and approach: how far the bodies have come together since they touched,
-    without any deformation, both in the problem's unit; a half-space that is periodic gives way to
-    a uniform pressure without end: it has no approach (nan), nor, periodic along one axis only, an
-    energy (its own part is left out where it is periodic along both); uKu: <u, K u>; contact:
-    points; yielded: of these; gap_mean: problem's unit; pairs: FFT pairs this took; precision: in
-    which it was computed."""
+    attainable: of the mean gap and the pressure field, what no iteration makes smaller.
+    energy: elastic energy per area, and approach: how far the bodies have come together since they
+    touched, without any deformation, both in the problem's unit; a half-space that is periodic
+    gives way to a uniform pressure without end: it has no approach (nan), nor, periodic along one
+    axis only, an energy (its own part is left out where it is periodic along both); uKu: <u, K u>;
+    pressures: L2 norm of the pressure in contact, over points; contact: points; yielded: of
+    these; gap_mean: problem's unit; pairs: FFT pairs this took; precision: in which it was
+    computed."""
 
     penetration: float = 0.0
     tension: float = 0.0
@@ -61,6 +62,7 @@ class Certificate:
     energy: float = 0.0
     approach: float = np.nan
     uKu: float = 0.0
+    pressures: float = 0.0
     contact: int = 0
     yielded: int = 0
     gap_mean: float = 0.0
@@ -143,6 +145,7 @@ def certify(
             attainable=attainable,
             energy=float(0.5 * uKu / N + rest),
             uKu=float(uKu),
+            pressures=float(np.sqrt(sums.closed_pp)),
             approach=float(problem.p_cell / uniform - mean - level) if uniform else np.nan,
             contact=int(contact) if np.isfinite(contact) else 0,
             yielded=int(sums.yielded),

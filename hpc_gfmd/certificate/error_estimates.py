@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain
+from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain, open_moments
 from ..operators.multilevel import EQUIVALENCE
 from ..operators.problem import ROUNDING
 
@@ -184,9 +184,15 @@ def misclassified_points(
     largest = max(min(mean_square * CALIBRATION.farthest**2, squares), sure**2)
     if largest <= 0:
         return 0.0
-    counts, grid = np.zeros((2, BINS)), problem.grid
-    compliance = 1.0 / problem.body.scale(grid)
-    count_uncertain(g, p, grid.inside, compliance, tie if double else 0.0, sure, largest, counts)
+    grid = problem.grid
+    limits = 1.0 / problem.body.scale(grid), tie if double else 0.0, sure, largest
+
+    def count(i0: int, i1: int) -> np.ndarray:
+        counts, inside = np.zeros((2, BINS)), (i1 - i0, grid.inside[1])
+        count_uncertain(g[i0:i1], p[i0:i1], inside, *limits, counts)
+        return counts
+
+    counts = np.sum([np.zeros((2, BINS)), *grid.by_rows(count, grid.inside[0])], axis=0)
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
     wrong = 0.0
@@ -198,6 +204,17 @@ def misclassified_points(
         spent, easiest = np.cumsum((points * takes)[::-1]), np.cumsum(points[::-1])
         wrong = max(wrong, min(likely, np.floor(np.interp(squares, spent, easiest))))
     return float(wrong)
+
+
+def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Sums of p^2 and p^4 off contact, less the hardness where a point yields, on this rank."""
+    (rows, points), limit = problem.grid.inside, problem.limit
+
+    def moments(i0: int, i1: int) -> tuple[float, float]:
+        return open_moments(g[i0:i1], p[i0:i1], limit, (i1 - i0, points))
+
+    sums = problem.grid.by_rows(moments, rows)
+    return np.sum(np.reshape(sums, (-1, 2)), axis=0)
 
 
 def spread_of(squares: float, fourth: float, contact: float, N: int) -> float:

@@ -14,7 +14,7 @@ their rows.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +26,7 @@ from ..parallel import interrupt
 from ..parallel.coarsening import gathered, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import Windows, neighbours, rows_of
+from ..parallel.threads import on_threads
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -34,19 +35,40 @@ if TYPE_CHECKING:
 
     MakeSolver = Callable[[Problem], Solver]
 
-# Points along an axis, in the geometric mean, below which there is no coarser grid. An axis of
-# fewer than SLIM points, which a cubic takes, is not decimated.
-COARSEST, SLIM = 32, 4
-# Residual of a coarse solution, of what its own start had: so much less for each grid finer than
-# it. What a finer grid adds is about what this one added to the coarser: to solve it better than
-# that is no use, but the coarser, the cheaper it is.
-REDUCTION = 0.6
-ITERATIONS = 60  # at most, on a coarse grid
-# of a coarse grid on one rank, at least: fewer are solved faster than they are sent
-RANK_POINTS = 2**13
-# share of points under tension in a closed coarse contact up to which the fine one may be without
-# any
-TENSION = 0.02
+SLIM = 4  # points that a cubic takes: an axis of fewer is not decimated
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """How the coarse grids are solved.
+
+    Measured by the pairs and the time of self-affine walls: errors are those of the finest grid.
+
+    Attributes
+    ----------
+    coarsest : int
+        Points along an axis, in the geometric mean, below which there is no coarser grid.
+    reduction : float
+        Residual of a coarse solution over that of its start, for each grid that is finer: what a
+        finer grid adds is about what this one adds to the coarser, so that a better solution is of
+        no use, but the coarser, the cheaper it is.
+    iterations : int
+        At most, on a coarse grid.
+    rank_points : int
+        Of a coarse grid on one rank, at least: fewer are solved faster than they are sent.
+    tension : float
+        Share of points under tension in a closed coarse contact up to which the fine one may be
+        without any.
+    """
+
+    coarsest: int = 32
+    reduction: float = 0.6
+    iterations: int = 60
+    rank_points: int = field(default=2**13, metadata={"measured": "scripts/bench scaling"})
+    tension: float = 0.02
+
+
+CALIBRATION = Calibration()
 
 
 def cold_gap(problem: Problem) -> np.ndarray:
@@ -88,11 +110,11 @@ class Decimation:
         n, _ = halved(grid.n, grid.spacings, SLIM)
         coarsened = [a != b for a, b in zip(n, grid.n)]
         points = [k for k, c in zip(n, coarsened) if c]
-        if not points or np.prod(points) < COARSEST ** len(points):
+        if not points or np.prod(points) < CALIBRATION.coarsest ** len(points):
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
-        starts = gathered(beside, n[0] * n[1], RANK_POINTS)
+        starts = gathered(beside, n[0] * n[1], CALIBRATION.rank_points)
         ranks = np.flatnonzero(np.diff(starts)).tolist()
         comm = grid.comm.subcomm(ranks)
         coarse = (
@@ -111,9 +133,7 @@ class Decimation:
         """The problem of every second point, None where this rank has none. Units of height and
         pressure stay, lengths become those of the coarser grid. Collective."""
         step = self.steps
-        h = np.ascontiguousarray(
-            problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
-        )
+        h = problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
         beside, starts = (np.minimum(rows, self.nominal[0]) for rows in (self.beside, self.starts))
         if not np.array_equal(beside, starts):
             windows, rank = (
@@ -146,7 +166,7 @@ class Nested:
         """finer: number of grids that are finer."""
         self.grid, self.step = grid, Decimation.of(grid)
         self.coarser: Nested | None = None
-        self.reduction = REDUCTION ** (finer + 1)
+        self.reduction = CALIBRATION.reduction ** (finer + 1)
         if self.step is not None and self.step.coarse is not None:
             self.step.coarse.fft(dtype)
             self.coarser = Nested(self.step.coarse, dtype, finer + 1)
@@ -203,7 +223,7 @@ class Nested:
             g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
             certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
             pairs = certificate.pairs * (coarse.grid.N / problem.grid.N)
-            likely = certificate.contact >= (1 - TENSION) * coarse.grid.N
+            likely = certificate.contact >= (1 - CALIBRATION.tension) * coarse.grid.N
         likely, pairs = problem.grid.comm.bcast_float([likely, pairs])
         return bool(likely), float(pairs)
 
@@ -217,7 +237,7 @@ def _roughly_solved(
     solver.start(g)
     progress = solver.progress()
     enough = reduction * progress.residual
-    for _ in range(ITERATIONS):
+    for _ in range(CALIBRATION.iterations):
         interrupt.check(problem.grid.comm)
         near = load.near(solver, progress)
         if not progress.finite or (near and progress.residual <= enough):
@@ -246,31 +266,33 @@ def _prolong(
     u = p = np.empty((0, step.n[1]), problem.dtype)
     if solver is not None and coarse is not None:
         u, p = solver.g, solver.p
-        inner, points = coarse.grid.inside
-        u[:inner, :points] -= coarse.h
-        u *= real(coarse.grid.a / fine.a)
+        grid, h, scale = coarse.grid, coarse.heights, real(coarse.grid.a / fine.a)
+        inner, points = grid.inside
+
+        def displacement(i0: int, i1: int) -> None:
+            u[i0 : min(i1, inner), :points] -= h[i0:i1]
+            u[i0:i1] *= scale
+
+        grid.by_rows(displacement)
+    heights, pieces = problem.heights, fine.pieces()
     before, after = _heights_around(problem)
-    compliance = 1 / problem.body.scale(fine)
+    # copies: where `out` is the memory of the heights, other threads write to it
+    borders = [heights[i - SWEEPS : i + SWEEPS].copy() for i, _ in pieces[1:]]
+    befores = [before, *(rows[:SWEEPS] for rows in borders)]
+    afters = [*(rows[SWEEPS:] for rows in borders), after]
+    coarse_rows = int(step.beside[fine.comm.rank]), step.n[0]
+    halved, compliance = tuple(k == 2 for k in step.steps), 1 / problem.body.scale(fine)
     most = np.inf if problem.hardness is None else compliance * problem.hardness
-    heights, rows, coarse_rows = (
-        (before, problem.heights, after),
-        (fine.rows[0], fine.n[0]),
-        (int(step.beside[fine.comm.rank]), step.n[0]),
-    )
-    halved = tuple(k == 2 for k in step.steps)
-    prolong_gap(
-        step.around(u),
-        step.around(p),
-        heights,
-        out,
-        rows,
-        coarse_rows,
-        halved,
-        real(compliance),
-        problem.body.near(fine).astype(problem.dtype),
-        real(most),
-        fine.nominal,
-    )
+    near = problem.body.near(fine).astype(problem.dtype)
+    how = halved, real(compliance), near, real(most)
+    fields = step.around(u), step.around(p)
+
+    def prolong(i0: int, i1: int, before: np.ndarray, after: np.ndarray) -> None:
+        h, rows = (before, heights[i0:i1], after), (fine.rows[0] + i0, fine.n[0])
+        prolong_gap(*fields, h, out[i0:i1], rows, coarse_rows, *how, fine.nominal)
+
+    each = [(*rows, *around) for rows, *around in zip(pieces, befores, afters)]
+    on_threads(fine.threads, prolong, each)
     return out
 
 

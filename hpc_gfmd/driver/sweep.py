@@ -20,15 +20,14 @@ from ..parallel import interrupt
 from ..solvers import solver_class
 from ..surface.units import require_range, single_solves
 from ..util.errors import SceneError
-from ..util.quantities import format_quantity
 from .drive import LoopState, certificate_of, drive
 from .full_contact import CLOSED, FullContact
 from .load import GivenLoad, HeightStatistics
 from .load_quantities import OpeningSearch, restored, search_for
 from .load_search import x_of
-from .load_target import LoadTarget, load_targets
+from .load_target import LoadTarget, load_targets, require_dents
 from .nested import Nested, cold_gap
-from .precision import NOISE, counting, few_points, first_precision, too_little
+from .precision import CALIBRATION, counting, few_points, first_precision, too_little
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
@@ -44,9 +43,8 @@ if TYPE_CHECKING:
 # a load up to so much larger or smaller starts from the one before, others from coarser grids
 WARM_UP, WARM_DOWN = 1.45, 1.26
 # (not round numbers, nor the next one: p* has rounding errors)
-SAME_LOAD = (
-    1e-9  # relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
-)
+# relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
+SAME_LOAD = 1e-9
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
 NEARLY = 0.2  # of E* g_rms: full contact takes 0.3 to 20
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
@@ -83,10 +81,6 @@ class Sweep:
         self.make_surface, self.settings = make_surface, settings
         self.E_star, self.lam_s, self.body, self.hardness = float(E_star), lam_s, body, hardness
         self.solver_class = solver_class(settings.name)
-        if hardness is not None and not self.solver_class.dents:
-            raise SceneError(
-                f'solver.name: found "{settings.name}" with material.hardness, allowed: "bpx"'
-            )
         self.target = Target(
             settings.accuracy, settings.residual, settings.max_iterations, duality=duality
         )
@@ -111,17 +105,8 @@ class Sweep:
             )
         pressures = load.p0(self.E_star, g_rms, float(np.prod(self.surface.sizes)))
         require_range(self.E_star, self.surface, pressures)
-        for p_mean in pressures:
-            if self.hardness is not None and p_mean >= self.hardness:
-                raise SceneError(
-                    f"load.{name}: found a pressure of {format_quantity(p_mean)}, allowed: below"
-                    f" material.hardness, {format_quantity(self.hardness)}"
-                )
-        if self.hardness is not None and ((name == "a_r" and max(values) == 1) or min(values) == 0):
-            raise SceneError(
-                f"load.{name}: found full contact, allowed with material.hardness: less, as at a"
-                " pressure"
-            )
+        if self.hardness is not None:
+            require_dents(self.solver_class, self.hardness, name, values, pressures)
         if self.settings.precision == "single" and g_rms > 0:
             for p_mean in pressures:
                 if not single_solves(p_mean / (self.E_star * g_rms), self.surface.grid.N):
@@ -129,6 +114,8 @@ class Sweep:
                         'solver.precision: found "single", too little for a pressure of'
                         f' {p_mean:g}, allowed: "auto", "double"'
                     )
+        if pressures:
+            return pressures
         best = (
             self.dtype
             if self.settings.precision == "single" or self.settings.low_memory
@@ -136,7 +123,7 @@ class Sweep:
         )
         resolution = LENGTHS * float(np.finfo(best).eps) / self.settings.tolerance
         top = 0.0 if name == "a_r" else self._heights.top * self.surface.slope
-        return pressures or load_targets(name, values, self.surface, top, resolution)
+        return load_targets(name, values, self.surface, top, resolution)
 
     def solve(
         self, load: float | LoadTarget, watch: Watch | None = None, midway: bool = False
@@ -178,14 +165,13 @@ class Sweep:
         if not isinstance(load, LoadTarget):
             return GivenLoad(self._p_star(load), load)
         tolerance, heights = self.settings.tolerance, self._heights
-        if load.quantity == "a_r" and load.value == 1 and self.hardness is None:
+        if load.quantity == "a_r" and load.value == 1:
             if self.closed_form and not self.surface.grid.padded:
                 return GivenLoad(self._closing_pressure(), closes=True)
             if self.solver_class.holds_tension:
                 return FullContact(tolerance, self._flat_solution())
         known = (tolerance, self.settings.accuracy is not None, heights)
-        elastic = self.solver_class.holds_tension and self.hardness is None
-        if load.quantity == "gap_mean" and elastic:
+        if load.quantity == "gap_mean" and self.solver_class.holds_tension and not self.hardness:
             single = load.value / self.surface.height_unit * self.surface.grid.N
             opens = single * float(self.body.near(self.surface.grid)[0])  # a single point so far
             if opens < NEARLY:
@@ -261,9 +247,7 @@ class Sweep:
             self._begin(p0, arrays, numbers)
 
     def _problem(self, p_star: float) -> Problem:
-        return Problem(
-            self.surface.grid, self.surface.gap, p_star, body=self.body, hardness=self._limit
-        )
+        return Problem(self.surface.grid, self.surface.gap, p_star, None, self.body, self._limit)
 
     @property
     def _limit(self) -> float | None:
@@ -317,17 +301,8 @@ class Sweep:
             self.surface,
             self.E_star,
             p_mean,
-            g,
-            p,
-            status,
-            certificate,
-            self.settings.tolerance,
-            self.lam_s,
-            self.body,
-            self._load.note,
-            iterations,
-            float(pairs),
-            self.hardness,
+            *(g, p, status, certificate, self.settings.tolerance),
+            *(self.lam_s, self.body, self._load.note, iterations, float(pairs), self.hardness),
         )
         if status == "converged":
             known = {
@@ -394,7 +369,7 @@ class Sweep:
             few_points(problem.grid.N, problem.p0, self.target.accuracy)
             or problem.p0 >= HALF_SPACE.full_p_star
         )
-        return few or self._noise(problem) > NOISE * counting(self.target, problem.p0)
+        return few or self._noise(problem) > CALIBRATION.noise * counting(self.target, problem.p0)
 
     def _noise(self, problem: Problem) -> float:
         return problem.noise(self.surface.h_rms / self.surface.height_unit)

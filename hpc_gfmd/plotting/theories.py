@@ -52,9 +52,11 @@ def theory_of(scene: Scene | None, found: Mapping[str, Any]) -> Theory | None:
     if (hardness := scene.material.hardness) is not None:
         periodic = surface.kind == "self-affine" and not any(surface.free)
         return _yielding(E_star, float(hardness), found) if periodic else None
-    if any(surface.free) and surface.kind != "sphere":
+    if surface.kind == "sphere":
+        return _hertz(surface, E_star) if len({*surface.radii}) == 1 else None
+    if any(surface.free):
         return None
-    known = {"self-affine": _persson, "wave": _westergaard, "sphere": _hertz}.get(surface.kind)
+    known = {"self-affine": _persson, "wave": _westergaard}.get(surface.kind)
     return known and known(surface, E_star, found)
 
 
@@ -103,11 +105,9 @@ def _yielding(E_star: float, hardness: float, found: Any) -> Theory | None:
     return Theory("Persson, two ends", area, None, density, sources=(source,))
 
 
-def _hertz(surface: Any, E_star: float, _: object) -> Theory:
-    radius, area = (
-        float(surface.radius),
-        float(surface.physical_sizes[0]) * float(surface.physical_sizes[1]),
-    )
+def _hertz(surface: Any, E_star: float) -> Theory:
+    radius = float(surface.radii[0])
+    area = float(surface.physical_sizes[0]) * float(surface.physical_sizes[1])
 
     def contact(p: Any) -> Any:
         return Hertz(radius, p * area, E_star)

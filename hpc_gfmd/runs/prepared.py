@@ -2,7 +2,7 @@
 process."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,7 @@ from ..contact.contact import heights_of
 from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..surface import build_surface
-from ..surface.arrays import ArrayMap, is_topography, of_topography
+from ..surface.arrays import ArrayMap, is_topography, of_topography, unreliable
 from ..surface.prepare import prepare
 from ..surface.topography import Topography, open_topography, topography_of
 from ..util.quantities import prefixed
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..plotting.style import Figure
 
 
-PERIODIC = {"boundary", "mirror", "window", "refine", "downsample"}  # keys that settle the edges
+PERIODIC = {"boundary", "mirror", "window"}  # keys that settle the edges
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,22 +139,25 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     SceneError
         As `read_surface`.
     """
-    said = None
+    said, doubt = None, None
     if is_topography(heights):
+        doubt = unreliable(heights)
         heights, said = of_topography(heights)
         if not said.periodic and not keys.keys() & PERIODIC:
             keys["boundary"] = "free"
     elif not keys.keys() & {"physical_sizes", "unit"}:
         keys["physical_sizes"] = 1.0, 1.0
     scene, _ = _scene({"kind": "file", "path": "heights"} | keys, "hpc_gfmd.prepare_surface")
-    return _prepared(topography_of(ArrayMap(heights, said), scene.surface), scene.surface)
+    made = _prepared(topography_of(ArrayMap(heights, said), scene.surface), scene.surface)
+    return replace(made, notes=(*made.notes, doubt[1])) if doubt else made
 
 
 def _prepared(found: Topography, spec: Any) -> PreparedSurface:
     found, done, notes = prepare(found, spec, SerialComm())
-    return PreparedSurface(
-        found.rows(0, found.n[0]), found.sizes, found.unit, done, notes, spec.free
-    )
+    heights = found.rows(0, found.n[0])
+    heights = heights if heights.flags.owndata else heights.copy()  # the caller may change his own
+    heights.flags.writeable = False
+    return PreparedSurface(heights, found.sizes, found.unit, done, notes, spec.free)
 
 
 def make_surface(kind: str, **keys: Any) -> PreparedSurface:
@@ -183,6 +186,7 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
     scene, table = _scene({"kind": kind} | keys, "hpc_gfmd.make_surface")
     made = build_surface(scene.surface, SerialComm(), np.float64)
     heights = np.asarray(heights_of(made))
+    heights.flags.writeable = False
     return _known(
         PreparedSurface(heights, made.sizes, scene.length_unit, free=scene.surface.free), table
     )
@@ -194,7 +198,6 @@ def _scene(table: dict[str, Any], caller: str) -> tuple[Scene, dict[str, Any]]:
 
 
 def _known(surface: PreparedSurface, table: dict[str, Any]) -> PreparedSurface:
-    surface.heights.flags.writeable = False  # the table says what they are
     object.__setattr__(surface, "table", table)
     return surface
 

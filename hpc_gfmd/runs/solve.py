@@ -10,6 +10,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -19,14 +20,16 @@ from ..kernels.cache import announced, sound
 from ..output.fields import FIELDS, Slab
 from ..output.read import Result
 from ..parallel.comm import Comm
+from ..parallel.grid import Grid
 from ..parallel.guard import guarded
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
+from ..surface.analytic import Rows, on_form
 from ..surface.arrays import checked_array, is_topography
 from ..surface.build import Surface, surface_from_rows
-from ..surface.heights import Checksum, checked
+from ..surface.heights import checked
 from ..surface.quality import DIFFERENT_UNITS, MapQuality
-from ..surface.topography import Rows, Topography
+from ..surface.topography import Topography
 from ..util.errors import NotConverged, SceneError
 from ..util.versions import versions
 from .keywords import HOMES, scene_of_keywords, several_loads
@@ -60,7 +63,7 @@ def solve(
     fields: Sequence[str] = ("pressure", "gap", "heights"),
     observables: Sequence[str] | None = None,
     distributions: Sequence[str] = (),
-    threads: int | str = 1,
+    threads: int | str = "auto",
     progress: bool = False,
     comm: Any = None,
     **more: Any,
@@ -95,13 +98,17 @@ def solve(
         "frictionless"; no `thickness`: a half-space.
     boundary : "periodic", "free" or one for each axis
         Of an array; default: periodic. A surface that was read or made knows its own.
+    radius : number, text or (R_x, R_y)
+        Of an array with a free boundary: a ball (inf: a cylinder) under its heights. A surface that
+        was read or made knows its own.
     fields : list of "pressure", "gap", "displacement", "plastic", "heights"
         Fields that are kept and that `save` writes; () keeps none, for long sweeps of large maps.
     observables, distributions : lists of names
         As in the scene's [output]: computed with each load beside the cheap ones; others can be
         asked of a Solution later.
-    threads : int or "auto"
-        Threads of this process.
+    threads : int, default "auto"
+        Threads of this process: the cores that it may use, one for less than 1024 x 1024 points,
+        where more do not pay; one of each rank with `comm`. No result depends on their number.
     progress : bool
         Whether to draw a progress bar for each load.
     comm : communicator of mpi4py
@@ -150,12 +157,14 @@ def solve(
         check(scene)
         z = _complete(heights if known is None else known.heights)
     _require_the_same(comm, scene, z.shape)
-    of_each_rank = threads_of(comm, scene.machine.threads)
+    of_each_rank = threads_of(comm, scene.machine.threads, z.size)
     head: dict[str, Any] = {}
     sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
 
     def rows_of(start: int, stop: int) -> np.ndarray:
         return np.asarray(z[start:stop], dtype=np.float64)
+
+    rows = rows_of if known else on_form(rows_of, scene.surface.radii, z.shape, sizes)
 
     notes = (
         known.notes
@@ -166,10 +175,18 @@ def solve(
     )
 
     def make_surface(dtype: np.dtype) -> Surface:
-        unit = known.unit if known else ""
-        made = surface_from_rows(
-            z.shape, sizes, rows_of, comm, dtype, of_each_rank, scene.surface.free, Checksum(), unit
+        made = _kept_surface(known, dtype, comm, of_each_rank) or surface_from_rows(
+            z.shape,
+            sizes,
+            rows,
+            comm,
+            dtype,
+            of_each_rank,
+            scene.surface.free,
+            known=False,
+            unit=known.unit if known else "",
         )
+        _keep_surface(known, dtype, made)
         head["heights"] = made.checksum
         head.setdefault("setup_seconds", time.monotonic() - begun)
         checksum = made.checksum if hasattr(scene.surface, "path") else None  # of a measured map
@@ -231,6 +248,27 @@ def solve(
     if stopped:
         raise Interrupted(found) from None
     return found if several else found[0]
+
+
+_surfaces: WeakKeyDictionary[PreparedSurface, dict[np.dtype, Surface]] = WeakKeyDictionary()
+
+
+def _kept_surface(
+    known: PreparedSurface | None, dtype: np.dtype, comm: Comm, threads: int
+) -> Surface | None:
+    """What was found of a surface in an earlier solve of this process, on the grid that this thread
+    keeps."""
+    made = _surfaces.get(known, {}).get(dtype) if known and comm.size == 1 else None
+    if made is None:
+        return None
+    grid = made.grid
+    return replace(made, grid=Grid.kept(grid.n, grid.sizes, comm, threads, nominal=grid.nominal))
+
+
+def _keep_surface(known: PreparedSurface | None, dtype: np.dtype, made: Surface) -> None:
+    """For as long as there is the surface, whose heights nobody can change."""
+    if known and made.grid.comm.size == 1 and not known.heights.flags.writeable:
+        _surfaces.setdefault(known, {})[dtype] = made
 
 
 def _fields(names: Iterable[str], contact: Contact | None) -> dict[str, Slab]:
