@@ -297,13 +297,9 @@ class Sweep:
         iterations: int = 0,
         pairs: float = 0.0,
     ) -> Contact:
-        contact = Contact(
-            self.surface,
-            self.E_star,
-            p_mean,
-            *(g, p, status, certificate, self.settings.tolerance),
-            *(self.lam_s, self.body, self._load.note, iterations, float(pairs), self.hardness),
-        )
+        of_all = self.settings.tolerance, self.lam_s, self.body, self._load.note
+        done = status, certificate, *of_all, iterations, float(pairs), self.hardness
+        contact = Contact(self.surface, self.E_star, p_mean, g, p, *done)
         if status == "converged":
             known = {
                 "x": x_of(p_mean / (self.E_star * self.surface.slope), self._limit),
