@@ -1,83 +1,63 @@
-"""What makes a result file open in other programs: coordinates and units (xarray, netCDF), and the
-group that ParaView reads."""
+"""What makes a result file open in other programs: coordinates, numbers and units (xarray, netCDF),
+and the group that ParaView reads."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-Attributes = Mapping[str, Any]
+from .numbers import About, Attributes, axes, numbers, said_of
 
 SIGNS = (
     "lengths count away from the rigid surface: gap = displacement + initial gap >= 0, initial gap"
     " = -heights; pressures push"
 )
-# attribute of the surface; or else
-LENGTH, PRESSURE = ("unit", "unit of physical_sizes"), ("pressure_unit", "unit of E_star")
-FIELDS = {  # what it is measured in, long_name
-    "pressure": (PRESSURE, "contact pressure, 0 where the gap is open"),
-    "gap": (
-        LENGTH,
-        "gap between the deformed surface and the rigid one, displacement + initial gap",
-    ),
-    "displacement": (LENGTH, "displacement of the elastic surface away from the rigid surface"),
-    "heights": (
-        LENGTH,
-        "heights of the rigid surface, peaks up, measured from the highest; initial gap = -heights",
-    ),
-    "x": (LENGTH, "position along the first axis"),
-    "y": (LENGTH, "position along the second axis"),
-    "p": (PRESSURE, "mean pressure"),
-    "loads": (PRESSURE, "mean pressure of the load steps"),
-}
 
 
-def describe(file: Any) -> None:
-    """Add to a file that has all its groups and fields: x, y, loads; steps/NNNN/x, y, p beside
-    fields; VTKHDF, views of the fields."""
-    surface, steps = (
-        file["surface"],
-        [file["steps"][name] for name in sorted(file.get("steps", ()), key=int)],
-    )
-    about = surface.attrs
-    if "n" not in about:
+def describe(file: Any, surface: Attributes, steps: Mapping[str, Attributes], about: About) -> None:
+    """Add to a file that has all its groups and fields: load, x, y and the numbers of all loads;
+    steps/NNNN/x, y, p beside fields; VTKHDF, views of the fields. steps: attributes by group."""
+    if "n" not in surface:
         return  # before the surface is made
-    scales = coordinates(file, about, [step.attrs.get("p", np.nan) for step in steps])
-    for group in (surface, *steps):
+    scales = coordinates(file, surface, numbers([*steps.values()]), about)
+    groups = [file[name] for name in steps]
+    for group in (file["surface"], *groups):
         for name in _fields(group):
-            name_it(group[name], about, scales[1:])
-            if group != surface:
+            name_it(group[name], surface, about, scales[1:])
+            if group != file["surface"]:
                 group[name].attrs["coordinates"] = "p"
         if _fields(group):
             group["x"], group["y"] = scales[1:]  # hard links
-    for step, p in zip(steps, file["loads"]):
-        step["p"] = p
-        name_it(step["p"], about)
-        if "heights" in surface:
-            step["heights"] = surface["heights"]
-    if steps and min(about["n"]) > 1:
-        _views(file, steps, scales, about)
+    for group, p in zip(groups, file["load"]):
+        group["p"] = p
+        name_it(group["p"], surface, about)
+        if "heights" in file["surface"]:
+            group["heights"] = file["surface/heights"]
+    if groups and min(surface["n"]) > 1:
+        _views(file, groups, scales, surface, about)
 
 
-def coordinates(group: Any, surface: Attributes, loads: ArrayLike) -> list:
-    """The dimension scales loads, x and y of a group."""
-    values = {"loads": np.array(loads)}
-    values |= {
-        name: np.arange(n) * (size / n)
-        for name, n, size in zip("xy", surface["n"], surface["physical_sizes"], strict=True)
-    }
-    for name, numbers in values.items():
-        group.create_dataset(name, data=numbers).make_scale(name)
-        name_it(group[name], surface)
-    return [group[name] for name in values]
+def coordinates(
+    group: Any, surface: Attributes, found: Mapping[str, np.ndarray], about: About
+) -> list:
+    """Add the dimension scales load, x and y, which are returned, and the numbers of all loads
+    along the first of them."""
+    scales = {"load": found.get("p", np.zeros(0)), **axes(surface)}
+    for name, values in scales.items():
+        group.create_dataset(name, data=values).make_scale(name)
+        name_it(group[name], surface, about)
+    for name, values in found.items():
+        stored = {"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype)
+        group[name] = values.astype(stored)
+        name_it(group[name], surface, about, [group["load"]])
+        if values.dtype == bool:
+            group[name].attrs["dtype"] = "bool"  # as xarray stores and reads it
+    return [group[name] for name in scales]
 
 
-def name_it(dataset: Any, surface: Attributes, scales: Sequence = ()) -> None:
-    """Units, long_name and axes of a dataset; surface: attributes."""
-    name = dataset.name.rpartition("/")[2]
-    unit, long_name = FIELDS.get(name, (("", "1"), name))
-    dataset.attrs.update(units=surface.get(*unit), long_name=long_name)
+def name_it(dataset: Any, surface: Attributes, about: About, scales: Sequence = ()) -> None:
+    """Add units, long_name and axes to a dataset."""
+    dataset.attrs.update(said_of(dataset.name.rpartition("/")[2], surface, about))
     for axis, scale in zip(dataset.dims, scales):
         axis.attach_scale(scale)
 
@@ -117,7 +97,7 @@ def image(
     return vtk
 
 
-def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes) -> None:
+def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, about: About) -> None:
     import h5py
 
     def view(group: Any, name: str) -> None:
@@ -130,10 +110,10 @@ def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes) ->
         )
         for k, one in enumerate(sources):
             layout[k] = h5py.VirtualSource(".", one.name, one.shape, one.dtype)
-        name_it(group.create_virtual_dataset(name, layout), surface, scales)
+        name_it(group.create_virtual_dataset(name, layout), surface, about, scales)
 
     if names := sorted(set.intersection(*(set(_fields(step)) for step in steps))):
-        vtk = image(file, surface, file["loads"][:], names, view)
+        vtk = image(file, surface, file["load"][:], names, view)
         if times := vtk.get("Steps"):
             for dataset in (times["Values"], *times["PointDataOffsets"].values()):
                 dataset.dims[0].attach_scale(scales[0])

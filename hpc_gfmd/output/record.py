@@ -20,6 +20,7 @@ from ..parallel.h5 import Stored, io_way, write_file
 from ..util.errors import GfmdError, SceneError
 from .describe import SIGNS, describe
 from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
+from .numbers import About
 from .read import (
     CHECKPOINT,
     FORMAT,
@@ -38,7 +39,8 @@ class RunFile(AbstractContextManager):
     path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; head: root
     attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`; surface:
     attributes; resume: go on with an interrupted run of the same identity; force: begin anew, and
-    replace even what is no result of this scene; how: as of parallel.h5.write_file.
+    replace even what is no result of this scene; about: what the numbers of the steps are, as
+    contact.all_numbers gives it; how: as of parallel.h5.write_file.
 
     finished: attributes of the steps that are there, by their indices; resumed: whether an
     interrupted run goes on; notes: what was found, a line each; earlier: root attributes of the run
@@ -58,10 +60,11 @@ class RunFile(AbstractContextManager):
         *,
         resume: bool = True,
         force: bool = False,
+        about: About | None = None,
         **how: Any,
     ):
         self.comm, self.path, self.partial = comm, followed(path), partial_folder(path)
-        self._points, self._how = ((int(n[0]), int(n[1])), rows), how
+        self._points, self._how, self._about = ((int(n[0]), int(n[1])), rows), how, about or {}
         self._lock: int | None = None
         try:
             left, self.resumed, self.notes = on_rank_0(
@@ -250,7 +253,7 @@ class RunFile(AbstractContextManager):
             path,
             *self._points,
             fields,
-            lambda file: describe(set_attributes(file, groups)),
+            lambda file: describe(set_attributes(file, groups), self._surface, steps, self._about),
             **self._how,
         )
 

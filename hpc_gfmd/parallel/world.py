@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import Any
 
 from ..util.errors import GfmdError, SceneError
+from ..util.machine import cores
 from ..util.streams import Stream
 from .comm import Comm, MpiComm, SerialComm
 from .launcher import LAUNCHER, launched, srun_size, tasks_per_node
@@ -84,20 +85,19 @@ def threads_of(comm: Comm, wanted: int | str) -> int:
                 f" ({THREADS_PER_CORE} per core)"
             )
         return wanted
-    cores = sorted(os.sched_getaffinity(0))
+    here = cores()
     of_slurm = os.environ.get("SLURM_CPUS_PER_TASK", "")
     if comm.min([of_slurm.isdigit() and int(of_slurm)])[0] > 0:
-        return min(int(of_slurm), len(cores))
-    together = comm.machine.allgather(cores).count(
-        cores
-    )  # ranks that are bound elsewhere do not share our cores
-    return max(1, len(cores) // together)
+        return min(int(of_slurm), len(here))
+    # ranks that are bound elsewhere do not share our cores
+    together = comm.machine.allgather(here).count(here)
+    return max(1, len(here) // together)
 
 
 def ranks_per_node(ranks: int, threads: int) -> int:
     """How many of so many ranks share a node, as long as nobody says: as many as Slurm starts on
     one, else as the cores that this process may use are enough for."""
-    return min(ranks, tasks_per_node() or max(1, len(os.sched_getaffinity(0)) // threads))
+    return min(ranks, tasks_per_node() or max(1, len(cores()) // threads))
 
 
 def _abort_on_error(mpi: Any, hook: Hook) -> Hook:

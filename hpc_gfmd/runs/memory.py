@@ -1,11 +1,9 @@
 """How much memory a scene takes on each rank, and whether it is there."""
 
 import math
-import os
-import resource
+import platform
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -26,6 +24,7 @@ from ..parallel.guard import agree
 from ..scene import Scene
 from ..surface import cell_of
 from ..util.errors import SceneError
+from ..util.machine import GIB, available_gib, limit_gib
 from .decomposition import share_of
 
 # g, p; d, which has half the width; and h, which in low memory is kept only where the surface
@@ -40,7 +39,6 @@ MODES_GIB = 0.025  # while the modes are made that free edges couple
 PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
 # what threads keep for themselves, however many; each of them
 THREADS_GIB, THREAD_GIB = 0.01, 0.0015
-GIB = 2**30
 
 # points: for more, which no machine holds, not even the tables of an axis are worth making
 LONGEST_AXIS = 2**26
@@ -165,69 +163,6 @@ def _in_double(scene: Scene, n: tuple[int, int], cell: tuple[int, int]) -> bool:
     return noise > NOISE_IN_TURN * counting(scene.solver, p_star)
 
 
-def available_gib() -> float:
-    """Memory of this machine that new processes can get together, of their control group if that is
-    less."""
-    gib = float("inf")
-    try:
-        with open("/proc/meminfo") as file:
-            gib = (
-                next(int(line.split()[1]) for line in file if line.startswith("MemAvailable"))
-                / 2**20
-            )
-    except (OSError, StopIteration, ValueError):
-        gib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
-    for folder in control_groups():
-        for limit, used in (
-            ("memory.max", "memory.current"),
-            ("memory.limit_in_bytes", "memory.usage_in_bytes"),
-        ):
-            try:
-                cached = next(
-                    (
-                        int(line.split()[1])
-                        for line in (folder / "memory.stat").read_text().splitlines()
-                        if line.startswith("inactive_file ")
-                    ),
-                    0,
-                )  # given back when somebody needs it
-                gib = min(
-                    gib,
-                    (int((folder / limit).read_text()) - int((folder / used).read_text()) + cached)
-                    / GIB,
-                )
-            except (OSError, ValueError):  # another version of control groups, or "max"
-                pass
-    return gib
-
-
-def control_groups(
-    root: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")
-) -> list[Path]:
-    """Folders of the control groups that may limit the memory of this process: its own and all
-    around it."""
-    try:
-        lines = [line.split(":", 2) for line in own.read_text().splitlines()]
-    except OSError:
-        lines = []
-    found = [root]  # inside a container, where the path may be that outside
-    for _, kinds, path in lines:
-        if kinds == "" or "memory" in kinds.split(","):
-            top = root / "memory" if kinds else root
-            here = top / path.lstrip("/")
-            found += [here, *(group for group in here.parents if group.is_relative_to(top))]
-    return list(dict.fromkeys(found))
-
-
-def limit_gib() -> float:
-    """Memory that this process alone may still take (ulimit -v)."""
-    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if limit == resource.RLIM_INFINITY:
-        return float("inf")
-    with open("/proc/self/statm") as file:
-        return (limit - int(file.read().split()[0]) * resource.getpagesize()) / GIB
-
-
 def require_memory(
     comm: Comm, scene: Scene, n: tuple[int, int], sizes: tuple[float, ...], threads: int
 ) -> None:
@@ -246,7 +181,7 @@ def require_memory(
     if together > there:
         error = SceneError(
             f"surface: {n[0]} x {n[1]} points need {together:.2f} GiB on {comm.machine.size} of"
-            f" {comm.size} ranks, {os.uname().nodename} has {there:.2f} GiB: use more machines,"
+            f" {comm.size} ranks, {platform.node()} has {there:.2f} GiB: use more machines,"
             " fewer points or single precision"
         )
     agree(comm, error)

@@ -8,8 +8,9 @@ import numpy as np
 
 from ..driver.precision import first_precision, precisions
 from ..surface import cell_of
+from ..util.machine import GIB
 from .decomposition import busiest
-from .memory import FIELDS, GIB, STEP, memory_of
+from .memory import FIELDS, STEP, memory_of
 from .timing import Cluster, expected_pairs, expected_seconds
 
 if TYPE_CHECKING:

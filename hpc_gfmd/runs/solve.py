@@ -8,7 +8,6 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,6 +33,7 @@ from .loads import check, solved, step_attributes, surface_attributes, sweep_of,
 from .prepared import PreparedSurface, prepare_surface
 from .progress import Reporter
 from .solution import Interrupted, Solution, Solutions
+from .table import GrowingTable
 
 Number = float | str  # plain, or with a unit: "20 MPa"
 Loads = Number | Sequence[Number] | np.ndarray
@@ -99,7 +99,7 @@ def solve(
     threads : int or "auto"
         Threads of this process.
     progress : bool
-        Whether to draw a progress bar for each load.
+        Whether to draw a progress bar for each load, and to print its row of the table after it.
     comm : communicator of mpi4py
         In scripts under mpirun: every rank calls this with the same whole `heights` (a memory map
         will do) and gets the same numbers; fields are those of its own rows, `solution.rows` =
@@ -176,13 +176,14 @@ def solve(
     steps: list[dict] = []
     contacts: list[Contact | None] = []  # None where no field is kept
     last: dict[str, Any] = {}
+    say = Reporter(comm, scene.solver, not progress, progress, sys.stderr)
 
     def solve_all() -> None:
         steps.clear()
         contacts.clear()
         sweep = sweep_of(scene, make_surface)
         loads = sweep.pressures(scene.load)
-        say = Reporter(comm, scene.solver, quiet=not progress, bar=progress)
+        table = GrowingTable(surface_attributes(scene, sweep.surface))
         for index, contact, seconds in solved(scene, sweep, loads, say):
             attributes = step_attributes(scene, index, contact, seconds)
             last["surface"], keeps = contact.surface, bool(scene.output.fields)
@@ -190,6 +191,7 @@ def solve(
                 contact = replace(contact, g=contact.g.copy(), p=contact.p.copy())
             contacts.append(contact if keeps else None)
             steps.append(attributes)  # last: a load is done with it
+            say.say(table.add({index: attributes}))
 
     stopped, several = False, several_loads(given)
     try:
@@ -197,7 +199,7 @@ def solve(
             compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
             solve_all()
         else:
-            with announced(partial(print, file=sys.stderr) if progress else None):
+            with announced(say.say):
                 sound(solve_all)
     except KeyboardInterrupt:
         if comm.size > 1 or not (steps and several):  # other ranks may not have been interrupted

@@ -2,7 +2,7 @@
 cache."""
 
 import json
-import os
+import platform
 import time
 from dataclasses import dataclass
 
@@ -93,7 +93,7 @@ def seconds_per_work(dtype: DTypeLike) -> float:
     path = cache_folder() / f"speed-{np.dtype(dtype).name}.json"
     try:
         known = json.loads(path.read_text())
-        if known["host"] == os.uname().nodename:
+        if known["host"] == platform.node():
             return float(known["seconds_per_work"])
     except (OSError, ValueError, KeyError, TypeError):
         pass
@@ -101,7 +101,7 @@ def seconds_per_work(dtype: DTypeLike) -> float:
     keep(
         path,
         json.dumps(
-            {"host": os.uname().nodename, "seconds_per_work": value, "time": time.time()}
+            {"host": platform.node(), "seconds_per_work": value, "time": time.time()}
         ).encode(),
     )
     return value

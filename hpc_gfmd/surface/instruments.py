@@ -1,15 +1,14 @@
 """The formats of instruments and their programs, read by SurfaceTopography."""
 
-import sys
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ..util.errors import SceneError
+from ..util.libraries import surface_topography
 from .arrays import of_topography
 from .metadata import Metadata
 
@@ -48,23 +47,3 @@ def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
     heights, said = of_topography(topography)
     sizes = None if info.physical_sizes is None else said.sizes
     return np.ma.filled(heights, np.nan), replace(said, sizes=sizes)
-
-
-def surface_topography() -> Any:
-    """The package. It would start MPI where no launcher did; here every rank reads for itself, so
-    it gets none."""
-    if "NuMPI" not in sys.modules:
-        known = {
-            name: sys.modules.pop(name)
-            for name in list(sys.modules)
-            if name.partition(".")[0] == "mpi4py"
-        }
-        sys.modules["mpi4py"] = None  # type: ignore[assignment]  # as if it were not installed
-        try:
-            import NuMPI  # noqa: F401
-        finally:
-            del sys.modules["mpi4py"]
-            sys.modules.update(known)
-    import SurfaceTopography
-
-    return SurfaceTopography

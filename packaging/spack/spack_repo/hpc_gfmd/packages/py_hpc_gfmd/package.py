@@ -21,16 +21,17 @@ class PyHpcGfmd(PythonPackage):
     depends_on("py-setuptools@77:", type="build")
 
     with default_args(type="run"):
-        depends_on("py-numpy@1.26:")
-        depends_on("py-numba@0.59:")
-        depends_on("py-scipy@1.11:")
+        depends_on("py-numpy@2.0:")
+        depends_on("py-numba@0.60:")
+        depends_on("py-scipy@1.13:")
+        depends_on("py-pandas@2.2.2:")
         depends_on("py-pydantic@2.5:2")
-        depends_on("py-matplotlib@3.8:")
+        depends_on("py-matplotlib@3.9:")
         depends_on("py-tomli-w@1:")
         depends_on("py-tqdm@4.60:")
         depends_on("py-pint@0.24:")
-        depends_on("py-h5py@3.10: +mpi", when="+mpi")
-        depends_on("py-h5py@3.10: ~mpi", when="~mpi")
+        depends_on("py-h5py@3.11: +mpi", when="+mpi")
+        depends_on("py-h5py@3.11: ~mpi", when="~mpi")
         depends_on("py-mpi4py@4:", when="+mpi")
         depends_on("py-mpi4py-fft@2.0.6:", when="+mpi")
 
