@@ -42,7 +42,8 @@ def coordinates(
 ) -> list:
     """Add the dimension scales load, x and y, which are returned, and the numbers of all loads
     along the first of them."""
-    scales = {"load": found.get("p", np.zeros(0)), **axes(surface)}
+    unknown = np.full(len(next(iter(found.values()), ())), np.nan)
+    scales = {"load": found.get("p", unknown), **axes(surface)}
     for name, values in scales.items():
         group.create_dataset(name, data=values).make_scale(name)
         name_it(group[name], surface, about)

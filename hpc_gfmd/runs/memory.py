@@ -27,35 +27,56 @@ from ..util.errors import SceneError
 from ..util.machine import GIB, available_gib, limit_gib
 from .decomposition import share_of
 
-# g, p; d, which has half the width; and h, which in low memory is kept only where the surface
-# ends
-FIELDS, STEP = 2, 0.5
-SOLVER = (
-    4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
-)
-TANGENT = 4
-PIECE_GIB = 1 / 16  # of a field that is written at a time
-MODES_GIB = 0.025  # while the modes are made that free edges couple
-PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
-# what threads keep for themselves, however many; each of them
-THREADS_GIB, THREAD_GIB = 0.01, 0.0015
 
-# points: for more, which no machine holds, not even the tables of an axis are worth making
-LONGEST_AXIS = 2**26
+@dataclass(frozen=True)
+class Needs:
+    """What a rank takes, as measured on resident memory.
+
+    Attributes
+    ----------
+    fields, step : float
+        Fields as long as the slab: g and p; d, which has half the width.
+    solver : float
+        And a copy of the gap: what a coarse solution takes while it becomes that of the next grid.
+    tangent : float
+        What the stiffness takes.
+    piece_gib, modes_gib : float
+        Of a field that is written at a time; while the modes are made that free edges couple.
+    process_gib : float
+        Interpreter, libraries, compiled kernels, MPI buffers.
+    threads_gib, thread_gib : float
+        What threads keep for themselves, however many; each of them.
+    longest_axis : int
+        Points: for more, which no machine holds, not even the tables of an axis are worth making.
+    """
+
+    fields: float = 2.0
+    step: float = 0.5
+    solver: float = 4.0
+    tangent: float = 4.0
+    piece_gib: float = 1 / 16
+    modes_gib: float = 0.025
+    process_gib: float = 0.2
+    threads_gib: float = 0.01
+    thread_gib: float = 0.0015
+    longest_axis: int = 2**26
+
+
+NEEDS = Needs()
 
 
 @dataclass(frozen=True)
 class Memory:
-    """GiB on one rank: fields and levels, heights, transforms of the solver (with all threads'
-    scratch), of the certificate, the process; and the sum. all_heights: those of all ranks, which
+    """GiB on one rank: fields and levels, the process, heights, transforms of the solver (with all
+    threads' scratch), of the certificate; and the sum. all_heights: those of all ranks, which
     with free edges are not spread evenly."""
 
     fields: float
-    heights: float
-    transforms: float
-    certificate: float
     process: float
-    all_heights: float
+    heights: float = 0.0
+    transforms: float = 0.0
+    certificate: float = 0.0
+    all_heights: float = 0.0
 
     @property
     def total(self) -> float:
@@ -86,29 +107,25 @@ def memory_of(
     dtype = max(each, key=lambda dtype: dtype.itemsize)
     itemsize, free = dtype.itemsize, scene.surface.free
     cell = cell_of(n, free, sizes)
-    if max(cell) > LONGEST_AXIS:
-        return Memory(
-            FIELDS * np.prod(cell, dtype=float) * itemsize / ranks / GIB,
-            0.0,
-            0.0,
-            0.0,
-            PROCESS_GIB,
-            0.0,
-        )
+    if max(cell) > NEEDS.longest_axis:
+        points = np.prod(cell, dtype=float) / ranks
+        return Memory(NEEDS.fields * points * itemsize / GIB, NEEDS.process_gib)
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
     share = share_of(cell, dtype, ranks, rank, nominal=n, nested=nested, per_node=per_node)
-    field, step = share.points * itemsize / GIB, STEP * share.points * itemsize / GIB
+    field = share.points * itemsize / GIB
     kept = itemsize if any(free) or not low else 0  # of a height
     loads = each.count(dtype)  # in the largest precision: before it nothing is kept
 
     levels, coarse = share.level_bytes / GIB, share.nested_points * itemsize / GIB
     # of the next grid, over this one
     first = np.prod(share.grids[0].shape) / share.points if share.grids else 0.0
-    passing = [
-        2 * min(field, PIECE_GIB) if scene.output.fields else 0.0,  # as it is, and as it is written
-        coarse + first * (SOLVER * field + levels) if not low and loads > 1 else 0.0,
-        field * TANGENT + levels if "stiffness" in (scene.output.observables or ()) else 0.0,
-    ]
+    passing = [0.0]
+    if scene.output.fields:
+        passing.append(2 * min(field, NEEDS.piece_gib))  # as it is, and as it is written
+    if not low and loads > 1:
+        passing.append(coarse + first * (NEEDS.solver * field + levels))
+    if "stiffness" in (scene.output.observables or ()):
+        passing.append(field * NEEDS.tangent + levels)
 
     def spectra(precision: DTypeLike, grids: Iterable[Grid]) -> float:
         return sum(share.layout_of(grid, precision).bytes for grid in grids) / GIB
@@ -122,25 +139,22 @@ def memory_of(
     transforms += sum(
         scratch(precision, grids) for precision in {dtype, first_precision(scene.solver)}
     )
-    certificate = (
-        0.0
-        if low or itemsize == 8
-        else spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
-    )
-    if low and itemsize == 4 and with_table == 1 and _in_double(scene, n, cell):
+    certificate = 0.0
+    if not low and itemsize == 4:
+        certificate = spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
+    elif itemsize == 4 and with_table == 1 and _in_double(scene, n, cell):
         # in turn with the solver's transforms, half as large, and d
-        certificate = step
+        certificate = NEEDS.step * field
     flat = field if any(free) and _closes(scene) else 0.0
-    heights, all_heights = (rows * n[1] * kept / GIB for rows in (share.grid.inside[0], n[0]))
-    levels += MODES_GIB if all(free) else 0.0
-    process = PROCESS_GIB + (THREADS_GIB + THREAD_GIB * threads) * (threads > 1)
+    levels += NEEDS.modes_gib * all(free)
+    of_threads = (NEEDS.threads_gib + NEEDS.thread_gib * threads) * (threads > 1)
     return Memory(
-        FIELDS * field + step + levels + flat + max(passing),
-        heights,
+        (NEEDS.fields + NEEDS.step) * field + levels + flat + max(passing),
+        NEEDS.process_gib + of_threads,
+        share.grid.inside[0] * n[1] * kept / GIB,
         transforms,
         certificate,
-        process,
-        all_heights,
+        n[0] * n[1] * kept / GIB,
     )
 
 
