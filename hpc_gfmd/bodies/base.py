@@ -75,9 +75,15 @@ class Body:
         surface varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed).
     error : float
         Relative error of the pressure field (L2) from what S is not known to, at most.
+    sources : tuple of str
+        Papers that K is from, with DOI.
     """
 
     name = ""
+    sources: tuple[str, ...] = (
+        "Johnson, Contact Mechanics (1985), doi:10.1017/CBO9781139171731",
+        "Stanley, Kato, J. Tribol. 119 (1997) 481, doi:10.1115/1.2833523",
+    )
     table_share = 0.25  # numbers that are kept for every point of a grid and each precision
     full_p_star = 0.499
     error = 0.0

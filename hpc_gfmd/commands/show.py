@@ -34,6 +34,9 @@ def add_parser(subparsers: Any) -> ArgumentParser:
             " installed, otherwise the paper's)"
         ),
     )
+    parser.add_argument(
+        "--references", action="store_true", help="what to cite: the papers behind the numbers"
+    )
     return parser
 
 
@@ -46,6 +49,11 @@ def main(args: Namespace) -> int:
 
         limits = to_limits(result, args.tfc)
         shown, text = shown | _finite({"tfc": limits}), f"{text}\n\n{limits_text(limits)}"
+    if args.references:
+        from ..runs.references import references_of
+
+        found = references_of(result)
+        shown, text = shown | {"references": found}, "\n".join([text, "", "to cite:", *found])
     print(json.dumps(shown, indent=1, allow_nan=False) if args.json else text)
     for note in result.notes if args.json else ():
         print(f"note: {note}", file=sys.stderr)

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 EDGE_CORRECTION = (np.pi - 1 + np.log(2)) / 24
 EDGE_1D = 0.2  # the same in one dimension: measured, 0.198 on 320 waves of 32 to 333 points
+SOURCES = (
+    "Yastrebov et al., J. Mech. Phys. Solids 107 (2017) 469, doi:10.1016/j.jmps.2017.07.016",
+)
 LATTICE = 12**-0.5  # rms by which whole points miss one edge, in points
 SQUARE = 0.01  # relative difference of a_x and a_y up to which points count as square
 
@@ -84,7 +87,11 @@ OBSERVABLES = {
     "a_r": Observable(a_r, "relative contact area: points in contact over all points"),
     "kappa": Observable(_over_p_star(a_r), "a_r/p_star"),
     "a_r_corrected": Observable(
-        a_r_corrected, "a_r less what points on the edge of the contact count too much"
+        a_r_corrected,
+        "a_r less what points on the edge of the contact count too much",
+        sources=SOURCES,
     ),
-    "kappa_corrected": Observable(_over_p_star(a_r_corrected), "a_r_corrected/p_star"),
+    "kappa_corrected": Observable(
+        _over_p_star(a_r_corrected), "a_r_corrected/p_star", sources=SOURCES
+    ),
 }

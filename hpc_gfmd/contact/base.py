@@ -20,11 +20,12 @@ Arrays = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Observable:
-    """A number of a contact; `of` returns None where it has no value."""
+    """A number of a contact; `of` returns None where it has no value; sources: papers, with DOI."""
 
     of: Callable[[Contact], float | None]
     meaning: str
     unit: str = ""
+    sources: tuple[str, ...] = ()
 
     def __call__(self, contact: Contact) -> float | None:
         return self.of(contact)

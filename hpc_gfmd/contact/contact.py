@@ -216,19 +216,23 @@ class Contact:
         """
         key = of_contact, corners, open_axis
         if key not in self._clusters:
-            from ..parallel.clusters import find_clusters
-
-            grid = self.surface.grid
-            periodic = self.periodic[0] and open_axis != 0, self.periodic[1] and open_axis != 1
-            self._clusters[key] = find_clusters(
-                grid.comm,
-                lambda i0, i1: self.touching(i0, i1) == of_contact,
-                grid.nominal_rows,
-                grid.nominal,
-                periodic,
-                corners,
+            self._clusters[key] = self.clusters_of(
+                lambda i0, i1: self.touching(i0, i1) == of_contact, corners, open_axis
             )
         return self._clusters[key]
+
+    def clusters_of(
+        self,
+        mask: Callable[[int, int], np.ndarray],
+        corners: bool = False,
+        open_axis: int | None = None,
+    ) -> Clusters:
+        """The Clusters of the points of a mask; mask(i0, i1): as `touching`. Collective."""
+        from ..parallel.clusters import find_clusters
+
+        grid = self.surface.grid
+        periodic = self.periodic[0] and open_axis != 0, self.periodic[1] and open_axis != 1
+        return find_clusters(grid.comm, mask, grid.nominal_rows, grid.nominal, periodic, corners)
 
     @cached_property
     def _clusters(self) -> dict[tuple[bool, bool, int | None], Clusters]:

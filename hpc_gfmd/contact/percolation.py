@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .contact import Contact
 
 ON_REQUEST = True
+SOURCES = ("Newman, Ziff, Phys. Rev. E 64 (2001) 016706, doi:10.1103/PhysRevE.64.016706",)
 
 
 def _percolates(
@@ -39,7 +40,8 @@ def _percolates(
         if open_axis is None
         else f"reaches along {along} from edge to edge, periodic along {other} alone"
     )
-    return Observable(found, f"whether the {name} {how}" + ", also by corners" * corners)
+    meaning = f"whether the {name} {how}" + ", also by corners" * corners
+    return Observable(found, meaning, sources=SOURCES)
 
 
 def _all(corners: bool) -> dict[str, Observable]:

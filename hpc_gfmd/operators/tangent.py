@@ -41,11 +41,12 @@ MAX_STEPS = 1000
 class Tangent:
     """compliance: -d(mean gap)/dp0 in the problem's units, 0 in full contact, inf where nothing
     touches, nan where it was not found to the accuracy asked for; error: estimated, relative;
-    pairs: FFT pairs it took."""
+    pairs: FFT pairs it took; approach: d(approach)/dp0, nan where there is none."""
 
     compliance: float
     error: float
     pairs: float
+    approach: float = np.nan
 
 
 def tangent(
@@ -57,7 +58,7 @@ def tangent(
     Needs four fields and the levels of the preconditioner besides the transforms.
     """
     closed = int(grid.comm.sum([np.count_nonzero(contact)])[0])
-    if closed in (0, grid.N):
+    if closed in (0, grid.cell_points):
         return Tangent(0.0 if closed else np.inf, 0.0, 0.0)
     response = _Response(grid, body, contact, np.dtype(dtype))
     rounding = float(np.finfo(dtype).eps)
@@ -71,9 +72,11 @@ def tangent(
         gains = [*gains[1:], response.step()]
         total += gains[-1]
     error = max(sum(gains) / total, FINEST * rounding) ** (1 / order)
+    uniform, cell = response.elastic.multipliers.uniform, grid.cell_points
+    approach = float(1 / uniform + total / cell) * grid.N / cell if uniform else np.nan
     if grid.padded:
         total = response.inner + 0 * total  # nan stays
-    return Tangent(total / grid.cell_points, error, response.elastic.pairs)
+    return Tangent(total / cell, error, response.elastic.pairs, approach)
 
 
 class _Response:

@@ -21,7 +21,8 @@ from .units import Scale, good
 class Theory:
     """area(p), gap(p), approach(p): relative contact area, mean gap, approach under the mean
     pressures p; density(x, p): of the local pressure x > 0, integrates to the area; all in the
-    units of the result, None where it does not say. height: what heights are measured in."""
+    units of the result, None where it does not say. height: what heights are measured in; sources:
+    papers, with DOI."""
 
     name: str
     area: Callable | None
@@ -29,6 +30,7 @@ class Theory:
     density: Callable | None = None
     approach: Callable | None = None
     height: Scale | None = None
+    sources: tuple[str, ...] = ()
 
 
 def scene_of(result: Result) -> Scene | None:
@@ -73,7 +75,11 @@ def _persson(surface: Any, E_star: float, found: Any) -> Theory | None:
         return persson.pressure_distribution(x / unit, p / unit) / unit
 
     name = "Persson" if gap is None else f"Persson ($\\gamma = {persson.GAMMA:g}$)"
-    return Theory(name, lambda p: persson.contact_area(p / unit), gap, density)
+    sources = (
+        "Persson, J. Chem. Phys. 115 (2001) 3840, doi:10.1063/1.1388626",
+        "Persson, Phys. Rev. Lett. 99 (2007) 125502, doi:10.1103/PhysRevLett.99.125502",
+    )
+    return Theory(name, lambda p: persson.contact_area(p / unit), gap, density, sources=sources)
 
 
 def _hertz(surface: Any, E_star: float, _: object) -> Theory:
@@ -100,6 +106,7 @@ def _hertz(surface: Any, E_star: float, _: object) -> Theory:
         density,
         (lambda p: contact(p).approach) if all(surface.free) else None,
         Scale(float(surface.physical_sizes[0]), "L_x", True),
+        ("Hertz, J. Reine Angew. Math. 92 (1882) 156, doi:10.1515/crll.1882.92.156",),
     )
 
 
@@ -128,4 +135,5 @@ def _westergaard(surface: Any, E_star: float, _: object) -> Theory | None:
         lambda p: contact(p).gap_mean,
         density,
         height=height,
+        sources=("Westergaard, J. Appl. Mech. 6 (1939) A49, doi:10.1115/1.4008919",),
     )

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..scene import ArrayScene, Load, Scene
 from ..scene.explain import nearest
-from ..scene.not_modelled import ONLY, is_not_modelled
+from ..scene.not_modelled import not_modelled
 from ..scene.table import Table
 from ..util.errors import SceneError
 from .prepared import PreparedSurface, plain
@@ -34,9 +34,9 @@ def scene_of_keywords(
         raise SceneError(
             f"{CALLER}: found {wrong[0]}, allowed: in a scene, whose run writes a file"
         )
-    wrong = [key for key in more if key not in HOMES and is_not_modelled(key)]
-    if wrong:
-        raise SceneError(f"{CALLER}: {wrong[0]}: {ONLY}, allowed: what hpc-gfmd help scene lists")
+    for key in more:
+        if key not in HOMES and (why := not_modelled(key)):
+            raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
     if given.get("nu1") is not None and more.get("nu1") is not None:
         raise SceneError(f"{CALLER}: found nu and nu1, allowed: one of them")
     given = {key: plain(value) for key, value in given.items() if value is not None}

@@ -16,6 +16,7 @@ from ..output.save import save
 from ..parallel.comm import SerialComm
 from ..util.errors import SceneError
 from ..util.quantities import in_units
+from .references import references_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -82,6 +83,10 @@ class Solved:
         replaces. Raises SceneError where it may not be written, GfmdError where writing fails.
         """
         return save(self.result, path, force, self.rows, self.comm, all_numbers())
+
+    def references(self) -> list[str]:
+        """What to cite: the program and the papers behind these numbers, with DOI, a line each."""
+        return references_of(self.result)
 
     def export(self, path: str | PathLike, fields: Sequence[str] | None = None) -> Path:
         """Write a file for another program, as `hpc-gfmd export` does; returns its path.

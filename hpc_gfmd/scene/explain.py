@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 
 from ..util.errors import one_line
 from ..util.quantities import DECIMAL_COMMA, NO_COMMA
-from .not_modelled import ONLY, is_not_modelled
+from .not_modelled import not_modelled
 from .table import LARGEST, SMALLEST, allowed
 
 _short = reprlib.Repr()
@@ -125,8 +125,8 @@ def _why(item: Any) -> str:
     value = item["input"]
     if item["type"] == "value_error":
         return f"{item['ctx']['error']}, "
-    if item["type"] == "literal_error" and is_not_modelled(str(value)):
-        return f"{ONLY}, "
+    if item["type"] == "literal_error" and (why := not_modelled(str(value))):
+        return f"{why}, "
     return f"{NO_COMMA}, " * (isinstance(value, str) and bool(DECIMAL_COMMA.fullmatch(value)))
 
 
@@ -169,8 +169,8 @@ def _unknown(
         field: f"surface.{field}" for kind in kinds.values() for field in kind.model_fields
     }
     path, prefix = (f"{table}.{printable(name)}", f"{table}.") if model else (table, "")
-    if any(map(is_not_modelled, (name, *inner))):
-        return f"{path}: {ONLY}, allowed: {', '.join(here)}"
+    if why := not_modelled(name, *inner):
+        return f"{path}: {why}, allowed: {', '.join(here)}"
     guess = prefix + nearest(name, here)
     other = name if name in scene.model_fields else elsewhere.get(name, path)
     if other != path:

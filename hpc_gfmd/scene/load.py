@@ -9,7 +9,7 @@ from typing import Any
 from ..util.errors import SceneError, one_line
 from .explain import nearest, printable, shown
 from .model import Scene, parse_toml
-from .not_modelled import ONLY, is_not_modelled
+from .not_modelled import not_modelled
 from .settings import Load
 
 
@@ -59,8 +59,8 @@ def check_names(
         for name in found:
             if name not in known:
                 guess = (
-                    f"{ONLY}, "
-                    if is_not_modelled(name)
+                    f"{why}, "
+                    if (why := not_modelled(name))
                     else f'nearest: "{nearest(name, known)}", '
                     if known
                     else ""

@@ -10,13 +10,21 @@ STEMS = (
     r"|surface tension|interfacial|capillar|menisc|gamma\b|friction|coulomb|cof\b|mu\b|stick\b"
     r"|slip|sliding|shear|tangential|velocity\b|speed\b|plastic|elastoplastic|yield|hardness"
     r"|hardening|fracture|crack|fatigue|visco|creep|relaxation time|prony\b|loss\b|storage modul"
-    r"|hystere|dissipat|lubric|fluid|oil\b|wear\b|archard|temperature|therm|heat\b|pull off"
-    r"|stiction|humid|electro"
+    r"|hystere|dissipat|lubric|fluid|oil\b|wear\b|archard|pull off|stiction|humid"
 )
+CONDUCTION = r"temperature|therm|heat\b|current\b|electr|voltage|conductivit|resistiv|resistance"
+INSTEAD = f'{ONLY}; output.observables = ["conductance"] is the conductance of the contact'
 
 
-def is_not_modelled(name: str) -> bool:
-    """Whether a key or a name stands for physics that is left out; what ends in "less" does not."""
-    words = re.findall("[a-z]+", re.sub("([a-z])([A-Z])", r"\1 \2", name[:200]).lower())
-    text = " ".join(word for word in words if not word.endswith("less"))
-    return bool(re.search(rf"\b(?:{STEMS})", text))
+def not_modelled(*names: str) -> str:
+    """What is said of keys or names where one stands for physics that is left out, else "".
+
+    A word that ends in "less" stands for none.
+    """
+    for name in names:
+        words = re.findall("[a-z]+", re.sub("([a-z])([A-Z])", r"\1 \2", name[:200]).lower())
+        text = " ".join(word for word in words if not word.endswith("less"))
+        for stems, said in ((STEMS, ONLY), (CONDUCTION, INSTEAD)):
+            if re.search(rf"\b(?:{stems})", text):
+                return said
+    return ""

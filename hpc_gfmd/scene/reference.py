@@ -12,7 +12,7 @@ from pydantic_core import PydanticUndefined
 from ..util.errors import SceneError
 from .explain import nearest, printable
 from .model import Scene
-from .not_modelled import ONLY, is_not_modelled
+from .not_modelled import not_modelled
 from .surface import KINDS, Surface
 
 WIDTH = 100
@@ -170,10 +170,6 @@ def _chosen(key: str | None, found: list[Section]) -> list[Section]:
             )
             if name
         }
-        why = (
-            ONLY
-            if is_not_modelled(key)
-            else f"which is no key of a scene, nearest: {nearest(key, known)}"
-        )
+        why = not_modelled(key) or f"which is no key of a scene, nearest: {nearest(key, known)}"
         raise SceneError(f"help scene: found {printable(key)}, {why}")
     return fits

@@ -71,12 +71,15 @@ class Solver:
         Steps since the load began.
     state_names, scalar_names : tuple of str
         The attributes that a bit-identical continuation needs: local slabs, and numbers.
+    sources : tuple of str
+        Papers that the algorithm is from, with DOI.
     """
 
     elastic: Elastic
     g: np.ndarray
     p: np.ndarray
     name = ""
+    sources: tuple[str, ...] = ()
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
     nests = True  # whether a nested start pays

@@ -46,6 +46,9 @@ class Bpx(Solver):
     """The default solver. options: none. g: memory for the gap, taken over."""
 
     name = "bpx"
+    sources = (
+        "Bramble, Pasciak, Xu, Math. Comp. 55 (1990) 1, doi:10.1090/S0025-5718-1990-1023042-6",
+    )
     takes_gap = True
     state_names = ("g", "p", "d")
     scalar_names = (

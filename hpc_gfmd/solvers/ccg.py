@@ -36,6 +36,7 @@ class Ccg(Solver):
     """options: preconditioned, 0 or 1 (default 0). Raises SceneError for others."""
 
     name = "ccg"
+    sources = ("Polonsky, Keer, Wear 231 (1999) 206, doi:10.1016/S0043-1648(99)00113-1",)
     nests = False  # a pressure from a coarser grid is a bad start
     state_names = ("g", "p", "iterate", "gap0", "t")
     scalar_names = (

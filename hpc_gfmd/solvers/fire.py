@@ -25,6 +25,9 @@ class Fire(Gfmd):
     Raises SceneError for others."""
 
     name = "fire"
+    sources = (
+        "Bitzek et al., Phys. Rev. Lett. 97 (2006) 170201, doi:10.1103/PhysRevLett.97.170201",
+    )
     scalar_names = (*Gfmd.scalar_names, "dt", "dt_last", "alpha", "downhill")
     allowed = {"dt": (0.01, 1.0)}
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from ..scene.not_modelled import ONLY, is_not_modelled
+from ..scene.not_modelled import not_modelled
 from ..util.errors import SceneError
 
 
@@ -16,7 +16,7 @@ def read_options(
     for name, value in options.items():
         if name not in allowed:
             known = ", ".join(allowed) or "none"
-            found = f"{name!r}, {ONLY}" if is_not_modelled(name) else repr(name)
+            found = ", ".join(filter(None, [repr(name), not_modelled(name)]))
             raise SceneError(
                 f"solver.options: found {found}, allowed for the solver {solver!r}: {known}"
             )

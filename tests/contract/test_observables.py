@@ -90,13 +90,14 @@ def test_each_number_of_a_result_is_defined(result, cli):
                 "gap_over_h_rms",
                 "gap_over_g_rms_lam_s",
                 "stiffness",
+                "conductance",
             ),
         ),
         (
             {"kind": "wave", "amplitude": 0.1, "n": [16, 4]},
             ("gap_over_g_rms_lam_s", "a_r_corrected", "kappa_corrected"),
         ),
-        (rough((1, 4, 2), g_rms=1e-3), ("stiffness",)),
+        (rough((1, 4, 2), g_rms=1e-3), ("stiffness", "conductance")),
     ],
     ids=["flat", "wave", "full contact"],
 )

@@ -10,6 +10,7 @@ pytestmark = pytest.mark.mpi
 COUNTED = list(
     observables_named(
         ["patches", "patches_8", "perimeter", "percolation", "percolation_8", "spanning"]
+        + ["critical_gap"]
     )
 )
 
@@ -63,6 +64,11 @@ def test_surfaces_that_end(comm, n, nominal):
                 tuple(all_observables()[f"{kind}_percolates_{axis}{end}"](contact) for axis in "xy")
                 == wanted
             )
+    levels = np.unique(g[part])[::-1]
+    for axis in (0, 1):
+        around = tuple(periodic[k] and k != axis for k in (0, 1))
+        wide = [t for t in levels if walk(g[part] >= t, around, False)[1][axis]]
+        assert all_observables()[f"critical_gap_{'xy'[axis]}"](contact) == max(wide)
     sides = sum(
         np.sum(
             np.diff(

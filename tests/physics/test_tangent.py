@@ -4,7 +4,7 @@ at the ends of the load curve."""
 import numpy as np
 import oracle
 import pytest
-from contacts import EXACT, random_heights, rough, solve_scene, sweep_of
+from contacts import EXACT, random_heights, rough, solve_scene, sweep_of, sweep_over
 
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.contact import all_observables
@@ -16,7 +16,7 @@ from hpc_gfmd.scene import Scene
 from hpc_gfmd.solvers import solver_names
 
 SURFACE = rough(seed=7)
-stiffness = all_observables()["stiffness"]
+stiffness, conductance = (all_observables()[name] for name in ("stiffness", "conductance"))
 
 
 def contacts():
@@ -87,6 +87,43 @@ def test_ends_of_the_load_curve():
         tangent(Grid((8, 8)), HALF_SPACE, np.zeros((8, 8), bool), np.float64, 1e-3).compliance
         == np.inf
     )
+
+
+@pytest.mark.parametrize(
+    "discs", [[(0.5, 0.5, 0.2)], [(0.3, 0.3, 0.1), (0.7, 0.6, 0.15), (0.3, 0.8, 0.05)]], ids=len
+)
+def test_conductance_of_discs(discs):
+    """Holm's 2 k a each, with what the flow through one does to the others (Greenwood 1966); in a
+    periodic cell the images (Bonsall and Maradudin's sums over the square lattice) share the flow.
+    As the contact stays the same the approach is in proportion to the load."""
+    n = 192
+    x = (np.arange(n) + 0.5) / n
+    inside = [np.hypot(x[:, None] - X, x - Y) < a for X, Y, a in discs]
+    z = np.where(np.any(inside, axis=0), 0.0, -1.0)
+    free, periodic = (
+        sweep_over(z, free=ends, E_star=5.0, accuracy=1e-6).solve(0.01)
+        for ends in ((True, True), (False, False))
+    )
+    X, Y, a = np.transpose(discs)
+    away = np.hypot(X[:, None] - X, Y[:, None] - Y)
+    R = np.diag(1 / (2 * a)) + np.divide(1, np.pi * away, out=0 * away, where=away > 0)
+    assert conductance(free) == pytest.approx(np.linalg.inv(R).sum(), rel=8e-3)
+    assert conductance(free) == pytest.approx(0.01 / 5.0 / free.approach, rel=1e-5)
+    assert conductance(periodic) == stiffness(periodic) / 5.0
+    if len(discs) == 1:
+        R = 1 / (2 * a[0]) - 3.900265 / np.pi + 9.0336 / (3 * np.pi) * a[0] ** 2
+        assert conductance(periodic) == pytest.approx(1 / R, rel=1.2e-2)
+
+
+def test_conductance_of_hertz():
+    """2 k a of its circle; a strip and a layer have none."""
+    ball = {"kind": "sphere", "radius": 10.0, "n": [256, 256], "physical_sizes": [2.0, 2.0]}
+    sweep = sweep_of(ball | {"boundary": "free"}, accuracy=1e-4)
+    contact = sweep.solve(4 / 30 * 0.5**3 / 4)
+    assert conductance(contact) == pytest.approx(2 * 0.5 / 4, rel=4e-3)
+    strip = sweep_of(SURFACE | {"boundary": ["free", "periodic"]}, accuracy=1e-2).solve(0.1)
+    layer = sweep_of(SURFACE, layer={"thickness": 0.1, "nu1": 0.3}, accuracy=1e-2).solve(0.1)
+    assert conductance(strip) is conductance(layer) is None
 
 
 def test_no_number_where_it_is_not_found(monkeypatch):

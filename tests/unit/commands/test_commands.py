@@ -2,6 +2,7 @@
 
 import errno
 import json
+import re
 import subprocess
 import sys
 
@@ -11,6 +12,7 @@ import pytest
 from contacts import scene_text
 from mpi_harness import call, environment
 
+import hpc_gfmd
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.interrupt import Interrupt
 from hpc_gfmd.scene import load_scene
@@ -89,6 +91,12 @@ def test_show(cli, solved):
     assert shown["surface"]["n"] == [32, 32]
     assert all(set(step) >= STEP for step in shown["steps"])
     assert [step["p_star"] for step in shown["steps"]] == pytest.approx([0.05, 0.1], rel=1e-6)
+    program, *papers = hpc_gfmd.load(path).references()
+    assert program.startswith("hpc-gfmd ")
+    assert len(papers) > 4
+    assert all(re.search(r"\(\d{4}\).*, doi:10\.\d+/\S+$", paper) for paper in papers)
+    assert cli.prints("show --references", path).endswith("\n".join(["", program, *papers, ""]))
+    assert json.loads(cli.prints("show --json --references", path))["references"][1:] == papers
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from scene_tables import SURFACE, TABLES, changed, refusal, rows, tables
 
 from hpc_gfmd.contact import distribution_names, observable_names
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.scene.not_modelled import is_not_modelled
+from hpc_gfmd.scene.not_modelled import not_modelled
 from hpc_gfmd.scene.surface import KINDS
 from hpc_gfmd.solvers import solver_names
 from hpc_gfmd.solvers.options import read_options
@@ -166,7 +166,7 @@ def test_tables_that_are_missing():
 ALIKE = "frictionless shared mumble gammas speedup wearable"
 NOT_MODELLED = """adhesion friction friction_coefficient mu plasticity elastoPlastic yield_stress
     viscosity viscoelastic hardness work_of_adhesion surface_energy gamma lubricant wear wear_rate
-    temperature T_thermal JKR Tabor_parameter shear_stress sliding_velocity relaxation_time
+    JKR Tabor_parameter shear_stress sliding_velocity relaxation_time
     hysteresis pull_off"""
 
 
@@ -188,11 +188,16 @@ def test_what_is_not_modelled_is_said(name):
         read_options("gfmd", {name: 1.0}, {"mass": (0, 1)})
 
 
+@pytest.mark.parametrize("name", ["temperature", "T_thermal", "heat", "current", "electric"])
+def test_conduction_is_an_observable(name):
+    assert 'output.observables = ["conductance"]' in refusal(tables() | {name: 1})
+
+
 def test_what_is_modelled_is_not_refused():
     tables_of = [Scene.model_fields[table].annotation for table in TABLES[1:]]
     keys = {key for model in (Scene, *KINDS.values(), *tables_of) for key in model.model_fields}
     known = keys | observable_names() | distribution_names() | set(solver_names())
-    assert not [name for name in known | set(ALIKE.split()) if is_not_modelled(name)]
+    assert not [name for name in known | set(ALIKE.split()) if not_modelled(name)]
 
 
 @pytest.mark.parametrize(("low", "band"), list(itertools.product([1.0, 1.7, 2.5], [1.0, 1.1, 1.2])))

@@ -1,0 +1,45 @@
+"""Contact conductance, of heat and of electric current.
+
+The potential of a steady flow into a half-space and the normal displacement of one that is pressed
+solve the same problem: both are constant over the contact, with no flow and no pressure beside it.
+So the conductance per nominal area, without films and with an insulating gap, is the contact
+stiffness times 2 k1 k2/(k1 + k2) over E* (Barber 2003), k1 and k2 being the conductivities.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import TYPE_CHECKING
+
+from .base import Observable
+
+if TYPE_CHECKING:
+    from .contact import Contact
+
+ON_REQUEST = True
+
+
+def conductance(contact: Contact) -> float | None:
+    """Stiffness over E*: by the mean gap of a periodic surface, by the approach of one that ends.
+
+    None for layers, for surfaces that end along one axis alone, where nothing touches and where
+    everything does.
+    """
+    from ..bodies.halfspace import HalfSpace
+
+    if not isinstance(contact.body, HalfSpace):
+        return None
+    tangent = contact.tangent
+    compliance = tangent.compliance if all(contact.periodic) else tangent.approach
+    slope = contact.surface.slope / contact.surface.height_unit
+    return slope / compliance if 0 < compliance < inf else None
+
+
+OBSERVABLES = {
+    "conductance": Observable(
+        conductance,
+        "contact conductance per nominal area, over 2 k1 k2/(k1 + k2) or 2/(rho1 + rho2)",
+        "1/length",
+        ("Barber, Proc. R. Soc. A 459 (2003) 53, doi:10.1098/rspa.2002.1038",),
+    )
+}

@@ -1,0 +1,25 @@
+"""The papers behind a result."""
+
+import json
+
+from ..bodies import body_of
+from ..contact import all_observables
+from ..output.read import Result
+from ..plotting.theories import scene_of, theory_of
+from ..solvers import solver_class
+
+PAPER = "Prodanov, Dapp, Müser, Tribol. Lett. 53 (2014) 433, doi:10.1007/s11249-013-0282-z"
+
+
+def references_of(result: Result) -> list[str]:
+    """What to cite, a line each: the program, its paper (also of the corrections to the TFC limit),
+    the elastic body, the algorithm, the observables, the theory that is drawn beside them."""
+    scene, known = result.scene, {name for step in result.steps for name in step}
+    version = json.loads(result.head.get("versions", "{}")).get("hpc_gfmd", "")
+    theory = theory_of(scene_of(result), result.surface)
+    found = [f"hpc-gfmd {version}".strip(), PAPER]
+    found += body_of(scene.material, scene.surface.free).sources
+    found += solver_class(scene.solver.name).sources
+    for name, observable in all_observables().items():
+        found += observable.sources if name in known else ()
+    return list(dict.fromkeys(found + list(theory.sources if theory else ())))
