@@ -33,8 +33,5 @@ def main(args: Namespace) -> int:
     cannot go there."""
     result = read_result(args.file).only(args.step, args.fields)
     print(export(result, args.to, args.output, all_numbers()))
-    for note in result.notes:
-        print(f"note: {note}")
-    if result.folder is not None:
-        print(f"! the run is {result.status}: only its finished load steps are exported")
+    print(*result.remarks, sep="\n", end="\n" * bool(result.remarks))
     return 0

@@ -60,6 +60,12 @@ class Result:
         )
 
     @property
+    def remarks(self) -> list[str]:
+        """What to say beside what was made of it, a line each."""
+        unfinished = f"! the run is {self.status}: only its finished load steps are there"
+        return [f"note: {note}" for note in self.notes] + [unfinished] * (self.folder is not None)
+
+    @property
     def facts(self) -> dict[str, Any]:
         """What the head says in one number or text."""
         return {

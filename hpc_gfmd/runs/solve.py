@@ -1,6 +1,5 @@
 """Contacts in memory, for notebooks and scripts: as a run, without files."""
 
-import hashlib
 import json
 import sys
 import time
@@ -18,7 +17,7 @@ from ..kernels.cache import announced, sound
 from ..output.fields import FIELDS, Slab
 from ..output.read import Result
 from ..parallel.comm import Comm
-from ..parallel.guard import guarded
+from ..parallel.guard import agree, guarded
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
 from ..surface.arrays import checked_array, is_topography
@@ -272,16 +271,14 @@ def _warn(comm: Comm, steps: Sequence[dict]) -> None:
             )  # where the caller of solve is
 
 
-def _require_the_same(comm: Comm, scene: Scene, shape: Sequence[int]) -> None:
+def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
     """Raise SceneError on all ranks where they were not called with the same arguments."""
-    digest = int.from_bytes(
-        hashlib.blake2b(repr((scene.to_toml(), tuple(shape))).encode(), digest_size=6).digest()
-    )  # fits a float64
-    if comm.min([digest])[0] != comm.max([digest])[0]:
-        raise SceneError(
-            "hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole"
-            " map on each"
-        )
+    own = scene.to_toml(), shape
+    error = SceneError(
+        "hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map"
+        " on each"
+    )
+    agree(comm, None if comm.bcast(own) == own else error)
 
 
 def _complete(heights: Any) -> np.ndarray:

@@ -35,6 +35,7 @@ __all__ = [
     "table_of",
 ]
 
+RATIOS = tuple(f"eps_{i}" for i in TERMS)
 PRESSURE_TOLERANCE = 0.05  # how far p_star may be from a tabulated one, relative
 _DATA = files(__package__).joinpath("data")
 # printed p_star are rounded; the runs were made at 0.01/sqrt(2) and 0.5/sqrt(2)
@@ -90,6 +91,12 @@ class Correction:
     def total(self) -> float:
         """The sum of the terms."""
         return self.t + self.f + self.c
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The terms and their sum, by the names of the command line."""
+        terms = {f"correction_{i}": getattr(self, i) for i in TERMS}
+        return terms | {"correction": self.total}
 
 
 def paper_table() -> Table:

@@ -285,10 +285,8 @@ def test_it_says_what_it_is(sweep):
     assert "(grid), p = 30 MPa, mean gap = " in repr(sweep[1])
     assert "\n" not in repr(sweep[1])
     assert all(f"p = {load}" in repr(sweep) for load in LOADS)
-    assert all(
-        word in sweep._repr_html_() for word in ("<table>", "a_r", "[MPa]", "24 x 20 points")
-    )
-    assert "<table>" in sweep[0]._repr_html_()
+    assert all(word in sweep._repr_html_() for word in ("<table", "a_r", "[MPa]", "24 x 20 points"))
+    assert "<table" in sweep[0]._repr_html_()
     assert repr(hpc_gfmd.make_surface("self-affine", **ROUGH)).startswith(
         "<surface: 64 x 64 points, L = 1 x 1 um, h_rms = "
     )
