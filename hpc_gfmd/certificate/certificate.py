@@ -46,8 +46,8 @@ class Certificate:
     touched, without any deformation, both in the problem's unit; a half-space that is periodic
     gives way to a uniform pressure without end: it has no approach (nan), nor, periodic along one
     axis only, an energy (its own part is left out where it is periodic along both); uKu: <u, K u>;
-    contact: points; gap_mean: problem's unit; pairs: FFT pairs this took; precision: in which it
-    was computed."""
+    pressures: L2 norm of the pressure in contact, over points; contact: points; gap_mean: problem's
+    unit; pairs: FFT pairs this took; precision: in which it was computed."""
 
     penetration: float = 0.0
     tension: float = 0.0
@@ -60,6 +60,7 @@ class Certificate:
     energy: float = 0.0
     approach: float = np.nan
     uKu: float = 0.0
+    pressures: float = 0.0
     contact: int = 0
     gap_mean: float = 0.0
     pairs: float = 0.0
@@ -139,6 +140,7 @@ def certify(
             attainable=attainable,
             energy=float(0.5 * uKu / N + rest),
             uKu=float(uKu),
+            pressures=float(np.sqrt(sums.closed_pp)),
             approach=float(problem.p_cell / uniform - mean - level) if uniform else np.nan,
             contact=int(contact) if np.isfinite(contact) else 0,
             gap_mean=float(gap / N),

@@ -1,10 +1,19 @@
-"""The duality gap of the certificate: half an FFT pair, so only on request (and for solvers without
-error estimates of their own)."""
+"""The duality gap G of the certificate, and the bounds that follow from it without any estimate.
+
+With e = u - u* the distance from the solution, <e, K e> <= 2 G. So the pressure is wrong by at most
+sqrt(2 G K_max) (L2), and by what is left of it out of contact, where it is not counted; the mean
+gap by at most |e|_K (|u*|_K/p0 + |v|_S)/N, see certificate/error_estimates.py. Errors of rounding
+and of the operator (Body.error) come on top. Half an FFT pair, so only on request (and for solvers
+without error estimates).
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ..operators.problem import Problem
 from .base import Observable
 
 if TYPE_CHECKING:
@@ -17,8 +26,54 @@ def duality_gap(contact: Contact) -> float | None:
     return contact.certificate.duality_gap
 
 
+def pressure_bound(contact: Contact) -> float | None:
+    """Bound the relative L2 error of the pressure field; None where the duality gap was not asked
+    for, or where the error reaches the pressure itself."""
+    energy, certificate = _energy_norm(contact), contact.certificate
+    if energy is None:
+        return None
+    grid = contact.surface.grid
+    left = certificate.residual * contact.p_mean / contact.pressure_unit * np.sqrt(grid.N)
+    wrong = energy * np.sqrt(contact.body.bounds(grid)[1]) + left
+    return _relative(wrong, certificate.pressures)
+
+
+def gap_bound(contact: Contact) -> float | None:
+    """Bound the relative error of the mean gap; None as for the pressure."""
+    energy, certificate = _energy_norm(contact), contact.certificate
+    if energy is None:
+        return None
+    p0, grid = contact.p_mean / contact.pressure_unit, contact.surface.grid
+    problem = Problem(grid, contact.g, p0, body=contact.body)
+    norm = np.sqrt(max(certificate.uKu, 0.0)) + energy
+    return _relative(energy * (norm / p0 + problem.self_energy) / grid.N, certificate.gap_mean)
+
+
+def _energy_norm(contact: Contact) -> float | None:
+    """|e|_K at most; None where it is not known."""
+    found = contact.certificate
+    if found.duality_gap is None or not np.isfinite(found.duality_gap):
+        return None
+    p0 = contact.p_mean / contact.pressure_unit
+    return float(np.sqrt(2 * found.duality_gap * p0 * found.gap_mean * contact.N))
+
+
+def _relative(wrong: float, value: float) -> float | None:
+    """What is wrong over the true value, at most."""
+    if wrong == 0:
+        return 0.0
+    return float(wrong / (value - wrong)) if wrong < value else None
+
+
+BOUNDS = {
+    "pressure_bound": Observable(
+        pressure_bound, "bound of the relative error of the pressure field (L2), but for rounding"
+    ),
+    "gap_bound": Observable(gap_bound, "bound of the relative error of gap_mean, but for rounding"),
+}
 OBSERVABLES = {
     "duality_gap": Observable(
         duality_gap, "bound of the error of the energy, over mean pressure times mean gap"
     )
-}
+} | BOUNDS
+TOGETHER = {"error_bounds": tuple(BOUNDS)}

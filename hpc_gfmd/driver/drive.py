@@ -18,17 +18,41 @@ if TYPE_CHECKING:
 
     Watch = Callable[[int, Progress], Any]
 
-# iterations at which a solver without error estimates is certified: each 1.25 times later
-CHECK_FROM, CHECK_GROWTH = 10, 1.25
-# times that the certificate may refuse without having come nearer, before the solver counts as
-# stagnated
-REFUSALS = 5
-# of the patience with a solver that believed that it was there: where only rounding errors are
-# left
-FLOOR = 1 / 6
-DRIFT = 0.01  # of the residual, relative: above, the solver goes on from the fresh pressure
-IMPROVEMENT = 0.9  # of the error measure within `patience` iterations is progress
-UNKNOWN = 1.0
+UNKNOWN = 1.0  # an error measure that says nothing
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """When a solver is certified, and when it counts as stagnated.
+
+    What ends an iteration is the certificate: these numbers cost or save pairs only.
+
+    Attributes
+    ----------
+    check_from, check_growth : float
+        The iteration at which a solver without error estimates is certified first, and the factor
+        from one such iteration to the next.
+    refusals : int
+        Times that the certificate may refuse without having come nearer, before the solver counts
+        as stagnated.
+    floor : float
+        Share of its patience that a solver has that believed that it was there: only rounding
+        errors are left.
+    drift : float
+        Relative, of the residual: above, the solver goes on from the fresh pressure.
+    improvement : float
+        Of the error measure: what is progress.
+    """
+
+    check_from: int = 10
+    check_growth: float = 1.25
+    refusals: int = 5
+    floor: float = 1 / 6
+    drift: float = 0.01
+    improvement: float = 0.9
+
+
+CALIBRATION = Calibration()
 
 
 @dataclass
@@ -39,7 +63,7 @@ class LoopState:
     refusals: int = 0
     refused: float = np.inf  # the smallest error of the pressure that the certificate refused
     threshold: float = 1.0  # the solver's own error measure at which it is asked
-    next_check: float = CHECK_FROM
+    next_check: float = CALIBRATION.check_from
     best: float = np.inf  # error measure, and the iteration that reached it
     best_at: int = 0
 
@@ -81,7 +105,7 @@ def drive(
         measure = _measure(progress, target)
         unknown = progress.estimate is None and target.residual is None
         falling = progress.residual if measure == UNKNOWN else measure
-        if falling < IMPROVEMENT * loop.best:
+        if falling < CALIBRATION.improvement * loop.best:
             loop.best, loop.best_at = falling, done
         if not progress.finite:
             status = "nonfinite"
@@ -97,13 +121,16 @@ def drive(
                 return _status(target, certificate), certificate, loop.checks
             if not left < 1 and measure < loop.threshold:
                 error = certificate.errors[2] if target.residual is None else certificate.residual
-                loop.refusals = loop.refusals + 1 if not error < IMPROVEMENT * loop.refused else 0
-                if loop.refusals > REFUSALS:
+                loop.refusals = (
+                    loop.refusals + 1 if not error < CALIBRATION.improvement * loop.refused else 0
+                )
+                if loop.refusals > CALIBRATION.refusals:
                     return "stagnated", certificate, loop.checks
                 loop.threshold = measure / left if np.isfinite(left) else measure
                 loop.refused = min(error, loop.refused)
             if (
-                abs(progress.residual - certificate.residual) > DRIFT * certificate.residual
+                abs(progress.residual - certificate.residual)
+                > CALIBRATION.drift * certificate.residual
                 and progress.estimate is not None
             ):
                 solver.refresh(certificate.uKu)
@@ -111,10 +138,12 @@ def drive(
                 solver.resume()
             if load.correct(solver, certificate, solved < 1):
                 loop.begin_again(done)
-            loop.next_check = CHECK_GROWTH * done + 1
+            loop.next_check = CALIBRATION.check_growth * done + 1
         elif done >= target.max_iterations:
             status = "max_iterations"
-        elif done - loop.best_at > solver.patience * (1 if np.isinf(loop.refused) else FLOOR):
+        elif done - loop.best_at > solver.patience * (
+            1 if np.isinf(loop.refused) else CALIBRATION.floor
+        ):
             status = "stagnated"
         elif watch is not None and watch(done, progress):
             status = "interrupted"

@@ -9,7 +9,7 @@ from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 from .load import GivenLoad, HeightStatistics
-from .load_search import STEEPEST, STEP, Errors, LoadSearch, Value
+from .load_search import CALIBRATION, Errors, LoadSearch, Value
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 Known = tuple[float, bool, HeightStatistics]
 
 POINT = 1.001  # by which an area may be missed
-FIELD = 0.1  # of the error of the pressure: that of the approach, beside that of the mean gap
 
 
 class AreaSearch(LoadSearch):
@@ -158,7 +157,7 @@ class ApproachSearch(LoadSearch):
 
 def _error(y: float, gap: float, gap_error: float, pressure_error: float) -> float:
     """Of an approach y at a mean gap."""
-    return gap_error * gap / y + FIELD * pressure_error if y > 0 else inf
+    return gap_error * gap / y + CALIBRATION.field * pressure_error if y > 0 else inf
 
 
 SEARCHES: dict[str, type[LoadSearch]] = {
@@ -185,10 +184,13 @@ def search_for(
         return search
     (x0, f0), (x, f) = before[0], before[-1]
     slope = (f - f0) / (x - x0) if x != x0 else 0.0
-    near = 1 / STEEPEST < slope < STEEPEST and abs(wanted - f) < 4 * STEP * slope
+    near = (
+        1 / CALIBRATION.steepest < slope < CALIBRATION.steepest
+        and abs(wanted - f) < 4 * CALIBRATION.step * slope
+    )
     search.slope = slope if near else found.usual
     search.x = x + (wanted - f) / search.slope
-    search.known = near and abs(search.x - x) < STEP
+    search.known = near and abs(search.x - x) < CALIBRATION.step
     return search
 
 

@@ -24,12 +24,44 @@ if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
     from ..surface import Surface
 
-STEP = log(2.0)  # longest change of log p0 by a slope
-STEEPEST = 10.0  # slope of a straightened value that is believed, and 1 over the least
-SHARE = 0.35  # of tolerance and error: a predicted miss beyond it is corrected
-COARSE = 0.05  # relative: a coarse grid knows the value no better
-JUMP = 1e-3  # of log p0, or the tolerance: where it is half of that between bounds
-TRIALS, MOST = 5, 60  # corrections by predictions on a grid, and in all
+
+@dataclass(frozen=True)
+class Calibration:
+    """When a search changes the load, and how far.
+
+    Measured on the areas, gaps and approaches of 24 walls of three spectra: the pairs that a search
+    takes over those at the pressure that it finds. All but `jump` cost or save pairs only: what a
+    search ends with is certified.
+
+    Attributes
+    ----------
+    step : float
+        Longest change of log p0 by a slope.
+    steepest : float
+        Largest slope of a straightened value that is believed, and 1 over the least.
+    share : float
+        Of the tolerance and of the error of a prediction: a predicted miss beyond it is corrected.
+    coarse : float
+        Relative miss up to which a coarse grid is content: it knows the value no better.
+    jump : float
+        Bounds nearer than half of it in log p0, or than half of the tolerance, enclose a jump.
+    field : float
+        Share of the error of the pressure field that counts towards that of an approach.
+    trials, most : int
+        Corrections by predictions on one grid; corrections in all.
+    """
+
+    step: float = log(2.0)
+    steepest: float = 10.0
+    share: float = 0.35
+    coarse: float = 0.05
+    jump: float = 1e-3
+    field: float = 0.1
+    trials: int = 5
+    most: int = 60
+
+
+CALIBRATION = Calibration()
 
 Value = tuple[float, float]  # and its relative error
 Errors = tuple[float, float]
@@ -131,7 +163,10 @@ class LoadSearch(GivenLoad):
         """Tell whether the value is as near as this grid knows it: not without the highest peak."""
         blind = self.heights.lowest > self.heights.top
         return (
-            self.known or blind or self.trials == TRIALS or not self._try(solver, progress, COARSE)
+            self.known
+            or blind
+            or self.trials == CALIBRATION.trials
+            or not self._try(solver, progress, CALIBRATION.coarse)
         )
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
@@ -140,11 +175,15 @@ class LoadSearch(GivenLoad):
         if solver.iterations == self.looked or self.note:
             return False
         self.looked = solver.iterations
-        if self.trials < TRIALS:
-            return self._try(solver, progress, SHARE * self.tolerance)
+        if self.trials < CALIBRATION.trials:
+            return self._try(solver, progress, CALIBRATION.share * self.tolerance)
         found = self._prediction(solver, progress) if self.steps else None
         miss = self.miss(found[0]) if found else 0.0
-        if not found or miss < max(found[1], self.tolerance) or self.corrections == MOST:
+        if (
+            not found
+            or miss < max(found[1], self.tolerance)
+            or self.corrections == CALIBRATION.most
+        ):
             return False
         if not self.within(solver, progress, miss):
             return False
@@ -153,7 +192,7 @@ class LoadSearch(GivenLoad):
 
     def _try(self, solver: Solver, progress: Progress, least: float) -> bool:
         found = self._prediction(solver, progress)
-        if found is None or self.miss(found[0]) <= max(least, SHARE * found[1]):
+        if found is None or self.miss(found[0]) <= max(least, CALIBRATION.share * found[1]):
             return False
         x = self.x + self._way(found[0])
         if (self.low and x <= self.low[0]) or (self.high and x >= self.high[0]):
@@ -164,7 +203,11 @@ class LoadSearch(GivenLoad):
     def _prediction(self, solver: Solver, progress: Progress) -> Value | None:
         """Tell what the solver predicts, once it is far enough."""
         errors = progress.estimates if progress.finite else None
-        return self.predicted(solver, progress, errors) if errors and errors[1] < STEP else None
+        return (
+            self.predicted(solver, progress, errors)
+            if errors and errors[1] < CALIBRATION.step
+            else None
+        )
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
         """Tell whether the certificate may find the target met, or has to say what is missed."""
@@ -198,7 +241,12 @@ class LoadSearch(GivenLoad):
         if low and high and low[0] >= high[0]:  # one of them was none
             low, high = (here, None) if small else (None, here)
         self.low, self.high = low, high
-        if self.steps and low and high and 2 * (high[0] - low[0]) < max(JUMP, self.tolerance):
+        if (
+            self.steps
+            and low
+            and high
+            and 2 * (high[0] - low[0]) < max(CALIBRATION.jump, self.tolerance)
+        ):
             self._tell(low[1], high[1])
 
     def _side_of_jump(self, y: float) -> None:
@@ -224,7 +272,7 @@ class LoadSearch(GivenLoad):
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Go where a secant has the target, between the bounds; over a plateau twice as far."""
         y, error = self.certified(solver, certificate)
-        if self.corrections == MOST or not (solved or self.miss(y) > error):
+        if self.corrections == CALIBRATION.most or not (solved or self.miss(y) > error):
             return False
         return self._step(y, error, solver)
 
@@ -246,15 +294,15 @@ class LoadSearch(GivenLoad):
         if last is None or not abs(self.x - last[0]) * self.slope > error:
             return 0.0
         slope = (f - last[1]) / (self.x - last[0])
-        if 1 / STEEPEST < slope < STEEPEST:
+        if 1 / CALIBRATION.steepest < slope < CALIBRATION.steepest:
             self.slope = slope
-        return 2 * abs(self.x - last[0]) if slope <= 1 / STEEPEST else 0.0
+        return 2 * abs(self.x - last[0]) if slope <= 1 / CALIBRATION.steepest else 0.0
 
     def _way(self, y: float) -> float:
         """Tell by how much x is to change: not at all where this grid cannot have the target."""
         wanted = self.straight(self.aim)
         way = (wanted - self.straight(y)) / self.slope
-        return min(max(way, -STEP), STEP) if isfinite(wanted) else 0.0
+        return min(max(way, -CALIBRATION.step), CALIBRATION.step) if isfinite(wanted) else 0.0
 
     def _go(self, x: float, solver: Solver) -> bool:
         self.x, self.corrections = x, self.corrections + 1

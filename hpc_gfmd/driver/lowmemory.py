@@ -21,7 +21,7 @@ import numpy as np
 from ..operators.problem import HeightSpectrum, Problem
 from ..util.errors import SceneError
 from .nested import Nested
-from .precision import NOISE_IN_TURN, counting
+from .precision import CALIBRATION, counting
 from .sweep import Sweep
 
 
@@ -66,9 +66,9 @@ class LowMemorySweep(Sweep):
 
     def _rounding_counts(self, problem: Problem) -> bool:
         """Not where double precision would take tables, too."""
-        return not self.body.table_share and self._noise(problem) > NOISE_IN_TURN * counting(
-            self.target, problem.p0
-        )
+        return not self.body.table_share and self._noise(
+            problem
+        ) > CALIBRATION.noise_in_turn * counting(self.target, problem.p0)
 
 
 def _give_back() -> None:

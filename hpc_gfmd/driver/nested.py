@@ -14,7 +14,7 @@ their rows.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,19 +34,40 @@ if TYPE_CHECKING:
 
     MakeSolver = Callable[[Problem], Solver]
 
-# Points along an axis, in the geometric mean, below which there is no coarser grid. An axis of
-# fewer than SLIM points, which a cubic takes, is not decimated.
-COARSEST, SLIM = 32, 4
-# Residual of a coarse solution, of what its own start had: so much less for each grid finer than
-# it. What a finer grid adds is about what this one added to the coarser: to solve it better than
-# that is no use, but the coarser, the cheaper it is.
-REDUCTION = 0.6
-ITERATIONS = 60  # at most, on a coarse grid
-# of a coarse grid on one rank, at least: fewer are solved faster than they are sent
-RANK_POINTS = 2**13
-# share of points under tension in a closed coarse contact up to which the fine one may be without
-# any
-TENSION = 0.02
+SLIM = 4  # points that a cubic takes: an axis of fewer is not decimated
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """How the coarse grids are solved.
+
+    Measured by the pairs and the time of self-affine walls: errors are those of the finest grid.
+
+    Attributes
+    ----------
+    coarsest : int
+        Points along an axis, in the geometric mean, below which there is no coarser grid.
+    reduction : float
+        Residual of a coarse solution over that of its start, for each grid that is finer: what a
+        finer grid adds is about what this one adds to the coarser, so that a better solution is of
+        no use, but the coarser, the cheaper it is.
+    iterations : int
+        At most, on a coarse grid.
+    rank_points : int
+        Of a coarse grid on one rank, at least: fewer are solved faster than they are sent.
+    tension : float
+        Share of points under tension in a closed coarse contact up to which the fine one may be
+        without any.
+    """
+
+    coarsest: int = 32
+    reduction: float = 0.6
+    iterations: int = 60
+    rank_points: int = field(default=2**13, metadata={"measured": "scripts/bench scaling"})
+    tension: float = 0.02
+
+
+CALIBRATION = Calibration()
 
 
 def cold_gap(problem: Problem) -> np.ndarray:
@@ -88,11 +109,11 @@ class Decimation:
         n, _ = halved(grid.n, grid.spacings, SLIM)
         coarsened = [a != b for a, b in zip(n, grid.n)]
         points = [k for k, c in zip(n, coarsened) if c]
-        if not points or np.prod(points) < COARSEST ** len(points):
+        if not points or np.prod(points) < CALIBRATION.coarsest ** len(points):
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
-        starts = gathered(beside, n[0] * n[1], RANK_POINTS)
+        starts = gathered(beside, n[0] * n[1], CALIBRATION.rank_points)
         ranks = np.flatnonzero(np.diff(starts)).tolist()
         comm = grid.comm.subcomm(ranks)
         coarse = (
@@ -146,7 +167,7 @@ class Nested:
         """finer: number of grids that are finer."""
         self.grid, self.step = grid, Decimation.of(grid)
         self.coarser: Nested | None = None
-        self.reduction = REDUCTION ** (finer + 1)
+        self.reduction = CALIBRATION.reduction ** (finer + 1)
         if self.step is not None and self.step.coarse is not None:
             self.step.coarse.fft(dtype)
             self.coarser = Nested(self.step.coarse, dtype, finer + 1)
@@ -203,7 +224,7 @@ class Nested:
             g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
             certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
             pairs = certificate.pairs * (coarse.grid.N / problem.grid.N)
-            likely = certificate.contact >= (1 - TENSION) * coarse.grid.N
+            likely = certificate.contact >= (1 - CALIBRATION.tension) * coarse.grid.N
         likely, pairs = problem.grid.comm.bcast_float([likely, pairs])
         return bool(likely), float(pairs)
 
@@ -217,7 +238,7 @@ def _roughly_solved(
     solver.start(g)
     progress = solver.progress()
     enough = reduction * progress.residual
-    for _ in range(ITERATIONS):
+    for _ in range(CALIBRATION.iterations):
         interrupt.check(problem.grid.comm)
         near = load.near(solver, progress)
         if not progress.finite or (near and progress.residual <= enough):

@@ -4,6 +4,7 @@ and plans read."""
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,20 +19,42 @@ if TYPE_CHECKING:
     from ..scene import Scene
     from ..scene import Solver as Settings
 
-# the finest accuracy that is tried in single precision; below, points too close to tell spoil the
-# area
-SINGLE_ACCURACY = 2e-4
 COARSE = 512  # points along an axis, or wave numbers, that tell heights and slopes
-FEW_POINTS = 6  # points on the wrong side that single precision may have
-# Problem.noise over what counts; in low memory double precision takes more time
-NOISE, NOISE_IN_TURN = 0.2, 0.3
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Where single precision is too little.
+
+    Measured on the true errors of the campaign: what is too small for single precision ends
+    "stagnated" in it and is solved again in double, so these numbers cost or save time only.
+
+    Attributes
+    ----------
+    accuracy : float
+        The finest that is tried in single precision: below, points too close to tell spoil the
+        area.
+    few_points : float
+        Points on the wrong side that single precision may have.
+    noise, noise_in_turn : float
+        Rounding errors of the transforms, over what counts, beyond which the certificate is in
+        double precision; the same in low memory, where that takes more time.
+    """
+
+    accuracy: float = 2e-4
+    few_points: float = 6
+    noise: float = 0.2
+    noise_in_turn: float = 0.3
+
+
+CALIBRATION = Calibration()
 
 
 def first_precision(settings: Settings) -> np.dtype:
     """The precision that a sweep begins with; settings: scene.Solver."""
     if settings.precision != "auto":
         return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
-    loose = settings.accuracy is not None and settings.accuracy >= SINGLE_ACCURACY
+    loose = settings.accuracy is not None and settings.accuracy >= CALIBRATION.accuracy
     return np.dtype(np.float32 if loose else np.float64)
 
 
@@ -39,7 +62,7 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     """Whether so few of N points will touch that single precision, which may err in a few of them,
     cannot give the area to an accuracy (None where a residual is asked for)."""
     expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
-    return accuracy is not None and FEW_POINTS / expected > accuracy
+    return accuracy is not None and CALIBRATION.few_points / expected > accuracy
 
 
 def too_little(settings: Settings, N: int, p_star: float) -> bool:
@@ -85,9 +108,9 @@ def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
 
 def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float | None]:
     """g_rms, and h_rms over g_rms times the grid spacing, of a surface of n points, as far as they
-    are known beforehand: from the spectrum, or a coarse grid; None of a map."""
+    are known beforehand: from the spectrum, or a coarse grid; None of a map and on a form."""
     surface = scene.surface
-    if surface.kind == "file":
+    if surface.kind == "file" or (surface.kind == "self-affine" and surface.radius):
         return None, None
     if surface.kind != "self-affine":
         coarse = surface.model_copy(update={"n": tuple(min(k, COARSE) for k in surface.n or ())})

@@ -26,7 +26,7 @@ from .load import GivenLoad, HeightStatistics
 from .load_quantities import OpeningSearch, restored, search_for
 from .load_target import LoadTarget, load_targets
 from .nested import Nested, cold_gap
-from .precision import NOISE, counting, few_points, first_precision, too_little
+from .precision import CALIBRATION, counting, few_points, first_precision, too_little
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
@@ -367,7 +367,7 @@ class Sweep:
             few_points(problem.grid.N, problem.p0, self.target.accuracy)
             or problem.p0 >= HALF_SPACE.full_p_star
         )
-        return few or self._noise(problem) > NOISE * counting(self.target, problem.p0)
+        return few or self._noise(problem) > CALIBRATION.noise * counting(self.target, problem.p0)
 
     def _noise(self, problem: Problem) -> float:
         return problem.noise(self.surface.h_rms / self.surface.height_unit)

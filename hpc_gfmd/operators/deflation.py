@@ -14,6 +14,7 @@ the levels from there on. Single points in contact are as soft then as on the gr
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,10 +26,28 @@ if TYPE_CHECKING:
     from ..parallel.coarsening import Level
     from ..parallel.grid import Grid
 
-STEPS = 3
-SOLVED = 1e-6  # of <r, M r>, relative: where contact is the same everywhere, one step is enough
-# the level has so many times fewer points than the grid, and at least so many
-COARSER, FEWEST = 64, 250
+
+@dataclass(frozen=True)
+class Calibration:
+    """How well the vector is found: measured by the pairs of self-affine walls at small loads.
+
+    Attributes
+    ----------
+    steps : int
+        Of conjugate gradients.
+    solved : float
+        Relative, of <r, M r>: where contact is the same everywhere one step is enough.
+    coarser, fewest : int
+        The level has so many times fewer points than the grid, and at least so many.
+    """
+
+    steps: int = 3
+    solved: float = 1e-6
+    coarser: int = 64
+    fewest: int = 250
+
+
+CALIBRATION = Calibration()
 
 
 class GapMode:
@@ -39,12 +58,17 @@ class GapMode:
     def __init__(self, grid: Grid, body: Body, levels: Sequence[Level], weights: np.ndarray):
         points = [level.n[0] * level.n[1] for level in levels]
         self.at = next(
-            (k for k, few in enumerate(points) if FEWEST <= few <= grid.cell_points / COARSER), None
+            (
+                k
+                for k, few in enumerate(points)
+                if CALIBRATION.fewest <= few <= grid.cell_points / CALIBRATION.coarser
+            ),
+            None,
         )
         self.pairs = 0.0
         if self.at is None:
             return
-        self.pairs = STEPS * points[self.at] / grid.cell_points
+        self.pairs = CALIBRATION.steps * points[self.at] / grid.cell_points
         self.levels = CoarsestLevels(levels[self.at :], weights[self.at :], weights[self.at :])
         n = levels[self.at].n
         q_x, q_y = (
@@ -64,10 +88,10 @@ class GapMode:
         real = t.dtype.type
         w, r, d, rz = np.zeros_like(t), np.ones_like(t), np.zeros_like(t), np.inf
         known = float(self.levels.sweep(r, t)[0].sum())
-        for _ in range(STEPS):
+        for _ in range(CALIBRATION.steps):
             z = self.levels.sweep(r, t / real(DAMPING))[0]
             before, rz = rz, float((r * z).sum())
-            if rz < SOLVED * known:
+            if rz < CALIBRATION.solved * known:
                 break
             d = z + real(rz / before) * d
             x = np.fft.irfft2(self.K * np.fft.rfft2(d), d.shape).astype(real) + t * d

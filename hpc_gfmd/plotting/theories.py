@@ -49,9 +49,11 @@ def theory_of(scene: Scene | None, found: Mapping[str, Any]) -> Theory | None:
     surface, E_star = scene.surface, float(scene.material.E_star)
     if scene.material.thickness is not None:
         return None
-    if any(surface.free) and surface.kind != "sphere":
+    if surface.kind == "sphere":
+        return _hertz(surface, E_star) if len({*surface.radii}) == 1 else None
+    if any(surface.free):
         return None
-    known = {"self-affine": _persson, "wave": _westergaard, "sphere": _hertz}.get(surface.kind)
+    known = {"self-affine": _persson, "wave": _westergaard}.get(surface.kind)
     return known and known(surface, E_star, found)
 
 
@@ -82,11 +84,9 @@ def _persson(surface: Any, E_star: float, found: Any) -> Theory | None:
     return Theory(name, lambda p: persson.contact_area(p / unit), gap, density, sources=sources)
 
 
-def _hertz(surface: Any, E_star: float, _: object) -> Theory:
-    radius, area = (
-        float(surface.radius),
-        float(surface.physical_sizes[0]) * float(surface.physical_sizes[1]),
-    )
+def _hertz(surface: Any, E_star: float) -> Theory:
+    radius = float(surface.radii[0])
+    area = float(surface.physical_sizes[0]) * float(surface.physical_sizes[1])
 
     def contact(p: Any) -> Any:
         return Hertz(radius, p * area, E_star)

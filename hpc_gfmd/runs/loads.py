@@ -20,6 +20,7 @@ from ..contact import (
 from ..contact.area import a_r_discretisation
 from ..contact.base import Observable
 from ..contact.contact import Contact
+from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..driver.load_target import LoadTarget
 from ..driver.lowmemory import LowMemorySweep
 from ..driver.sweep import Sweep
@@ -75,7 +76,7 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         scene.solver,
         scene.material.E_star,
         getattr(scene.surface, "lam_s", None),
-        duality="duality_gap" in (scene.output.observables or ()),
+        duality=not {"error_bounds", *OF_DUALITY}.isdisjoint(scene.output.observables or ()),
         body=body_of(scene.material, scene.surface.free),
     )
     _require_like_units(scene, sweep.surface)

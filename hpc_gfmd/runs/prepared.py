@@ -2,7 +2,7 @@
 process."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ from ..output.summary import surface_line
 from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..surface import build_surface
-from ..surface.arrays import ArrayMap, is_topography, of_topography
+from ..surface.arrays import ArrayMap, is_topography, of_topography, unreliable
 from ..surface.prepare import prepare
 from ..surface.topography import Topography, open_topography, topography_of
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..plotting.style import Figure
 
 
-PERIODIC = {"boundary", "mirror", "window", "refine", "downsample"}  # keys that settle the edges
+PERIODIC = {"boundary", "mirror", "window"}  # keys that settle the edges
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,15 +129,17 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     SceneError
         As `read_surface`.
     """
-    said = None
+    said, doubt = None, None
     if is_topography(heights):
+        doubt = unreliable(heights)
         heights, said = of_topography(heights)
         if not said.periodic and not keys.keys() & PERIODIC:
             keys["boundary"] = "free"
     elif not keys.keys() & {"physical_sizes", "unit"}:
         keys["physical_sizes"] = 1.0, 1.0
     scene, _ = _scene({"kind": "file", "path": "heights"} | keys, "hpc_gfmd.prepare_surface")
-    return _prepared(topography_of(ArrayMap(heights, said), scene.surface), scene.surface)
+    made = _prepared(topography_of(ArrayMap(heights, said), scene.surface), scene.surface)
+    return replace(made, notes=(*made.notes, doubt[1])) if doubt else made
 
 
 def _prepared(found: Topography, spec: Any) -> PreparedSurface:

@@ -17,6 +17,7 @@ from ..contact import (
     observable_names,
     require_periodic,
 )
+from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..output.fields import FIELDS
 from ..output.read import Result, read_result
 from ..output.save import in_memory
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
     from ..contact.contact import Contact
 
-LOST = ("energy", "approach", "duality_gap")  # observables that the fields do not tell
+LOST = ("energy", "approach", *OF_DUALITY)  # observables that the fields do not tell
 
 
 def _require_known(what: str, name: str, known: set[str]) -> None:

@@ -20,11 +20,12 @@ from ..parallel.comm import Comm
 from ..parallel.guard import agree, guarded
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
+from ..surface.analytic import Rows, on_form
 from ..surface.arrays import checked_array, is_topography
 from ..surface.build import Surface, surface_from_rows
 from ..surface.heights import Checksum, checked
 from ..surface.quality import DIFFERENT_UNITS, MapQuality
-from ..surface.topography import Rows, Topography
+from ..surface.topography import Topography
 from ..util.errors import NotConverged, SceneError
 from ..util.versions import versions
 from .keywords import HOMES, scene_of_keywords, several_loads
@@ -90,6 +91,9 @@ def solve(
         "frictionless"; no `thickness`: a half-space.
     boundary : "periodic", "free" or one for each axis
         Of an array; default: periodic. A surface that was read or made knows its own.
+    radius : number, text or (R_x, R_y)
+        Of an array with a free boundary: a ball (inf: a cylinder) under its heights. A surface that
+        was read or made knows its own.
     fields : list of "pressure", "gap", "displacement", "heights"
         Fields that are kept and that `save` writes; () keeps none, for long sweeps of large maps.
     observables, distributions : lists of names
@@ -152,6 +156,8 @@ def solve(
     def rows_of(start: int, stop: int) -> np.ndarray:
         return np.asarray(z[start:stop], dtype=np.float64)
 
+    rows = rows_of if known else on_form(rows_of, scene.surface.radii, z.shape, sizes)
+
     notes = (
         known.notes
         if known
@@ -163,7 +169,7 @@ def solve(
     def make_surface(dtype: np.dtype) -> Surface:
         unit = known.unit if known else ""
         made = surface_from_rows(
-            z.shape, sizes, rows_of, comm, dtype, of_each_rank, scene.surface.free, Checksum(), unit
+            z.shape, sizes, rows, comm, dtype, of_each_rank, scene.surface.free, Checksum(), unit
         )
         head["heights"] = made.checksum
         head.setdefault("setup_seconds", time.monotonic() - begun)

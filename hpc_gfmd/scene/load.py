@@ -1,5 +1,6 @@
 """From a scene file and the overrides of a command line to a Scene."""
 
+import os
 import tomllib
 from collections.abc import Iterable
 from os import PathLike
@@ -70,7 +71,7 @@ def check_names(
 
 
 def _read(path: str | PathLike, origin: str) -> str:
-    if not Path(path).is_file():
+    if not os.path.isfile(path):
         raise SceneError(f"{origin}: no such file, allowed: a scene file in TOML")
     try:
         text = Path(path).read_text("utf-8-sig")

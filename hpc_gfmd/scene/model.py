@@ -44,6 +44,7 @@ class Scene(Table):
         if (
             isinstance(self.surface, Wave)
             and self.surface.amplitude == 0
+            and not self.surface.radius
             and name not in ("pressure", "force", "approach")
         ):
             raise ValueError(
@@ -162,7 +163,7 @@ class Scene(Table):
                 for axis, n, k in zip("xy", surface.n, surface.periods)
                 if n < RESOLVED * k
             ]
-        if not isinstance(surface, SelfAffine):
+        if not isinstance(surface, SelfAffine) or surface.radius:
             return found
         if surface.eps_f > 1 / 8:
             ratio = surface.lam_l_over_lam_s

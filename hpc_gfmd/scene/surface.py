@@ -1,6 +1,7 @@
 """[surface]: the kinds of rough surfaces, heights z(r) with peaks up on the periodic cell L_x x
 L_y."""
 
+from math import inf
 from pathlib import PurePath
 from typing import Annotated, Literal, Self
 
@@ -16,16 +17,19 @@ from .table import (
     Boundary,
     Corners,
     Height,
+    HeightRange,
     Length,
     LengthUnit,
     Modes,
     Paths,
     Points,
     Positive,
+    Radii,
     Ratio,
     Sizes,
     Table,
     Text,
+    alike,
     key,
     not_both,
 )
@@ -37,6 +41,7 @@ POINTS = f"two whole numbers [n_x, n_y] from 1 to {MAX_N}"
 Factor = Annotated[int, Field(ge=1, le=1024)]
 FACTOR = "a whole number from 1 to 1024"
 RATIO = "a number from 1"
+RADIUS = 'a length greater than 0, plain or as "5 mm", or [R_x, R_y], of which one may be inf'
 ANY = "surface"  # the data set where the scene names none
 
 
@@ -47,6 +52,30 @@ class Surface(Table):
     boundary: Boundary = key(
         "whether the cell repeats, or ends beside an open space", SIDES, "periodic"
     )
+    radius: Radii | None = key(
+        "of a ball under the roughness, or [R_x, R_y]; inf: a cylinder",
+        f"{RADIUS}, with a free boundary",
+        None,
+        unit="length",
+        example="5 mm",
+        said="none",
+    )
+
+    @model_validator(mode="after")
+    def _form_ends(self) -> Self:
+        row = getattr(self, "kind", "") == "sphere"  # a periodic one is one of many
+        if not row and any(R < inf and not ends for R, ends in zip(self.radii, self.free)):
+            raise ValueError(
+                'found radius with a periodic boundary, allowed: boundary = "free", or along x or'
+                " y where the radius is inf"
+            )
+        return self
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """(R_x, R_y) of the form, inf where it is straight."""
+        found = inf if self.radius is None else self.radius
+        return found if isinstance(found, tuple) else (found, found)
 
     @property
     def free(self) -> tuple[bool, bool]:
@@ -198,10 +227,15 @@ class Wave(Surface):
 
 
 class Sphere(Surface):
-    """The paraboloid z = -r^2/(2 R) about the centre of the cell."""
+    """The paraboloid z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell."""
 
     kind: Literal["sphere"]
-    radius: Length = key("R, of curvature at the summit", LENGTH, unit="length", example=1.0)
+    radius: Radii = key(
+        "R, of curvature at the summit, or [R_x, R_y]; inf: a cylinder",
+        RADIUS,
+        unit="length",
+        example=1.0,
+    )
     n: Points = key("grid points", POINTS, example=[256, 256])
 
 
@@ -214,7 +248,7 @@ class File(Surface):
     path: Paths = key(
         "a relative one counts from the folder of the scene; two maps, of two rough bodies, are"
         " added",
-        "the path of a height map (.npy, .h5, .nc, .csv, .x3p, ...), or a list of two",
+        "the path of a height map (.npy, .h5, .nc, .csv, .tif, .x3p, ...), or a list of two",
         example="map.npy",
     )
     dataset: PathText = key(
@@ -237,6 +271,14 @@ class File(Surface):
         "a list of texts",
         (),
         example=["9999"],
+    )
+    height_range: HeightRange | None = key(
+        "of a TIFF or PNG of whole numbers: heights of the lowest and the highest possible one",
+        'two heights, plain or as ["0 nm", "500 nm"]',
+        None,
+        unit="length",
+        example=["0 nm", "500 nm"],
+        said="numbers with decimals are heights",
     )
     # None, other than in a surface that is made: as the file says
     physical_sizes: Sizes | None = key(  # type: ignore[assignment]
@@ -266,7 +308,7 @@ class File(Surface):
     )
     crop: Corners | None = key(
         "keep this part only",
-        "four numbers [x0, y0, x1, y1], lengths as physical_sizes",
+        "four lengths [x0, y0, x1, y1], plain in the unit of the sizes or with units",
         None,
         unit="length",
         example=["0 um", "0 um", "5 um", "5 um"],
@@ -290,7 +332,10 @@ class File(Surface):
         "none",
     )
     refine: Factor = key(
-        "this many times as many points along both axes, by Fourier interpolation", FACTOR, 1
+        "this many times as many points along both axes, by Fourier interpolation (where the map"
+        " ends, of its mirror images)",
+        FACTOR,
+        1,
     )
     downsample: Factor = key(
         "only every so many-th point along both axes, after shorter waves are removed", FACTOR, 1
@@ -300,18 +345,16 @@ class File(Surface):
     def _one_way_to_be_periodic(self) -> Self:
         if self.mirror and self.window != "none":
             raise ValueError("found mirror and window, allowed: one of them")
-        if any(self.free) and (
-            self.mirror or self.window != "none" or self.refine * self.downsample > 1
-        ):
+        if any(self.free) and (self.mirror or self.window != "none"):
             raise ValueError(
-                "found a free boundary with mirror, window, refine or downsample, allowed: with a"
-                " periodic one"
+                "found a free boundary with mirror or window, allowed: with a periodic one"
             )
+        alike("heights", {"surface.height_range": self.height_range})
         return self
 
     @property
     def format(self) -> str:
-        """Of one map: "npy", "npz", "text", "hdf5", "netcdf" or "other", by the extension."""
+        """Of one map, by the extension; "other" is read by SurfaceTopography."""
         return FORMATS.get(PurePath(str(self.path)).suffix.lower(), "other")
 
     @property
@@ -331,6 +374,9 @@ FORMATS = {
     ".asc": "text",
     ".dat": "text",
     ".xyz": "text",
+    ".tif": "picture",
+    ".tiff": "picture",
+    ".png": "picture",
 }
 KINDS: dict[str, type[Surface]] = {
     "self-affine": SelfAffine,

@@ -1,6 +1,7 @@
 """What all tables of a scene share: strictness, number types, what a key says of itself, and the
 rule "exactly one of"."""
 
+from math import inf
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -69,6 +70,12 @@ def _distinct(values: tuple) -> tuple:
     return values
 
 
+def _bent(radii: Any) -> Any:
+    if radii in (inf, (inf, inf)):
+        raise ValueError("straight along both axes")
+    return radii
+
+
 AS_GIVEN = PlainSerializer(lambda value: getattr(value, "text", value))  # with its unit
 LIST = BeforeValidator(_tuple)
 ONE_OR_MANY = BeforeValidator(_one_or_many)
@@ -80,7 +87,10 @@ Fraction = Annotated[float, Field(gt=0, lt=1)]
 Share = Annotated[float, Field(gt=0, le=1)]
 Ratio = Annotated[float, Field(ge=1, le=LARGEST)]
 Height = Annotated[float, Field(ge=-LARGEST, le=LARGEST), _in("length"), AS_GIVEN]
+HeightRange = Annotated[tuple[Height, Height], LIST]
 Length = Annotated[Positive, _in("length"), AS_GIVEN]
+Radius = Annotated[float, Field(ge=SMALLEST, allow_inf_nan=True), _in("length"), AS_GIVEN]
+Radii = Annotated[Radius | tuple[Radius, Radius], LIST, AfterValidator(_bent)]
 Coordinate = Annotated[NotNegative, _in("length"), AS_GIVEN]
 Pressure = Annotated[Positive, _in("pressure"), AS_GIVEN]
 Force = Annotated[Positive, _in("force"), AS_GIVEN]
@@ -156,13 +166,13 @@ def has_unit(value: Any) -> bool:
 
 
 def alike(what: str, given: dict[str, Any]) -> None:
-    """Raise ValueError if some of the quantities have units and others are plain; 0 is 0 in any
-    unit, None is not given."""
+    """Raise ValueError if some of the quantities have units and others are plain; 0 and inf are
+    the same in any unit, None is not given."""
     numbers = [
         (key, item)
         for key, value in given.items()
         for item in (value if isinstance(value, tuple) else (value,))
-        if item
+        if item and item != inf
     ]
     plain = {key: item for key, item in numbers if not isinstance(item, Quantity)}
     named = {key: item.text for key, item in numbers if isinstance(item, Quantity)}

@@ -1,21 +1,18 @@
-"""Surfaces given by a formula."""
+"""Surfaces given by a formula, and forms under others."""
 
 from collections.abc import Callable
+from math import inf
 from typing import Any
 
 import numpy as np
 
+Rows = Callable[[int, int], np.ndarray]  # (start, stop) -> heights, float64 (stop - start, n_y)
 
-def wave_rows(spec: Any, n: tuple[int, int]) -> Callable[[int, int], np.ndarray]:
-    """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y); returns a function of global rows (start,
-    stop)."""
-    k_x, k_y = spec.periods
-    y = _cosine(k_y, n[1])
 
-    def rows(start: int, stop: int) -> np.ndarray:
-        return spec.amplitude * np.outer(_cosine(k_x, n[0])[start:stop], y)
-
-    return rows
+def wave_rows(spec: Any) -> Rows:
+    """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y)."""
+    x, y = (_cosine(k, n) for k, n in zip(spec.periods, spec.n))
+    return lambda start, stop: spec.amplitude * np.outer(x[start:stop], y)
 
 
 def _cosine(k: int, n: int) -> np.ndarray:
@@ -23,14 +20,21 @@ def _cosine(k: int, n: int) -> np.ndarray:
     return np.cos(2 * np.pi * ((k * np.arange(n)) % n) / n)
 
 
-def sphere_rows(spec: Any, n: tuple[int, int]) -> Callable[[int, int], np.ndarray]:
-    """z = -r^2/(2 R) about the centre of the cell; returns a function of global rows (start,
-    stop)."""
-    L_x, L_y = spec.physical_sizes
-    x = (np.arange(n[0]) - n[0] // 2) * (L_x / n[0])
-    y = (np.arange(n[1]) - n[1] // 2) * (L_y / n[1])
+def on_form(
+    rows: Rows, radii: tuple[float, float], n: tuple[int, ...], sizes: tuple[float, ...]
+) -> Rows:
+    """Heights on the form z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell, as they are
+    where both radii are inf."""
+    R = min(radii)
+    if R == inf:
+        return rows
+    x, y = (
+        ((np.arange(k) - k // 2) * (size / k)) ** 2 * (R / radius)
+        for k, size, radius in zip(n, sizes, radii)
+    )
+    return lambda start, stop: rows(start, stop) - (x[start:stop, None] + y) / (2 * R)
 
-    def rows(start: int, stop: int) -> np.ndarray:
-        return -(x[start:stop, None] ** 2 + y[None] ** 2) / (2 * spec.radius)
 
-    return rows
+def flat_rows(start: int, stop: int) -> np.ndarray:
+    """z = 0."""
+    return np.zeros((stop - start, 1))

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..util.errors import SceneError, one_line
+from ..util.quantities import factor, prefixed
 from .metadata import Metadata
 
 ALLOWED = "a real array with two axes, not empty"
@@ -33,13 +34,30 @@ def is_topography(found: Any) -> bool:
 
 def of_topography(found: Any) -> tuple[np.ma.MaskedArray, Metadata]:
     """Heights of a Topography, masked where there are none, and what it says of them."""
-    unit, sizes_unit = found.unit, found.unit
-    if isinstance(unit, tuple | list):
-        sizes_unit, unit = unit
+    named = found
+    while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's
+        named = named.parent_topography
+    unit = named.unit
+    sizes_unit, unit = unit if isinstance(unit, tuple | list) else (unit, unit)
     sizes = None if found.physical_sizes is None else tuple(map(float, found.physical_sizes))
     # Most formats know nothing of periodicity, and are said to be not periodic.
     said = Metadata(sizes, sizes_unit, unit, bool(found.is_periodic) or None)
     return np.ma.asarray(found.heights(), dtype=np.float64), said
+
+
+def unreliable(found: Any) -> tuple[float, str] | None:
+    """The wave length in m below which a Topography shows the tip or the resolution of the
+    instrument rather than the surface, and what to say of it; None where it does not know."""
+    named = isinstance(found.unit, str)
+    cutoff = found.short_reliability_cutoff() if named else None
+    if cutoff is None:
+        return None
+    length = cutoff * factor(found.unit)
+    scale, name = prefixed([length], "m")
+    return length, (
+        f"waves shorter than {length / scale:.3g} {name} show the instrument, not the surface"
+        " (SurfaceTopography's short_reliability_cutoff)"
+    )
 
 
 def checked_array(heights: Any) -> np.ndarray:

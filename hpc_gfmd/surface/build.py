@@ -16,14 +16,14 @@ from ..parallel.fft import SlabFFT
 from ..parallel.grid import Grid
 from ..parallel.guard import guarded
 from ..parallel.interrupt import check
-from ..util.errors import GfmdError, SceneError
-from .analytic import sphere_rows, wave_rows
+from ..util.errors import SceneError
+from .analytic import Rows, flat_rows, on_form, wave_rows
 from .heights import LARGEST_HEIGHT, Checksum, checked
 from .prepare import prepare, prepared_size
 from .quality import slope_notes
 from .selfaffine import self_affine_gap
 from .statistics import rms, rms_between_neighbours
-from .topography import Rows, open_topography
+from .topography import open_topography
 
 SLAB_ROWS = 64  # rows read or made at a time
 # Of a cell along a free axis over the surface: share of it; of it and twice the longest side, in
@@ -167,41 +167,32 @@ def build_surface(
     low_memory: without transforms in double precision, which later ones of the certificate would
     need anyway.
     """
-    dtype = np.dtype(dtype)
+    dtype, kept = np.dtype(dtype), np.dtype(np.float64 if spec.radius else dtype)
+    rows: Rows = flat_rows
     if spec.kind == "self-affine":
         grid = grid_of(spec.n, spec.physical_sizes, comm, threads, spec.free)
         h, h_over_g, add_spectrum = self_affine_gap(
-            spec, _nominal(grid), dtype, dtype if low_memory else np.float64
+            spec, _nominal(grid), kept, kept if low_memory else np.float64
         )
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
         known = None if grid.padded else add_spectrum
-        return Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.nominal_rows, known)
+        made = Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.nominal_rows, known)
+        if not spec.radius:
+            return made
+        first, unit = made.rows[0], made.height_unit
+        rows = lambda start, stop: -unit * h[start - first : stop - first]  # noqa: E731
+    elif spec.kind == "wave":
+        rows = wave_rows(spec)
     if spec.kind != "file":
-        rows = {"wave": wave_rows, "sphere": sphere_rows}[spec.kind](spec, spec.n)
+        rows = on_form(rows, spec.radii, spec.n, spec.physical_sizes)
         return surface_from_rows(spec.n, spec.physical_sizes, rows, comm, dtype, threads, spec.free)
     with guarded(comm, "reading the surface"):
         found = open_topography(spec)
-    file = found.source
-    assert file is not None
-    with guarded(comm, "reading the surface"):
-        file.read_together(comm)
-    try:
-        found, done, notes = prepare(found, spec, comm)
-        made = surface_from_rows(
-            found.n,
-            found.sizes,
-            found.rows,
-            comm,
-            dtype,
-            threads,
-            spec.free,
-            Checksum(),
-            found.unit,
-        )
-    except GfmdError:  # all ranks are here
-        file.close()
-        raise
-    file.close()
+    found, done, notes = prepare(found, spec, comm)
+    of_map = Checksum(), found.unit
+    made = surface_from_rows(
+        found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, *of_map
+    )
     return replace(made, prepared=done, quality_notes=notes)
 
 

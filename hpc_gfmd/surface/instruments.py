@@ -1,9 +1,10 @@
 """The formats of instruments and their programs, read by SurfaceTopography."""
 
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,23 +14,37 @@ from .arrays import of_topography
 from .metadata import Metadata
 
 ANY_CHANNEL = "surface"  # the name that nobody gave
+Read = tuple[np.ndarray, Metadata]
 
 
-def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
-    """(heights (n_x, n_y), nan where they are missing; Metadata) of one channel of a file. Raises
-    whatever is wrong with it."""
+def read(path: str | Path, spec: Any) -> Read:
+    """(heights (n_x, n_y), nan where they are missing; Metadata) of one channel of a file; spec:
+    scene.File. Raises whatever is wrong with it."""
+    topography, sized = opened(path, spec.dataset)
+    heights, said = of_topography(topography)
+    return np.ma.filled(heights, np.nan), said if sized else replace(said, sizes=None)
+
+
+def recognised(path: str | Path, spec: Any) -> Read | None:
+    """The same of a file that says something of its sizes or units; None of others."""
+    with suppress(Exception):
+        found = read(path, spec)
+        return found if found[1].sizes or found[1].unit else None
+    return None
+
+
+def opened(path: str | Path, channel: str) -> tuple[Any, bool]:
+    """The Topography of one channel of a file, and whether the file knows its sizes."""
     io = surface_topography().IO
+    quiet = StringIO()  # some readers print what they miss
     try:
-        with (
-            redirect_stdout(StringIO()),
-            redirect_stderr(StringIO()),
-        ):  # some readers print what they miss
+        with redirect_stdout(quiet), redirect_stderr(quiet):
             reader = io.open_topography(str(path))
     except io.CannotDetectFileFormat:
         known = ", ".join(io.lookup_reader_by_format)
         raise SceneError(
             f"surface.path: the format of {path} is not known, or it is damaged; known are npy,"
-            f" npz, text, hdf5, netcdf and, of instruments, {known}"
+            f" npz, text, hdf5, netcdf, tiff, png and, of instruments, {known}"
         ) from None
     maps = [found for found in reader.channels if found.dim == 2]
     wanted = [found for found in maps if found.name == channel]
@@ -39,11 +54,6 @@ def read(path: str | Path, channel: str) -> tuple[np.ndarray, Metadata]:
             f" {', '.join(str(found.name) for found in maps) or '(none)'}"
         )
     info = wanted[0] if wanted else reader.default_channel
-    if info.dim != 2:
-        info = maps[0]
-    topography = info.topography(
-        **({} if info.physical_sizes is not None else {"physical_sizes": (1.0, 1.0)})
-    )
-    heights, said = of_topography(topography)
-    sizes = None if info.physical_sizes is None else said.sizes
-    return np.ma.filled(heights, np.nan), replace(said, sizes=sizes)
+    info = info if info.dim == 2 else maps[0]
+    sized = info.physical_sizes is not None
+    return info.topography(**({} if sized else {"physical_sizes": (1.0, 1.0)})), sized

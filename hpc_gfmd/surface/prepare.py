@@ -1,9 +1,10 @@
 """What the scene asks to be done to a measured height map before it is pressed, in this order:
 
-crop, detrend (by the points that were measured), fill, flip, mirror or window, refine, downsample.
+crop, detrend (by the points that were measured), fill, flip, mirror or window, refine, downsample,
+and the form under it.
 
-All but the last two are done to rows as they are read, so that the map never is in one place. All
-functions are collective.
+All but refine and downsample are done to rows as they are read, so that the map never is in one
+place. All functions are collective.
 """
 
 from collections.abc import Callable
@@ -13,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from ..util.errors import SceneError
+from ..util.quantities import format_quantity
+from .analytic import on_form
 from .fill import filled
 from .quality import FILLED, notes_on
 from .resample import resampled
@@ -89,8 +92,13 @@ def prepare(
         found = _windowed(found, spec.window)
         done.append(f"window {spec.window}")
     if size != found.n:
-        found = resampled(found, size, comm)
+        found = resampled(found, size, spec.free, comm)
         done.append(f"resampled to {size[0]} x {size[1]} points")
+    if spec.radius:
+        R_x, R_y = (found.length("radius", R) for R in spec.radii)
+        found = replace(found, rows=on_form(found.rows, (R_x, R_y), found.n, found.sizes))
+        given = dict.fromkeys(map(format_quantity, spec.radii))
+        done.append(f"on a form of radius {', '.join(given)}")
     return replace(found, filled=missing), tuple(done), tuple(notes)
 
 
@@ -104,12 +112,15 @@ def _cropped(found: Topography, spec: Any) -> Topography:
     ends = []
     for axis in (0, 1):
         step = found.sizes[axis] / found.n[axis]
-        first, last = (round(found.length(spec.crop[k]) / step) for k in (axis, axis + 2))
+        first, last = (round(found.length("crop", spec.crop[k]) / step) for k in (axis, axis + 2))
         if not 0 <= first < last <= found.n[axis]:
+            L_x, L_y = (
+                f"{size / found.plain:.6g} {found.plain_unit}".strip() for size in found.sizes
+            )
             raise SceneError(
                 f"surface.crop: found points {first} to {last} of {found.n[axis]} along"
-                f" {'xy'[axis]}, allowed: [x0, y0, x1, y1] with 0 <= x0 < x1 <= L_x and 0 <= y0 <"
-                " y1 <= L_y"
+                f" {'xy'[axis]}, allowed: [x0, y0, x1, y1] with 0 <= x0 < x1 <= {L_x} and 0 <= y0 <"
+                f' y1 <= {L_y}, plain in this unit or as "5 um"'
             )
         ends.append((first, last))
     (x0, x1), (y0, y1) = ends

@@ -1,5 +1,5 @@
-"""The same Fourier series on another number of points (fewer: without its shortest waves), for maps
-that are periodic."""
+"""The same Fourier series on another number of points (fewer: without its shortest waves); along an
+axis where the map ends the series of its mirror images, in cosines, which has no jump there."""
 
 from dataclasses import replace
 from typing import Any
@@ -11,24 +11,34 @@ from .slabs import local, own_rows, own_slabs
 from .topography import Topography
 
 
-def resampled(found: Topography, n: tuple[int, int], comm: Any) -> Topography:
-    """A Topography of n points; only this rank's rows of it can be read. Collective."""
-    from scipy.signal import resample
-
+def resampled(
+    found: Topography, n: tuple[int, int], free: tuple[bool, bool], comm: Any
+) -> Topography:
+    """A Topography of n points; only this rank's rows of it can be read. free: whether it ends
+    along x, along y. Collective."""
     z = local(
         comm,
         lambda: np.concatenate(
             [np.zeros((0, n[1]))]
             + [
-                resample(found.rows(start, stop), n[1], axis=1)
+                _series(found.rows(start, stop), n[1], 1, free[1])
                 for start, stop in own_slabs(found.n[0], comm)
             ]
         ),
     )
     columns = row_starts(n[1], comm.size)
     z = np.concatenate(comm.alltoall([z[:, a:b] for a, b in zip(columns, columns[1:])]))
-    z = resample(z, n[0], axis=0)
+    z = _series(z, n[0], 0, free[0])
     starts = row_starts(n[0], comm.size)
     z = np.concatenate(comm.alltoall([z[a:b] for a, b in zip(starts, starts[1:])]), axis=1)
     first = own_rows(n[0], comm)[0]
     return replace(found, n=n, rows=lambda start, stop: z[start - first : stop - first])
+
+
+def _series(z: np.ndarray, n: int, axis: int, ends: bool) -> np.ndarray:
+    from scipy.fft import dct, idct
+    from scipy.signal import resample
+
+    if not ends:
+        return resample(z, n, axis=axis)
+    return idct(dct(z, axis=axis, norm="forward"), n=n, axis=axis, norm="forward")

@@ -1,11 +1,15 @@
 """What a scene has to say of a height map beside its path, found by reading it."""
 
 from collections.abc import Callable
+from contextlib import suppress
+from math import ceil
 
 from ..parallel.comm import SerialComm
 from ..scene import File
 from ..scene.template import Suggestion
 from ..util.quantities import factor, prefixed
+from . import instruments
+from .arrays import unreliable
 from .prepare import prepare
 from .quality import JUMP, OUTLYING, TILT, MapQuality, outliers
 from .topography import Topography, open_topography
@@ -27,14 +31,32 @@ def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
     if said.sizes is not None:
         unit = said.sizes_unit or said.unit
         found.said["physical_sizes"] = _readable(said.sizes, unit) if unit else list(said.sizes)
+        if unit:
+            found.said["crop"] = ["0 m", "0 m", *found.said["physical_sizes"]]
         about += f", {found.said['physical_sizes'][0]} x {found.said['physical_sizes'][1]}"
     if said.unit is not None:
         found.said["unit"] = said.unit
     found.about.append(f"{about}, heights in {said.unit or 'a unit that the file does not name'}")
     found.missing = list(opened.lacks)
-    found.why = dict.fromkeys(found.said, "as the file says") | dict.fromkeys(found.missing, NEEDED)
+    found.why = dict.fromkeys(found.said.keys() - {"crop"}, "as the file says") | dict.fromkeys(
+        found.missing, NEEDED
+    )
     _by_heights(found, make, given, said.periodic)
+    _by_instrument(found, opened, make(given))
     return found
+
+
+def _by_instrument(found: Suggestion, opened: Topography, spec: File) -> None:
+    """Where to cut off waves that the instrument made, as far as it says."""
+    with suppress(Exception):  # of a file that SurfaceTopography does not read
+        topography, _ = instruments.opened(str(spec.path), spec.dataset)
+        cutoff, why = unreliable(topography) or (0.0, "")
+        factors = (ceil(cutoff * n / (2 * L)) for n, L in zip(opened.n, opened.sizes))
+        least = max(factors)
+        cut = [k for k in range(least, opened.n[0]) if not any(n % k for n in opened.n)]
+        if least > 1 and cut:
+            found.about.append(f"{why}; surface.downsample = {cut[0]} removes them")
+            found.said["downsample"], found.why["downsample"] = cut[0], why
 
 
 def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
@@ -77,10 +99,4 @@ def _by_heights(
         )
     fits = max(quality.jumps) <= JUMP or periodic
     if not fits and not {"boundary", "mirror", "window"} & set(given):
-        if {"refine", "downsample"} & set(given):
-            values["mirror"], why["mirror"] = (
-                True,
-                f"{edges}; a free boundary has no refine or downsample",
-            )
-        else:
-            values["boundary"], why["boundary"] = "free", f"{edges}; mirror = true is another way"
+        values["boundary"], why["boundary"] = "free", f"{edges}; mirror = true is another way"

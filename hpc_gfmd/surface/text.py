@@ -2,7 +2,6 @@
 writes before them."""
 
 import re
-from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -55,12 +54,9 @@ def read(path: str | Path, spec: Any) -> tuple[np.ndarray, Metadata]:
     with open(path, encoding="utf-8-sig", errors="replace") as file:
         layout = layout_of(list(islice(file, LOOKED_AT)), spec)
     if layout is None or layout.columns < POINTS:
-        return instruments.read(path, spec.dataset)
-    if layout.skip and spec.skip_lines is None:
-        with suppress(Exception):
-            heights, said = instruments.read(path, spec.dataset)
-            if said.sizes or said.unit:
-                return heights, said
+        return instruments.read(path, spec)
+    if layout.skip and spec.skip_lines is None and (found := instruments.recognised(path, spec)):
+        return found
     numbers = _numbers(path, layout, spec)
     return _on_grid(numbers, layout.units) if layout.columns == POINTS else (numbers, Metadata())
 

@@ -1,7 +1,6 @@
 """Heights with their sizes, whatever file they come from: what the file says, unless the scene says
 otherwise."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -10,13 +9,13 @@ import numpy as np
 
 from ..util.errors import SceneError
 from ..util.quantities import Quantity, factor
+from .analytic import Rows
 from .arrays import ArrayMap
 from .files import HeightMap
 from .heights import checked
 
 ALIKE = 1e-6  # relative difference of lengths that are the same
 UNITS = 'a unit of length, such as surface.unit = "nm"'
-Rows = Callable[[int, int], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -26,8 +25,8 @@ class Topography:
 
     Sizes and heights are in m where `unit` is "m", otherwise ("") in a unit that nobody named.
     periodic: True where the file says so. filled: points that had no height. plain: what a plain
-    number of the scene stands for. source: the file. lacks: {key of [surface]: why it has to be
-    given}; `prepare` refuses a Topography that lacks anything.
+    length of the scene stands for, in plain_unit, that of the sizes. source: the file. lacks:
+    {key of [surface]: why it has to be given}; `prepare` refuses a Topography that lacks anything.
     """
 
     n: tuple[int, ...]
@@ -38,11 +37,18 @@ class Topography:
     path: object = None
     filled: int = 0
     plain: float = 1.0
+    plain_unit: str = ""
     source: HeightMap | None = None
     lacks: dict[str, str] = field(default_factory=dict)
 
-    def length(self, given: float) -> float:
-        """A length of the scene in the unit of `sizes`."""
+    def length(self, key: str, given: float) -> float:
+        """A length of the scene in the unit of `sizes`. Raises SceneError where it has a unit and
+        the map none."""
+        if isinstance(given, Quantity) and not self.unit:
+            raise SceneError(
+                f"surface.{key}: found {given.text}, allowed: a plain number, as the sizes are, or"
+                " surface.unit beside it"
+            )
         return float(given) if isinstance(given, Quantity) else given * self.plain
 
 
@@ -135,7 +141,8 @@ def topography_of(found: HeightMap | ArrayMap, spec: Any) -> Topography:
         "" if unit is None else "m",
         said.periodic,
         found.path,
-        plain=height,
+        plain=length,
+        plain_unit=sizes_unit or "",
         lacks=lacks,
     )
 

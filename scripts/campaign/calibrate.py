@@ -1,4 +1,4 @@
-"""What the calibrated numbers of the estimates have to be: each is moved alone until the campaign
+"""What the calibrated numbers have to be: each is moved alone until the campaign
 fails, and what it costs in FFT pairs is said.
 
 A number is a field of a frozen dataclass whose name ends with Calibration, of which the package
@@ -7,10 +7,8 @@ left alone.
 A load fails if it is less accurate than asked or above its own estimate.
 """
 
-import ast
 import dataclasses
 import importlib
-import inspect
 import json
 import pkgutil
 import sys
@@ -18,7 +16,6 @@ from contextlib import contextmanager
 from functools import partial
 
 import hpc_gfmd
-from hpc_gfmd.certificate import error_estimates
 
 from .run import campaign
 from .table import count
@@ -64,20 +61,7 @@ def numbers():
                         getattr(owner, field.name),
                         partial(_with_field, modules, owner, field.name),
                     )
-    return found | {
-        name: (value, partial(_replaced, [error_estimates], value))
-        for name, value in vars(error_estimates).items()
-        if name in _assigned(error_estimates) and isinstance(value, int | float)
-    }
-
-
-def _assigned(module):
-    """Names in capitals that a file gives a value to."""
-    nodes = [
-        node for node in ast.parse(inspect.getsource(module)).body if isinstance(node, ast.Assign)
-    ]
-    names = [name.id for node in nodes for name in ast.walk(node) if isinstance(name, ast.Name)]
-    return {name for name in names if name.isupper()}
+    return found
 
 
 def _with_field(modules, owner, name, value):

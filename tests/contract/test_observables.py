@@ -2,11 +2,18 @@
 
 from math import isfinite
 
+import numpy as np
 import pytest
-from contacts import rough, sweep_of
+from contacts import EXACT, rough, sweep_of
 
 from hpc_gfmd.commands.show import as_dict, as_text
-from hpc_gfmd.contact import all_numbers, all_observables, default_observables, observables_named
+from hpc_gfmd.contact import (
+    all_numbers,
+    all_observables,
+    default_observables,
+    duality,
+    observables_named,
+)
 from hpc_gfmd.output.numbers import said_of
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.runs.simulation import run_scene
@@ -61,7 +68,8 @@ def test_alone(name):
     )
     steps = run_scene(scene, out="one.h5", quiet=True).steps
     kept = {*default_observables(), *observables_named([name])}
-    assert set(steps[1]) & set(all_observables()) == kept - {"duality_gap"} | {name}
+    asked = {*duality.OBSERVABLES} if name in duality.OBSERVABLES else set()
+    assert set(steps[1]) & set(all_observables()) == kept - {*duality.OBSERVABLES} | asked
 
 
 def test_each_number_of_a_result_is_defined(result, cli):
@@ -116,6 +124,22 @@ def test_unknown_name():
     )
     with pytest.raises(SceneError, match='nearest: "a_r"'):
         run_scene(scene, quiet=True)
+
+
+@pytest.mark.parametrize("accuracy", [1e-1, 1e-3])
+@pytest.mark.parametrize("p_star", [0.02, 0.2, 1.0])
+def test_bounds_hold_without_any_estimate(p_star, accuracy):
+    """Of the true errors, and they do not say more than is so by orders of magnitude."""
+    exact = sweep_of(rough(), **EXACT).solve(p_star)
+    found = sweep_of(rough(), duality=True, accuracy=accuracy).solve(p_star)
+    wrong = [
+        np.linalg.norm(found.field("pressure")[:] - exact.field("pressure")[:])
+        / np.linalg.norm(exact.field("pressure")[:]),
+        abs(found.gap_mean / exact.gap_mean - 1),
+    ]
+    for true, bound in zip(wrong, (duality.pressure_bound(found), duality.gap_bound(found))):
+        assert bound is None or true < bound < 300 * accuracy
+    assert accuracy > 1e-2 or duality.pressure_bound(found)
 
 
 def test_duality_gap_only_on_request():

@@ -1,6 +1,8 @@
 """Low memory at small loads: rounding errors of the heights' transforms are not taken for pressure
 out of contact."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from contacts import rough
@@ -49,7 +51,8 @@ def test_small_loads(comm):
 
 
 def test_single_precision_alone_does_not_get_there(monkeypatch):
-    monkeypatch.setattr(lowmemory, "NOISE_IN_TURN", np.inf)
+    blind = replace(lowmemory.CALIBRATION, noise_in_turn=np.inf)
+    monkeypatch.setattr(lowmemory, "CALIBRATION", blind)
     _, step = solved(SerialComm())
     assert step.status != "converged"
     assert step.certificate.residual > RESIDUAL

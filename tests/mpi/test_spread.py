@@ -1,6 +1,8 @@
 """Grids so large, or limits so low, that coarse levels and coarse grids are spread over the ranks:
 as on one rank."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from contacts import EXACT, field, rough, sweep_of
@@ -59,8 +61,8 @@ def test_small_limits(comm, surface, monkeypatch):
     """The same paths on small grids, where answers can be exact."""
     monkeypatch.setattr(multilevel, "COARSEST_POINTS", 16)
     monkeypatch.setattr(multilevel, "RANK_POINTS", 64)
-    monkeypatch.setattr(nested, "RANK_POINTS", 64)
-    monkeypatch.setattr(nested, "COARSEST", 8)
+    small = replace(nested.CALIBRATION, rank_points=64, coarsest=8)
+    monkeypatch.setattr(nested, "CALIBRATION", small)
     sweep = compare(comm, surface, [0.02, 0.3], 1e-9, **EXACT)
     levels, grids = spread_levels(sweep)
     assert levels >= 2

@@ -1,6 +1,8 @@
 """Ranks with threads: to the last bit what they find with one, also where coarse grids and levels
 are on fewer of the ranks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from contacts import field, rough
@@ -55,8 +57,7 @@ def small(monkeypatch):
     for module, name, value in (
         (multilevel, "COARSEST_POINTS", 64),
         (multilevel, "RANK_POINTS", 1024),
-        (nested, "RANK_POINTS", 1024),
-        (nested, "COARSEST", 8),
+        (nested, "CALIBRATION", replace(nested.CALIBRATION, rank_points=1024, coarsest=8)),
         (layout, "ROW_BYTES", 2**12),
         (layout, "COLUMN_BYTES", 2**12),
     ):

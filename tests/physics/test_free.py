@@ -2,7 +2,7 @@
 nothing beyond the surface counts."""
 
 from functools import partial
-from math import acosh, pi, sqrt
+from math import acosh, inf, pi, sqrt
 from pathlib import Path
 
 import contacts
@@ -29,16 +29,22 @@ def observe(step, name):
     return all_observables()[name](step)
 
 
-@pytest.mark.parametrize("a", [0.2, 0.31])
-def test_hertz(a):
+@pytest.mark.parametrize(
+    ("a", "surface"),
+    [
+        (0.2, {"kind": "sphere", "n": [256, 256]}),
+        (0.31, {"kind": "wave", "n": [256, 256], "amplitude": 0.0}),
+        (0.31, rough((2, 32, 4), h_rms=1e-9)),
+    ],
+    ids=["sphere", "under nothing", "under hardly any roughness"],
+)
+def test_hertz(a, surface):
     """Area to the pixel, largest pressure, approach and energy, whatever is left between the
     contact and the edge."""
     R = 10.0
     F = 4 * a**3 / (3 * R)
     step = sweep_of(
-        {"kind": "sphere", "radius": R, "n": [256, 256], "boundary": "free"},
-        accuracy=1e-4,
-        precision="double",
+        surface | {"radius": R, "boundary": "free"}, accuracy=1e-4, precision="double"
     ).solve(F)
     assert step.status == "converged"
     assert (
@@ -86,16 +92,10 @@ def test_cylinder(axis):
     largest pressure 2 F/(pi a)."""
     n, R, a = 256, 10.0, 0.3
     x = (np.arange(n) - n // 2) / n
-    z = np.zeros((n, 12)) - (x**2 / (2 * R))[:, None]
-    F = pi * a * a / (4 * R)
-    if axis:
-        step = sweep_over(
-            z.T, (12 / n, 1.0), free=(False, True), accuracy=1e-4, precision="double"
-        ).solve(F)
-    else:
-        step = sweep_over(
-            z, (1.0, 12 / n), free=(True, False), accuracy=1e-4, precision="double"
-        ).solve(F)
+    F, across = pi * a * a / (4 * R), slice(None, None, -1 if axis else 1)
+    surface = {"kind": "wave", "amplitude": 0.0, "n": [n, 12][across], "radius": [R, inf][across]}
+    surface |= {"physical_sizes": [1.0, 12 / n][across], "boundary": ["free", "periodic"][across]}
+    step = sweep_of(surface, accuracy=1e-4, precision="double").solve(F)
     assert observe(step, "a_r") == pytest.approx(2 * a, abs=2 / n)
     p = np.moveaxis(field(step, "pressure"), axis, 0)
     assert np.ptp(p, axis=1).max() < 1e-3 * p.max()

@@ -7,7 +7,7 @@ from dataclasses import replace
 import mpi_harness
 import numpy as np
 import pytest
-from bench import peers, timing
+from bench import peers, releases, timing
 from bench.cells import by_cells, love
 from bench.command import make_parser
 from bench.contacts import Case, distance
@@ -18,17 +18,22 @@ from hpc_gfmd.commands.cli import main
 from hpc_gfmd.util.errors import GfmdError
 
 
+def read(path):
+    """Rows of a table."""
+    return [json.loads(line) for line in path.read_text().splitlines()]
+
+
 @pytest.fixture
 def bench(tmp_path, monkeypatch):
     """bench(item, *options): its rows."""
     for name, value in mpi_harness.environment().items():
         monkeypatch.setenv(name, value)
 
-    def run(item, *options, table=None):
+    def run(item, *options):
         assert main([item, *map(str, options), "-o", str(tmp_path)], make_parser) == 0
-        path = tmp_path / f"{table or item}.jsonl"
+        path = tmp_path / f"{item}.jsonl"
         assert path.with_suffix(".txt").stat().st_size > 0
-        return [json.loads(line) for line in path.read_text().splitlines()]
+        return read(path)
 
     return run
 
@@ -168,7 +173,7 @@ def test_peers(bench, tmp_path, monkeypatch):
     assert tamaas["status"] == "not reached"
     assert "No module named 'tamaas'" in (tmp_path / "peers.txt").read_text()
     ours = [found[f"hpc-gfmd {precision}"] for precision in ("single", "double")]
-    assert min(row["seconds_over_ours"] for row in ours) == 1.0
+    assert 1.0 in [row["seconds_over_ours"] for row in ours]  # of the fastest of them
     for row in ours:
         assert row["error"] <= 1e-5
         assert row["options"]["precision"] in row["code"]
@@ -211,11 +216,12 @@ def test_storage(bench, tmp_path):
     assert {path.suffix for path in tmp_path.iterdir()} == {".jsonl", ".txt"}
 
 
-def test_one_process_and_releases(bench, tmp_path):
+def test_one_process_and_releases(bench, tmp_path, monkeypatch):
     found = bench("process", "--n", 32, "--threads", 1, 2, "--repeats", 1)
     assert [row["threads"] for row in found] == [1, 2]
     assert all(0 < row["outside_passes"] < 1 and row["cold_seconds"] > 0 for row in found)
-    for count in (5, 10):  # the rows of another release are added
+    monkeypatch.setattr(releases, "SCENES", {"layer": releases.SCENES["layer"]})
+    for count in (1, 2):  # the rows of another release are added
         found = bench("releases", "--n", 32, "--repeats", 1)
         assert len(found) == count
         assert {row["status"] for row in found} == {"converged"}
@@ -243,7 +249,7 @@ def test_scaling(bench, tmp_path):
     assert machine.call > 0
     alone = predict(64, 1, replace(machine, cores=1, latency=0))
     assert alone["seconds"] == pytest.approx(found[0]["seconds_min"])
-    modelled = bench("scaling", *options, table="scaling-model")
+    modelled = read(tmp_path / "scaling-model.jsonl")
     assert {(row["n"], row["link_gb_per_s"]) for row in modelled} == {
         (n, link) for n in (2**15, 2**17) for link in (7, 12.5, 25)
     }

@@ -1,6 +1,7 @@
 """Every example runs, on a small grid, without a warning, and leaves its pictures."""
 
 import ast
+import re
 import runpy
 import subprocess
 import sys
@@ -10,12 +11,22 @@ import matplotlib.pyplot as plt
 import pytest
 from mpi_harness import environment
 
+import hpc_gfmd
+from hpc_gfmd.util.libraries import surface_topography
+
 FOLDER = Path(__file__).parents[2] / "examples"
-SMALL = {"sphere": 48, "wave": 64, "measured": 64, "tfc": 64}
+SMALL = {"sphere": 48, "wave": 64, "measured": 64, "tfc": 64, "rough_ball": 128}
 POINTS = 96  # of the others
 MPI = "mpi_script"  # see tests/mpi
 ALONE = "measured"  # it imports SurfaceTopography, which initialises MPI: this process must not
 EXAMPLES = sorted(FOLDER.glob("*.py"))
+
+
+def blocks(page):
+    return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+
+
+PAGES = [page for page in sorted(FOLDER.parent.glob("docs/howto/*.md")) if blocks(page)]
 
 
 def run(path, monkeypatch):
@@ -25,19 +36,33 @@ def run(path, monkeypatch):
     plt.close("all")
 
 
-def test_in_a_process_of_its_own(tmp_path):
-    arguments = [
-        sys.executable,
-        "-W",
-        "error:::__main__",
-        FOLDER / f"{ALONE}.py",
-        str(SMALL[ALONE]),
-    ]
+def alone(tmp_path, script, *arguments):
+    """What a script prints that runs in a process of its own."""
     done = subprocess.run(
-        arguments, cwd=tmp_path, env=environment(MPLBACKEND="Agg"), capture_output=True, text=True
+        [sys.executable, "-W", "error:::__main__", script, *arguments],
+        cwd=tmp_path,
+        env=environment(MPLBACKEND="Agg"),
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 0, done.stderr
-    assert "a_r = " in done.stdout
+    return done.stdout
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_the_python_of_a_how_to_page(page, tmp_path):
+    code = "\n".join(blocks(page))
+    surface = hpc_gfmd.make_surface(
+        "wave", amplitude="9 nm", n=(8, 6), physical_sizes=("1 um",) * 2
+    )
+    scan = surface_topography().Topography(surface.heights, surface.sizes, unit="m")
+    scan.to_x3p(str(tmp_path / "scan.x3p"))
+    (tmp_path / "page.py").write_text(code)
+    alone(tmp_path, "page.py")
+
+
+def test_in_a_process_of_its_own(tmp_path):
+    assert "a_r = " in alone(tmp_path, FOLDER / f"{ALONE}.py", str(SMALL[ALONE]))
     for name in ("measured.png", "measured_patches.png", "measured.h5"):
         assert (tmp_path / name).stat().st_size > 10_000
 

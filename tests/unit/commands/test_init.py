@@ -117,19 +117,6 @@ def test_what_the_heights_show(z, chosen, outliers):
     assert outliers in (None, any("points stand out" in line for line in about))
 
 
-@pytest.mark.parametrize("key", ["refine", "downsample"])
-def test_what_a_free_boundary_does_not_have_is_not_made_free(tmp_path, key):
-    np.savez(
-        "map.npz",
-        z=np.linspace(-1, 1, 20)[:, None] ** 3 + np.zeros(20),
-        physical_sizes=[1.0, 1.0],
-        unit="um",
-    )
-    (tmp_path / "a.toml").write_text(compose("map.npz", Path("a.toml"), [f"surface.{key}=2"])[0])
-    surface = load_scene("a.toml").surface
-    assert (getattr(surface, key), surface.mirror, surface.boundary) == (2, True, None)
-
-
 def test_what_nobody_says_is_not_invented(cli):
     tilted("map.npz", None, None)
     assert "before it runs it needs surface.physical_sizes and surface.unit" in cli.prints(

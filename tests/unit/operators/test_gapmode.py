@@ -1,6 +1,8 @@
 """The gap mode, the deflation vector of the preconditioner: at small loads it spares a quarter of
 the FFT pairs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from contacts import rough, solve_scene
@@ -17,8 +19,9 @@ N = (144, 160)
 def test_fewer_pairs(boundary, monkeypatch):
     """Means of three surfaces: 9.5 and 10.2, not 13.8 and 15.5."""
     means = []
-    for fewest in (deflation.FEWEST, np.inf):
-        monkeypatch.setattr(deflation, "FEWEST", fewest)
+    usual = deflation.CALIBRATION
+    for fewest in (usual.fewest, np.inf):
+        monkeypatch.setattr(deflation, "CALIBRATION", replace(usual, fewest=fewest))
         _kept.grid.cache_clear()
         walls = [rough((2, 64, 2), seed=seed, boundary=boundary) for seed in (1, 2, 3)]
         means.append(np.mean([solve_scene(wall, 3e-4, accuracy=1e-3).fft_pairs for wall in walls]))

@@ -14,6 +14,9 @@ from hpc_gfmd.scene import Scene
 PEAK = Path(__file__).with_name("peak.py")
 WITHIN = 0.1  # of the estimate
 LIBRARIES_GIB = 0.1  # of files in the estimate, which peak.py leaves out
+ranks_1_and_slowly_2 = pytest.mark.parametrize(
+    "ranks", [1, pytest.param(2, marks=pytest.mark.slow)]
+)
 
 
 def scene(n, p_star=(0.1,), threads=1, fields=(), observables=None, boundary="periodic", **solver):
@@ -67,13 +70,13 @@ def check(table, ranks, folder, precision):
     assert (1 - WITHIN) * least < found < (1 + WITHIN) * most
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@ranks_1_and_slowly_2
 def test_few_points(ranks, tmp_path):
     """Where single precision cannot tell so few points apart, all is in double precision."""
     check(scene(1024, [1e-4]), ranks, tmp_path, "float64")
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@ranks_1_and_slowly_2
 def test_free_edges(ranks, tmp_path):
     """Making the table of the stiffness takes no more than what is solved with it."""
     check(

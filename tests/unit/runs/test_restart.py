@@ -1,6 +1,8 @@
 """A run that was stopped, or died, and went on is the run that was not disturbed, to the last
 bit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pieces import Pieces, scene
@@ -60,7 +62,7 @@ def test_wherever_it_is_stopped(pieces, name):
 
 def test_with_a_gap_mode(pieces, monkeypatch):
     """Which small grids have none of."""
-    monkeypatch.setattr(gapmode, "FEWEST", 1)
+    monkeypatch.setattr(gapmode, "CALIBRATION", replace(gapmode.CALIBRATION, fewest=1))
     stop_everywhere(pieces, scene("bpx", [0.01, 0.012, 0.05]))
 
 

@@ -23,7 +23,7 @@ def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
     [
         (b"", "empty"),
         (b" \n\t", "empty"),
-        (b"\x89HDF\r\n\x1a\n", "0x89 at position 0"),
+        (b"\x89HDF\r\n\x1a\n", "0x89 in position 0"),
         (b"a = 1\n\xff", "0xff"),
         (b"[surface]\nkind = \n", "line 2"),
         (b"a = 1\na = 2\n", "line 2"),

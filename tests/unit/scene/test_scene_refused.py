@@ -27,6 +27,7 @@ seed = [-1, 1.0, 9223372036854775808, true]
 g_rms = [0, "1"]
 h_rms = [-1, 1e-200]
 physical_sizes = [1, [1], [1, 0], [1, 1, 1], [1, inf]]
+radius = [0, nan, [1], "1 Pa", inf, [inf, inf]]
 [material]
 E_star = [0, nan]
 E1 = [-1]
@@ -129,7 +130,9 @@ solvr.name = "gfmd" | nearest: solver,
 hurst = 0.8 | nearest: surface.hurst,
 surface.title = "late" | nearest: surface.physical_sizes (title is a key, too),
 surface.accuracy = 1e-3 | nearest: surface.boundary (solver.accuracy is a key, too),
-surface.radius = 1 | nearest: surface.
+surface.radius = 1 | surface: found radius with a periodic boundary, allowed: boundary = "free", or along x or y
+surface = {radius = [1, inf], boundary = ["periodic", "free"]} | surface: found radius with a periodic boundary
+surface.hurst_ = 1 | nearest: surface.hurst
 surface.kind = "sefl-affine" | nearest: "self-affine",
 machine.thread = 2 | nearest: machine.threads,
 xyzzy = 1 | nearest: title,

@@ -1,19 +1,26 @@
 """Height maps of every format: what the file says of sizes and units is used, the scene may say
 otherwise, nothing is guessed."""
 
+import re
+from functools import partial
+from pathlib import Path
+
 import h5py
 import numpy as np
 import pytest
+import tifffile
 from contacts import random_heights
+from PIL import Image
 
 import hpc_gfmd
+from hpc_gfmd.commands.init import compose
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import File, Scene
 from hpc_gfmd.surface import build_surface
-from hpc_gfmd.surface.instruments import surface_topography
 from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.errors import SceneError
+from hpc_gfmd.util.libraries import surface_topography
 
 # m; neither as many points nor square cells: exchanged axes show
 N, SIZES = (12, 8), (1.2e-6, 0.4e-6)
@@ -239,6 +246,49 @@ def test_text_of_instruments(text, keys, missing, tmp_path):
     assert bool(found.prepared) == bool(missing)
 
 
+STEPS = np.round(65535 * (Z - Z.min()) / np.ptp(Z)).astype(np.uint16)
+RANGE = {"height_range": [f"{1e9 * z!r} nm" for z in (float(Z.min()), float(Z.max()))]}
+
+
+@pytest.mark.parametrize(
+    ("name", "write", "keys"),
+    [
+        ("z.tif", lambda p: tifffile.imwrite(p, 1e9 * Z.T), {}),
+        ("z.tiff", lambda p: tifffile.imwrite(p, (1e9 * Z.T).astype("f4")), {}),
+        ("u.tif", lambda p: tifffile.imwrite(p, STEPS.T), RANGE),
+        ("i.tif", lambda p: tifffile.imwrite(p, (STEPS.T - 2.0**15).astype("i2")), RANGE),
+        ("u.png", Image.fromarray(STEPS.T).save, RANGE),
+        ("l.tif", partial(Image.fromarray(STEPS.T).save, compression="tiff_lzw"), RANGE),
+    ],
+)
+def test_pictures(name, write, keys):
+    """x to the right, y down; whole numbers are steps of the range."""
+    write(name)
+    found = hpc_gfmd.read_surface(name, boundary="periodic", **BY_HAND, **keys)
+    step = np.ptp(Z) / 65535 if keys else 1e-14
+    assert np.allclose(found.heights, Z, rtol=0, atol=0.51 * step)
+    without = {"height_range": [0, 1]} if not keys else {}
+    with pytest.raises(SceneError, match=r"surface.height_range = \["):
+        hpc_gfmd.read_surface(name, boundary="periodic", **BY_HAND, **without)
+    Image.fromarray(np.zeros((4, 4, 3), np.uint8)).save("colours.png")
+    with pytest.raises(SceneError, match=r"found colours \(RGB\), allowed: one number a point"):
+        hpc_gfmd.read_surface("colours.png", **BY_HAND)
+
+
+def test_where_the_instrument_is_seen(capsys):
+    """init says from which wave length on, and how to cut there; a Topography brings the note."""
+    parameters = {"resolution": {"value": 0.35, "unit": "µm"}}
+    info = {"instrument": {"parameters": parameters}}
+    scan = surface_topography().Topography(1e9 * Z, (1200, 400), unit="nm", info=info)
+    scan.to_netcdf("scan.nc")
+    text, _, about = compose("scan.nc", Path("scene.toml"))
+    said = "waves shorter than 350 nm show the instrument"
+    assert any(said in line and "surface.downsample = 4 removes" in line for line in about)
+    assert re.search(f"^# downsample = 4 .*{said}", text, re.M)
+    assert re.search('^# crop = ."0 m", "0 m", "1.2 um", "0.4 um".', text, re.M)
+    assert said in hpc_gfmd.prepare_surface(scan).notes[-1]
+
+
 def test_a_line_that_is_not_like_the_others_is_no_header(tmp_path):
     (tmp_path / "z.txt").write_text(written(",", holes=[(3, "x")]))
     with pytest.raises(SceneError, match=r"line 4 is not like those .*surface.missing names"):
@@ -247,9 +297,9 @@ def test_a_line_that_is_not_like_the_others_is_no_header(tmp_path):
 
 def test_a_format_that_is_not_known(tmp_path, capfd):
     """Known ones are named; what other readers thought of it is not printed."""
-    (tmp_path / "z.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8)
+    (tmp_path / "z.abc").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 8)
     with pytest.raises(SceneError, match=r"is not known, or .* known are npy, .*, x3p, .*gwy"):
-        open_topography(spec("z.png"))
+        open_topography(spec("z.abc"))
     assert not capfd.readouterr().out
 
 
@@ -350,6 +400,21 @@ def test_what_a_prepared_surface_knows(tmp_path):
         match=r"physical_sizes: found .* beside .* knows its sizes, allowed: read_surface",
     ):
         hpc_gfmd.solve(surface, 1.0, physical_sizes=(1, 2))
+    lengths = r"allowed: .* x0 < x1 <= 1200 nm and .* y1 <= 400 nm, plain in this unit"
+    found = topography("nm")
+    assert hpc_gfmd.prepare_surface(found, crop=(0, 0, 600, 100)).heights.shape == (6, 2)
+    with pytest.raises(SceneError, match=lengths):
+        hpc_gfmd.prepare_surface(found, crop=(0, 0, "2 um", "0.4 um"))
+    for keys in ({"crop": ("0 um", "0 um", "1 um", "1 um")}, {"radius": "1 mm"}):
+        with pytest.raises(
+            SceneError, match=r"found (1 mm|0 um), allowed: a plain number, as the sizes"
+        ):
+            hpc_gfmd.prepare_surface(Z, boundary="free", **keys)
+    ball = hpc_gfmd.prepare_surface(found, boundary="free", radius="1 mm")
+    x, y = ((np.arange(k) - k // 2) * L / k for k, L in zip(N, SIZES))
+    form = (x[:, None] ** 2 + y**2) / 2e-3
+    assert np.allclose(ball.heights, Z - form, rtol=0, atol=1e-16)
+    assert ball.prepared == ("on a form of radius 1 mm",)
     with pytest.raises(SceneError, match=r"surface.detrent: unknown key, nearest: surface.detrend"):
         hpc_gfmd.read_surface("z.x3p", detrent="mean")
 
