@@ -1,13 +1,18 @@
 """What makes a result file open in other programs: coordinates, numbers and units (xarray, netCDF),
 and the group that ParaView reads."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import json
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from .numbers import About, Attributes, axes, numbers, said_of
 
+# An attribute of each group with all its texts, as JSON of fixed length. HDF5 keeps texts of any
+# length, which other programs expect, where it has no checksums and where a flipped bit may crash
+# it: we read them from nowhere else.
+RECORD = "record"
 SIGNS = (
     "lengths count away from the rigid surface: gap = displacement + initial gap >= 0, initial gap"
     " = -heights; pressures push"
@@ -63,18 +68,17 @@ def name_it(dataset: Any, surface: Attributes, about: About, scales: Sequence = 
         axis.attach_scale(scale)
 
 
-def image(
-    file: Any,
-    surface: Attributes,
-    loads: np.ndarray,
-    names: Iterable[str],
-    create: Callable[[Any, str], Any],
-) -> Any:
-    """VTKHDF's ImageData with arrays of these names, made by create(group, name): (loads, x, y), or
-    (x, y) of one load.
+def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, about: About) -> None:
+    """VTKHDF's ImageData with views of the fields that all steps have: (load, x, y), or (x, y) of
+    one load.
 
     VTK's first axis is the last one of an array, our y; Direction turns it back, so that x is x.
     """
+    import h5py
+
+    names = sorted(set.intersection(*(set(_fields(step)) for step in steps)))
+    if not names:
+        return
     (n_x, n_y), (size_x, size_y) = surface["n"], surface["physical_sizes"]
     vtk = file.create_group("VTKHDF")
     vtk.attrs.update(
@@ -85,40 +89,43 @@ def image(
         Spacing=[size_y / n_y, size_x / n_x, 1.0],
         Direction=[0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0],
     )
-    for name in names:
-        create(vtk.require_group("PointData"), name)
-    if len(loads) > 1:
-        rising = np.all(np.diff(loads) > 0)  # as times in ParaView have to
-        vtk["Steps/Values"] = np.array(loads) if rising else np.arange(float(len(loads)))
-        vtk["Steps"].attrs["NSteps"] = len(loads)
+    points = vtk.create_group("PointData")
+    if len(steps) == 1:
         for name in names:
-            vtk[f"Steps/PointDataOffsets/{name}"] = np.arange(len(loads)) % len(
-                vtk["PointData"][name]
-            )
-    return vtk
-
-
-def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, about: About) -> None:
-    import h5py
-
-    def view(group: Any, name: str) -> None:
+            points[name] = steps[0][name]  # a hard link
+        return
+    loads = file["load"][:]
+    rising = np.all(np.diff(loads) > 0)  # as times in ParaView have to
+    vtk["Steps/Values"] = loads if rising else np.arange(float(len(loads)))
+    vtk["Steps"].attrs["NSteps"] = len(loads)
+    for name in names:
         sources = [step[name] for step in steps]
-        if len(steps) == 1:
-            group[name] = sources[0]  # a hard link
-            return
         layout = h5py.VirtualLayout(
-            (len(steps), *surface["n"]), np.result_type(*(one.dtype for one in sources))
+            (len(steps), n_x, n_y), np.result_type(*(one.dtype for one in sources))
         )
         for k, one in enumerate(sources):
             layout[k] = h5py.VirtualSource(".", one.name, one.shape, one.dtype)
-        name_it(group.create_virtual_dataset(name, layout), surface, about, scales)
-
-    if names := sorted(set.intersection(*(set(_fields(step)) for step in steps))):
-        vtk = image(file, surface, file["load"][:], names, view)
-        if times := vtk.get("Steps"):
-            for dataset in (times["Values"], *times["PointDataOffsets"].values()):
-                dataset.dims[0].attach_scale(scales[0])
+        name_it(points.create_virtual_dataset(name, layout), surface, about, scales)
+        vtk[f"Steps/PointDataOffsets/{name}"] = np.arange(len(loads))
+    for dataset in (vtk["Steps/Values"], *vtk["Steps/PointDataOffsets"].values()):
+        dataset.dims[0].attach_scale(scales[0])
 
 
 def _fields(group: Any) -> list[str]:
     return [name for name, item in group.items() if getattr(item, "ndim", 0) == 2]
+
+
+def set_attributes(file: Any, groups: dict[str, dict]) -> Any:
+    """The file with attributes of groups; a dict as JSON, None not at all."""
+    for name, attributes in groups.items():
+        found = {
+            key: json.dumps(value) if isinstance(value, dict) else value
+            for key, value in attributes.items()
+            if value is not None
+        }
+        texts = {
+            key: value if np.asarray(value).dtype.kind == "U" else None
+            for key, value in found.items()
+        }
+        file.require_group(name).attrs.update(found | {RECORD: np.bytes_(json.dumps(texts))})
+    return file

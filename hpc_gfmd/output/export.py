@@ -9,12 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from ..parallel.comm import SerialComm
 from ..parallel.guard import one_line
+from ..parallel.h5 import write_file
 from ..util.atomic import aside
 from ..util.errors import GfmdError, SceneError
 from ..util.libraries import surface_topography
 from ..util.quantities import in_units
-from .describe import coordinates, image, name_it
+from .describe import coordinates, describe, name_it, set_attributes
+from .fields import Slab
 from .numbers import About, axes, numbers, said_of
 from .read import Result
 
@@ -41,31 +44,39 @@ def export(
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to export")
     try:
-        with aside(path) as tmp:
-            write(result, tmp, about or {})
+        if kind == "vtkhdf":  # which makes its own way to a file that is there or not
+            write(result, path, about or {})
+        else:
+            with aside(path) as tmp:
+                write(result, tmp, about or {})
     except (OSError, ValueError) as error:
         raise GfmdError(f"writing {path}: {one_line(error)}") from error
     return path
 
 
 def to_vtkhdf(result: Result, path: Path, about: About) -> None:
-    """Write the VTKHDF group of the result file with numbers of its own."""
-    import h5py
-
-    fields, loads = _fields(result), len(result.steps)
-    if not fields or min(result.surface["n"]) < 2:
+    """Write a result file, whose extension ParaView knows."""
+    n = result.surface["n"]
+    if not _fields(result) or min(n) < 2:
         raise SceneError(
             f"{result.path}: ParaView shows fields on two axes, allowed: a result with"
             " output.fields"
         )
-
-    def create(group: Any, name: str) -> None:
-        # of a single load without a first axis, as its views
-        shape = (1 if name == HEIGHTS else loads, *result.surface["n"])[loads == 1 :]
-        _fill(group.create_dataset(name, shape, fields[name]), result, name)
-
-    with open(path, "w+b") as stream, h5py.File(stream, "w") as file:
-        image(file, result.surface, numbers(result.steps)["p"], fields, create)
+    steps = {f"steps/{k:04d}": step for k, step in zip(result.indices, result.steps)}
+    groups = {"/": result.head, "surface": result.surface, **steps}
+    fields: dict[str, Any] = {}
+    for group, found in zip(steps, result.fields):
+        for name, field in found.items():
+            place = "surface" if name == HEIGHTS else group
+            fields[f"{place}/{name}"] = field.data if isinstance(field, Slab) else field
+    write_file(
+        SerialComm(),
+        path,
+        n,
+        (0, n[0]),
+        fields,
+        lambda file: describe(set_attributes(file, groups), result.surface, steps, about),
+    )
 
 
 def to_netcdf(result: Result, path: Path, about: About) -> None:
@@ -194,4 +205,4 @@ def _pieces(result: Result, name: str) -> Iterator[tuple[int, int, np.ndarray]]:
 def _fill(dataset: Any, result: Result, name: str) -> None:
     for k, start, rows in _pieces(result, name):
         at = slice(start, start + len(rows))
-        dataset[at if dataset.ndim == 2 else (k, at)] = rows
+        dataset[at if name == HEIGHTS else (k, at)] = rows

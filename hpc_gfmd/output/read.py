@@ -15,13 +15,10 @@ from ..parallel.h5 import CHECKSUM, Stored, inside, reading
 from ..scene import ArrayScene, Scene
 from ..scene.model import parse_toml
 from ..util.errors import SceneError, one_line
+from .describe import RECORD
 from .folder import HEAD, is_held, partial_folder, step_files
 
 FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
-# An attribute of each group with all its texts, as JSON of fixed length. HDF5 keeps texts of any
-# length, which other programs expect, where it has no checksums and where a flipped bit may crash
-# it: we read them from nowhere else.
-RECORD = "record"
 
 
 @dataclass(frozen=True)

@@ -5,27 +5,23 @@ end all of it becomes OUT.h5 in one rename. So nothing finished is lost, and not
 has a final name. Beside them lies the last checkpoint.
 """
 
-import json
 import os
 from contextlib import AbstractContextManager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0, one_line
 from ..parallel.h5 import Stored, io_way, write_file
 from ..util.errors import GfmdError, SceneError
-from .describe import SIGNS, describe
+from .describe import SIGNS, describe, set_attributes
 from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
 from .numbers import About
 from .read import (
     CHECKPOINT,
     FORMAT,
     FORMAT_VERSION,
-    RECORD,
     Result,
     read_checkpoint,
     read_partial,
@@ -256,22 +252,6 @@ class RunFile(AbstractContextManager):
             lambda file: describe(set_attributes(file, groups), self._surface, steps, self._about),
             **self._how,
         )
-
-
-def set_attributes(file: Any, groups: dict[str, dict]) -> Any:
-    """The file with attributes of groups; a dict as JSON, None not at all."""
-    for name, attributes in groups.items():
-        found = {
-            key: json.dumps(value) if isinstance(value, dict) else value
-            for key, value in attributes.items()
-            if value is not None
-        }
-        texts = {
-            key: value if np.asarray(value).dtype.kind == "U" else None
-            for key, value in found.items()
-        }
-        file.require_group(name).attrs.update(found | {RECORD: np.bytes_(json.dumps(texts))})
-    return file
 
 
 def _group(index: int) -> str:

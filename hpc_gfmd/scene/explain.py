@@ -105,7 +105,8 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
     elif deeper and isinstance(value, dict) and deeper[0] in value:
         path, found = f"{path}.{printable(deeper[0])}", shown(value[deeper[0]])
     what = f"{allowed(fields[field])}{_limits(item)}"
-    return key, f"{path}: found {found}, {_why(item)}allowed: {what}"
+    why = _why(item) if rest else ""
+    return key, f"{path}: found {found}, {why}allowed: {what}"
 
 
 def _why(item: Any) -> str:
