@@ -2,13 +2,12 @@
 with two things of our own.
 
 README.md has links relative to the repository, which lead nowhere on other pages: what is published
-has them absolute. The source archive has all of the repository, tests included.
+has their words alone. The source archive has all of the repository, tests included.
 """
 
 import re
 import tarfile
 import tempfile
-from configparser import ConfigParser
 from pathlib import Path
 
 from setuptools import build_meta
@@ -36,29 +35,21 @@ LEFT_OUT = re.compile(
 )
 
 
-def metadata():
-    """(address of the project, version)."""
-    config = ConfigParser()
-    config.read("setup.cfg", encoding="utf-8")
+def version():
+    """The project's version."""
     source = Path("hpc_gfmd/__init__.py").read_text(encoding="utf-8")
-    return config["metadata"]["url"], re.search(r'^__version__ = "(.+)"', source, re.MULTILINE)[1]
+    return re.search(r'^__version__ = "(.+)"', source, re.MULTILINE)[1]
 
 
-def absolute(text):
-    """Markdown whose links and pictures lead to the release's tag, as forges serve it."""
-    url, version = metadata()
-    return re.sub(
-        r"(!?)\[([^\]]*)\]\((?!https?:|#)([^)]+)\)",
-        lambda link: (
-            f"{link[1]}[{link[2]}]({url}/{'raw' if link[1] else 'blob'}/v{version}/{link[3]})"
-        ),
-        text,
-    )
+def without_links(text):
+    """Markdown without pictures and links that lead into the repository: their words stay."""
+    text = re.sub(r"!\[[^\]]*\]\((?!https?:)[^)]+\)\n*", "", text)
+    return re.sub(r"\[([^\]]*)\]\((?!https?:|#)[^)]+\)", r"\1", text)
 
 
 def build_sdist(sdist_directory, config_settings=None):
     """The archive of ARCHIVED with the metadata as PKG-INFO; returns its name."""
-    name = f"hpc_gfmd-{metadata()[1]}"
+    name = f"hpc_gfmd-{version()}"
     with (
         tempfile.TemporaryDirectory() as folder,
         tarfile.open(Path(sdist_directory) / f"{name}.tar.gz", "w:gz") as archive,
@@ -79,4 +70,4 @@ def build_sdist(sdist_directory, config_settings=None):
 
 
 PUBLISHED.parent.mkdir(exist_ok=True)
-PUBLISHED.write_text(absolute(Path("README.md").read_text(encoding="utf-8")), encoding="utf-8")
+PUBLISHED.write_text(without_links(Path("README.md").read_text(encoding="utf-8")), encoding="utf-8")
