@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .parallel.guard import on_rank_0
     from .parallel.world import world
     from .plotting import plot
+    from .runs.many import solve_many
     from .runs.prepared import PreparedSurface, make_surface, prepare_surface, read_surface
     from .runs.simulation import RunResult
     from .runs.simulation import run_scene as run
@@ -47,6 +48,7 @@ __all__ = [
     "reference",
     "run",
     "solve",
+    "solve_many",
     "world",
 ]
 _PLACES = {
@@ -66,6 +68,7 @@ _PLACES = {
     "read_surface": "runs.prepared",
     "run": "runs.simulation:run_scene",
     "solve": "runs.solve",
+    "solve_many": "runs.many",
     "world": "parallel.world",
 }
 

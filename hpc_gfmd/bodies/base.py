@@ -9,7 +9,7 @@ pressure does (`stiffness` at q = 0) counts for the approach alone.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, wraps
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 from weakref import WeakKeyDictionary
 
@@ -32,6 +32,16 @@ SQRT2 = np.sqrt(2.0)
 T = TypeVar("T")
 
 _multipliers: WeakKeyDictionary[SlabFFT, dict[Body, Any]] = WeakKeyDictionary()
+
+
+def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
+    """A method of bodies that finds what it gives once for each grid."""
+
+    @wraps(method)
+    def known(self: Any, grid: Grid) -> T:
+        return grid.once((method, self), lambda: method(self, grid))
+
+    return known
 
 
 class Multipliers(Protocol):
@@ -173,11 +183,13 @@ class Body:
             block[...] = self.stiffness(np.hypot(q_x, q[:, None]), grid.a)
         return out
 
+    @once_per_grid
     def scale(self, grid: Grid) -> float:
         """K of the shortest wave of the grid (the corner of the Brillouin zone) over sqrt 2: what
         the finest level is weighted by."""
         return float(self.stiffness(np.array([SQRT2 * grid.q_nyquist]), grid.a)[0]) / SQRT2
 
+    @once_per_grid
     def bounds(self, grid: Grid) -> tuple[float, float]:
         """The smallest and the largest K of all waves of the grid."""
         shortest = SQRT2 * grid.q_nyquist
@@ -188,6 +200,7 @@ class Body:
         K = self.stiffness(np.geomspace(longest, shortest, SAMPLES), grid.a)
         return float(K.min()), float(K.max())
 
+    @once_per_grid
     def typical(self, grid: Grid) -> float:
         """What K is on the average over what solvers leave, so that it tells the error of the
         pressure from that of the energy: times a constant, `scale` where K is proportional to q."""

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..kernels.lowmodes import join, multiply, split
-from .base import Body, Multipliers
+from .base import Body, Multipliers, once_per_grid
 from .halfspace import HalfSpace
 from .images import ALONE, NEEDED, PARITIES, Images, images
 
@@ -76,6 +76,7 @@ class Free(HalfSpace):
     def examples(cls) -> list[Body]:
         return [cls((True, True)), cls((True, False)), cls((False, True))]
 
+    @once_per_grid
     def bounds(self, grid: Grid) -> tuple[float, float]:
         smallest, largest = super().bounds(grid)
         return 0.4 * smallest, largest  # S of a mode is at most 2.5 times that of the cell

@@ -33,13 +33,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain
+from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain, open_moments
 from ..operators.multilevel import EQUIVALENCE
 from ..operators.problem import ROUNDING
 
 if TYPE_CHECKING:
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
+    from ..parallel.grid import Grid
 
 
 @dataclass(frozen=True)
@@ -180,9 +181,15 @@ def misclassified_points(
     largest = max(min(mean_square * CALIBRATION.farthest**2, squares), sure**2)
     if largest <= 0:
         return 0.0
-    counts, grid = np.zeros((2, BINS)), problem.grid
-    compliance = 1.0 / problem.body.scale(grid)
-    count_uncertain(g, p, grid.inside, compliance, tie if double else 0.0, sure, largest, counts)
+    grid = problem.grid
+    limits = 1.0 / problem.body.scale(grid), tie if double else 0.0, sure, largest
+
+    def count(i0: int, i1: int) -> np.ndarray:
+        counts, inside = np.zeros((2, BINS)), (i1 - i0, grid.inside[1])
+        count_uncertain(g[i0:i1], p[i0:i1], inside, *limits, counts)
+        return counts
+
+    counts = np.sum([np.zeros((2, BINS)), *grid.by_rows(count, grid.inside[0])], axis=0)
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
     wrong = 0.0
@@ -194,6 +201,13 @@ def misclassified_points(
         spent, easiest = np.cumsum((points * takes)[::-1]), np.cumsum(points[::-1])
         wrong = max(wrong, min(likely, np.floor(np.interp(squares, spent, easiest))))
     return float(wrong)
+
+
+def moments_of_open(grid: Grid, g: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Sums of p^2 and p^4 off contact, on this rank."""
+    rows, points = grid.inside
+    sums = grid.by_rows(lambda i0, i1: open_moments(g[i0:i1], p[i0:i1], (i1 - i0, points)), rows)
+    return np.sum(np.reshape(sums, (-1, 2)), axis=0)
 
 
 def spread_of(squares: float, fourth: float, contact: float, N: int) -> float:

@@ -49,7 +49,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 def main(args: Namespace) -> int:
     """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
-    from ..parallel.world import ranks_per_node
+    from ..parallel.world import auto_threads, ranks_per_node
     from ..runs.loads import check
     from ..runs.plan import plan_of, text_of
     from ..scene import load_scene
@@ -65,10 +65,8 @@ def main(args: Namespace) -> int:
     scene = load_scene(args.scene, args.set)
     check(scene)
     n, sizes = surface_size(scene.surface)
-    here = len(cores())
-    threads = args.threads or (
-        max(1, here // args.ranks) if scene.machine.threads == "auto" else scene.machine.threads
-    )
+    here, said = len(cores()), args.threads or scene.machine.threads
+    threads = auto_threads(n[0] * n[1], args.ranks, here) if said == "auto" else said
     per_node = min(args.ranks, args.ranks_per_node or ranks_per_node(args.ranks, threads))
     plan = plan_of(scene, n, sizes, args.ranks, per_node, threads, here)
     there = scene.machine.memory_gib or available_gib()

@@ -260,9 +260,14 @@ class Contact:
         around_x, around_y = self.periodic
         if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
             below = np.stack([g[rows - 1], p[rows - 1]])
-        along_x, along_y = grid.comm.sum(
-            contact_edges(g, p, grid.inside, below[0], below[1], around_y)
-        )
+
+        def edges(i0: int, i1: int) -> tuple[int, int]:
+            after = below if i1 == rows else (g[i1], p[i1])
+            inside = i1 - i0, grid.inside[1]
+            return contact_edges(g[i0:i1], p[i0:i1], inside, after[0], after[1], around_y)
+
+        found = np.reshape(grid.by_rows(edges, rows), (-1, 2)).sum(axis=0)
+        along_x, along_y = grid.comm.sum(found)
         return int(along_x), int(along_y)
 
     @property

@@ -19,7 +19,6 @@ from .base import Arrays, Distribution
 if TYPE_CHECKING:
     from .contact import Contact
 
-ROWS = 64
 FINE = 7  # at most 2^FINE bins of pressure, more than half as many
 NARROW = 2.0**-10  # relative: a distribution narrower than that gets no finer bins
 # below h_rms, all smaller gaps being in the first bin; bins in a factor of two
@@ -107,10 +106,9 @@ def _over_rows(
     contact: Contact, of_rows: Callable[[int, int], ArrayLike], join: np.ufunc, start: ArrayLike
 ) -> np.ndarray:
     """join(..., of_rows(i0, i1)) over this rank's rows."""
-    found, (rows, _) = np.asarray(start, dtype=np.float64), contact.surface.grid.inside
-    for i0 in range(0, rows, ROWS):
-        found = join(found, of_rows(i0, min(i0 + ROWS, rows)))
-    return found
+    grid = contact.surface.grid
+    found = [start, *grid.by_rows(of_rows, grid.inside[0])]
+    return join.reduce(np.array(found, dtype=np.float64))
 
 
 def _density(edges: np.ndarray, counts: np.ndarray) -> Arrays:

@@ -26,6 +26,7 @@ from ..parallel import interrupt
 from ..parallel.coarsening import gathered, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import Windows, neighbours, rows_of
+from ..parallel.threads import on_threads
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -132,9 +133,7 @@ class Decimation:
         """The problem of every second point, None where this rank has none. Units of height and
         pressure stay, lengths become those of the coarser grid. Collective."""
         step = self.steps
-        h = np.ascontiguousarray(
-            problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
-        )
+        h = problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
         beside, starts = (np.minimum(rows, self.nominal[0]) for rows in (self.beside, self.starts))
         if not np.array_equal(beside, starts):
             windows, rank = (
@@ -267,28 +266,31 @@ def _prolong(
     u = p = np.empty((0, step.n[1]), problem.dtype)
     if solver is not None and coarse is not None:
         u, p = solver.g, solver.p
-        inner, points = coarse.grid.inside
-        u[:inner, :points] -= coarse.h
-        u *= real(coarse.grid.a / fine.a)
+        grid, h, scale = coarse.grid, coarse.heights, real(coarse.grid.a / fine.a)
+        inner, points = grid.inside
+
+        def displacement(i0: int, i1: int) -> None:
+            u[i0 : min(i1, inner), :points] -= h[i0:i1]
+            u[i0:i1] *= scale
+
+        grid.by_rows(displacement)
+    heights, pieces = problem.heights, fine.pieces()
     before, after = _heights_around(problem)
-    heights, rows, coarse_rows = (
-        (before, problem.heights, after),
-        (fine.rows[0], fine.n[0]),
-        (int(step.beside[fine.comm.rank]), step.n[0]),
-    )
+    # copies: where `out` is the memory of the heights, other threads write to it
+    borders = [heights[i - SWEEPS : i + SWEEPS].copy() for i, _ in pieces[1:]]
+    befores = [before, *(rows[:SWEEPS] for rows in borders)]
+    afters = [*(rows[SWEEPS:] for rows in borders), after]
+    coarse_rows = int(step.beside[fine.comm.rank]), step.n[0]
     halved = tuple(k == 2 for k in step.steps)
-    prolong_gap(
-        step.around(u),
-        step.around(p),
-        heights,
-        out,
-        rows,
-        coarse_rows,
-        halved,
-        real(1 / problem.body.scale(fine)),
-        problem.body.near(fine).astype(problem.dtype),
-        fine.nominal,
-    )
+    how = halved, real(1 / problem.body.scale(fine)), problem.body.near(fine).astype(problem.dtype)
+    fields = step.around(u), step.around(p)
+
+    def prolong(i0: int, i1: int, before: np.ndarray, after: np.ndarray) -> None:
+        h, rows = (before, heights[i0:i1], after), (fine.rows[0] + i0, fine.n[0])
+        prolong_gap(*fields, h, out[i0:i1], rows, coarse_rows, *how, fine.nominal)
+
+    each = [(*rows, *around) for rows, *around in zip(pieces, befores, afters)]
+    on_threads(fine.threads, prolong, each)
     return out
 
 

@@ -111,6 +111,8 @@ class Sweep:
                         'solver.precision: found "single", too little for a pressure of'
                         f' {p_mean:g}, allowed: "auto", "double"'
                     )
+        if pressures:
+            return pressures
         best = (
             self.dtype
             if self.settings.precision == "single" or self.settings.low_memory
@@ -118,7 +120,7 @@ class Sweep:
         )
         resolution = LENGTHS * float(np.finfo(best).eps) / self.settings.tolerance
         top = 0.0 if name == "a_r" else self._heights.top * self.surface.slope
-        return pressures or load_targets(name, values, self.surface, top, resolution)
+        return load_targets(name, values, self.surface, top, resolution)
 
     def solve(
         self, load: float | LoadTarget, watch: Watch | None = None, midway: bool = False

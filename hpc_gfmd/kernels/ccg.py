@@ -142,7 +142,7 @@ def new_gap(p, gap0, h, x, i0, i1, scale, offset):
 
 
 @kernel
-def feasible_state(p, gap0, g, p_out, shift, inside):
+def feasible_state(p, gap0, g, p_out, shift, inside, i0, i1):
     """The feasible state: p_out = p, g = 0 in contact and max(e, 0) elsewhere; e itself beyond the
     surface.
 
@@ -150,7 +150,7 @@ def feasible_state(p, gap0, g, p_out, shift, inside):
     """
     zero = p.dtype.type(0)
     EE = NEGATIVE = CONTACT = GAP = 0.0
-    for i in range(p.shape[0]):
+    for i in range(i0, i1):
         ee = negative = gap = zero
         contact = 0
         m = inside[1] if i < inside[0] else 0

@@ -87,41 +87,43 @@ def combine_rows(coarse, k, f, out):
 
 
 @kernel
-def join_edges(coarse, edges, lo, hi, shared):
+def join_edges(coarse, edges, lo, hi, adds_lo, adds_hi):
     """Store the first and the last row of one pass, edges (2, c, m), as rows lo and hi of coarse
-    (c, rows + 2, m).
-
-    shared: whether the pass before ended in row lo; passes are joined in their order.
-    """
+    (c, rows + 2, m), or add them to what is there."""
     c, _, m = coarse.shape
     for k in range(c):
-        for J in range(m):
-            if shared:
-                coarse[k, lo, J] += edges[0, k, J]
-            else:
-                coarse[k, lo, J] = edges[0, k, J]
-            coarse[k, hi, J] = edges[1, k, J]
+        for row, target, adds in ((0, lo, adds_lo), (1, hi, adds_hi)):
+            for J in range(m):
+                before = coarse[k, target, J] if adds else coarse.dtype.type(0)
+                coarse[k, target, J] = before + edges[row, k, J]
 
 
 @making_arrays
-def restrict_level(fine, coarse, transfer):
+def restrict_level(fine, coarse, transfer, i0, i1):
     """coarse = factor P^T fine for all fields: fine (c, rows + 2, n) with valid own rows; coarse
     (c, rows' + 2, m), halo included.
 
+    Makes the coarse rows that own rows i0..i1 lie on or after; i0 opens a coarse row. With the last
+    row also the one that comes next; coarse rows that no fine row lies beside are left as they are.
     Rows are added up first: that is contiguous, and leaves half as many rows to restrict along the
     other axis.
     """
     k0, f_x, mode, j0, f, factor = transfer
     c, rows, n = fine.shape
-    coarse[...] = 0
     here = np.empty(n, fine.dtype)
     after = np.empty(n, fine.dtype)
+    before = i0
+    while before > 0 and k0[before - 1] == k0[max(i0 - 1, 0)]:
+        before -= 1
     for k in range(c):
         after[:] = 0
-        i = 0
-        while i < rows - 2:
+        own = fine[k, 1 : rows - 1]
+        if before < i0:
+            gather_rows(own, k0, f_x, before, here, after)
+        i = i0
+        while i < i1:
             K = k0[i]
-            i = gather_rows(fine[k, 1 : rows - 1], k0, f_x, i, here, after)
+            i = gather_rows(own, k0, f_x, i, here, after)
             restrict_row(here, coarse[k, K], factor, mode, j0, f)
             if i == rows - 2:
                 restrict_row(after, coarse[k, K + 1], factor, mode, j0, f)
@@ -159,9 +161,9 @@ def gather_rows(fine, k0, f_x, i, here, after):
 
 
 @making_arrays
-def smooth_level(rt, z_coarse, out, weight, damping, transfer, nominal):
-    """out = r/(weight + damping t) + P z_coarse on own rows; rt: (>=2, rows + 2, n).
-    Returns <r, out>, <x, out>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>.
+def smooth_level(rt, z_coarse, out, weight, damping, transfer, nominal, i0, i1):
+    """out = r/(weight + damping t) + P z_coarse on own rows i0..i1; rt: (>=2, rows + 2, n). Returns
+    <r, out>, <x, out>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>.
 
     x is the third field of rt if there is one; s is the product of nominal = (rows,), (n,). out may
     be rt[0].
@@ -175,7 +177,7 @@ def smooth_level(rt, z_coarse, out, weight, damping, transfer, nominal):
     fine = np.empty(n, rt.dtype)
     zero = rt.dtype.type(0)
     rz = xz = rr = tt = cross = ts = rs = 0.0
-    for h in range(1, rt.shape[1] - 1):
+    for h in range(i0 + 1, i1 + 1):
         combine_rows(z_coarse, k0[h - 1], f_x[h - 1], row)
         interpolate_row(row, fine, mode, j0, f)
         out_r = r_r = t_t = r_t = t_s = r_s = zero

@@ -18,8 +18,8 @@ from __future__ import annotations
 from base64 import b64decode, b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
+from threading import Lock
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -29,6 +29,7 @@ from ..kernels.halfwidth import half
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level
 from ..parallel.coarsening import Level, Transfer, gathered, levels
 from ..parallel.halo import Windows
+from ..parallel.threads import on_threads
 from ..util.aligned import LINE, zeros_aligned
 from .coarsest import DAMPING, CoarsestLevels
 from .deflation import GapMode
@@ -111,26 +112,22 @@ class Hierarchy:
     def of(
         cls, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None
     ) -> Hierarchy:
-        """The one that there is, or a new one."""
-        made, key = _hierarchies.setdefault(grid, {}), (body, dtype, coarsest_points)
-        if key not in made:
-            steps, levels = steps_of(grid, dtype, coarsest_points)
-            weights, softness = (
-                np.resize(a, len(levels)) for a in (body.weights(grid), body.softness(grid))
-            )  # as often as levels
-            weights, alone = weights.astype(dtype), len(steps)
-            made[key] = cls(
-                steps,
-                levels,
-                weights,
-                softness,
-                NominalArea(grid, levels, softness, alone),
-                GapMode(grid, body, levels[alone:], weights[alone:]),
-            )
-        return made[key]
+        """That of a grid, made once."""
+        steps, levels = steps_of(grid, dtype, coarsest_points)
+        weights, softness = (
+            np.resize(a, len(levels)) for a in (body.weights(grid), body.softness(grid))
+        )  # as often as levels
+        weights, alone = weights.astype(dtype), len(steps)
+        return cls(
+            steps,
+            levels,
+            weights,
+            softness,
+            NominalArea(grid, levels, softness, alone),
+            GapMode(grid, body, levels[alone:], weights[alone:]),
+        )
 
 
-_hierarchies: WeakKeyDictionary[Grid, dict[tuple, Hierarchy]] = WeakKeyDictionary()
 # of the first step, which has x besides p on F and the indicator of A, and of all others
 FIELDS = 3, 2
 
@@ -153,10 +150,13 @@ class Multilevel:
         longest: int,
         coarsest_points: int | None = None,
     ):
-        self.grid, self.comm = grid, grid.comm
+        self.grid, self.comm, self.inside = grid, grid.comm, grid.inside
         self.dtype: np.dtype = np.dtype(dtype)
         self.damping = np.array([DAMPING], self.dtype)[0]
-        known = Hierarchy.of(grid, body, self.dtype, coarsest_points)
+        known = grid.once(
+            (Hierarchy, body, self.dtype, coarsest_points),
+            lambda: Hierarchy.of(grid, body, self.dtype, coarsest_points),
+        )
         self.steps, self.levels, self.surface = known.steps, known.levels, known.surface
         self.weights, self.softness, self.gap_mode = known.weights, known.softness, known.gap_mode
 
@@ -186,11 +186,7 @@ class Multilevel:
         self.passes = first.passes(longest)
         self.lo = np.array([first.k0[a] for a, _ in self.passes], np.int64)
         self.hi = np.array([first.k0[b - 1] + 1 for _, b in self.passes], np.int64)
-        # One thread joins every pass as soon as it is done; with several they all have to be kept.
-        self.in_order = grid.threads == 1
-        self.edges = np.zeros(
-            (1 if self.in_order else len(self.passes), 2, 3, first.m[1]), self.dtype
-        )
+        self._joining, self._half = Lock(), [False] * (len(self.passes) + 1)
 
     def _owned(self, step: Step, field: np.ndarray) -> np.ndarray:
         """Memory for the rows of a level that this rank owns, with a row before and after: the
@@ -210,9 +206,14 @@ class Multilevel:
     def nbytes(self) -> int:
         """Bytes held on this rank."""
         gathered_rows = [a for a, field in zip(self.owned, self.fields) if a is not field]
-        return sum(a.nbytes for a in [*self.fields, *gathered_rows, self.edges]) + (
+        return sum(a.nbytes for a in [*self.fields, *gathered_rows]) + (
             self.coarsest.nbytes if self.coarsest else 0
         )
+
+    def scratch(self) -> tuple[np.ndarray, np.ndarray]:
+        """Memory that `update_rows` needs, of each thread its own."""
+        rows = zeros_aligned((6, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
+        return rows, np.zeros((2, 3, self.transfers[0].m[1]), self.dtype)
 
     def update_rows(
         self,
@@ -222,35 +223,30 @@ class Multilevel:
         d: np.ndarray,
         x: np.ndarray,
         s: float,
-        scratch: np.ndarray,
+        scratch: tuple[np.ndarray, np.ndarray],
     ) -> tuple[float, ...]:
         """Pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of the
         pass. Returns its UpdateSums as a plain tuple."""
-        edges = self.edges[0 if self.in_order else k]
+        rows, edges = scratch
+        transfer = self.transfers[0].tables
         sums = update_state(
-            (g, p, d),
-            x,
-            s,
-            self.passes[k],
-            self.fields[0],
-            edges,
-            self.transfers[0].tables,
-            self.grid.inside,
-            scratch,
+            (g, p, d), x, s, self.passes[k], self.fields[0], edges, transfer, self.inside, rows
         )
-        if self.in_order:
-            self._join(k)
+        self._join(k, edges)
         return sums
 
-    def _join(self, k: int) -> None:
-        """Add what pass k left over for rows that it shares with its neighbours."""
-        if k == 0:
-            self.fields[0][:, 0] = 0
-            self.fields[0][:, -1] = 0
-        shared = k > 0 and self.hi[k - 1] == self.lo[k]
-        join_edges(
-            self.fields[0], self.edges[0 if self.in_order else k], self.lo[k], self.hi[k], shared
-        )
+    def _join(self, k: int, edges: np.ndarray) -> None:
+        """Store the rows that pass k shares with those before and after it, or add them where the
+        other one has been there: which of two is first does not change their sum."""
+        half, lo = self._half, self.lo[k]
+        with self._joining:
+            if k == 0:
+                self.fields[0][:, :lo] = 0
+            join_edges(self.fields[0], edges, lo, self.hi[k], half[k], half[k + 1])
+            if k > 0:
+                half[k] = not half[k]
+            if k + 1 < len(self.passes):
+                half[k + 1] = not half[k + 1]
 
     @property
     def z(self) -> np.ndarray:
@@ -282,9 +278,6 @@ class Multilevel:
         """
         if not self.passes:
             self.fields[0][...] = 0
-        elif not self.in_order:
-            for k in range(len(self.passes)):
-                self._join(k)
         return self.sweep_levels(anew)
 
     def sweep_levels(self, anew: bool = False) -> tuple[float, ...]:
@@ -292,15 +285,41 @@ class Multilevel:
         for k in range(self.distributed):
             own = self.owned[k]
             self._add_up(k, own[:, 1:-1])
-            restrict_level(own[:2], self.fields[k + 1], self.transfers[k + 1].tables)
+            self.restrict_from(k + 1, own[:2])
         rz, xz, *sums, mean = self._sweep_coarsest(anew)
         for k in reversed(range(self.distributed)):
-            rz, xz, *here = self._smooth(k)
+            own = self.owned[k]
+            rz, xz, *here = self.smooth(k + 1, own, own[0])
             sums = [a + b * self.surface.weights[k + 1] for a, b in zip(sums, here)]
             self._hand_out(k, self.owned[k][:1, 1:-1])
         first = self.steps[0].transfer
         ratio = self.grid.cell_points / (first.m[0] * first.m[1])
         return rz * ratio, xz * ratio, *sums[:3], mean, *sums[3:]
+
+    def restrict_from(self, k: int, fine: np.ndarray) -> None:
+        """Restrict two fields of level k, (2, rows + 2, n) with valid own rows, to the window of
+        the next one."""
+        coarse, transfer = self.fields[k][:2], self.transfers[k]
+        coarse[:, :1], coarse[:, -1:] = 0, 0
+        on_threads(
+            self.grid.threads,
+            lambda i0, i1: restrict_level(fine, coarse, transfer.tables, i0, i1),
+            transfer.pieces,
+        )
+
+    def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
+        """z of level k from that of the next one, see kernels/multilevel.py; fields: its r, t and
+        perhaps x. Returns the sums."""
+        z, transfer = self.fields[k][0], self.transfers[k]
+        weight, nominal = self.weights[k], self.nominal[k]
+
+        def smooth(i0: int, i1: int) -> tuple[float, ...]:
+            return smooth_level(
+                fields, z, out, weight, self.damping, transfer.tables, nominal, i0, i1
+            )
+
+        sums = on_threads(self.grid.threads, smooth, transfer.pieces)
+        return np.sum(np.reshape(sums, (-1, 7)), axis=0)
 
     def _add_up(self, k: int, rows: np.ndarray) -> None:
         """The rows of level k + 1 that this rank owns, (fields, rows, m): the sum over all
@@ -344,13 +363,16 @@ class Multilevel:
         UpdateSums, with <p, d> on F where there is a d."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
-        scratch = zeros_aligned((6, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
         none, nowhere = self.dtype.type(0), np.zeros(still.shape, half(self.dtype))
-        sums = [
-            self.update_rows(k, g, p, nowhere if d is None else d[i0:i1], still, none, scratch)
-            for k, (i0, i1) in enumerate(self.passes)
-        ]
-        return UpdateSums.total(sums)
+
+        def restrict(k: int, i0: int, i1: int, scratch: tuple) -> tuple[float, ...]:
+            rows = nowhere if d is None else d[i0:i1]
+            return self.update_rows(k, g, p, rows, still, none, scratch)
+
+        passes = [(k, *rows) for k, rows in enumerate(self.passes)]
+        threads = self.grid.threads
+        own = [self.scratch() for _ in range(threads)]
+        return UpdateSums.total(on_threads(threads, restrict, passes, own))
 
     def _sweep_coarsest(self, anew: bool) -> tuple[float, ...]:
         """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these
@@ -380,18 +402,6 @@ class Multilevel:
                 coarsest.sweep(t, t)
                 t = coarsest.contact(coarsest.at)
             coarsest.mode = self.gap_mode.find(t).ravel()
-
-    def _smooth(self, k: int) -> tuple[float, ...]:
-        a, z = self.owned[k], self.fields[k + 1][0]
-        return smooth_level(
-            a,
-            z,
-            a[0],
-            self.weights[k + 1],
-            self.damping,
-            self.transfers[k + 1].tables,
-            self.nominal[k + 1],
-        )
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> float:

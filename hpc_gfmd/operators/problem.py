@@ -75,10 +75,12 @@ class Problem:
         """sqrt(mean h^2). Collective where it is first asked for."""
         if self.h_rms is not None or self.stored is None:
             return self.h_rms or 0.0
-        squares = np.einsum("ij,ij->i", self.stored, self.stored).sum(
-            dtype=float
-        )  # rows: sums that long would lose digits
-        return float(np.sqrt(self.grid.comm.sum([squares])[0] / self.grid.N))
+        h, grid = self.stored, self.grid
+        # rows: sums that long would lose digits
+        squares = grid.by_rows(
+            lambda i0, i1: np.einsum("ij,ij->i", h[i0:i1], h[i0:i1]).sum(dtype=float), len(h)
+        )
+        return float(np.sqrt(grid.comm.sum([sum(squares)])[0] / grid.N))
 
     @property
     def stored(self) -> np.ndarray | None:
@@ -110,7 +112,7 @@ class Problem:
         longest = 0.33 * max(ends) if len(ends) == 1 else 0.0
         return float(np.sqrt(grid.N * max(0.958 * np.sqrt(grid.N), longest))) if ends else 0.0
 
-    @property
+    @cached_property
     def rounding(self) -> float:
         """The rms error of the pressure that comes from storing h in the working precision, and the
         displacement beyond the surface, which is of the order of p_cell times the size of the cell.

@@ -23,7 +23,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..kernels.multilevel import restrict_level, smooth_level
 from .elastic import Elastic
 from .multilevel import Multilevel
 
@@ -100,22 +99,9 @@ class _Response:
 
     def _precondition(self) -> float:
         """z = M r; returns <r, z>."""
-        levels, transfer, nominal = (
-            self.levels,
-            self.levels.transfers[0].tables,
-            self.levels.nominal[0],
-        )
-        restrict_level(self.residual_and_contact, levels.fields[0][:2], transfer)
-        levels.sweep_levels()
-        rz, *_ = smooth_level(
-            self.residual_and_contact,
-            levels.z,
-            self.z,
-            levels.weights[0],
-            levels.damping,
-            transfer,
-            nominal,
-        )
+        self.levels.restrict_from(0, self.residual_and_contact)
+        self.levels.sweep_levels()
+        rz, *_ = self.levels.smooth(0, self.residual_and_contact, self.z)
         return float(self.comm.sum([rz])[0])
 
     def step(self) -> float:

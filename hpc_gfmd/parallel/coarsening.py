@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
+from .threads import piece_rows
+
 if TYPE_CHECKING:
     from .grid import Grid
 
@@ -161,6 +163,11 @@ class Transfer:
     def window_rows(self) -> int:
         """Number of coarse rows in this rank's window."""
         return int(self.hi[self.rank] - self.lo[self.rank])
+
+    @cached_property
+    def pieces(self) -> list[tuple[int, int]]:
+        """Row ranges that a thread works on at a time."""
+        return self.passes(piece_rows(self.n[1]))
 
     def passes(self, longest: int) -> list[tuple[int, int]]:
         """Row ranges of at most `longest` rows (or one coarse row's) that begin where a coarse row

@@ -23,7 +23,6 @@ leave out 1/N in both directions; `scale` = 1/N is folded into the kernels that 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -34,6 +33,7 @@ from ..util.aligned import zeros_aligned
 from .layout import Layout
 from .plans import Plans
 from .shared import common_memory
+from .threads import on_threads
 from .wisdom import planned
 
 if TYPE_CHECKING:
@@ -63,7 +63,6 @@ class SlabFFT(Layout):
         n_x, n_y = n
         self.scale = 1.0 / (n_x * n_y)
         self.threads = threads
-        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._memory, first, self.blocks = self._common(complex_dtype)
         self._rows = np.stack(
             [self.starts[self.node_ranks], self.starts[self.node_ranks + 1]], axis=1
@@ -241,16 +240,8 @@ class SlabFFT(Layout):
         return self._slab(k * self.size, (k + 1) * self.size)
 
     def _map(self, one: Callable[[int, int, Scratch], T], ranges: Passes) -> list[T]:
-        """one(a, b, scratch) for all ranges, on all threads; results in the order of the ranges
-        whatever the thread count."""
-        if self._pool is None or len(ranges) == 1:
-            return [one(a, b, self._scratch[0]) for a, b in ranges]
-        share = -(-len(ranges) // self.threads)
-
-        def work(t: int) -> list[T]:
-            return [one(a, b, self._scratch[t]) for a, b in ranges[t * share : (t + 1) * share]]
-
-        return [r for part in self._pool.map(work, range(self.threads)) for r in part]
+        """one(a, b, scratch) for all ranges, on all threads."""
+        return on_threads(self.threads, one, ranges, self._scratch)
 
 
 def _moved(a: np.ndarray) -> np.ndarray:

@@ -12,9 +12,9 @@ sqrt(a_x a_y), so that |q| <= pi on a square grid whatever the physical size of 
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -22,13 +22,15 @@ from numpy.typing import ArrayLike, DTypeLike
 from ..util.aligned import empty_aligned
 from .fft import SlabFFT
 from .layout import row_starts
+from .threads import on_threads, piece_rows
 
 if TYPE_CHECKING:
     from .comm import Comm
 
+T = TypeVar("T")
 
 KEPT = 16  # grids of one process that are kept for the next contact of their size
-SMALL = 2**24  # bytes of transforms below which making them anew costs more than keeping them
+SMALL = 2**26  # bytes of transforms below which making them anew costs more than keeping them
 
 
 class Grid:
@@ -60,6 +62,7 @@ class Grid:
         )
         self.nominal = self.n if nominal is None else (int(nominal[0]), int(nominal[1]))
         self._fft: dict[np.dtype, SlabFFT] = {}
+        self._known: dict[Hashable, Any] = {}
 
     @classmethod
     def kept(
@@ -143,7 +146,7 @@ class Grid:
         """Wave numbers along y of the half spectrum in units of 1/a, shape (n_y//2 + 1,)."""
         return 2 * np.pi * np.arange(self.n[1] // 2 + 1) / self.n[1] * self.a / self.spacings[1]
 
-    @property
+    @cached_property
     def q_nyquist(self) -> float:
         """|q| at the corner of the Brillouin zone divided by sqrt 2: pi/a on a square grid. An axis
         of one point does not count."""
@@ -178,6 +181,24 @@ class Grid:
     def empty(self, dtype: DTypeLike) -> np.ndarray:
         """An uninitialised local slab."""
         return empty_aligned(self.shape, dtype)
+
+    def pieces(self, rows: int | None = None) -> list[tuple[int, int]]:
+        """Ranges of all local rows, or of the first `rows` of them, that a thread works on at a
+        time."""
+        rows = self.shape[0] if rows is None else rows
+        starts = row_starts(rows, max(1, rows // piece_rows(self.n[1])))
+        return [(i0, i1) for i0, i1 in zip(starts.tolist(), starts[1:].tolist()) if i0 < i1]
+
+    def by_rows(self, work: Callable[[int, int], T], rows: int | None = None) -> list[T]:
+        """Call work(i0, i1) for all `pieces`, on all threads; returns what it returned."""
+        return on_threads(self.threads, work, self.pieces(rows))
+
+    def once(self, key: Hashable, make: Callable[[], T]) -> T:
+        """What make() returns, called the first time alone: what depends on the grid and the
+        key."""
+        if key not in self._known:
+            self._known[key] = make()
+        return self._known[key]
 
     def column_tables(self, fft: SlabFFT) -> tuple[np.ndarray, np.ndarray]:
         """q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its

@@ -14,6 +14,7 @@ from .comm import Comm, MpiComm, SerialComm
 from .launcher import LAUNCHER, launched, srun_size, tasks_per_node
 
 THREADS_PER_CORE = 8  # more are a mistake
+THREADED_POINTS = 2**20  # of a surface; two threads take as long as one for a quarter of them
 Hook = Callable[[type[BaseException], BaseException, TracebackType | None], Any]
 
 _world: Comm | None = None
@@ -69,9 +70,9 @@ def comm_of(given: Any) -> Comm:
     return MpiComm(given) if given.Get_size() > 1 else SerialComm()
 
 
-def threads_of(comm: Comm, wanted: int | str) -> int:
+def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
     """Threads for each rank: a number as it is; "auto": what Slurm was asked for (--cpus-per-task),
-    else the cores that this rank may use, shared with the ranks beside it.
+    else as `auto_threads`; points: of the surface.
 
     Raises SceneError on all ranks for more than some machine can bear: every thread takes memory of
     its own. Collective.
@@ -85,13 +86,15 @@ def threads_of(comm: Comm, wanted: int | str) -> int:
                 f" ({THREADS_PER_CORE} per core)"
             )
         return wanted
-    here = cores()
-    of_slurm = os.environ.get("SLURM_CPUS_PER_TASK", "")
-    if comm.min([of_slurm.isdigit() and int(of_slurm)])[0] > 0:
-        return min(int(of_slurm), len(here))
-    # ranks that are bound elsewhere do not share our cores
-    together = comm.machine.allgather(here).count(here)
-    return max(1, len(here) // together)
+    here, of_slurm = len(cores()), os.environ.get("SLURM_CPUS_PER_TASK", "")
+    asked = int(comm.min([int(of_slurm) if of_slurm.isdigit() else 0])[0])
+    return min(asked, here) or auto_threads(points, comm.size, here)
+
+
+def auto_threads(points: int, ranks: int, cores: int) -> int:
+    """Threads for each rank where nobody says how many: one of several ranks; all cores for one
+    process, or one where the points are so few that more do not pay."""
+    return cores if ranks == 1 and points >= THREADED_POINTS else 1
 
 
 def ranks_per_node(ranks: int, threads: int) -> int:

@@ -144,9 +144,10 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
 
 def _prepared(found: Topography, spec: Any) -> PreparedSurface:
     found, done, notes = prepare(found, spec, SerialComm())
-    return PreparedSurface(
-        found.rows(0, found.n[0]), found.sizes, found.unit, done, notes, spec.free
-    )
+    heights = found.rows(0, found.n[0])
+    heights = heights if heights.flags.owndata else heights.copy()  # the caller may change his own
+    heights.flags.writeable = False
+    return PreparedSurface(heights, found.sizes, found.unit, done, notes, spec.free)
 
 
 def make_surface(kind: str, **keys: Any) -> PreparedSurface:
@@ -175,6 +176,7 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
     scene, table = _scene({"kind": kind} | keys, "hpc_gfmd.make_surface")
     made = build_surface(scene.surface, SerialComm(), np.float64)
     heights = np.asarray(heights_of(made))
+    heights.flags.writeable = False
     return _known(
         PreparedSurface(heights, made.sizes, scene.length_unit, free=scene.surface.free), table
     )
@@ -186,7 +188,6 @@ def _scene(table: dict[str, Any], caller: str) -> tuple[Scene, dict[str, Any]]:
 
 
 def _known(surface: PreparedSurface, table: dict[str, Any]) -> PreparedSurface:
-    surface.heights.flags.writeable = False  # the table says what they are
     object.__setattr__(surface, "table", table)
     return surface
 

@@ -97,7 +97,7 @@ def run_scene(
     scene = on_rank_0(comm, "reading the scene", lambda: _read_scene(scene, overrides, out))
     check(scene)
     n, sizes = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
-    threads = threads_of(comm, scene.machine.threads)
+    threads = threads_of(comm, scene.machine.threads, n[0] * n[1])
     say = Reporter(comm, scene.solver, quiet)
     require_memory(comm, scene, n, sizes, threads)
     rows = grid_of(n, sizes, comm, free=scene.surface.free).nominal_rows

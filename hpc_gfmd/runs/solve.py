@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -17,13 +18,14 @@ from ..kernels.cache import announced, sound
 from ..output.fields import FIELDS, Slab
 from ..output.read import Result
 from ..parallel.comm import Comm
+from ..parallel.grid import Grid
 from ..parallel.guard import agree, guarded
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
 from ..surface.analytic import Rows, on_form
 from ..surface.arrays import checked_array, is_topography
 from ..surface.build import Surface, surface_from_rows
-from ..surface.heights import Checksum, checked
+from ..surface.heights import checked
 from ..surface.quality import DIFFERENT_UNITS, MapQuality
 from ..surface.topography import Topography
 from ..util.errors import NotConverged, SceneError
@@ -59,7 +61,7 @@ def solve(
     fields: Sequence[str] = ("pressure", "gap", "heights"),
     observables: Sequence[str] | None = None,
     distributions: Sequence[str] = (),
-    threads: int | str = 1,
+    threads: int | str = "auto",
     progress: bool = False,
     comm: Any = None,
     **more: Any,
@@ -99,8 +101,9 @@ def solve(
     observables, distributions : lists of names
         As in the scene's [output]: computed with each load beside the cheap ones; others can be
         asked of a Solution later.
-    threads : int or "auto"
-        Threads of this process.
+    threads : int, default "auto"
+        Threads of this process: the cores that it may use, one for less than 1024 x 1024 points,
+        where more do not pay; one of each rank with `comm`. No result depends on their number.
     progress : bool
         Whether to draw a progress bar for each load, and to print its row of the table after it.
     comm : communicator of mpi4py
@@ -149,7 +152,7 @@ def solve(
         check(scene)
         z = _complete(heights if known is None else known.heights)
     _require_the_same(comm, scene, z.shape)
-    of_each_rank = threads_of(comm, scene.machine.threads)
+    of_each_rank = threads_of(comm, scene.machine.threads, z.size)
     head: dict[str, Any] = {}
     sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
 
@@ -167,10 +170,18 @@ def solve(
     )
 
     def make_surface(dtype: np.dtype) -> Surface:
-        unit = known.unit if known else ""
-        made = surface_from_rows(
-            z.shape, sizes, rows, comm, dtype, of_each_rank, scene.surface.free, Checksum(), unit
+        made = _kept_surface(known, dtype, comm, of_each_rank) or surface_from_rows(
+            z.shape,
+            sizes,
+            rows,
+            comm,
+            dtype,
+            of_each_rank,
+            scene.surface.free,
+            known=False,
+            unit=known.unit if known else "",
         )
+        _keep_surface(known, dtype, made)
         head["heights"] = made.checksum
         head.setdefault("setup_seconds", time.monotonic() - begun)
         checksum = made.checksum if hasattr(scene.surface, "path") else None  # of a measured map
@@ -234,6 +245,27 @@ def solve(
     if stopped:
         raise Interrupted(found) from None
     return found if several else found[0]
+
+
+_surfaces: WeakKeyDictionary[PreparedSurface, dict[np.dtype, Surface]] = WeakKeyDictionary()
+
+
+def _kept_surface(
+    known: PreparedSurface | None, dtype: np.dtype, comm: Comm, threads: int
+) -> Surface | None:
+    """What was found of a surface in an earlier solve of this process, on the grid that this thread
+    keeps."""
+    made = _surfaces.get(known, {}).get(dtype) if known and comm.size == 1 else None
+    if made is None:
+        return None
+    grid = made.grid
+    return replace(made, grid=Grid.kept(grid.n, grid.sizes, comm, threads, nominal=grid.nominal))
+
+
+def _keep_surface(known: PreparedSurface | None, dtype: np.dtype, made: Surface) -> None:
+    """For as long as there is the surface, whose heights nobody can change."""
+    if known and made.grid.comm.size == 1 and not known.heights.flags.writeable:
+        _surfaces.setdefault(known, {})[dtype] = made
 
 
 def _fields(names: Iterable[str], contact: Contact | None) -> dict[str, Slab]:

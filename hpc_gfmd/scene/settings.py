@@ -307,7 +307,10 @@ class Machine(Table):
     """Speed and limits only: nothing here changes the answer."""
 
     threads: Annotated[int, Field(ge=1, le=65536)] | Literal["auto"] = key(
-        "threads of each rank", 'a whole number from 1 to 65536, or "auto"', 1
+        "threads of each rank; auto: all cores for one process, one where more do not pay, one of"
+        " each of several ranks",
+        'a whole number from 1 to 65536, or "auto"',
+        "auto",
     )
     wall_seconds: Positive | None = key(
         "stop with a checkpoint after this time",

@@ -78,6 +78,7 @@ class Solver:
     elastic: Elastic
     g: np.ndarray
     p: np.ndarray
+    d: np.ndarray  # the last step, of those that have one
     name = ""
     sources: tuple[str, ...] = ()
     state_names: tuple[str, ...] = ("g", "p")
@@ -125,9 +126,29 @@ class Solver:
     def continue_at(self, p0: float) -> None:
         """Begin from the present state at another mean pressure, without an FFT: p changes by a
         constant."""
-        before, self.p0 = self.p_cell, float(p0)
-        self.p += self.problem.dtype.type(self.p_cell - before)
+        self._set_load(p0)
         self.refresh()
+
+    def _lay(self, g: np.ndarray) -> None:
+        """The gap g, no step yet, and the same pressure everywhere."""
+
+        def lay(i0: int, i1: int) -> None:
+            if g is not self.g:
+                self.g[i0:i1] = g[i0:i1]
+            self.p[i0:i1] = self.p_cell
+            self.d[i0:i1] = 0
+
+        self.grid.by_rows(lay)
+
+    def _set_load(self, p0: float) -> None:
+        """Another mean pressure: p changes by a constant."""
+        before, self.p0 = self.p_cell, float(p0)
+        change = self.problem.dtype.type(self.p_cell - before)
+
+        def shift(i0: int, i1: int) -> None:
+            self.p[i0:i1] += change
+
+        self.grid.by_rows(shift)
 
     def correct_load(self, p0: float) -> None:
         """As `continue_at`, for a change that is small beside what is still to be done."""

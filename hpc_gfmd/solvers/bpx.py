@@ -22,16 +22,15 @@ from ..certificate.error_estimates import (
     State,
     estimate,
     misclassified_points,
+    moments_of_open,
     relative_area,
     spread_of,
 )
 from ..kernels.bpx import UpdateSums, projected_step
-from ..kernels.certify import open_moments
 from ..kernels.halfwidth import Widened, half, narrowed
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
-from ..util.aligned import LINE, zeros_aligned
 from .base import Progress, Solver
 from .options import read_options
 
@@ -91,10 +90,7 @@ class Bpx(Solver):
 
     def _make_scratch(self) -> None:
         """Rows for each thread."""
-        dtype, rows = self.problem.dtype, self.elastic.fft.row_scratch
-        self._scratch = {
-            id(x): zeros_aligned((6, self.grid.n[1] + LINE // dtype.itemsize), dtype) for x in rows
-        }
+        self._scratch = {id(x): self.levels.scratch() for x in self.elastic.fft.row_scratch}
 
     def make_room(self) -> None:
         del self.d
@@ -110,10 +106,7 @@ class Bpx(Solver):
     # -- starting
 
     def start(self, g: np.ndarray) -> None:
-        if g is not self.g:
-            self.g[...] = g
-        self.p[...] = self.p_cell
-        self.d[...] = 0
+        self._lay(g)
         self.elastic.pressure_rows(
             self.problem.displacement_rows(self.g, self.problem.level(self.g)), self.passes
         )
@@ -132,8 +125,7 @@ class Bpx(Solver):
     def correct_load(self, p0: float) -> None:
         """The last step stays what the next one begins with: on F M is about 1/K, so that <z, K d>
         changes by as much as <p, d>."""
-        before, self.p0 = self.p_cell, float(p0)
-        self.p += self.problem.dtype.type(self.p_cell - before)
+        self._set_load(p0)
         rd, zKd, dKd = self.rd, self.zKd, self.dKd
         self._measure(self.levels.restrict(self.g, self.p, self.d))
         self.zKd, self.dKd = zKd + self.rd - rd, dKd
@@ -221,10 +213,11 @@ class Bpx(Solver):
         """First pass: the next step into d and its row spectra; returns <p, d>."""
         z, transfer, inside = self.levels.z, self.levels.transfers[0].tables, self.grid.inside
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
+        scratch = self._scratch
 
         def fill(i0: int, i1: int, x: np.ndarray) -> float:
             return projected_step(
-                self.g, self.p, self.d, x, (i0, i1), z, transfer, step, inside, self._scratch[id(x)]
+                self.g, self.p, self.d, x, (i0, i1), z, transfer, step, inside, scratch[id(x)][0]
             )
 
         return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
@@ -292,7 +285,7 @@ class Bpx(Solver):
         return min(n * self.p_cell / load, self.N), gap
 
     def expected_area(self, squares: float) -> float:
-        open_pp, open_p4 = self.grid.comm.sum(open_moments(self.g, self.p, self.grid.inside))
+        open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.grid, self.g, self.p))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
         wrong = misclassified_points(self.problem, self.g, self.p, squares, spread)
         return relative_area(max(wrong, self.changing), self.contact)

@@ -18,6 +18,7 @@ import numpy as np
 from ..kernels import ccg as kernels
 from ..operators.elastic import Elastic, reader
 from ..operators.problem import Problem
+from ..parallel.threads import on_threads
 from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
 from .options import read_options
@@ -93,10 +94,10 @@ class Ccg(Solver):
     def continue_at(self, p0: float) -> None:
         scale = self.real(p0 / self.p0)
         self.p0 = float(p0)
-        x = np.empty((self.elastic.fft.R, self.grid.n[1]), self.problem.dtype)
+        fft = self.elastic.fft
         fill = self.problem.displacement_rows(self.gap0, 0.0)
 
-        def scaled(i0: int, i1: int) -> tuple[float, float]:
+        def scaled(i0: int, i1: int, x: np.ndarray) -> tuple[float, float]:
             fill(i0, i1, x)
             x[: i1 - i0] += self.real(self.offset)  # S p
             return kernels.new_gap(
@@ -110,7 +111,7 @@ class Ccg(Solver):
                 self.real(self.offset),
             )
 
-        self._set_gap([scaled(i0, i1) for i0, i1 in self.elastic.fft.passes()])
+        self._set_gap(on_threads(fft.threads, scaled, fft.passes(), fft.row_scratch))
         self.refresh()
 
     def refresh(self, uKu: float | None = None) -> None:
@@ -197,10 +198,11 @@ class Ccg(Solver):
         returned."""
         total, n = self._sum(parts, 2)
         self.shift = float(total / n)
-        sums = kernels.feasible_state(
-            self.iterate, self.gap0, self.g, self.p, self.real(self.shift), self.grid.inside
+        fields, shift = (self.iterate, self.gap0, self.g, self.p), self.real(self.shift)
+        sums = self.grid.by_rows(
+            lambda i0, i1: kernels.feasible_state(*fields, shift, self.grid.inside, i0, i1)
         )
-        self.ee, self.below, self.contact, self.gap = (float(s) for s in self.grid.comm.sum(sums))
+        self.ee, self.below, self.contact, self.gap = self._sum(sums, 4).tolist()
 
     def _sum(self, parts: Parts, count: int) -> np.ndarray:
         return self.grid.comm.sum(_total(parts, count))

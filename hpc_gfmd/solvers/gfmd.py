@@ -25,6 +25,7 @@ import numpy as np
 from ..kernels.dynamics import DynamicsSums, update_pressure, verlet_step
 from ..operators.elastic import Elastic
 from ..operators.problem import Problem
+from ..parallel.threads import on_threads
 from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
 from .options import read_options
@@ -62,9 +63,7 @@ class Gfmd(Solver):
     # -- starting
 
     def start(self, g: np.ndarray) -> None:
-        self.g[...] = g
-        self.p[...] = self.p_cell
-        self.d[...] = 0
+        self._lay(g)
         self.elastic.pressure_rows(
             self.problem.displacement_rows(self.g, self.problem.level(self.g))
         )
@@ -76,7 +75,8 @@ class Gfmd(Solver):
         self.d[...] = 0
         fft = self.elastic.fft
         zero = np.zeros((fft.R, self.grid.n[1]), self.problem.dtype)
-        self._measure([self._update(i0, i1, zero) for i0, i1 in fft.passes()])
+        passes = [(i0, i1, zero) for i0, i1 in fft.passes()]
+        self._measure(on_threads(self.grid.threads, self._update, passes))
         self._begin()
 
     def _begin(self) -> None:

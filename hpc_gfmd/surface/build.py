@@ -18,7 +18,7 @@ from ..parallel.guard import guarded
 from ..parallel.interrupt import check
 from ..util.errors import SceneError
 from .analytic import Rows, flat_rows, on_form, wave_rows
-from .heights import LARGEST_HEIGHT, Checksum, checked
+from .heights import LARGEST_HEIGHT, checked, checksum
 from .prepare import prepare, prepared_size
 from .quality import slope_notes
 from .selfaffine import self_affine_gap
@@ -189,9 +189,8 @@ def build_surface(
     with guarded(comm, "reading the surface"):
         found = open_topography(spec)
     found, done, notes = prepare(found, spec, comm)
-    of_map = Checksum(), found.unit
     made = surface_from_rows(
-        found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, *of_map
+        found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, False, found.unit
     )
     return replace(made, prepared=done, quality_notes=notes)
 
@@ -204,15 +203,15 @@ def surface_from_rows(
     dtype: DTypeLike,
     threads: int = 1,
     free: tuple[bool, bool] = (False, False),
-    checksum: Checksum | None = None,
+    known: bool = True,
     unit: str = "",
 ) -> Surface:
     """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y); free:
     whether it ends along x, along y.
 
     The gradient of a surface that ends is that between neighbouring points, otherwise that of the
-    Fourier series. checksum: an empty heights.Checksum where one is wanted. Raises SceneError on
-    all ranks.
+    Fourier series. known: whether the scene says all about them, so that they need no checksum.
+    Raises SceneError on all ranks.
     """
     cell = grid_of(n, sizes, comm, threads, free)
     grid = _nominal(cell)
@@ -223,25 +222,26 @@ def surface_from_rows(
             z[i : i + SLAB_ROWS] = checked(
                 rows(start + i, min(start + i + SLAB_ROWS, stop)), start + i, "surface"
             )
-            if checksum is not None:
-                checksum.add(z[i : i + SLAB_ROWS])
     check(comm)
-    known = checksum.of_all(comm, n, sizes, unit) if checksum is not None else None
-    top = float(comm.max([z.max(initial=-np.inf)])[0])
-    np.subtract(top, z, out=z)  # now the gap, exact where it is small
+    digest = None if known else checksum(grid, z, n, sizes, unit)
+    top = float(comm.max([max([-np.inf, *_by_rows(grid, np.max, z)])])[0])
+    _by_rows(grid, lambda z: np.subtract(top, z, out=z), z)  # now the gap, exact where it is small
     if not cell.padded:
         grid, z = _leave_out_constant_axis(grid, z)
         cell = grid
-    span = float(grid.comm.max([z.max(initial=0)])[0])
+    span = float(grid.comm.max([max([0.0, *_by_rows(grid, np.max, z)])])[0])
     if span == 0.0:
-        return Surface(cell, z.astype(dtype), n, 0.0, 0.0, (start, stop), checksum=known, unit=unit)
+        return Surface(
+            cell, z.astype(dtype), n, 0.0, 0.0, (start, stop), checksum=digest, unit=unit
+        )
     if span < 1 / LARGEST_HEIGHT:
         raise SceneError(
             f"surface: found heights that differ by {span:g} at most, allowed: 0 or at least"
             f" {1 / LARGEST_HEIGHT:g}"
         )
-    centre = float(grid.comm.sum([z.sum()])[0]) / grid.N
-    scale = float(grid.comm.max([np.abs(z - centre).max(initial=0)])[0])
+    centre = float(grid.comm.sum([sum(_by_rows(grid, np.sum, z))])[0]) / grid.N
+    beside = _by_rows(grid, lambda z: np.abs(z - centre).max(), z)
+    scale = float(grid.comm.max([max([0.0, *beside])])[0])
 
     def fill(i0: int, i1: int, x: np.ndarray) -> None:
         np.subtract(z[i0:i1], centre, out=x[: i1 - i0])
@@ -254,8 +254,13 @@ def surface_from_rows(
     if dtype != np.float64:
         grid.forget_fft(np.float64)
     h = z if dtype == np.float64 else np.empty(z.shape, dtype)
-    np.divide(z, g_rms, out=h, casting="same_kind")
-    return Surface(cell, h, n, h_rms, g_rms / grid.a, (start, stop), checksum=known, unit=unit)
+    _by_rows(grid, lambda z, h: np.divide(z, g_rms, out=h, casting="same_kind"), z, h)
+    return Surface(cell, h, n, h_rms, g_rms / grid.a, (start, stop), checksum=digest, unit=unit)
+
+
+def _by_rows(grid: Grid, function: Callable[..., Any], *fields: np.ndarray) -> list:
+    """function(rows of each field) for all pieces of this rank's part, on all threads."""
+    return grid.by_rows(lambda i0, i1: function(*(field[i0:i1] for field in fields)))
 
 
 def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:

@@ -37,31 +37,21 @@ def checked(
     return z
 
 
-class Checksum:
-    """BLAKE2 of all heights, row by row: the same for any number of ranks and any pieces in which
-    the rows are read.
+def checksum(
+    grid: Any, z: np.ndarray, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = ""
+) -> str:
+    """BLAKE2 of the heights of all ranks, row by row, with the shape, the physical sizes and their
+    unit: the same for any number of ranks. z: this rank's slab of the grid, float64. Collective.
 
     Synthetic surfaces have none: the scene says all about them, and a billion points are made
     faster than they are summed.
     """
 
-    def __init__(self) -> None:
-        self._rows: list[bytes] = []
+    def of_rows(i0: int, i1: int) -> bytes:
+        rows = (np.ascontiguousarray(row, "<f8").data for row in z[i0:i1])
+        return b"".join(hashlib.blake2b(row, digest_size=16).digest() for row in rows)
 
-    def add(self, z: np.ndarray) -> None:
-        """The next rows of this rank, float64."""
-        self._rows += [
-            hashlib.blake2b(np.ascontiguousarray(row, "<f8").data, digest_size=16).digest()
-            for row in z
-        ]
-
-    def of_all(
-        self, comm: Any, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = ""
-    ) -> str:
-        """Of the rows of all ranks in their order, with the shape, the physical sizes and their
-        unit. Collective."""
-        whole = hashlib.blake2b(
-            repr((tuple(map(int, n)), tuple(map(float, sizes)), unit)).encode(), digest_size=16
-        )
-        whole.update(comm.reduce(b"".join(self._rows), operator.add) or b"")
-        return comm.bcast(whole.hexdigest())
+    shape = repr((tuple(map(int, n)), tuple(map(float, sizes)), unit))
+    whole = hashlib.blake2b(shape.encode(), digest_size=16)
+    whole.update(grid.comm.reduce(b"".join(grid.by_rows(of_rows)), operator.add) or b"")
+    return str(grid.comm.bcast(whole.hexdigest()))

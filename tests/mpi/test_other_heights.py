@@ -11,9 +11,9 @@ from contacts import random_heights
 
 from hpc_gfmd.commands.cli import main
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.parallel.interrupt import Interrupt
-from hpc_gfmd.parallel.layout import row_starts
-from hpc_gfmd.surface.heights import Checksum
+from hpc_gfmd.surface.heights import checksum
 
 pytestmark = pytest.mark.mpi
 SCENE = tomli_w.dumps(
@@ -28,17 +28,14 @@ GO_ON = "restart contact.h5 --set machine.wall_seconds=1000"
 PARTIAL = "contact.h5.partial"
 
 
-def checksum_of(z, comm, sizes=(1.0, 1.0), pieces=2):
-    starts = row_starts(len(z), comm.size)
-    mine, made = z[starts[comm.rank] : starts[comm.rank + 1]], Checksum()
-    for i in range(0, len(mine), pieces):
-        made.add(mine[i : i + pieces])
-    return made.of_all(comm, z.shape, sizes)
+def checksum_of(z, comm, sizes=(1.0, 1.0)):
+    grid = Grid(z.shape, comm=comm, threads=2)
+    return checksum(grid, z[slice(*grid.rows)], z.shape, sizes)
 
 
 def test_one_checksum_for_any_number_of_ranks(comm):
     z = random_heights((9, 8))
-    whole = checksum_of(z, SerialComm(), pieces=9)
+    whole = checksum_of(z, SerialComm())
     assert checksum_of(z, comm) == whole
     lifted, swapped = z.copy(), z[::-1].copy()
     lifted[-1, -1] = np.nextafter(lifted[-1, -1], 9)

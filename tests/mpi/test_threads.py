@@ -11,6 +11,7 @@ from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver import nested
 from hpc_gfmd.operators import multilevel
 from hpc_gfmd.parallel import layout
+from hpc_gfmd.parallel import threads as pieces
 from hpc_gfmd.runs.loads import sweep_of
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.solvers import solver_names
@@ -57,6 +58,7 @@ def small(monkeypatch):
     for module, name, value in (
         (multilevel, "COARSEST_POINTS", 64),
         (multilevel, "RANK_POINTS", 1024),
+        (pieces, "PIECE_POINTS", 2**9),
         (nested, "CALIBRATION", replace(nested.CALIBRATION, rank_points=1024, coarsest=8)),
         (layout, "ROW_BYTES", 2**12),
         (layout, "COLUMN_BYTES", 2**12),

@@ -83,7 +83,7 @@ def test_update(random, n, s):
         d[g > 1] = clipped_of(float)
         e = np.where(d == clipped_of(float), -g, d)
         new_g, new_p = g + s * e, p + s * x
-        work = np.zeros((7, n[1] + 1))
+        work = levels_of.scratch()
         sums = []
         for k, (i0, i1) in enumerate(levels_of.passes):
             sums.append(levels_of.update_rows(k, g, p, d[i0:i1], x[i0:i1].copy(), s, work))

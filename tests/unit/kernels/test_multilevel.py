@@ -20,7 +20,8 @@ def test_transfers_are_adjoint(random, n):
     x, y = random.standard_normal(n), random.standard_normal(m)
     fine, coarse = np.zeros((1, n[0] + 2, n[1])), np.zeros((1, m[0] + 2, m[1]))
     fine[0, 1:-1] = x
-    multilevel.restrict_level(fine, coarse, t.tables)
+    for rows in t.passes(3):
+        multilevel.restrict_level(fine, coarse, t.tables, *rows)
     R = coarse[0, 1:-1].copy()
     R[0] += coarse[0, -1]
     R[-1] += coarse[0, 0]
@@ -36,6 +37,7 @@ def test_transfers_are_adjoint(random, n):
         4.0,
         t.tables,
         tuple(map(np.ones, n)),
+        *(0, n[0]),
     )
     assert np.allclose(Py[0, 1:-1], P_x @ y @ P_y.T, atol=1e-13)
     assert np.vdot(R, y) * ratio == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)
@@ -63,7 +65,7 @@ def swept(grid, p, closed):
     sweep = Multilevel(grid, HalfSpace(), np.float64, max(grid.n[0], 1))
     g = np.where(closed, 0.0, 1.0)
     q = np.where(closed, 1.0, p)
-    zero, work = np.zeros(grid.n), np.zeros((7, grid.n[1] + 1))
+    zero, work = np.zeros(grid.n), sweep.scratch()
     for k in range(len(sweep.passes)):
         sweep.update_rows(k, g, q.copy(), zero.astype(np.float32), zero, 0.0, work)
     sums = sweep.sweep()

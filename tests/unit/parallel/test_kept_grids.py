@@ -24,13 +24,13 @@ def test_the_same_grid_again():
         assert pool.submit(Grid.kept, (12, 10), (1, 1), SERIAL).result() is not kept
 
 
-@pytest.mark.parametrize("n", [64, 2048])
+@pytest.mark.parametrize("n", [64, 4096])
 def test_large_transforms_are_given_back(n):
     grid = Grid((n, n))
     fft = grid.fft(np.float64)
     grid.forget_fft(np.float64)
     assert grid.planned() == ([] if fft.blocks.nbytes > SMALL else [fft])
-    assert (n == 2048) == (not grid.planned())
+    assert (n == 4096) == (not grid.planned())
 
 
 def test_contacts_in_threads_do_not_share_memory():

@@ -130,11 +130,12 @@ def test_launcher_can_be_said(unlaunched):
         world.world()
 
 
-def test_threads_from_slurm(monkeypatch):
+def test_automatic_threads(monkeypatch):
+    """Those that Slurm was asked for; else the cores where there is enough to do, one otherwise."""
     monkeypatch.delenv("SLURM_CPUS_PER_TASK", raising=False)
-    cores = len(os.sched_getaffinity(0))
-    assert world.threads_of(SerialComm(), "auto") == cores
-    monkeypatch.setenv("SLURM_CPUS_PER_TASK", "1")
-    assert world.threads_of(SerialComm(), "auto") == 1
-    monkeypatch.setenv("SLURM_CPUS_PER_TASK", "4096")
-    assert world.threads_of(SerialComm(), "auto") == cores
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(12))
+    few, many = world.THREADED_POINTS - 1, world.THREADED_POINTS
+    for slurm, points, threads in (("", many, 12), ("", few, 1), ("3", few, 3), ("4096", many, 12)):
+        monkeypatch.setenv("SLURM_CPUS_PER_TASK", slurm)
+        assert world.threads_of(SerialComm(), "auto", points) == threads
+    assert world.auto_threads(many, 2, 12) == 1

@@ -21,7 +21,7 @@ class PyHpcGfmd(PythonPackage):
     depends_on("py-setuptools@77:", type="build")
 
     with default_args(type="run"):
-        depends_on("py-numpy@2.0:")
+        depends_on("py-numpy@2.0.1:")
         depends_on("py-numba@0.60:")
         depends_on("py-scipy@1.13:")
         depends_on("py-pandas@2.2.2:")

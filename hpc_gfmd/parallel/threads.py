@@ -1,0 +1,65 @@
+"""Work on all threads of a rank: the one way in which a pass over a field is shared out.
+
+What is worked on comes in pieces that do not depend on the number of threads, and results come in
+the order of the pieces: so no number does either.
+"""
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import cache
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+# points of a field that a thread works on at a time, and rows at least
+PIECE_POINTS, PIECE_ROWS = 2**17, 8
+
+
+def piece_rows(n_y: int) -> int:
+    """Rows of a field, of n_y points each, that a thread works on at a time."""
+    return max(PIECE_ROWS, PIECE_POINTS // n_y)
+
+
+def on_threads(
+    threads: int,
+    work: Callable[..., T],
+    pieces: Iterable[tuple],
+    scratch: Sequence[Any] | None = None,
+) -> list[T]:
+    """Call work(*piece) for every piece, whichever thread is free; returns what it returned, in the
+    order of the pieces.
+
+    scratch: one more argument, of each thread its own. Threads run at the same time only where
+    `work` leaves Python: in kernels, transforms and NumPy.
+    """
+    pieces = list(pieces)
+    threads = min(threads, len(pieces))
+    if threads <= 1:
+        own = [] if scratch is None else scratch[:1]
+        return [work(*piece, *own) for piece in pieces]
+    found: list[Any] = [None] * len(pieces)
+    left = iter(enumerate(pieces))  # a thread takes the next one in one step
+
+    def work_on(thread: int) -> None:
+        own = [] if scratch is None else [scratch[thread]]
+        for k, piece in left:
+            found[k] = work(*piece, *own)
+
+    others = [_pool().submit(work_on, thread) for thread in range(1, threads)]
+    try:
+        work_on(0)
+    finally:
+        wait(others)
+    for other in others:
+        other.result()
+    return found
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    """The threads of this process, made as they are needed."""
+    return ThreadPoolExecutor(2**16, "hpc-gfmd")
+
+
+os.register_at_fork(after_in_child=_pool.cache_clear)  # its threads are not forked

@@ -1,0 +1,84 @@
+"""Many surfaces in several processes: what comes out, in which order, and that nothing is left."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from contacts import random_heights, rough
+
+import hpc_gfmd
+
+LOADS = [0.05, 0.1]
+# No `if __name__ == "__main__"`.
+ENDLESS = """
+import itertools, numpy as np, hpc_gfmd
+wall = hpc_gfmd.make_surface("wave", n=(16, 16), amplitude=0.01)
+for found in hpc_gfmd.solve_many(itertools.repeat(wall), 0.01, processes=2):
+    print(found[0].status, flush=True)
+"""
+
+
+def workers(program):
+    """The processes that a program of this name has begun."""
+    lines = [path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline") if path.exists()]
+    return [line for line in lines if b"runs.many" in line and str(program).encode() in line]
+
+
+def test_the_same_as_one_by_one():
+    """In the order of the surfaces, errors in their places; few surfaces are made ahead."""
+    walls = [hpc_gfmd.make_surface(**rough((1, 8, 2), seed=seed)) for seed in range(7)]
+    walls[2] = np.full((8, 8), np.nan)
+    made = []
+    several = hpc_gfmd.solve_many(
+        (made.append(wall) or wall for wall in walls), p_star=LOADS, processes=1, accuracy=1e-2
+    )
+    assert made == []
+    for k, (found, wall) in enumerate(zip(several, walls, strict=True)):
+        assert len(made) <= k + 3
+        if k == 2:
+            assert isinstance(found, hpc_gfmd.SceneError)
+            assert "found nan at (0, 0)" in str(found)
+        else:
+            wanted = hpc_gfmd.solve(wall, p_star=LOADS, accuracy=1e-2)
+            assert found.values("a_r").tolist() == wanted.values("a_r").tolist()
+
+
+def test_one_that_dies_and_one_that_does_not_converge(monkeypatch):
+    class Deadly(np.ndarray):
+        def __reduce__(self):
+            return os._exit, (3,)
+
+    surfaces = [random_heights((8, 8)), random_heights((8, 8)).view(Deadly)] * 2
+    several = hpc_gfmd.solve_many(surfaces, 0.1, processes=1, max_iterations=1, accuracy=1e-9)
+    with pytest.warns(hpc_gfmd.NotConverged, match="surface [02]: not converged") as warned:
+        found = list(several)
+    assert sum("surface" in str(one.message) for one in warned) == 2
+    assert [type(one).__name__ for one in found] == ["Solutions", "GfmdError"] * 2
+    assert str(found[1]) == "the process that solved it has ended (3)"
+
+
+@pytest.mark.parametrize("how", [{"processes": 0}, {"processes": "all"}, {"threads": 2}])
+def test_refused(how):
+    name = next(iter(how))
+    with pytest.raises(hpc_gfmd.SceneError, match=f"{name}: found"):
+        hpc_gfmd.solve_many([], 0.1, **how)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_nothing_is_left_of_a_program_that_is_stopped(tmp_path, number):
+    (tmp_path / "endless.py").write_text(ENDLESS)
+    with subprocess.Popen(
+        [sys.executable, "endless.py"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=-3, text=True
+    ) as program:
+        assert program.stdout.readline() == "converged\n"
+        assert len(workers(tmp_path)) == 2
+        program.send_signal(number)
+    for _ in range(200):
+        if not workers(tmp_path):
+            return
+        signal.sigtimedwait([], 0.05)
+    assert workers(tmp_path) == []
