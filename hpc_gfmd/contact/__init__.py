@@ -14,6 +14,7 @@ properties, so that what nobody asks for is not computed. Numbers are in the sce
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -107,6 +108,7 @@ def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Arr
     return {name: arrays for name, arrays in found.items() if arrays is not None}
 
 
+@cache
 def _merged(table: str) -> dict[str, Any]:
     return {
         name: entry
@@ -115,5 +117,6 @@ def _merged(table: str) -> dict[str, Any]:
     }
 
 
+@cache
 def _observables() -> list[ModuleType]:
     return [module_in(__name__, name) for name in names_in(__name__, COMMON)]

@@ -12,7 +12,7 @@ import numpy as np
 from ..parallel.comm import SerialComm
 from ..parallel.guard import one_line
 from ..parallel.h5 import write_file
-from ..util.atomic import aside
+from ..util.atomic import atomic_write
 from ..util.errors import GfmdError, SceneError
 from ..util.libraries import surface_topography
 from ..util.quantities import in_units
@@ -47,7 +47,7 @@ def export(
         if kind == "vtkhdf":  # which makes its own way to a file that is there or not
             write(result, path, about or {})
         else:
-            with aside(path) as tmp:
+            with atomic_write(path) as tmp:
                 write(result, tmp, about or {})
     except (OSError, ValueError) as error:
         raise GfmdError(f"writing {path}: {one_line(error)}") from error

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..util.errors import GfmdError
 from .comm import Comm, SerialComm
-from .guard import guarded, on_rank_0
+from .guard import collective_errors, on_rank_0
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
 # attribute of a field; HDF5's own, Fletcher-32, needs chunks and is five times as slow as writing
@@ -57,9 +57,9 @@ class Stored:
         )
         with opened(comm, self.path, "r", doing) as file:
             for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
-                with guarded(comm, doing):  # before the others begin to read together
+                with collective_errors(comm, doing):  # before the others begin to read together
                     part = np.empty((stop - start, self.shape[1]), self.dtype)
-                with guarded(comm, doing):
+                with collective_errors(comm, doing):
                     _transfer(file[self.dataset], start, part, "read")
                     found += _checksum(part, start)
                 yield start, part
@@ -72,7 +72,7 @@ class Stored:
 
     def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
         """This rank's rows (start, stop) in one array. Collective; raises GfmdError as `pieces`."""
-        with guarded(comm, f"reading {self.path}"):
+        with collective_errors(comm, f"reading {self.path}"):
             found = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
         for start, part in self.pieces(comm, rows):
             found[start - rows[0] : start - rows[0] + len(part)] = part
@@ -133,7 +133,7 @@ def write_file(
                 found = 0
                 for start, part in _parts(comm, field, types[name], n, rows, doing):
                     parts = [(start, part)] if together else comm.gather((start, part)) or ()
-                    with guarded(comm, doing):
+                    with collective_errors(comm, doing):
                         for at, numbers in parts:
                             _transfer(file[name], at, numbers, "write")
                             sync(tmp, wait=False)
@@ -141,7 +141,7 @@ def write_file(
                 stored[name] = Stored(path, name, n, types[name], _total(comm, found))
                 if together or comm.rank == 0:
                     file[name].attrs.modify(CHECKSUM, np.uint64(stored[name].checksum))
-        with guarded(comm, doing):
+        with collective_errors(comm, doing):
             if comm.rank == 0 or together:
                 sync(tmp)
         on_rank_0(comm, doing, lambda: sync(tmp.replace(path).parent))
@@ -174,16 +174,16 @@ def opened(comm: Comm, path: Path, mode: str, doing: str) -> Iterator[Any]:
     import h5py
 
     how = driver(comm)
-    with guarded(comm, doing):
+    with collective_errors(comm, doing):
         os.stat(path)  # before ranks that see it wait for one that does not
-    with guarded(comm, doing):
+    with collective_errors(comm, doing):
         if mode == "r" and "comm" not in how:
             file = reading(path)
         elif "comm" in how or comm.rank == 0:
             file = h5py.File(path, mode, libver=VERSIONS, **how)
         else:
             file = nullcontext()
-    with guarded(comm, doing), file:
+    with collective_errors(comm, doing), file:
         yield file
 
 
@@ -251,7 +251,7 @@ def _parts(
         yield from field.pieces(comm, rows)
         return
     for start, stop in _cuts(comm, rows, n[1] * dtype.itemsize):
-        with guarded(comm, doing):
+        with collective_errors(comm, doing):
             part = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
             if part.shape != (stop - start, n[1]) or stop > n[0]:
                 raise ValueError(f"{part.shape} points in rows {start}:{stop} of {tuple(n)}")

@@ -3,6 +3,7 @@ the threads of each rank."""
 
 import os
 import sys
+import time
 from collections.abc import Callable
 from types import TracebackType
 from typing import Any
@@ -11,7 +12,7 @@ from ..util.errors import GfmdError, SceneError
 from ..util.machine import cores
 from ..util.streams import Stream
 from .comm import Comm, MpiComm, SerialComm
-from .launcher import LAUNCHER, launched, srun_size, tasks_per_node
+from .launcher import LAUNCHER, launched, launcher_rank, srun_size, tasks_per_node
 
 THREADS_PER_CORE = 8  # more are a mistake
 THREADED_POINTS = 2**20  # of a surface; two threads take as long as one for a quarter of them
@@ -55,6 +56,33 @@ def world() -> Comm:
                     " belong to different MPI libraries"
                 )
     return _world
+
+
+def collective_exit(
+    exit_code: int, seconds: float = 10.0, say: Callable[[], object] | None = None
+) -> None:
+    """Wait until all ranks are about to leave with an error: mpirun ends the others, silently, as
+    soon as one has left.
+
+    Not for ever: a rank that is alone with its error ends the job after `seconds`. say(): rank 0
+    calls it at once, another rank where it is left alone, so that it is heard once.
+    """
+    say = say or (lambda: None)
+    if launcher_rank() == 0:
+        say()
+    try:
+        comm = world()
+    except GfmdError:  # no way to wait for each other: time enough for one line
+        time.sleep(1.0 if launched()[0] else 0.0)
+        return
+    if comm.size > 1:
+        request, end = comm.mpi.Ibarrier(), time.monotonic() + seconds
+        while not request.Test():
+            if time.monotonic() > end:
+                if comm.rank != 0:
+                    say()
+                comm.mpi.Abort(exit_code)
+            time.sleep(0.01)
 
 
 def comm_of(given: Any) -> Comm:

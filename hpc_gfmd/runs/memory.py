@@ -20,7 +20,7 @@ from ..driver.precision import (
 from ..operators.problem import TRANSFORMED
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
-from ..parallel.guard import agree
+from ..parallel.guard import raise_on_all
 from ..scene import Scene
 from ..surface import cell_of
 from ..util.errors import SceneError
@@ -198,4 +198,4 @@ def require_memory(
             f" {comm.size} ranks, {platform.node()} has {there:.2f} GiB: use more machines,"
             " fewer points or single precision"
         )
-    agree(comm, error)
+    raise_on_all(comm, error)

@@ -23,7 +23,7 @@ from ..output.record import RunFile
 from ..output.summary import surface_line
 from ..parallel import wisdom
 from ..parallel.comm import Comm
-from ..parallel.guard import guarded, on_rank_0
+from ..parallel.guard import collective_errors, on_rank_0
 from ..parallel.interrupt import Interrupt, Stopped
 from ..parallel.world import threads_of, world
 from ..scene import Scene, load_scene, with_overrides
@@ -301,7 +301,7 @@ def restart(
     overrides: "machine.key=value" texts; nothing else of the scene can be changed.
     """
     comm = comm or world()
-    with guarded(comm, "reading the interrupted run"):
+    with collective_errors(comm, "reading the interrupted run"):
         if comm.rank == 0:
             folder = partial_folder(path)
             if not ((folder / HEAD).exists() or is_held(folder)):

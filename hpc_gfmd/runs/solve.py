@@ -14,12 +14,12 @@ import numpy as np
 
 from ..contact.contact import Contact, heights_of
 from ..driver.warmup import compile_once
-from ..kernels.cache import announced, sound
+from ..kernels.cache import on_first_compile, retry_without_cache
 from ..output.fields import FIELDS, Slab
 from ..output.read import Result
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
-from ..parallel.guard import agree, guarded
+from ..parallel.guard import collective_errors, raise_on_all
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
 from ..surface.analytic import Rows, on_form
@@ -90,7 +90,8 @@ def solve(
         Wanted relative accuracy of a_r, mean gap and pressure field (L2); or residual=.
     nu, thickness, base
         An elastic layer of Poisson's ratio `nu` on a rigid base, "bonded" (default) or
-        "frictionless"; no `thickness`: a half-space.
+        "frictionless", or with base_E= and base_nu= on an "elastic" one; no `thickness`: a
+        half-space.
     boundary : "periodic", "free" or one for each axis
         Of an array; default: periodic. A surface that was read or made knows its own.
     radius : number, text or (R_x, R_y)
@@ -144,14 +145,15 @@ def solve(
     given = {key: arguments[key] for key in HOMES if key in arguments} | {"nu1": nu}
     started, begun = datetime.now(UTC).isoformat(timespec="seconds"), time.monotonic()
     comm = comm_of(comm)
-    with guarded(comm, "reading the arguments"):
+    with collective_errors(comm, "reading the arguments"):
         if is_topography(heights):
             heights = prepare_surface(heights)
         known = heights if isinstance(heights, PreparedSurface) else None
         scene = scene_of_keywords(given, more, known)
         check(scene)
         z = _complete(heights if known is None else known.heights)
-    _require_the_same(comm, scene, z.shape)
+    if comm.size > 1:
+        _require_the_same(comm, scene, z.shape)
     of_each_rank = threads_of(comm, scene.machine.threads, z.size)
     head: dict[str, Any] = {}
     sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
@@ -215,8 +217,8 @@ def solve(
             compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
             solve_all()
         else:
-            with announced(say.say):
-                sound(solve_all)
+            with on_first_compile(say.say):
+                retry_without_cache(solve_all)
     except KeyboardInterrupt:
         if comm.size > 1 or not (steps and several):  # other ranks may not have been interrupted
             raise
@@ -316,7 +318,7 @@ def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
         "hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map"
         " on each"
     )
-    agree(comm, None if comm.bcast(own) == own else error)
+    raise_on_all(comm, None if comm.bcast(own) == own else error)
 
 
 def _complete(heights: Any) -> np.ndarray:

@@ -63,7 +63,7 @@ class Scene(Table):
             lengths |= {f"load.{key}": getattr(load, key) for key in ("gap_mean", "approach")}
             lengths["material.thickness"] = material.thickness
         pressures: dict[str, Any] = {"load.pressure": load.pressure, "load.force": load.force}
-        moduli = ("E_star",) if material.E1 is None else ("E1", "E2")
+        moduli = ("base_E", *(("E_star",) if material.E1 is None else ("E1", "E2")))
         pressures |= {f"material.{key}": getattr(material, key) for key in moduli}
         alike("lengths", lengths)
         alike("pressures and forces" if load.force else "pressures", pressures)
@@ -81,12 +81,10 @@ class Scene(Table):
                 "load.force: found periodic boundaries, allowed: with a free boundary (with"
                 " periodic ones: load.pressure)"
             )
-        if self.load.approach and not (
-            all(self.surface.free) or self.material.thickness is not None
-        ):
+        if self.load.approach and not (all(self.surface.free) or self.material.rigid_base):
             raise ValueError(
                 "load.approach: found a half-space that gives way without end, allowed: with free"
-                " boundaries along both axes, or material.thickness"
+                " boundaries along both axes, or material.thickness on a rigid base"
             )
         return self
 
