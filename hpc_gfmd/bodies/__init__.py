@@ -27,8 +27,7 @@ def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Bod
 
     Raises SceneError if there is none.
     """
-    wanted = material.thickness, material.nu1, material.base, tuple(free)
-    bodies_ = [body for cls in body_classes().values() if (body := cls.of(*wanted)) is not None]
+    bodies_ = [body for cls in body_classes().values() if (body := cls.of(material, free))]
     if not bodies_:
         thickness = format_quantity(material.thickness or 0.0)
         raise SceneError(

@@ -21,12 +21,14 @@ from ..parallel.coarsening import levels
 if TYPE_CHECKING:
     from ..parallel.fft import SlabFFT
     from ..parallel.grid import Grid
+    from ..scene import Material
 
 NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
 SAMPLES = 400  # of K between the longest and the shortest wave, where it may not be monotone
 FLAT = 6  # how soon a level has nothing to add where K hardly falls
 LEFT = 0.3  # wave number over the largest: the typical one of what solvers leave
 NOTHING = 1e30  # a stiffness against which a level does nothing
+STEEP = 4  # times as long: what coarser levels see of a wave
 SQRT2 = np.sqrt(2.0)
 
 T = TypeVar("T")
@@ -104,19 +106,13 @@ class Body:
         return True
 
     @classmethod
-    def of(
-        cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]
-    ) -> Body | None:
+    def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
         """The body of this kind that a scene means.
 
         Parameters
         ----------
-        thickness : float or None
-            Of a layer, in the unit of the surface's lengths.
-        nu : float or None
-            Its Poisson's ratio.
-        base : {"bonded", "frictionless"}
-            How it lies on what is below.
+        material : scene.Material
+            Of the scene; lengths in the unit of the surface's.
         free : pair of bool
             Whether the surface ends along x, along y.
 
@@ -217,8 +213,8 @@ class Body:
         A wave is corrected on its own level and on all finer ones. So K of a level is the largest
         of all waves as long as its own or longer, and where it falls less than in proportion to q
         from a level to the next (a thin layer pressed by long waves) the next one has little to
-        add, or nothing: NOTHING. The last level is the rigid translation, which nothing resists but
-        contact.
+        add, or nothing: NOTHING. Where it falls more (a soft base) it is K all the same. The last
+        level is the rigid translation, which nothing resists but contact.
         """
         q = np.array([level.q for level in levels(grid)])
         longer = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES), 0)
@@ -226,7 +222,10 @@ class Body:
         fallen, wanted = 1 - K[1:] / K[:-1], 1 - q[1:] / q[:-1]
         with np.errstate(divide="ignore", invalid="ignore"):
             weights = np.minimum(
-                K / K[0] * np.append(1, np.where(wanted > 0, (wanted / fallen) ** FLAT, 1)), NOTHING
+                K
+                / K[0]
+                * np.append(1, np.where(wanted > 0, np.maximum(wanted / fallen, 1) ** FLAT, 1)),
+                NOTHING,
             )
         weights[-1] = q[-1] / q[0]
         return weights
@@ -234,16 +233,19 @@ class Body:
     def softness(self, grid: Grid) -> np.ndarray:
         """What every level adds to S, over S of the shortest wave: of a field of zero mean, <r, S
         r> is bounded by its squares on the levels times this (operators/multilevel.py). Not
-        1/weights where K is flat: S of a level is the largest of all waves as short.
+        1/weights where K is flat: S of a level is the largest of all waves as short, and has to do
+        for waves up to STEEP times as long, of which coarser levels see a part: where S rises in
+        proportion to 1/q it does.
         """
         q = np.array([level.q for level in levels(grid)])
         shorter = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES) * q[0], q)
         K = self.stiffness(SQRT2 * shorter, grid.a)
-        S = np.array([1 / K[shorter >= x].min() for x in q])
+        least = np.array([1 / K[shorter >= x].min() for x in q])
+        S = np.maximum(least, 1 / STEEP / self.stiffness(SQRT2 / STEEP * q, grid.a))
         share = 1 - q[1:] / q[:-1]
         with np.errstate(divide="ignore", invalid="ignore"):
             added = np.where(share > 0, (S[1:] - S[:-1]) / share, S[1:])
-        return np.append(S[0], added) / S[0]
+        return np.append(S[0], added) / least[0]
 
     def near(self, grid: Grid) -> np.ndarray:
         """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0

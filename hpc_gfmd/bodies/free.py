@@ -27,6 +27,7 @@ from .images import ALONE, NEEDED, PARITIES, Images, images
 if TYPE_CHECKING:
     from ..parallel.fft import SlabFFT
     from ..parallel.grid import Grid
+    from ..scene import Material
 
 SHARES = 24  # shares of a cell that are told apart: nearly the same grids have the same modes
 COVERED = 16  # of them that a surface has at most, see surface.cell_of
@@ -67,10 +68,8 @@ class Free(HalfSpace):
         return all(self.free)
 
     @classmethod
-    def of(
-        cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]
-    ) -> Body | None:
-        return cls((free[0], free[1])) if thickness is None and any(free) else None
+    def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
+        return cls((free[0], free[1])) if material.thickness is None and any(free) else None
 
     @classmethod
     def examples(cls) -> list[Body]:

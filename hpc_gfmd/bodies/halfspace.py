@@ -14,6 +14,7 @@ from .base import Body, Multipliers
 if TYPE_CHECKING:
     from ..parallel.fft import SlabFFT
     from ..parallel.grid import Grid
+    from ..scene import Material
 
 
 @dataclass(frozen=True)
@@ -24,10 +25,8 @@ class HalfSpace(Body):
     table_share = 0.0
 
     @classmethod
-    def of(
-        cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]
-    ) -> Body | None:
-        return HALF_SPACE if thickness is None and not any(free) else None
+    def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
+        return HALF_SPACE if material.thickness is None and not any(free) else None
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
         return q / 2

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..scene import Material
 from .base import Body
 
 TINY = 1e-8  # wave numbers times thickness below which a wave is as good as a uniform pressure
@@ -31,14 +32,11 @@ class Layer(Body):
     name = "layer"
 
     @classmethod
-    def of(
-        cls, thickness: float | None, nu: float | None, base: str, free: Sequence[bool]
-    ) -> Body | None:
-        return (
-            cls(thickness, nu, base)
-            if thickness is not None and nu is not None and not any(free)
-            else None
-        )
+    def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
+        t, nu = material.thickness, material.nu1
+        if t is None or nu is None or not material.rigid_base or any(free):
+            return None
+        return cls(t, nu, material.base)
 
     @classmethod
     def examples(cls) -> list[Body]:

@@ -7,8 +7,8 @@ that saves one or two iterations.
 Decimation (every second point) keeps the heights of the asperities; averages and envelopes do not,
 and start worse at small loads.
 
-Coarse grids are gathered on fewer and fewer ranks: the others wait until the solution comes back to
-their rows.
+Coarse grids are agglomerated on fewer and fewer ranks: the others wait until the solution comes
+back to their rows.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from numpy.typing import DTypeLike
 from ..certificate.certificate import certify
 from ..kernels.prolong import HALO, SWEEPS, prolong_gap
 from ..parallel import interrupt
-from ..parallel.coarsening import gathered, halved
+from ..parallel.coarsening import agglomerated, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import Windows, neighbours, rows_of
 from ..parallel.threads import on_threads
@@ -114,7 +114,7 @@ class Decimation:
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
-        starts = gathered(beside, n[0] * n[1], CALIBRATION.rank_points)
+        starts = agglomerated(beside, n[0] * n[1], CALIBRATION.rank_points)
         ranks = np.flatnonzero(np.diff(starts)).tolist()
         comm = grid.comm.subcomm(ranks)
         coarse = (

@@ -27,7 +27,7 @@ from numpy.typing import DTypeLike
 from ..kernels.bpx import UpdateSums, update_state
 from ..kernels.halfwidth import half
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level
-from ..parallel.coarsening import Level, Transfer, gathered, levels
+from ..parallel.coarsening import Level, Transfer, agglomerated, levels
 from ..parallel.halo import Windows
 from ..parallel.threads import on_threads
 from ..util.aligned import LINE, zeros_aligned
@@ -89,7 +89,7 @@ def steps_of(
             points <= (COARSEST_POINTS if coarsest_points is None else coarsest_points)
             or coarse is hierarchy[-1]
         )
-        starts = gathered(transfer.coarse_starts, points, points if last else RANK_POINTS)
+        starts = agglomerated(transfer.coarse_starts, points, points if last else RANK_POINTS)
         steps.append(Step(transfer, starts, Windows(rank, starts, transfer.lo, transfer.hi)))
         if last:
             break

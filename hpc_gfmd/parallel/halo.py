@@ -3,7 +3,7 @@ Arrays: (..., rows, m).
 
 The rows 0 <= i < n of a field form a ring. Rank r owns the rows starts[r] <= i < starts[r + 1],
 perhaps none, and has a window lo[r] <= i < hi[r] of the ring, which may reach around it. Halo rows
-are windows, and so are the rows that a rank has before they are gathered on fewer ranks. A rank
+are windows, and so are the rows that a rank has before they are agglomerated on fewer ranks. A rank
 talks to those alone whose rows or windows meet its own.
 """
 

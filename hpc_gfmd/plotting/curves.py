@@ -16,7 +16,6 @@ from .style import THEORY, WARNING, colour, log_axis
 from .theories import Theory
 from .units import Scale, finite, good
 
-COLUMNS = 3
 DOUBTFUL = {"color": WARNING, "marker": "x", "label": "not converged"}
 BEYOND = 2  # of the loads: how far the axis goes on
 
@@ -54,7 +53,7 @@ def curves(contexts: Sequence[FigureContext], names: Sequence[str]) -> Page:
         if any(good(step.get(key)) for one in contexts for step in _steps(one))
         and (key != "kappa" or all(one.units.rough for one in contexts))
     ]
-    columns = 2 if len(panels) == 4 else COLUMNS
+    columns = 2 if len(panels) == 4 else 3
     return Page([panels[i : i + columns] for i in range(0, len(panels), columns)], height=2.2)
 
 

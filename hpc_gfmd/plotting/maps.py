@@ -28,7 +28,6 @@ SYMBOLS = {"pressure": "p", "gap": "g", "heights": "z", "displacement": "u", "pl
 COLOURS = {"pressure": PRESSURE_MAP, "gap": GAP_MAP, "heights": HEIGHT_MAP}
 # a largest value that is more than this times the 99.5th percentile does not set the colours
 SPIKY = 1.25
-TALL, FLAT = 2.4, 0.4  # of panels, height over width
 
 
 def maps(context: FigureContext, names: list[str]) -> Page:
@@ -51,9 +50,10 @@ def maps(context: FigureContext, names: list[str]) -> Page:
         for k in loads
         for name in names
     ]
+    shape = min(2.4, max(0.4, (y1 - y0) / (x1 - x0)))  # of a panel, height over width
     return Page(
         [panels[i : i + columns] for i in range(0, len(panels), columns)],
-        height=width * min(TALL, max(FLAT, (y1 - y0) / (x1 - x0))) + 0.34,
+        height=width * shape + 0.34,
         width=WIDTH if columns > 1 else WIDTH / 2,
         images=True,
     )

@@ -26,7 +26,6 @@ MAX_STEPS = 4  # in maps, distributions and spectra where nobody says which
 PANELS = ("contact", "pressure", "gap")
 PAGES = ("maps", "distributions", "spectra", "curves")
 WHAT = (*PAGES, "contact", *SYMBOLS, *QUANTITIES)
-CHARACTERS = 19  # of a title, per inch
 SUFFIXES = (".png", ".pdf", ".svg")
 
 
@@ -236,7 +235,7 @@ def _title(context: FigureContext, what: str, width: float) -> str:
     out = f"; {left} of {len(result.steps)} loads not shown" if left else ""
     said = {"n", "physical_sizes", "h_rms", "unit"}
     surface = surface_line({key: result.surface[key] for key in said & {*result.surface}})
-    lines = textwrap.fill(f"{_name(result)}: {surface}{out}", int(CHARACTERS * width))
+    lines = textwrap.fill(f"{_name(result)}: {surface}{out}", int(19 * width))  # letters per inch
     for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
         lines = lines.replace(plain, printed)
     return lines

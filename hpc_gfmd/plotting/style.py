@@ -13,7 +13,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
-from ..util.atomic import aside
+from ..util.atomic import atomic_write
 from .units import tex_number
 
 # Okabe and Ito; the last one is kept for warnings
@@ -21,7 +21,7 @@ COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 WARNING = "#D55E00"
 THEORY: dict[str, Any] = {"color": "0.35", "linewidth": 1.2}
 WIDTH = 7.2  # inches across two columns
-DPI, SCREEN_DPI = 300, 150
+DPI = 300
 
 
 def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
@@ -69,7 +69,7 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         with io.BytesIO() as png:
-            self.savefig(png, format="png", dpi=SCREEN_DPI)
+            self.savefig(png, format="png", dpi=DPI / 2)
             return png.getvalue()
 
 
@@ -148,5 +148,5 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
 
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:
     """Under path in one move, in the format that its suffix names; dpi: default that of RC."""
-    with aside(path) as tmp:
+    with atomic_write(path) as tmp:
         fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi or RC["savefig.dpi"])

@@ -58,7 +58,7 @@ def _E_star(given: dict) -> float:
 class Material(Table):
     """The effective modulus E_star (default 1), one solid that presses against a rigid counterface,
     or both; `E_star` has the value in any case. With a thickness the solid is a layer on a rigid
-    base, and its nu1 counts beside E1 or E_star."""
+    base or on an elastic half-space, and its nu1 counts beside E1 or E_star."""
 
     E1: Pressure | None = key(
         "Young's modulus of the elastic solid (alone with nu1: against a rigid one)",
@@ -85,16 +85,22 @@ class Material(Table):
         said="1, or from E1, nu1, E2, nu2",
     )
     thickness: Length | None = key(
-        "makes the elastic solid a layer of this thickness on a rigid base (needs nu1)",
+        "makes the elastic solid a layer of this thickness on a base (needs nu1)",
         LENGTH,
         None,
         unit="length",
         example=0.05,
         said="a half-space",
     )
-    base: Literal["bonded", "frictionless"] = key(
-        "how the layer is held by its base", '"bonded" or "frictionless"', "bonded"
+    base: Literal["bonded", "frictionless", "elastic"] = key(
+        "how the layer lies on its base: on a rigid one, or bonded to an elastic half-space",
+        '"bonded", "frictionless" or "elastic"',
+        "bonded",
     )
+    base_E: Pressure | None = key(
+        "Young's modulus of the elastic base", MODULUS, None, unit="pressure", example="200 GPa"
+    )
+    base_nu: PoissonRatio | None = key("its Poisson ratio", POISSON, None, example=0.3)
 
     hardness: Pressure | None = key(
         "the largest pressure, where the solid gets a dent (elastic - perfectly plastic)",
@@ -127,11 +133,22 @@ class Material(Table):
             )
         return self
 
+    @property
+    def rigid_base(self) -> bool:
+        """Whether there is a layer on a rigid base."""
+        return self.thickness is not None and self.base != "elastic"
+
     @model_validator(mode="after")
     def _layer(self) -> Self:
         if self.thickness is None and "base" in self.model_fields_set:
             raise ValueError(
                 f'found base = "{self.base}" without thickness, allowed: both, or none'
+            )
+        given = [key for key in ("base_E", "base_nu") if getattr(self, key) is not None]
+        if len(given) != 2 * (self.base == "elastic"):
+            raise ValueError(
+                f'found base = "{self.base}" with {" and ".join(given) or "no base_E"}, allowed:'
+                ' base = "elastic" with base_E and base_nu, or none of them'
             )
         if self.thickness is not None and self.base == "bonded" and self.nu1 == 0.5:
             raise ValueError(

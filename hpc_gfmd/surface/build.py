@@ -14,25 +14,37 @@ from ..operators.problem import Columns
 from ..parallel.comm import SerialComm
 from ..parallel.fft import SlabFFT
 from ..parallel.grid import Grid
-from ..parallel.guard import guarded
+from ..parallel.guard import collective_errors
 from ..parallel.interrupt import check
 from ..util.errors import SceneError
 from .analytic import Rows, flat_rows, on_form, wave_rows
-from .heights import LARGEST_HEIGHT, checked, checksum
+from .heights import LARGEST, checked, checksum
 from .prepare import prepare, prepared_size
 from .quality import slope_notes
 from .selfaffine import self_affine_gap
+from .slabs import ROWS
 from .statistics import rms, rms_between_neighbours
 from .topography import open_topography
 
-SLAB_ROWS = 64  # rows read or made at a time
-# Of a cell along a free axis over the surface: share of it; of it and twice the longest side, in
-# the geometric mean, which keeps the modes few that are coupled (bodies/free.py); points; spacings
-# along an axis that ends and along others, to resolve these modes
-LONGER, BESIDE, MARGIN, SPACINGS, PERIODIC_SPACINGS = 1 / 2, 0.42, 64, 2 * NEEDED, 4
-# square of the longest side over product of a side and what is beside it, at most: else S would not
-# be positive
-SLENDER = 256
+
+@dataclass(frozen=True)
+class FreeSpace:
+    """How far the cell goes on beyond a surface that ends: the largest of these. Measured by what
+    more of it changes, see tests/physics/test_free.py."""
+
+    share: float = 1 / 2  # of the axis
+    # of the geometric mean of the axis and twice the longest side, which keeps the modes few that
+    # are coupled (bodies/free.py)
+    of_longest: float = 0.42
+    points: int = 64
+    spacings: float = 2 * NEEDED  # of any axis that ends, to resolve these modes
+    periodic_spacings: int = 4  # of any other axis
+    # square of the longest side over product of a side and what is beside it, at most: else S
+    # would not be positive
+    slender: int = 256
+
+
+FREE_SPACE = FreeSpace()
 
 
 @dataclass(frozen=True)
@@ -99,28 +111,27 @@ class Surface:
 def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tuple:
     """The points along each axis that a surface of n points and these sizes is solved on: more
     along the axes where it ends."""
-    longest = max((size for size, ends in zip(sizes, free) if ends), default=0.0)
-    beside = [
-        size / k * (SPACINGS if ends else PERIODIC_SPACINGS)
-        for k, size, ends in zip(n, sizes, free)
-        if ends or k > 1
-    ]
-    length = max((size for k, size in zip(n, sizes) if k > 1), default=0.0)
-    least = [max([*beside, min(length**2 / (SLENDER * size), length / 2)]) for size in sizes]
-    return tuple(
-        _longer(k, longest * k / size, x * k / size) if ends else k
-        for k, size, x, ends in zip(n, sizes, least, free)
-    )
-
-
-def _longer(n: int, longest: float, least: float) -> int:
-    """Points along an axis of which the surface has n and its longest side would have so many;
-    least: beyond the surface."""
     from scipy.fft import next_fast_len
 
-    wanted = n + math.ceil(max(n * LONGER, BESIDE * (n * longest**2) ** (1 / 3), MARGIN, least))
-    step = 16 if wanted > 128 else 4  # the levels halve it
-    return step * int(next_fast_len(-(-wanted // step), real=True))
+    space, axes = FREE_SPACE, list(zip(n, sizes, free))
+    longest = max((size for _, size, ends in axes if ends), default=0.0)
+    length = max((size for k, size, _ in axes if k > 1), default=0.0)
+    beside = [
+        size / k * (space.spacings if ends else space.periodic_spacings)
+        for k, size, ends in axes
+        if ends or k > 1
+    ]
+    cell = []
+    for k, size, ends in axes:
+        longer = k
+        if ends:
+            least = max([*beside, min(length**2 / (space.slender * size), length / 2)]) * k / size
+            mean = (k * (longest * k / size) ** 2) ** (1 / 3)
+            beyond = max(k * space.share, space.of_longest * mean, space.points, least)
+            step = 16 if k + beyond > 128 else 4  # the levels halve it
+            longer = step * int(next_fast_len(-(-(k + math.ceil(beyond)) // step), real=True))
+        cell.append(longer)
+    return tuple(cell)
 
 
 def grid_of(
@@ -132,9 +143,8 @@ def grid_of(
 ) -> Grid:
     """The grid on which a surface of n points is solved."""
     cell = cell_of(n, free, sizes)
-    return Grid.kept(
-        cell, tuple(size * m / k for size, m, k in zip(sizes, cell, n)), comm, threads, nominal=n
-    )
+    whole = tuple(size * m / k for size, m, k in zip(sizes, cell, n))
+    return Grid.kept(cell, whole, comm, threads, nominal=n)
 
 
 def _nominal(grid: Grid) -> Grid:
@@ -186,7 +196,7 @@ def build_surface(
     if spec.kind != "file":
         rows = on_form(rows, spec.radii, spec.n, spec.physical_sizes)
         return surface_from_rows(spec.n, spec.physical_sizes, rows, comm, dtype, threads, spec.free)
-    with guarded(comm, "reading the surface"):
+    with collective_errors(comm, "reading the surface"):
         found = open_topography(spec)
     found, done, notes = prepare(found, spec, comm)
     made = surface_from_rows(
@@ -217,10 +227,10 @@ def surface_from_rows(
     grid = _nominal(cell)
     start, stop = grid.rows
     z = grid.empty(np.float64)
-    with guarded(comm, "reading the surface"):
-        for i in range(0, stop - start, SLAB_ROWS):
-            z[i : i + SLAB_ROWS] = checked(
-                rows(start + i, min(start + i + SLAB_ROWS, stop)), start + i, "surface"
+    with collective_errors(comm, "reading the surface"):
+        for i in range(0, stop - start, ROWS):
+            z[i : i + ROWS] = checked(
+                rows(start + i, min(start + i + ROWS, stop)), start + i, "surface"
             )
     check(comm)
     digest = None if known else checksum(grid, z, n, sizes, unit)
@@ -234,10 +244,10 @@ def surface_from_rows(
         return Surface(
             cell, z.astype(dtype), n, 0.0, 0.0, (start, stop), checksum=digest, unit=unit
         )
-    if span < 1 / LARGEST_HEIGHT:
+    if span < 1 / LARGEST:
         raise SceneError(
             f"surface: found heights that differ by {span:g} at most, allowed: 0 or at least"
-            f" {1 / LARGEST_HEIGHT:g}"
+            f" {1 / LARGEST:g}"
         )
     centre = float(grid.comm.sum([sum(_by_rows(grid, np.sum, z))])[0]) / grid.N
     beside = _by_rows(grid, lambda z: np.abs(z - centre).max(), z)
@@ -268,16 +278,12 @@ def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarra
     alone."""
     comm, n = grid.comm, grid.n
     if 1 in n:
-        axis = None
-    else:
-        first = comm.bcast_float(z[0] if comm.rank == 0 else np.empty(n[1]))
-        along_y = not np.any(z != first)
-        along_x = not np.any(z != z[:, :1])
-        different = comm.max([not along_y, not along_x])
-        axis = 0 if not different[0] else (1 if not different[1] else None)
-    if axis is None:
         return grid, z
-    if axis == 0:
+    first = comm.bcast_float(z[0] if comm.rank == 0 else np.empty(n[1]))
+    along_x, along_y = comm.max([np.any(z != first), np.any(z != z[:, :1])])
+    if along_x and along_y:
+        return grid, z
+    if not along_x:
         return Grid.kept((1, n[1]), grid.sizes, SerialComm()), first[None].copy()
     column = np.concatenate(comm.allgather(z[:, 0].copy()))
     return Grid.kept((n[0], 1), grid.sizes, SerialComm()), column[:, None].copy()

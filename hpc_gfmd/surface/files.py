@@ -1,8 +1,8 @@
 """Height maps from files, peaks up: .npy, HDF5 and NetCDF a few rows at a time, others as a whole
 on every rank."""
 
-from collections.abc import Callable, Mapping
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
@@ -52,6 +52,8 @@ class HeightMap:
             raise SceneError(
                 f"surface.path: {self.path} cannot be read as {spec.format}: {one_line(str(error))}"
             ) from None
+        if isinstance(found, np.ndarray):
+            found = Stored(found.shape, found.dtype, partial(_part, found))
         shape, dtype, self._read = found
         if len(shape) != 2 or min(shape) < 1:
             raise SceneError(
@@ -84,14 +86,14 @@ def _begins(path: Path, head: bytes) -> bool:
         return file.read(len(head)) == head
 
 
-def _in_memory(data: np.ndarray) -> Stored:
-    return Stored(data.shape, data.dtype, lambda rows, columns: data[rows, columns])
+def _part(data: np.ndarray, rows: slice, columns: slice) -> np.ndarray:
+    return data[rows, columns]
 
 
-def _npy(path: Path, spec: Any) -> tuple[Stored, Metadata]:
+def _npy(path: Path, spec: Any) -> tuple[np.ndarray, Metadata]:
     if not _begins(path, NPY):  # numpy.load would say how to unpickle it
         raise ValueError("it does not begin as a .npy file does")
-    return _in_memory(np.load(path, mmap_mode="r", allow_pickle=False)), Metadata()
+    return np.load(path, mmap_mode="r", allow_pickle=False), Metadata()
 
 
 def _npz(path: Path, spec: Any) -> tuple[Stored, Metadata]:
@@ -163,7 +165,11 @@ def _netcdf(path: Path, spec: Any) -> tuple[Stored, Metadata]:
     name = _one_of([key for key, found in file.variables.items() if len(found.shape) == 2], spec)
     variable = file.variables[name]
     shape, dtype, packing = variable.data.shape, variable.data.dtype, Packing(vars(variable))
-    axes = [_axis(file.variables.get(axis), axis, n) for axis, n in zip(variable.dimensions, shape)]
+    axes = [
+        (axis, vars(x) if x else {}, ends(x.data) if x and x.shape == (n,) else None, n)
+        for axis, n in zip(variable.dimensions, shape)
+        for x in [file.variables.get(axis)]
+    ]
     said = by_axes(vars(variable), axes)
     masked = MASK in file.variables and file.variables[MASK].shape == shape
     del variable
@@ -175,14 +181,6 @@ def _netcdf(path: Path, spec: Any) -> tuple[Stored, Metadata]:
         return np.where(file.variables[MASK].data[rows, columns], np.nan, z) if masked else z
 
     return Stored(shape, dtype, read), said
-
-
-def _axis(
-    variable: Any, name: str, n: int
-) -> tuple[str, Mapping[str, Any], np.ndarray | None, int]:
-    if variable is None:
-        return name, {}, None, n
-    return name, vars(variable), ends(variable.data) if variable.shape == (n,) else None, n
 
 
 def _one_of(names: list[str], spec: Any) -> str:
@@ -202,22 +200,12 @@ def _no_dataset(spec: Any, names: list[str]) -> NoReturn:
     )
 
 
-def _whole(read: Callable) -> Callable[[Path, Any], tuple[Stored, Metadata]]:
-    """An opener of what read(path, spec) -> (heights, Metadata) reads."""
-
-    def opened(path: Path, spec: Any) -> tuple[Stored, Metadata]:
-        heights, said = read(path, spec)
-        return _in_memory(heights), said
-
-    return opened
-
-
-OPENERS = {
+OPENERS: dict[str, Callable[[Path, Any], tuple[Stored | np.ndarray, Metadata]]] = {
     "npy": _npy,
     "npz": _npz,
     "hdf5": _hdf5,
     "netcdf": _netcdf,
-    "text": _whole(text.read),
-    "picture": _whole(pictures.read),
-    "other": _whole(instruments.read),
+    "text": text.read,
+    "picture": pictures.read,
+    "other": instruments.read,
 }

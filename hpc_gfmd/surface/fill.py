@@ -8,7 +8,7 @@ import numpy as np
 
 from ..parallel.guard import on_rank_0
 from ..util.errors import SceneError
-from .slabs import local, own_slabs
+from .slabs import local, own_slabs, with_neighbours
 from .topography import Topography
 
 NEIGHBOURS = ((-1, 0), (1, 0), (0, -1), (0, 1))
@@ -46,50 +46,38 @@ def _filled(
             f"surface.path: found nan at ({i}, {j}) in {found.path}, {len(points)} points without a"
             ' height, allowed: finite heights, or fill = "harmonic" where some are known'
         )
-    return points, _harmonic(points, neighbours, known, found.n) if len(points) else np.zeros(0)
+    return points, _harmonic(points, neighbours, known, found.n[1])
 
 
 def _holes(found: Topography, comm: Any) -> tuple[np.ndarray, ...]:
     """This rank's points without a height by their numbers, how many neighbours each has, and the
     sum of the heights of those known."""
     parts = [(np.zeros(0, np.int64), np.zeros(0), np.zeros(0))]
-    n_x, n_y = found.n
-    for start, stop in own_slabs(n_x, comm):
-        z = found.rows(start, stop)
-        if not np.isnan(z).any():
-            continue
-        first = max(start - 1, 0)
-        around = np.full((stop - start + 2, n_y + 2), np.inf)  # beyond the edge there is nothing
-        around[first - start + 1 : min(stop + 1, n_x) - start + 1, 1:-1] = found.rows(
-            first, min(stop + 1, n_x)
-        )
-        i, j = np.nonzero(np.isnan(z))
-        beside = np.array([around[i + 1 + di, j + 1 + dj] for di, dj in NEIGHBOURS])
-        parts.append(
-            (
-                (start + i) * n_y + j,
-                (beside != np.inf).sum(axis=0),
-                np.where(np.isfinite(beside), beside, 0).sum(axis=0),
-            )
-        )
+    for start, stop in own_slabs(found.n[0], comm):
+        if np.isnan(found.rows(start, stop)).any():
+            around = with_neighbours(found, start, stop, constant_values=np.inf)  # nothing there
+            i, j = np.nonzero(np.isnan(around[1:-1, 1:-1]))
+            beside = np.array([around[i + 1 + di, j + 1 + dj] for di, dj in NEIGHBOURS])
+            there = (beside != np.inf).sum(axis=0)
+            known = np.where(np.isfinite(beside), beside, 0).sum(axis=0)
+            parts.append(((start + i) * found.n[1] + j, there, known))
     return tuple(np.concatenate(part) for part in zip(*parts))
 
 
 def _harmonic(
-    points: np.ndarray, neighbours: np.ndarray, known: np.ndarray, n: tuple[int, ...]
+    points: np.ndarray, neighbours: np.ndarray, known: np.ndarray, n_y: int
 ) -> np.ndarray:
     """Heights of the points: neighbours*z - (sum of z of the neighbours that are missing, too) =
     known."""
+    if not len(points):
+        return known
     from scipy.sparse import coo_array, diags_array  # 50 MB that a run without holes does without
     from scipy.sparse.linalg import spsolve
 
-    links = []
-    for step, ends in ((1, points % n[1] != n[1] - 1), (n[1], np.full(len(points), True))):
-        place = np.searchsorted(points, points + step)
-        found = ends & (place < len(points))
-        found[found] = points[place[found]] == points[found] + step
-        links += [(np.flatnonzero(found), place[found]), (place[found], np.flatnonzero(found))]
-    row, column = (np.concatenate(side) for side in zip(*links))
+    beside = [(points[points % n_y < n_y - 1], 1), (points, n_y)]
+    pairs = [np.intersect1d(some, points - step) for some, step in beside]
+    links = [np.searchsorted(points, (pair, pair + step)) for pair, (_, step) in zip(pairs, beside)]
+    row, column = np.concatenate([side for one in links for side in (one, one[::-1])], axis=1)
     matrix = diags_array(neighbours.astype(float)) - coo_array(
         (np.ones(len(row)), (row, column)), shape=(len(points),) * 2
     )

@@ -7,10 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ..scene.table import LARGEST  # heights that differ by less than its inverse are refused, too
 from ..util.errors import SceneError
-
-# as all numbers of a scene; heights that differ by less than its inverse are refused, too
-LARGEST_HEIGHT = 1e100
 
 
 def checked(
@@ -22,7 +20,7 @@ def checked(
     Raises SceneError for others, which begins with `where` and names the file, `of`: what
     instruments write for points that they could not measure is often nan or the largest number.
     """
-    wrong = ~(np.abs(z) <= LARGEST_HEIGHT)
+    wrong = ~(np.abs(z) <= LARGEST)
     if missing:
         wrong &= ~np.isnan(z)
     if wrong.any():
@@ -32,7 +30,7 @@ def checked(
         )
         raise SceneError(
             f"{where}: found {z[i, j]:g} at ({start + i}, {j}){of}, allowed: finite heights, "
-            f"{-LARGEST_HEIGHT:g} to {LARGEST_HEIGHT:g}{fill}"
+            f"{-LARGEST:g} to {LARGEST:g}{fill}"
         )
     return z
 

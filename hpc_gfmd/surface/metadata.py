@@ -31,12 +31,8 @@ def by_attributes(*places: Mapping[str, Any]) -> Metadata:
     """Of attributes physical_sizes, unit and periodic, in the first of these dictionaries that has
     them (HDF5, .npz)."""
     found = {name: place[name] for place in reversed(places) for name in NAMES if name in place}
-    sizes = (
-        np.asarray(found["physical_sizes"], dtype=float).reshape(-1)
-        if "physical_sizes" in found
-        else ()
-    )
-    unit = _text(found.get("unit", found.get("units")))
+    sizes = np.asarray(found.get("physical_sizes", ()), dtype=float).reshape(-1)
+    unit = _unit(found)
     periodic = bool(np.all(found.get("periodic", False)))
     return Metadata(
         tuple(map(float, sizes)) if len(sizes) == 2 else None, unit, unit, periodic or None
@@ -84,14 +80,7 @@ def ends(coordinates: Any) -> np.ndarray:
 
 
 def _unit(attributes: Mapping[str, Any]) -> str | None:
-    return _text(attributes.get("unit", attributes.get("units")))
-
-
-def _text(value: Any) -> str | None:
-    value = (
-        value.item()
-        if isinstance(value, np.ndarray | np.generic) and np.size(value) == 1
-        else value
-    )
-    value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-    return value.strip() or None if isinstance(value, str) else None
+    found = np.asarray(attributes.get("unit", attributes.get("units"))).reshape(-1)
+    text = found[0] if found.size == 1 else None
+    text = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
+    return text.strip() or None if isinstance(text, str) else None

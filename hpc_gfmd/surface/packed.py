@@ -13,25 +13,21 @@ class Packing:
     """What the attributes of a variable say. Raises ValueError where they are no numbers."""
 
     def __init__(self, attributes: Mapping[str, Any]) -> None:
-        self.scale, self.offset = (
-            _number(attributes, name) for name in ("scale_factor", "add_offset")
+        self.scale, self.offset, *self.missing = (
+            _number(attributes, name) for name in ("scale_factor", "add_offset", *MISSING)
         )
-        self.missing = [
-            value for name in MISSING if (value := _number(attributes, name)) is not None
-        ]
+        self.plain = {self.scale, self.offset, *self.missing} == {None}
 
     def unpacked(self, z: np.ndarray) -> np.ndarray:
         """Values of the file as heights; not a number where there is none."""
-        z = np.asarray(z)
-        if self.scale is None and self.offset is None and not self.missing:
+        if self.plain:
             return z
         heights = z.astype(np.float64)
         if self.scale is not None:
             heights *= self.scale
         if self.offset is not None:
             heights += self.offset
-        for value in self.missing:
-            heights[z == value] = np.nan
+        heights[np.isin(z, [value for value in self.missing if value is not None])] = np.nan
         return heights
 
 

@@ -17,7 +17,7 @@ from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .analytic import on_form
 from .fill import filled
-from .quality import FILLED, notes_on
+from .quality import DOUBT, notes_on
 from .resample import resampled
 from .slabs import own_slabs, summed
 from .topography import Topography
@@ -77,7 +77,7 @@ def prepare(
         lacks.append(str(error))
     if lacks:
         raise SceneError("; ".join(lacks))
-    if missing > FILLED * found.n[0] * found.n[1]:
+    if missing > DOUBT.filled * found.n[0] * found.n[1]:
         notes.append(
             f"{100 * missing / (found.n[0] * found.n[1]):.0f} % of the heights are filled, not"
             " measured"

@@ -23,21 +23,18 @@ def rms(grid: Grid, fill: Any) -> tuple[float, float]:
 def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tuple[float, float]:
     """As `rms`, for fields that end along the axes that are free: from differences between
     neighbouring points within the field."""
-    rows, n_y = grid.shape
-    x = np.empty((max(rows, 1) + 1, n_y))
-    fill(0, rows, x)
-    x[rows] = halo.next_row(grid.comm, x[: min(rows, 1)], grid.starts)
+    x = np.empty(grid.shape)
+    fill(0, len(x), x)
+    below = halo.next_row(grid.comm, x[:1], grid.starts)[None]
     if free[0] and grid.rows[1] == grid.n[0]:
-        x[rows] = x[rows - 1]  # the last row has no next one
-    x = x[: rows + 1] if rows else x[:1]
-    along_y = np.diff(x[:rows], axis=1, append=x[:rows, -1:] if free[1] else x[:rows, :1])
-    s0, s_x, s_y = grid.comm.sum(
-        [np.vdot(x[:rows], x[:rows]), np.sum(np.diff(x, axis=0) ** 2), np.sum(along_y**2)]
-    )
-    steps = [max(n - 1 if ends else n, 1) for n, ends in zip(grid.n, free)]
+        below = x[-1:]  # the last row has no next one
+    along_x = np.diff(x, axis=0, append=below)
+    along_y = np.diff(x, axis=1, append=x[:, -1:] if free[1] else x[:, :1])
+    s0, s_x, s_y = grid.comm.sum([np.vdot(x, x), np.sum(along_x**2), np.sum(along_y**2)])
+    steps = [max(n - ends, 1) for n, ends in zip(grid.n, free)]
     a_x, a_y = (s / grid.a for s in grid.spacings)
     return float(np.sqrt(s0 / grid.N)), float(
-        np.sqrt(s_x / (steps[0] * n_y) / a_x**2 + s_y / (grid.n[0] * steps[1]) / a_y**2)
+        np.sqrt(s_x / (steps[0] * grid.n[1]) / a_x**2 + s_y / (grid.n[0] * steps[1]) / a_y**2)
     )
 
 

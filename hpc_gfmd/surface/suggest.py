@@ -11,7 +11,7 @@ from ..util.quantities import factor, prefixed
 from . import instruments
 from .arrays import unreliable
 from .prepare import prepare
-from .quality import JUMP, OUTLYING, TILT, MapQuality, outliers
+from .quality import DOUBT, MapQuality, outliers
 from .topography import Topography, open_topography
 
 NEEDED = "TO BE GIVEN, the file does not say it"
@@ -87,16 +87,16 @@ def _by_heights(
     said = f"{100 * quality.tilt:.0f} % of the variance of the heights is tilt"
     found.about.append(said)
     out = outliers(heights, quality, SerialComm())
-    if quality.tilt > TILT and "detrend" not in given:
+    if quality.tilt > DOUBT.tilt and "detrend" not in given:
         values["detrend"], why["detrend"] = "tilt", said
         heights, quality = looked_at(fill="harmonic")
     edges = f"opposite edges differ by {max(quality.jumps):.2g} times what neighbours differ by"
     found.about.append(edges)
     if out:
         found.about.append(
-            f"{out} points stand out of their neighbours by more than {OUTLYING:g} times what"
+            f"{out} points stand out of their neighbours by more than {DOUBT.outlying:g} times what"
             " neighbours differ by: dust or spikes? They are pressed as they are"
         )
-    fits = max(quality.jumps) <= JUMP or periodic
+    fits = max(quality.jumps) <= DOUBT.jump or periodic
     if not fits and not {"boundary", "mirror", "window"} & set(given):
         values["boundary"], why["boundary"] = "free", f"{edges}; mirror = true is another way"

@@ -10,26 +10,20 @@ from typing import Any
 import numpy as np
 
 from . import instruments
-from .metadata import Metadata
+from .metadata import UNEVEN, Metadata
 
-POINTS = 3  # columns: x, y, z
 LOOKED_AT = 200  # lines
 MARKS = (None, "\t", ";", ",")  # between numbers; None: white space
 MISSING = (
     "",
-    "***",
-    "****",
-    "*****",
-    "BAD",
-    "Bad",
-    "bad",
-    "-",
-    "--",
-    "---",
     "nan",
     "NaN",
     "NA",
     "n/a",
+    "BAD",
+    "Bad",
+    "bad",
+    *(mark * k for mark in "*-" for k in range(1, 6)),
 )
 
 
@@ -53,12 +47,12 @@ def read(path: str | Path, spec: Any) -> tuple[np.ndarray, Metadata]:
     """
     with open(path, encoding="utf-8-sig", errors="replace") as file:
         layout = layout_of(list(islice(file, LOOKED_AT)), spec)
-    if layout is None or layout.columns < POINTS:
+    if layout is None or layout.columns < 3:
         return instruments.read(path, spec)
     if layout.skip and spec.skip_lines is None and (found := instruments.recognised(path, spec)):
         return found
     numbers = _numbers(path, layout, spec)
-    return _on_grid(numbers, layout.units) if layout.columns == POINTS else (numbers, Metadata())
+    return _on_grid(numbers, layout.units) if layout.columns == 3 else (numbers, Metadata())
 
 
 def layout_of(lines: list[str], spec: Any) -> Layout | None:
@@ -131,8 +125,8 @@ def _on_grid(points: np.ndarray, units: tuple[str, ...]) -> tuple[np.ndarray, Me
     heights = np.full((len(x), len(y)), np.nan)
     heights[i, j] = points[:, 2]
     steps = [np.diff(axis) for axis in (x, y)]
-    if any(not step.size or np.ptp(step) > 1e-3 * step.mean() for step in steps):
+    if any(not step.size or np.ptp(step) > UNEVEN * step.mean() for step in steps):
         raise ValueError("its points are not those of a regular grid")
     sizes = tuple(float(step.mean() * (step.size + 1)) for step in steps)
-    sizes_unit, unit = (units[0], units[-1]) if len(units) == POINTS else (None, None)
+    sizes_unit, unit = (units[0], units[-1]) if len(units) == 3 else (None, None)
     return heights, Metadata(sizes, sizes_unit, unit)

@@ -2,11 +2,11 @@
 otherwise."""
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..scene import has_unit
 from ..util.errors import SceneError
 from ..util.quantities import Quantity, factor
 from .analytic import Rows
@@ -55,44 +55,34 @@ class Topography:
 def open_topography(spec: Any) -> Topography:
     """The Topography of a scene's height map, or of the sum of two, of which no height is read yet.
     Raises SceneError."""
-    if isinstance(spec.path, str):
-        return _open_one(spec)
-    first, second = (_open_one(spec.model_copy(update={"path": path})) for path in spec.path)
-    compared: tuple[Any, ...] = (
-        ("points", first.n, second.n),
-        ("lengths", first.sizes, second.sizes),
-        ("the unit", first.unit or "none", second.unit or "none"),
-    )
-    for what, found, other in compared:
-        same = (
-            all(abs(a - b) <= ALIKE * b for a, b in zip(found, other))
-            if what == "lengths"
-            else found == other
-        )
+    paths = [spec.path] if isinstance(spec.path, str) else spec.path
+    files = [HeightMap(spec.model_copy(update={"path": path})) for path in paths]
+    first, *others = (replace(topography_of(file, spec), source=file) for file in files)
+    return _sum(first, *others) if others else first
+
+
+def _sum(one: Topography, two: Topography) -> Topography:
+    for what, *found, same in (
+        ("points", one.n, two.n, one.n == two.n),
+        ("lengths", one.sizes, two.sizes, np.allclose(one.sizes, two.sizes, ALIKE, 0)),
+        ("the unit", [one.unit or "none"], [two.unit or "none"], one.unit == two.unit),
+    ):
         if not same:
-            raise SceneError(
-                f"surface.path: found {what} {_shown(found)} in {first.path} and {_shown(other)} in"
-                f" {second.path}, allowed: two maps of the same points, lengths and unit"
+            here, there = (
+                " x ".join(f"{of:.6g}" if isinstance(of, float) else str(of) for of in shown)
+                for shown in found
             )
-    periodic = (
-        None if None in (first.periodic, second.periodic) else first.periodic and second.periodic
-    )
+            raise SceneError(
+                f"surface.path: found {what} {here} in {one.path} and {there} in {two.path},"
+                " allowed: two maps of the same points, lengths and unit"
+            )
     return replace(
-        first,
-        rows=lambda start, stop: first.rows(start, stop) + second.rows(start, stop),
-        periodic=periodic,
-        path=f"{first.path} + {second.path}",
-        lacks=first.lacks | second.lacks,
+        one,
+        rows=lambda start, stop: one.rows(start, stop) + two.rows(start, stop),
+        periodic=one.periodic and two.periodic,
+        path=f"{one.path} + {two.path}",
+        lacks=one.lacks | two.lacks,
     )
-
-
-def _shown(found: Any) -> str:
-    return found if isinstance(found, str) else " x ".join(f"{length:.6g}" for length in found)
-
-
-def _open_one(spec: Any) -> Topography:
-    found = HeightMap(spec)
-    return replace(topography_of(found, spec), source=found)
 
 
 def topography_of(found: HeightMap | ArrayMap, spec: Any) -> Topography:
@@ -106,18 +96,18 @@ def topography_of(found: HeightMap | ArrayMap, spec: Any) -> Topography:
             f"surface.physical_sizes: found nothing, {nothing}: two positive numbers [L_x, L_y],"
             ' plain in surface.unit or as "12.8 um"'
         )
-    named = given is None or any(isinstance(length, Quantity) for length in given)
-    if unit is None and named:
+    if unit is None and (given is None or has_unit(given)):
         lacks["unit"] = f"surface.unit: found nothing for the heights, {nothing}: {UNITS}"
-    height = 1.0 if unit is None else _factor(unit, spec.unit, found.path)
-    if spec.unit and said.unit and height != _factor(said.unit, None, found.path):
+    height, length, own = (
+        _factor(name, found.path) for name in (unit, sizes_unit, said.unit or unit)
+    )
+    if height != own:
         raise SceneError(
             f"surface.unit: found {spec.unit!r}, but {found.path} has its heights in"
             f" {said.unit!r}, allowed: no surface.unit, or the file's own"
         )
-    length = 1.0 if sizes_unit is None else _factor(sizes_unit, spec.unit, found.path)
     sizes = [
-        size if isinstance(size, Quantity) else size * length
+        float(size) if isinstance(size, Quantity) else float(size * length)
         for size in given or said.sizes or (1.0, 1.0)
     ]
     if not all(0 < size < float("inf") for size in sizes):
@@ -127,16 +117,12 @@ def topography_of(found: HeightMap | ArrayMap, spec: Any) -> Topography:
         )
 
     def rows(start: int, stop: int) -> np.ndarray:
-        return (
-            checked(
-                found.rows(start, stop), start, "surface.path", f" in {found.path}", missing=True
-            )
-            * height
-        )
+        where = "surface.path", f" in {found.path}"
+        return height * checked(found.rows(start, stop), start, *where, missing=True)
 
     return Topography(
         (found.shape[0], found.shape[1]),
-        (float(sizes[0]), float(sizes[1])),
+        (sizes[0], sizes[1]),
         rows,
         "" if unit is None else "m",
         said.periodic,
@@ -147,8 +133,8 @@ def topography_of(found: HeightMap | ArrayMap, spec: Any) -> Topography:
     )
 
 
-def _factor(unit: str, given: Any, path: str | Path) -> float:
+def _factor(unit: str | None, path: object) -> float:
     try:
-        return factor(unit)
+        return 1.0 if unit is None else factor(unit)
     except ValueError as error:
         raise SceneError(f"surface.unit: in {path} {error}, allowed: {UNITS}") from None

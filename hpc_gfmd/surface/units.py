@@ -29,30 +29,19 @@ def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
     return float(info.tiny) < smallest and largest < float(info.max)
 
 
-def field_range(name: str, p_mean: float, surface: Surface) -> tuple[float, float]:
-    """(smallest, largest) magnitude that matters in a field at mean pressure p_mean, without
-    looking at it; surface: surface.Surface.
+def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) -> np.dtype:
+    """The precision for a field in the scene's units, solved in `dtype` at mean pressure p_mean,
+    without looking at it; surface: surface.Surface.
 
     No point carries more than all N p_mean, and heights that have rms slope 1 per point rise by
     less than N; a displacement is less than N times that. What is smaller than the rounding errors
     of single precision does not matter.
     """
-    N = surface.grid.N
-    typical, largest = (
-        (p_mean, N * p_mean)
-        if name == "pressure"
-        else (surface.height_unit, N**2 * surface.height_unit)
-    )
-    return float(np.finfo(np.float32).eps) * typical, largest
-
-
-def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) -> np.dtype:
-    """The precision for a field, solved in `dtype`, in the scene's units."""
-    return (
-        np.dtype(dtype)
-        if fits(dtype, *field_range(name, p_mean, surface))
-        else np.dtype(np.float64)
-    )
+    of_pressure, N = name == "pressure", surface.grid.N
+    typical = p_mean if of_pressure else surface.height_unit
+    smallest = float(np.finfo(np.float32).eps) * typical
+    held = fits(dtype, smallest, typical * N if of_pressure else typical * N**2)
+    return np.dtype(dtype if held else np.float64)
 
 
 def single_solves(p_star: float, N: int) -> bool:

@@ -142,14 +142,15 @@ def test_table_and_on_the_fly(body):
 
 def test_one_body_for_every_scene():
     """Every scene means one body, or none that there is."""
-    for wanted in (
-        (None, None, "bonded", (False, False)),
-        (0.3, 0.3, "bonded", (False, False)),
-        (0.3, 0.5, "frictionless", (False, False)),
-    ):
-        assert sum(cls.of(*wanted) is not None for cls in body_classes().values()) == 1
-    with pytest.raises(SceneError, match="allowed: with periodic boundaries"):
-        body_of(Material(thickness=0.1, nu1=0.3), (True, False))
+    elastic = {"base": "elastic", "base_E": 2.0, "base_nu": 0.3}
+    layer = {"thickness": 0.3, "nu1": 0.4}
+    for wanted in ({}, layer, layer | {"base": "frictionless"}, layer | elastic):
+        material = Material(**wanted)
+        found = [cls.of(material, (False, False)) for cls in body_classes().values()]
+        assert len(list(filter(None, found))) == 1
+    for wanted in (layer, layer | elastic):
+        with pytest.raises(SceneError, match="allowed: with periodic boundaries"):
+            body_of(Material(**wanted), (True, False))
 
 
 @every_body

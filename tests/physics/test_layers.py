@@ -6,7 +6,9 @@ import oracle
 import pytest
 from contacts import EXACT, field, heights_of, relative, rough, solve_scene, sweep_of
 
+from hpc_gfmd.bodies import body_of
 from hpc_gfmd.bodies.layer import Layer
+from hpc_gfmd.scene import Material
 
 LAYERS = [
     (0.3, "bonded"),
@@ -15,19 +17,30 @@ LAYERS = [
     (0.3, "frictionless"),
     (0.5, "frictionless"),
 ]
+# what a coating lies on: Young's modulus over E* of the coating, Poisson's ratio
+BASES = [(0.3, (0.05, 0.2)), (0.5, (0.7, 0.5)), (0.0, (30.0, 0.1))]
 every_layer = pytest.mark.parametrize(("nu", "base"), LAYERS)
+every_body = pytest.mark.parametrize(("nu", "base"), LAYERS + BASES)
+
+
+def material(nu, base, t, E_star=1.0):
+    """[material] of a layer or a coating."""
+    given = {"E_star": E_star, "thickness": t, "nu1": nu}
+    if isinstance(base, str):
+        return given | {"base": base}
+    return given | {"base": "elastic", "base_E": base[0] * E_star, "base_nu": base[1]}
 
 
 def softness(q, t, nu, base):
     """Deflection of a layer under p = cos(q x) over that of a half-space, from the equations of
     plane strain.
 
-    Airy's function [(A + B z) cosh q z + (C + D z) sinh q z] cos q x with z from the base; sigma_zz
-    = -q^2 phi, sigma_xz = q phi' sin, 2 G u_x = [...] and 2 G u_z = [...] by Hooke's law, for G =
-    1/2 and E* = E/(1 - nu^2) = 2 G/(1 - nu).
+    Airy's function [(A + B z) cosh q z + (C + D z) sinh q z] cos q x with z from the base, and (A +
+    B z) exp q z cos q x in an elastic base; sigma_zz = -q^2 phi, sigma_xz = q phi' sin, 2 G u_x =
+    [...] and 2 G u_z = [...] by Hooke's law, for G = 1/2 and E* = E/(1 - nu^2) = 2 G/(1 - nu).
     """
 
-    def rows(z):
+    def rows(z, nu, elastic_base=False):
         c, s = np.cosh(q * z), np.sinh(q * z)
         phi = np.array([c, z * c, s, z * s])
         d1 = np.array([q * s, c + q * z * s, q * c, s + q * z * c])
@@ -35,26 +48,36 @@ def softness(q, t, nu, base):
         d3 = np.array(
             [q**3 * s, 3 * q * q * c + q**3 * z * s, q**3 * c, 3 * q * q * s + q**3 * z * c]
         )
+        if elastic_base:  # exp = cosh + sinh
+            phi, d1, d2, d3 = (d[:2] + d[2:] for d in (phi, d1, d2, d3))
         # 2G eps_xx = (1 - nu) sxx - nu szz with sxx = phi'', szz = -q^2 phi: u_x = int eps_xx; 2G
         # (du_z/dx + du_x/dz) = 2 sxz
         u_x = ((1 - nu) * d2 + nu * q * q * phi) / q  # times sin q x
         du_x = ((1 - nu) * d3 + nu * q * q * d1) / q
         sxz = q * d1  # times sin q x
         u_z = (du_x - 2 * sxz) / q  # times cos q x: du_z/dx = -q u_z sin
-        return phi, sxz, u_x, u_z
+        return np.array([phi, sxz, u_x, u_z])
 
-    phi, sxz, u_x, u_z = (np.array(x) for x in zip(rows(0.0), rows(t), strict=True))
-    fixed = u_x[0] if base == "bonded" else sxz[0]
-    A = np.array([u_z[0], fixed, sxz[1], -q * q * phi[1]])
-    found = np.linalg.solve(A, [0.0, 0.0, 0.0, -1.0])  # sigma_zz = -1 on top
-    deflection = -(u_z[1] @ found)  # downwards, 2 G = 1
+    below, top = rows(0.0, nu), rows(t, nu)
+    if isinstance(base, str):
+        fixed = below[[3, 2 if base == "bonded" else 1]]
+    else:
+        twice_G = base[0] / (1 - nu) / (1 + base[1])
+        under = rows(0.0, base[1], True) / np.array([[1], [1], [twice_G], [twice_G]])
+        fixed = np.hstack([below, -under])
+    surface = np.zeros((2, fixed.shape[1]))
+    surface[:, :4] = top[1], -q * q * top[0]
+    A = np.vstack([fixed, surface])
+    found = np.linalg.solve(A, np.append(np.zeros(len(A) - 1), -1.0))  # sigma_zz = -1 on top
+    deflection = -(top[3] @ found[:4])  # downwards, 2 G = 1
     return deflection / (2 / q * (1 - nu))  # S of the half-space is 2/(E* q)
 
 
-@every_layer
+@every_body
 @pytest.mark.parametrize("qt", [0.03, 0.3, 1.0, 2.5, 6.0])
 def test_compliance_is_that_of_elasticity(nu, base, qt):
-    K = Layer(0.7, nu, base).stiffness(np.array([qt / 0.7 * 0.2]), 0.2)[0]
+    body = body_of(Material(**material(nu, base, 0.7)))
+    K = body.stiffness(np.array([qt / 0.7 * 0.2]), 0.2)[0]
     assert qt / 0.7 * 0.2 / 2 / K == pytest.approx(softness(qt / 0.7, 0.7, nu, base), rel=1e-6)
 
 
@@ -67,11 +90,10 @@ def test_uniform_pressure(nu, base):
     )
 
 
-@every_layer
+@every_body
 def test_against_the_oracle(nu, base):
     surface = rough((1, 4, 4), seed=3, physical_sizes=[2.5, 2.5])
-    layer = {"thickness": 0.2, "nu1": nu, "base": base}
-    step = sweep_of(surface, E_star=3.0, layer=layer, **EXACT).solve(0.4)
+    step = sweep_of(surface, E_star=3.0, layer=material(nu, base, 0.2, 3.0), **EXACT).solve(0.4)
     wanted = oracle.solve(
         heights_of(surface),
         0.4,
@@ -102,15 +124,28 @@ def test_thin_layers_are_springs(nu):
     assert relative(field(step, "pressure"), spring * np.maximum(d - (z.max() - z), 0)) < 1e-2
 
 
-@every_layer
-def test_thick_layers_are_half_spaces(nu, base):
+@pytest.mark.parametrize(
+    ("nu", "base", "t"), [*((*one, 4.0) for one in LAYERS + BASES), (0.4, (1 - 0.4**2, 0.4), 0.02)]
+)
+def test_thick_layers_are_half_spaces(nu, base, t):
+    """So are coatings of the same material."""
     surface = rough((2, 8, 4))
     wanted = solve_scene(surface, 0.1, **EXACT)
-    found = sweep_of(surface, layer={"thickness": 4.0, "nu1": nu, "base": base}, **EXACT).solve(
-        wanted.p_mean
-    )
+    found = sweep_of(surface, layer=material(nu, base, t), **EXACT).solve(wanted.p_mean)
     assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-9)
     assert relative(field(found, "pressure"), field(wanted, "pressure")) < 1e-9
+
+
+def test_limits_of_coatings():
+    """A stiff base is a rigid one; long waves, and thin coatings, have the base alone."""
+    q = np.geomspace(1e-2, 30, 50)
+
+    def K(base, t=0.3):
+        return body_of(Material(**material(0.3, base, t))).stiffness(q, 1.0)
+
+    assert K((1e9, 0.2)) == pytest.approx(K("bonded"), rel=1e-5)
+    for E, nu in ((0.05, 0.2), (20.0, 0.45)):
+        assert K((E, nu), 1e-7) == pytest.approx(q / 2 * E / (1 - nu**2), rel=1e-3)
 
 
 def test_the_approach_in_low_memory():

@@ -106,6 +106,10 @@ material = {thickness = 1, E1 = 1, nu1 = 0, E2 = 1, nu2 = 0} | material: found t
 material = {thickness = 1, nu1 = 0.5} | material: found nu1 = 0.5 with thickness and base = "bonded", allowed
 material = {thickness = 1, nu1 = 0.3, base = "glued"} | material.base: found 'glued', allowed
 material.base = "bonded" | material: found base = "bonded" without thickness, allowed: both, or none
+material = {thickness = 1, nu1 = 0.3, base = "elastic", base_E = 1} | found base = "elastic" with base_E, allowed
+material = {thickness = 1, nu1 = 0.3, base_nu = 0.3} | found base = "bonded" with base_nu, allowed: base = "elastic"
+material = {E1 = "1 GPa", thickness = "1 um", nu1 = 0.3, base = "elastic", base_E = 1.0, base_nu = 0.3} ; surface.physical_sizes = ["1 mm", "1 mm"] | all pressures
+load = {approach = 1} ; material = {thickness = 1, nu1 = 0.3, base = "elastic", base_E = 1, base_nu = 0} | rigid base
 surface = {L_over_lam_l = 1.9, lam_l_over_lam_s = 16.1} | = 61.18, allowed: a whole number
 surface.L_over_lam_l = 1e60 | allowed: from 1 to
 surface.physical_sizes = [1, 1.7] | n_y = n_x * L_y/L_x
