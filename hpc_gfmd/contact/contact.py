@@ -12,6 +12,7 @@ import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
 from ..output.fields import FIELDS, LazyField
+from ..scene.model import TOUCHING
 from ..surface.quality import load_notes
 from ..surface.units import field_dtype
 from ..util.errors import SceneError
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from ..parallel.clusters import Clusters
     from ..surface import Surface
 
-FEW_POINTS = 100  # fewer contact points than this say little about a rough contact
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
 
 
@@ -139,7 +139,7 @@ class Contact:
             return "flat surface: every point touches at any load"
         if points == self.N:
             return "full contact: every point touches, the gap is zero"
-        if points < FEW_POINTS:
+        if points < TOUCHING:
             touch = "touches" if points == 1 else "touch"
             return (
                 f"only {points} point{'s' * (points != 1)} {touch}: the area is known to"

@@ -13,8 +13,8 @@ from hpc_gfmd.contact import (
     default_observables,
     duality,
     observables_named,
-    unit_of,
 )
+from hpc_gfmd.output.numbers import said_of
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
@@ -78,11 +78,11 @@ def test_each_number_of_a_result_is_defined(result, cli):
     surface = {"unit": "m", "pressure_unit": "Pa"}
     for name in {*result.steps[1], *all_observables()}:
         assert all_numbers()[name][0]
-        assert unit_of(name, surface)
+        assert said_of(name, surface, all_numbers())["units"]
         assert f"| `{name}` | " in page
-    found = [unit_of(name, surface) for name in ("stiffness", "patch_largest", "a_r", "energy")]
+    names = "stiffness", "patch_largest", "a_r", "energy"
+    found = [said_of(name, surface, all_numbers())["units"] for name in names]
     assert found == ["Pa/m", "m^2", "1", "Pa m"]
-    assert [unit_of(name, {"unit": "m"}) for name in ("p", "approach", "nothing")] == ["", "m", ""]
 
 
 @every_observable

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.text import Text
 
 import hpc_gfmd
-from hpc_gfmd.surface.instruments import surface_topography
+from hpc_gfmd.util.libraries import surface_topography
 
 SIZE = 12e-6  # m
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")

@@ -18,9 +18,9 @@ from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import File, Scene
 from hpc_gfmd.surface import build_surface
-from hpc_gfmd.surface.instruments import surface_topography
 from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.errors import SceneError
+from hpc_gfmd.util.libraries import surface_topography
 
 # m; neither as many points nor square cells: exchanged axes show
 N, SIZES = (12, 8), (1.2e-6, 0.4e-6)
