@@ -46,9 +46,9 @@ def plot(
         Solved loads, or the file with them. Of several, a list or a dict by the names in the
         legend, only curves are drawn.
     what : str, optional
-        "maps" (contact, pressure, gap), one of these or "heights", "displacement"; "distributions",
-        "spectra"; "curves" over the load or one of them: "a_r", "kappa", "gap_mean", "approach". By
-        default the first of them that there is.
+        "maps" (contact, pressure, gap), one of these or "heights", "displacement", "plastic";
+        "distributions", "spectra"; "curves" over the load or one of them: "a_r", "kappa",
+        "gap_mean", "approach". By default the first of them that there is.
     step : int or list of int, optional
         The numbers of load steps; by default all for curves, otherwise at most four, first and last
         among them.
