@@ -155,9 +155,14 @@ def write_file(
 def sync(path: Path, wait: bool = True) -> None:
     """Bring a file or folder to the disk, or have the system begin to: the disk is busy then while
     the next piece is made."""
+    if os.name == "nt":  # no descriptor of a folder
+        return
     descriptor = os.open(path, os.O_RDONLY)
     try:
-        os.fsync(descriptor) if wait else os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
+        if wait:
+            os.fsync(descriptor)
+        elif hasattr(os, "posix_fadvise"):
+            os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
     finally:
         os.close(descriptor)
 
@@ -172,13 +177,26 @@ def opened(comm: Comm, path: Path, mode: str, doing: str) -> Iterator[Any]:
     with collective_errors(comm, doing):
         os.stat(path)  # before ranks that see it wait for one that does not
     with collective_errors(comm, doing):
-        file = (
-            h5py.File(path, mode, libver=VERSIONS, **how)
-            if "comm" in how or mode == "r" or comm.rank == 0
-            else nullcontext()
-        )
+        if mode == "r" and "comm" not in how:
+            file = reading(path)
+        elif "comm" in how or comm.rank == 0:
+            file = h5py.File(path, mode, libver=VERSIONS, **how)
+        else:
+            file = nullcontext()
     with collective_errors(comm, doing), file:
         yield file
+
+
+def reading(path: Path) -> Any:
+    """Open an h5py file to read, also while it is written, or open elsewhere in this process."""
+    import h5py
+
+    try:
+        return h5py.File(path, "r", locking=False)
+    except OSError as error:
+        if "locking flag" not in str(error):
+            raise
+        return h5py.File(path, "r")
 
 
 def inside(group: Any, name: str) -> Any:
@@ -219,7 +237,8 @@ def _lay_out(
         space += file.write(image.getbuffer())
         file.flush()
         try:
-            os.posix_fallocate(file.fileno(), 0, space)
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(file.fileno(), 0, space)
         except OSError as error:
             raise OSError(error.errno, f"{error.strerror} ({space / 1e6:.4g} MB needed)") from None
 

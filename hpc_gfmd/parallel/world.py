@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import Any
 
 from ..util.errors import GfmdError, SceneError
+from ..util.machine import cores
 from ..util.streams import Stream
 from .comm import Comm, MpiComm, SerialComm
 from .launcher import LAUNCHER, launched, launcher_rank, srun_size, tasks_per_node
@@ -113,9 +114,9 @@ def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
                 f" ({THREADS_PER_CORE} per core)"
             )
         return wanted
-    cores, of_slurm = len(os.sched_getaffinity(0)), os.environ.get("SLURM_CPUS_PER_TASK", "")
+    here, of_slurm = len(cores()), os.environ.get("SLURM_CPUS_PER_TASK", "")
     asked = int(comm.min([int(of_slurm) if of_slurm.isdigit() else 0])[0])
-    return min(asked, cores) or auto_threads(points, comm.size, cores)
+    return min(asked, here) or auto_threads(points, comm.size, here)
 
 
 def auto_threads(points: int, ranks: int, cores: int) -> int:
@@ -127,7 +128,7 @@ def auto_threads(points: int, ranks: int, cores: int) -> int:
 def ranks_per_node(ranks: int, threads: int) -> int:
     """How many of so many ranks share a node, as long as nobody says: as many as Slurm starts on
     one, else as the cores that this process may use are enough for."""
-    return min(ranks, tasks_per_node() or max(1, len(os.sched_getaffinity(0)) // threads))
+    return min(ranks, tasks_per_node() or max(1, len(cores()) // threads))
 
 
 def _abort_on_error(mpi: Any, hook: Hook) -> Hook:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..contact import all_numbers
 from ..contact.contact import Contact, heights_of
 from ..driver.load_target import LoadTarget
 from ..driver.precision import first_precision
@@ -101,10 +102,15 @@ def run_scene(
     require_memory(comm, scene, n, sizes, threads)
     rows = grid_of(n, sizes, comm, free=scene.surface.free).nominal_rows
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
-    how: dict[str, Any] = {"compressed": scene.output.compression, "dtype": scene.output.dtype}
+    output = scene.output
+    how: dict[str, Any] = {
+        "compressed": output.compression,
+        "dtype": output.dtype,
+        "about": all_numbers(),
+    }
     with (
         Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt,
-        RunFile(comm, scene.output.path, n, rows, head, {}, force=force, **how) as file,
+        RunFile(comm, output.path, n, rows, head, {}, force=force, **how) as file,
     ):
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")

@@ -16,7 +16,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
     """
     named = path.with_name(f".{path.name}.{uuid4().hex[:8]}.tmp")
     tmp, nameless = named, None
-    with suppress(OSError):
+    with suppress(OSError, AttributeError):
         nameless = os.open(path.parent, os.O_TMPFILE | os.O_RDWR, 0o666)
         tmp = Path(f"/proc/self/fd/{nameless}")
     try:

@@ -5,6 +5,7 @@ import errno
 import importlib.util
 import os
 import pickle
+import platform
 import shutil
 
 import pytest
@@ -106,12 +107,12 @@ def test_an_error_that_is_not_the_caches_is_raised(compiled):
     assert len(calls) == 1
 
 
-@pytest.mark.parametrize("content", [b"", b"[]", b"{", b'{"host": 1}', b"\xff\xfe", b"null"])
+@pytest.mark.parametrize("content", [b"", b"[]", b"\xff\xfe", b"null"])
 def test_a_bad_note_of_the_speed_of_this_machine(content, tmp_path, monkeypatch):
     """`plan` measures again."""
     from hpc_gfmd.runs import timing
 
     monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path))
     monkeypatch.setattr(timing, "_measure", lambda dtype: 1e-9)
-    (tmp_path / "speed-float64.json").write_bytes(content)
+    (tmp_path / f"speed-float64-{platform.node()}").write_bytes(content)
     assert timing.seconds_per_work("float64") == 1e-9
