@@ -288,17 +288,14 @@ class Contact:
         if grid.N == 1:
             return 0, 0
         g, p, rows = self.g, self.p, grid.inside[0]
-        below = halo.next_row(
-            grid.comm,
-            np.stack([g[: min(rows, 1)], p[: min(rows, 1)]]),
-            np.minimum(grid.starts, grid.nominal[0]),
-        )
+        starts = np.minimum(grid.starts, grid.nominal[0])
+        below = [halo.next_row(grid.comm, field[:rows], starts) for field in (g, p)]
         around_x, around_y = self.periodic
         if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
-            below = np.stack([g[rows - 1], p[rows - 1]])
+            below = [g[rows - 1], p[rows - 1]]
 
         def edges(i0: int, i1: int) -> tuple[int, int]:
-            after = below if i1 == rows else (g[i1], p[i1])
+            after = below if i1 == rows else [g[i1], p[i1]]
             inside = i1 - i0, grid.inside[1]
             return contact_edges(g[i0:i1], p[i0:i1], inside, after[0], after[1], around_y)
 

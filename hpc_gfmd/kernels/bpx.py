@@ -1,8 +1,8 @@
 """Kernels of the projected, preconditioned conjugate gradients: one pass before and one after the
 Fourier transform.
 
-State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in half the width
-(halfwidth.py): one that is as rough costs no iteration. Contact A = {g <= 0 and p > 0}, the active
+State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in bfloat16
+(bfloat16.py): one that is as rough costs no iteration. Contact A = {g <= 0 and p > 0}, the active
 set; free F = the rest. With a hardness g < 0 is the depth of a dent, A the elastic contact, and
 points that yield, which are free, have the residual p - hardness in place of p (yielding.py).
 `rows` = (i0, i1) are the local rows of one pass, x is scratch (>= i1 - i0, n_y) that begins with
@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .halfwidth import narrow, widen
+from .bfloat16 import decode, encode
 from .jit import inline, kernel, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row
 from .yielding import at_contact, landing, limit, yields
@@ -60,7 +60,7 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside,
     d> then has the work of dents.
 
     step: (a, b, coupling, compliance). z = compliance (p + coupling P z_coarse) is formed on the
-    fly; coupling = 0 gives a plain projected gradient step. d has half the width, and x is what it
+    fly; coupling = 0 gives a plain projected gradient step. d is stored roughly, and x is what it
     stands for: K is applied to what the gap is changed by. A point that is clipped, whose gap shall
     be 0, has a step of -infinity in d and none for the next time. scratch: (>= 2, n_y).
     """
@@ -70,7 +70,7 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside,
     n = g.shape[1]
     m = z_coarse.shape[1]
     zero = g.dtype.type(0)
-    none, clipped = narrow(zero), narrow(g.dtype.type(-np.inf))
+    none, clipped = encode(zero), encode(g.dtype.type(-np.inf))
     row, fine = scratch[0, :m], scratch[1, :n]
     one, most = g.dtype.type(1), limit(hardness, zero)
     fine[:] = zero
@@ -84,16 +84,16 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside,
             interpolate_row(row, fine, mode, j0, f)
         inner = points_inside(i, inside)
         for j in range(inner):
-            last = zero if di[j] == clipped else widen(di[j])
+            last = zero if di[j] == clipped else decode(di[j])
             y = yields(gi[j], pi[j], hardness, zero, one)
             r = pi[j] - y * most
             v = gi[j] - length * (r + coupling * fine[j]) - b * last
             closed = gi[j] <= zero and pi[j] > zero and y == zero
             w = landing(v, y, length, hardness, zero)
-            rough = narrow(w - gi[j])
-            rough = clipped if at_contact(w, gi[j], widen(rough), hardness, zero) else rough
+            rough = encode(w - gi[j])
+            rough = clipped if at_contact(w, gi[j], decode(rough), hardness, zero) else rough
             rough = none if closed else rough
-            e = -gi[j] if rough == clipped else widen(rough)
+            e = -gi[j] if rough == clipped else decode(rough)
             s += r * e
             if hardness is not None:
                 s += most * max((y + y - one) * (gi[j] + e), zero)
@@ -101,8 +101,8 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside,
             di[j] = rough
             xi[j] = e
         for j in range(inner, np.uint64(n)):
-            rough = narrow(-length * (pi[j] + coupling * fine[j]) - b * widen(di[j]))
-            e = widen(rough)
+            rough = encode(-length * (pi[j] + coupling * fine[j]) - b * decode(di[j]))
+            e = decode(rough)
             s += pi[j] * e
             di[j] = rough
             xi[j] = e
@@ -159,14 +159,14 @@ def update_state(state, x, s, rows, coarse, edges, transfer, hardness, inside, s
 def _update_rows(state, x, s, i0, start, end, hardness, inside):
     """Rows start..end of `update_state`: new g and p, and their sums."""
     g, p, d = state
-    zero, one, clipped = g.dtype.type(0), g.dtype.type(1), narrow(g.dtype.type(-np.inf))
+    zero, one, clipped = g.dtype.type(0), g.dtype.type(1), encode(g.dtype.type(-np.inf))
     rr = pp = pd = dx = px = contact = gap = opening = closing = yielded = depth = zero
     most = limit(hardness, zero)
     for i in range(start, end):
         inner = points_inside(i, inside)
         for j in range(inner):
             y = x[i - i0, j]
-            e = -g[i, j] if d[i - i0, j] == clipped else widen(d[i - i0, j])
+            e = -g[i, j] if d[i - i0, j] == clipped else decode(d[i - i0, j])
             g_new = g[i, j] + s * e
             p_new = p[i, j] + s * y
             g_next, p_next = g_new + s * e, p_new + s * y
@@ -193,7 +193,7 @@ def _update_rows(state, x, s, i0, start, end, hardness, inside):
             depth -= dent
         for j in range(inner, np.uint64(g.shape[1])):
             y = x[i - i0, j]
-            e = widen(d[i - i0, j])
+            e = decode(d[i - i0, j])
             p_new = p[i, j] + s * y
             g[i, j] += s * e
             p[i, j] = p_new

@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import DTypeLike
 
+from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_state
-from ..kernels.halfwidth import half
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level
 from ..parallel.coarsening import Level, Transfer, agglomerated, levels
 from ..parallel.halo import Windows
@@ -379,7 +379,7 @@ class Multilevel:
         UpdateSums, with <p, d> on F where there is a d."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
-        none, nowhere = self.dtype.type(0), np.zeros(still.shape, half(self.dtype))
+        none, nowhere = self.dtype.type(0), np.zeros(still.shape, stored_dtype(self.dtype))
 
         def restrict(k: int, i0: int, i1: int, scratch: tuple) -> tuple[float, ...]:
             rows = nowhere if d is None else d[i0:i1]

@@ -26,8 +26,8 @@ from ..certificate.error_estimates import (
     relative_area,
     spread_of,
 )
+from ..kernels.bfloat16 import Decoded, encoded, stored_dtype
 from ..kernels.bpx import UpdateSums, projected_step
-from ..kernels.halfwidth import Widened, half, narrowed
 from ..operators.elastic import Elastic, total
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
@@ -80,7 +80,7 @@ class Bpx(Solver):
         self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
-        self.p, self.d = grid.empty(dtype), grid.empty(half(dtype))
+        self.p, self.d = grid.empty(dtype), grid.empty(stored_dtype(dtype))
         self._make_scratch()
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
@@ -101,7 +101,7 @@ class Bpx(Solver):
     def take_room(self) -> None:
         self.elastic.plan()
         self._make_scratch()
-        self.d = self.grid.empty(half(self.problem.dtype))
+        self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0
         self.rd = self.zKd = self.dKd = 0.0
 
@@ -146,10 +146,10 @@ class Bpx(Solver):
 
     def state(self) -> tuple[dict[str, Any], ...]:
         arrays, numbers = super().state()
-        return arrays | {"d": Widened(self.d)}, numbers | {"mode": self.levels.mode}
+        return arrays | {"d": Decoded(self.d)}, numbers | {"mode": self.levels.mode}
 
     def load_state(self, arrays: dict[str, Any], numbers: dict[str, Any]) -> None:
-        super().load_state(arrays | {"d": narrowed(arrays["d"], self.problem.dtype)}, numbers)
+        super().load_state(arrays | {"d": encoded(arrays["d"], self.problem.dtype)}, numbers)
         self.levels.mode = numbers["mode"]
         self.resume()
 

@@ -6,7 +6,7 @@ from transfers import SIZES, interpolation, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import bpx
-from hpc_gfmd.kernels.halfwidth import Widened, half, narrow, narrowed, widen
+from hpc_gfmd.kernels.bfloat16 import Decoded, decode, encode, encoded, stored_dtype
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.grid import Grid
 
@@ -18,7 +18,7 @@ def state(random, n, hardness, dtype=float):
     g = random.standard_normal(n).astype(dtype)
     g[(g < 0) & ((g > -1) | (hardness is None))] = 0
     p = random.standard_normal(n).astype(dtype)
-    d = narrowed(random.standard_normal(n) * (g != 0), dtype)
+    d = encoded(random.standard_normal(n) * (g != 0), dtype)
     return g, p, d
 
 
@@ -43,7 +43,7 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     closed, yields, r = sides(g, p, hardness)
     z = compliance * (r + coupling * P_x @ z_coarse @ P_y.T)
     d[g > 1] = clipped_of(dtype)  # the last time: no step for the next one
-    last = np.where(g > 1, 0, Widened(d)[:]).astype(float)
+    last = np.where(g > 1, 0, Decoded(d)[:]).astype(float)
     v, through = g - a * z - b * last, a * compliance * (hardness or np.inf)
     opens = np.maximum(v, 0) + np.minimum(v + through, 0)
     dents = np.minimum(v, 0) + np.maximum(v - through, 0)
@@ -58,7 +58,7 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     clipped = (wanted == -g) & ~closed
     assert np.array_equal(x[clipped], -g[clipped])  # to the bit
     assert np.array_equal(
-        np.where(np.isinf(Widened(d)[:]), -g, Widened(d)[:]), x
+        np.where(np.isinf(Decoded(d)[:]), -g, Decoded(d)[:]), x
     )  # what `update_state` takes it for
     assert hardness or np.all(g + x >= 0)
     grown = np.sum(np.maximum(-(g + x), 0) - np.maximum(-g, 0), dtype=float)
@@ -68,24 +68,24 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
 
 
 def clipped_of(dtype):
-    """Minus infinity in half the width."""
-    return narrowed([-np.inf], dtype)[0]
+    """Minus infinity as it is stored."""
+    return encoded([-np.inf], dtype)[0]
 
 
 @pytest.mark.parametrize(("dtype", "rough"), [(np.float32, 1 / 128), (np.float64, 1e-7)])
-def test_half_the_width(random, dtype, rough):
+def test_storage_of_the_last_step(random, dtype, rough):
     """In kernels as in NumPy; 16 bits make nothing larger, and infinity stays what it is."""
     numbers = np.concatenate(
         [random.standard_normal(999) * 10.0 ** random.integers(-30, 30, 999), [0, -np.inf, np.inf]]
     ).astype(dtype)
-    halves = narrowed(numbers, dtype)
-    assert halves.dtype == half(dtype)
+    halves = encoded(numbers, dtype)
+    assert halves.dtype == stored_dtype(dtype)
     assert halves.itemsize == numbers.itemsize // 2
-    assert np.array_equal([narrow(number) for number in numbers], halves)
-    assert np.array_equal([widen(one) for one in halves], Widened(halves)[:])
-    assert np.allclose(Widened(halves)[:], numbers, rtol=rough, atol=0)
-    assert dtype == np.float64 or np.all(np.abs(Widened(halves)[:]) <= np.abs(numbers))
-    assert Widened(halves)[-2:].tolist() == [-np.inf, np.inf]
+    assert np.array_equal([encode(number) for number in numbers], halves)
+    assert np.array_equal([decode(one) for one in halves], Decoded(halves)[:])
+    assert np.allclose(Decoded(halves)[:], numbers, rtol=rough, atol=0)
+    assert dtype == np.float64 or np.all(np.abs(Decoded(halves)[:]) <= np.abs(numbers))
+    assert Decoded(halves)[-2:].tolist() == [-np.inf, np.inf]
 
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
