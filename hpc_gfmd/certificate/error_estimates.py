@@ -10,7 +10,8 @@ at most |v|_S |e|_K; two of them give mean(e):
 - v = -1 out of contact and constant in contact, where e vanishes but at points that change sides:
   |mean(e)| = |<v, S (p - p*)>|/N, which is far smaller where little is out of contact. Here p* is
   p^ but for a part that is at most half of the bound |v|_S sqrt(2 G)/N, because 1/2 <e, K e> is
-  nearly all of G; and <v, S (p - p^)> is known.
+  nearly all of G; and <v, S (p - p^)> is known. Where points yield e does not vanish either: of
+  what is free the open points have their share of <v, e>, and the root of it of its bounds, about.
 
 Where the surface ends within the cell the first is a bound of the mean of e over the cell. That
 over the surface alone is different by <v, e>/N, v = 1 on the surface (less its mean): |v|_S is
@@ -40,7 +41,6 @@ from ..operators.problem import ROUNDING
 if TYPE_CHECKING:
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
-    from ..parallel.grid import Grid
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,9 @@ class Calibration:
         the solution: at most a half.
     shift : float
         S of long waves over its sum over levels.
+    dents : float
+        Where points yield, the error of the open points over the root of their share of what is
+        free: 1.3 was seen.
     loaded, corner : float
         What an error of S does to the mean gap, over what as large an error of the load does, with
         all points counted as open; of its norm, where the last points are open (0.04 and 0.22 were
@@ -76,6 +79,7 @@ class Calibration:
     pressure: float = 0.6
     unknown: float = 0.5
     shift: float = 1.2
+    dents: float = 1.6
     loaded: float = 0.05
     corner: float = 0.3
     reach: float = 1.75
@@ -90,8 +94,9 @@ CALIBRATION = Calibration()
 class State(NamedTuple):
     """Sums over all points, and all ranks, of a state at the mean pressure p0.
 
-    open_p, open_pp: of p and p^2 out of contact; closed_pp: of p^2 in contact; contact: points;
-    uKu: <u, K u>; rr, tt, rt, ts, rs: what Multilevel.sweep returns of p out of contact.
+    open_p, open_pp: of p and p^2 out of contact, less the hardness where a point yields; closed_pp:
+    of p^2 in contact; contact: points; yielded: of these; uKu: <u, K u>; rr, tt, rt, ts, rs: what
+    Multilevel.sweep returns of p out of contact.
     """
 
     p0: float
@@ -99,6 +104,7 @@ class State(NamedTuple):
     open_pp: float
     closed_pp: float
     contact: float
+    yielded: float
     gap: float
     uKu: float
     rr: float
@@ -128,13 +134,14 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
     independent from point to point, and those of the pressure, as a load that is wrong by as much.
     """
     p0, N, body = state.p0, problem.grid.N, problem.body
-    contact, gap, closed_pp = state.contact, state.gap, state.closed_pp
+    contact, gap, closed_pp = state.contact - state.yielded, state.gap, state.closed_pp
     if not (contact > 0 and closed_pp > 0 and np.isfinite([state.open_pp, gap, state.uKu]).all()):
         return Estimate()
     compliance, share = 1.0 / body.scale(problem.grid), contact / N
     residual, test, product = levels.test_products(
         state.open_p, state.open_pp, contact, *state[-5:]
     )
+    opened = (N - state.contact) / max(N - contact, 1)  # not yielded, of what is free
     e, response = np.sqrt(EQUIVALENCE * compliance * residual), np.sqrt(compliance * test) / share
     squares = (CALIBRATION.pressure * e) ** 2 * body.typical(problem.grid)
 
@@ -144,11 +151,11 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
         np.linalg.norm([problem.rounding / np.sqrt(closed_pp / contact), eps, body.error])
     )
     pressure, floor = float(np.hypot(relative, floor)), floor if relative < floor else 0.0
-    if contact == N:  # nothing is open
+    if state.contact == N:  # nothing is open
         return Estimate(0.0, pressure, (0.0, floor), squares, 0.0)
     shift = compliance * product / share
     norm = np.sqrt(max(state.uKu, 0.0))
-    wrong = min(
+    wrong = min(1.0, CALIBRATION.dents * np.sqrt(opened)) * min(
         e * ((norm + e) / p0 + problem.self_energy),
         CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift),
     )
@@ -158,7 +165,7 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
     least = body.error * p0 * min(loaded, last)
     least += eps * (p0 * response**2 + gap) + problem.rounding * (N - contact)
     attainable = _relative(least, gap) if wrong < least else 0.0, floor
-    return Estimate(_relative(wrong + least, gap), pressure, attainable, squares, shift)
+    return Estimate(_relative(wrong + least, gap), pressure, attainable, squares, opened * shift)
 
 
 def _relative(shift: float, gap: float) -> float:
@@ -203,10 +210,14 @@ def misclassified_points(
     return float(wrong)
 
 
-def moments_of_open(grid: Grid, g: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Sums of p^2 and p^4 off contact, on this rank."""
-    rows, points = grid.inside
-    sums = grid.by_rows(lambda i0, i1: open_moments(g[i0:i1], p[i0:i1], (i1 - i0, points)), rows)
+def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Sums of p^2 and p^4 off contact, less the hardness where a point yields, on this rank."""
+    (rows, points), limit = problem.grid.inside, problem.limit
+
+    def moments(i0: int, i1: int) -> tuple[float, float]:
+        return open_moments(g[i0:i1], p[i0:i1], limit, (i1 - i0, points))
+
+    sums = problem.grid.by_rows(moments, rows)
     return np.sum(np.reshape(sums, (-1, 2)), axis=0)
 
 

@@ -30,10 +30,10 @@ def pressure(contact: Contact) -> Arrays | None:
 
     edges: pressures; density: per pressure. None where nothing touches.
     """
-    points = contact.surface.grid.inside[1]
 
     def values(i0: int, i1: int) -> np.ndarray:
-        return contact.p[i0:i1, :points][contact.touching(i0, i1)].astype(np.float64)
+        touching = contact.touching(i0, i1)
+        return contact.pressure_rows(slice(i0, i1))[touching].astype(np.float64)
 
     low, high = _range(contact, values)
     if high < low:

@@ -223,7 +223,8 @@ class Nested:
             g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
             certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
             pairs = certificate.pairs * (coarse.grid.N / problem.grid.N)
-            likely = certificate.contact >= (1 - CALIBRATION.tension) * coarse.grid.N
+            elastic = certificate.contact - certificate.yielded
+            likely = elastic >= (1 - CALIBRATION.tension) * coarse.grid.N
         likely, pairs = problem.grid.comm.bcast_float([likely, pairs])
         return bool(likely), float(pairs)
 
@@ -281,8 +282,10 @@ def _prolong(
     befores = [before, *(rows[:SWEEPS] for rows in borders)]
     afters = [*(rows[SWEEPS:] for rows in borders), after]
     coarse_rows = int(step.beside[fine.comm.rank]), step.n[0]
-    halved = tuple(k == 2 for k in step.steps)
-    how = halved, real(1 / problem.body.scale(fine)), problem.body.near(fine).astype(problem.dtype)
+    halved, compliance = tuple(k == 2 for k in step.steps), 1 / problem.body.scale(fine)
+    most = np.inf if problem.hardness is None else compliance * problem.hardness
+    near = problem.body.near(fine).astype(problem.dtype)
+    how = halved, real(compliance), near, real(most)
     fields = step.around(u), step.around(p)
 
     def prolong(i0: int, i1: int, before: np.ndarray, after: np.ndarray) -> None:

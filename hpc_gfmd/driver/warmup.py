@@ -88,7 +88,10 @@ def _tiny_contact_in(
     )
     body = body_of(scene.material, scene.surface.free)
     sweep = Sweep(
-        lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver, body=body
+        lambda dtype: build_surface(scene.surface, SerialComm(), dtype),
+        scene.solver,
+        body=body,
+        hardness=scene.material.hardness and 1.0,
     )
     contact = sweep.solve(0.05)
     sweep.solver.expected_area(

@@ -152,7 +152,7 @@ def to_gwy(result: Result, path: Path, about: About) -> None:
 def to_x3p(result: Result, path: Path, about: About) -> None:
     """Write one field of one load, a length, by SurfaceTopography."""
     found, surface = list(_channels(result)), result.surface
-    lengths = {name for _, name in found} <= {"gap", "displacement", HEIGHTS}
+    lengths = {name for _, name in found} <= {"gap", "displacement", "plastic", HEIGHTS}
     if len(found) != 1 or not lengths or surface.get("unit") != "m":
         raise SceneError(
             f"x3p: found {', '.join(name for _, name in found) or 'no field'} of"

@@ -18,6 +18,7 @@ FIELDS = {
         "length",
     ),
     "displacement": ("displacement of the elastic surface away from the rigid surface", "length"),
+    "plastic": ("depth of the dents where the pressure is the hardness", "length"),
     "heights": (
         "heights of the rigid surface, peaks up, measured from the highest; initial gap = -heights",
         "length",

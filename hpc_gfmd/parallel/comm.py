@@ -61,10 +61,6 @@ class SerialComm:
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
         """send, receive: (array, bytes for or from each rank, their offsets)."""
 
-    def sendrecv(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
-        """The object of rank `source`; ranks: those that want the object of this one."""
-        return obj
-
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
         """The objects of all ranks in their order, joined two at a time by join(one, next one), on
         rank 0; None on the others."""
@@ -186,13 +182,6 @@ class MpiComm:
         self.sent.add(
             sum(send[1]) - send[1][self.rank], np.count_nonzero(send[1]) - (send[1][self.rank] > 0)
         )
-
-    def sendrecv(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
-        requests = [self.mpi.isend(obj, dest=rank) for rank in ranks]
-        found = self.mpi.recv(source=source)
-        for request in requests:
-            request.wait()
-        return found
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
         """The objects of all ranks in their order, joined two at a time by join(one, next one), on

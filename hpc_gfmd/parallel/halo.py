@@ -173,13 +173,7 @@ def neighbours(
 
 
 def next_row(comm: Any, a: np.ndarray, starts: ArrayLike) -> np.ndarray:
-    """The row after this rank's rows, of which a (..., >= 0 rows, m) has the first; starts: first
-    row of every rank, and their number. Periodic, ranks without rows are skipped. Collective."""
-    rank, filled = comm.rank, np.flatnonzero(np.diff(starts))
-    source = int(filled[np.searchsorted(filled, rank, "right") % len(filled)])
-    here = int(np.searchsorted(filled, rank))
-    first = int(filled[here - 1]) - (
-        comm.size if here == 0 else 0
-    )  # all from the one before that has rows want our first one
-    wanted = [r % comm.size for r in range(first, rank)] if a.shape[-2] else []
-    return comm.sendrecv(a[..., 0, :].copy() if a.shape[-2] else None, wanted, source)
+    """The row after this rank's rows a (..., rows, m); starts: first row of every rank, and their
+    number. Periodic. Collective."""
+    last = np.asarray(starts)[1:]
+    return rows_of(comm, a, starts, last, last + 1)[..., 0, :]

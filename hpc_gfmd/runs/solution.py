@@ -125,6 +125,9 @@ class Solution(Solved):
         "displacement",
         "Displacement of the elastic surface away from the rigid one (n_x, n_y): gap + heights.",
     )
+    plastic: np.ndarray = _field(
+        "plastic", "Depth of the dents where the pressure is the hardness (n_x, n_y), >= 0."
+    )
     heights: np.ndarray = _field(
         "heights",
         "Heights of the rigid surface (n_x, n_y), peaks up, measured from the highest: <= 0.",

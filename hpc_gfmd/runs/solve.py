@@ -54,6 +54,7 @@ def solve(
     a_r: Loads | None = None,
     force: Loads | None = None,
     approach: Loads | None = None,
+    hardness: Number | None = None,
     nu: float | None = None,
     thickness: Number | None = None,
     base: str | None = None,
@@ -88,6 +89,9 @@ def solve(
         in m then.
     accuracy : float, default 1e-3
         Wanted relative accuracy of a_r, mean gap and pressure field (L2); or residual=.
+    hardness : number or text
+        The largest pressure, in the unit of `E_star`, or such as "6 GPa": elastic - perfectly
+        plastic contact. Default: none.
     nu, thickness, base
         An elastic layer of Poisson's ratio `nu` on a rigid base, "bonded" (default) or
         "frictionless", or with base_E= and base_nu= on an "elastic" one; no `thickness`: a
@@ -97,7 +101,7 @@ def solve(
     radius : number, text or (R_x, R_y)
         Of an array with a free boundary: a ball (inf: a cylinder) under its heights. A surface that
         was read or made knows its own.
-    fields : list of "pressure", "gap", "displacement", "heights"
+    fields : list of "pressure", "gap", "displacement", "plastic", "heights"
         Fields that are kept and that `save` writes; () keeps none, for long sweeps of large maps.
     observables, distributions : lists of names
         As in the scene's [output]: computed with each load beside the cheap ones; others can be

@@ -63,7 +63,7 @@ class Scene(Table):
             lengths |= {f"load.{key}": getattr(load, key) for key in ("gap_mean", "approach")}
             lengths["material.thickness"] = material.thickness
         pressures: dict[str, Any] = {"load.pressure": load.pressure, "load.force": load.force}
-        moduli = ("base_E", *(("E_star",) if material.E1 is None else ("E1", "E2")))
+        moduli = ("hardness", "base_E", *(("E_star",) if material.E1 is None else ("E1", "E2")))
         pressures |= {f"material.{key}": getattr(material, key) for key in moduli}
         alike("lengths", lengths)
         alike("pressures and forces" if load.force else "pressures", pressures)
