@@ -98,3 +98,41 @@ def compliance(contact, sizes=(1.0, 1.0), E_star=1.0):
     free = ~contact.ravel()
     K = stiffness(contact.shape, sizes, E_star)[np.ix_(free, free)]
     return float(np.linalg.solve(K, np.ones(len(K))).sum() / contact.size)
+
+
+def solve_yielding(heights, pressure, hardness, E_star=1.0, sizes=(1.0, 1.0), steps=200_000):
+    """The same where the pressure is at most the hardness: the minimum over u of
+
+        1/2 <u, K u> + pressure <1, u> + hardness <1, max(-(u + h), 0)>
+
+    by accelerated proximal gradients that begin anew where they rise (FISTA; O'Donoghue, Candes
+    2015), until a step changes less than rounding. Where the gap is negative there is a dent.
+    """
+    z = np.asarray(heights, dtype=float)
+    q_x, q_y = (2 * np.pi * np.fft.fftfreq(n, size / n) for n, size in zip(z.shape, sizes))
+    K = E_star / 2 * np.hypot(q_x[:, None], q_y[: z.shape[1] // 2 + 1])
+    step, h = 1 / K.max(), z.max() - z
+
+    def pull(u):
+        return np.fft.irfft2(K * np.fft.rfft2(u), z.shape)
+
+    g = old = np.maximum(h - h.mean(), 0)
+    inertia = 1.0
+    for _ in range(steps):
+        following = (1 + np.sqrt(1 + 4 * inertia**2)) / 2
+        y = g + (inertia - 1) / following * (g - old)
+        v = y - step * (pressure + pull(y - h))
+        new = np.maximum(v, np.minimum(v + step * hardness, 0))
+        change = new - g
+        if np.sum((y - new) * change) > 0:
+            following = 1.0
+        old, g, inertia = g, new, following
+        if np.abs(change).max() < 1e-15 * h.max():
+            break
+    p = pressure + pull(g - h)
+    touching = (g <= 0) & (p > 0)
+    energy = 0.5 * np.mean((g - h) * (p - pressure))
+    gap = np.maximum(g, 0)
+    return Oracle(
+        np.clip(p, 0, hardness) * touching, g, g - h, np.mean(touching), gap.mean(), energy
+    )

@@ -213,12 +213,17 @@ class Body:
         A wave is corrected on its own level and on all finer ones. So K of a level is the largest
         of all waves as long as its own or longer, and where it falls less than in proportion to q
         from a level to the next (a thin layer pressed by long waves) the next one has little to
-        add, or nothing: NOTHING. Where it falls more (a soft base) it is K all the same. The last
-        level is the rigid translation, which nothing resists but contact.
+        add, or nothing: NOTHING. Where it falls more (a soft base) it is no more than twice the K
+        of waves twice as long, of which the next level sees but a part. The last level is the rigid
+        translation, which nothing resists but contact.
         """
         q = np.array([level.q for level in levels(grid)])
         longer = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES), 0)
-        K = np.array([self.stiffness(SQRT2 * x * longer[longer <= 1], grid.a).max() for x in q])
+        K, of_longer = (
+            np.array([self.stiffness(SQRT2 * x * longer[longer <= 1], grid.a).max() for x in waves])
+            for waves in (q, q / 2)
+        )
+        K[1:] = np.minimum(K, 2 * of_longer)[1:]
         fallen, wanted = 1 - K[1:] / K[:-1], 1 - q[1:] / q[:-1]
         with np.errstate(divide="ignore", invalid="ignore"):
             weights = np.minimum(

@@ -8,11 +8,12 @@ the solution:
 
     E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 1/K,
 
-for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled. The norm
-S of p^ - p is bounded without a transform by sums of squares on the levels of the multilevel
-operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap and of the pressure
-(certificate/error_estimates.py), and from that of the pressure how many points may be in the wrong
-set, in contact or out of it.
+for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled. With a
+hardness H p^ is at most that, H where there is a dent, and G has <H - p^, g^-> besides <p^, g^+>.
+The norm S of p^ - p is bounded without a transform by sums of squares on the levels of the
+multilevel operator (EQUIVALENCE); from G follow bounds of the errors of the mean gap and of the
+pressure (certificate/error_estimates.py), and from that of the pressure how many points may be in
+the wrong set, in contact or out of it.
 
 In single precision what is smaller than the rounding errors of the heights, which count towards the
 errors, cannot be seen.
@@ -46,8 +47,9 @@ class Certificate:
     touched, without any deformation, both in the problem's unit; a half-space that is periodic
     gives way to a uniform pressure without end: it has no approach (nan), nor, periodic along one
     axis only, an energy (its own part is left out where it is periodic along both); uKu: <u, K u>;
-    pressures: L2 norm of the pressure in contact, over points; contact: points; gap_mean: problem's
-    unit; pairs: FFT pairs this took; precision: in which it was computed."""
+    pressures: L2 norm of the pressure in contact, over points; contact: points; yielded: of
+    these; gap_mean: problem's unit; pairs: FFT pairs this took; precision: in which it was
+    computed."""
 
     penetration: float = 0.0
     tension: float = 0.0
@@ -62,6 +64,7 @@ class Certificate:
     uKu: float = 0.0
     pressures: float = 0.0
     contact: int = 0
+    yielded: int = 0
     gap_mean: float = 0.0
     pairs: float = 0.0
     precision: str = "float64"
@@ -101,10 +104,11 @@ def certify(
     level = problem.level(g)
     elastic.pressure_rows(problem.displacement_rows(g, level), passes)
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
+    limit = problem.limit
     parts = elastic.use_rows(
-        lambda i0, i1, x: kkt_residuals(g, p, x, problem.p_cell, grid.inside, i0, i1), passes
+        lambda i0, i1, x: kkt_residuals(g, p, x, problem.p_cell, limit, grid.inside, i0, i1), passes
     )
-    found, largest = zip(*parts) if parts else ([KktSums(*[0.0] * 7)], [KktExtremes(0.0, 0.0)])
+    found, largest = zip(*parts) if parts else ([KktSums(*[0.0] * 9)], [KktExtremes(0.0, 0.0)])
     *totals, uKu, mean = grid.comm.sum([*np.sum(found, axis=0), uKu, elastic.mean])
     sums, extremes = KktSums(*totals), KktExtremes(*grid.comm.max(np.max(largest, axis=0)))
     closed_p, contact, gap = N * p0 - sums.open_p, sums.contact, sums.gap
@@ -113,10 +117,11 @@ def certify(
     duality_gap = None
     if dual:
         duality_gap = np.inf
-        if closed_p > 0:
-            scale = N * p0 / closed_p
+        scale, shift = _admissible(problem, closed_p, sums)
+        if scale >= 0:
             pg_dual = elastic.pressure_rows(
-                lambda i0, i1, x: dual_rows(g, p, x, scale, grid.inside, i0, i1), passes
+                lambda i0, i1, x: dual_rows(g, p, x, scale, shift, limit, grid.inside, i0, i1),
+                passes,
             )
             pg_dual, eSe = grid.comm.sum([sum(pg_dual), elastic.compliance_columns()])
             G = max(pg_dual + 0.5 * eSe, 0.0)
@@ -143,10 +148,25 @@ def certify(
             pressures=float(np.sqrt(sums.closed_pp)),
             approach=float(problem.p_cell / uniform - mean - level) if uniform else np.nan,
             contact=int(contact) if np.isfinite(contact) else 0,
+            yielded=int(sums.yielded),
             gap_mean=float(gap / N),
             pairs=elastic.pairs,
             precision=np.dtype(dtype).name,
         )
+
+
+def _admissible(problem: Problem, closed_p: float, sums: KktSums) -> tuple[float, float]:
+    """The scale of p in elastic contact, and what is added to it, that give a pressure of the right
+    mean between 0 and the hardness: a scale below 0 where there is none."""
+    load = problem.grid.N * problem.p0
+    if problem.hardness is None:
+        return (load / closed_p if closed_p > 0 else -1.0), 0.0
+    elastic = closed_p - problem.hardness * sums.yielded
+    room = problem.hardness * (sums.contact - sums.yielded) - elastic
+    if closed_p >= load:
+        return (1 + (load - closed_p) / elastic if elastic > 0 else -1.0), 0.0
+    share = (load - closed_p) / room if room > 0 else np.inf
+    return 1 - share, share * problem.hardness
 
 
 def _errors(
@@ -155,7 +175,7 @@ def _errors(
     """Relative errors of area, mean gap and pressure field, and what no iteration makes smaller of
     the last two; sums: KktSums of all ranks."""
     grid, contact = problem.grid, sums.contact
-    levels.restrict(g, p)
+    levels.restrict(g, p, problem.limit)
     rr, tt, rt, _, ts, rs = grid.comm.sum(levels.sweep()[2:])
     found = estimate(
         problem,
@@ -166,6 +186,7 @@ def _errors(
             sums.open_pp,
             sums.closed_pp,
             contact,
+            sums.yielded,
             sums.gap,
             uKu,
             rr,

@@ -10,7 +10,8 @@ at most |v|_S |e|_K; two of them give mean(e):
 - v = -1 out of contact and constant in contact, where e vanishes but at points that change sides:
   |mean(e)| = |<v, S (p - p*)>|/N, which is far smaller where little is out of contact. Here p* is
   p^ but for a part that is at most half of the bound |v|_S sqrt(2 G)/N, because 1/2 <e, K e> is
-  nearly all of G; and <v, S (p - p^)> is known.
+  nearly all of G; and <v, S (p - p^)> is known. Where points yield e does not vanish either: of
+  what is free the open points have their share of it.
 
 Where the surface ends within the cell the first is a bound of the mean of e over the cell. That
 over the surface alone is different by <v, e>/N, v = 1 on the surface (less its mean): |v|_S is
@@ -40,7 +41,6 @@ from ..operators.problem import ROUNDING
 if TYPE_CHECKING:
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
-    from ..parallel.grid import Grid
 
 
 @dataclass(frozen=True)
@@ -90,8 +90,9 @@ CALIBRATION = Calibration()
 class State(NamedTuple):
     """Sums over all points, and all ranks, of a state at the mean pressure p0.
 
-    open_p, open_pp: of p and p^2 out of contact; closed_pp: of p^2 in contact; contact: points;
-    uKu: <u, K u>; rr, tt, rt, ts, rs: what Multilevel.sweep returns of p out of contact.
+    open_p, open_pp: of p and p^2 out of contact, less the hardness where a point yields; closed_pp:
+    of p^2 in contact; contact: points; yielded: of these; uKu: <u, K u>; rr, tt, rt, ts, rs: what
+    Multilevel.sweep returns of p out of contact.
     """
 
     p0: float
@@ -99,6 +100,7 @@ class State(NamedTuple):
     open_pp: float
     closed_pp: float
     contact: float
+    yielded: float
     gap: float
     uKu: float
     rr: float
@@ -128,13 +130,14 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
     independent from point to point, and those of the pressure, as a load that is wrong by as much.
     """
     p0, N, body = state.p0, problem.grid.N, problem.body
-    contact, gap, closed_pp = state.contact, state.gap, state.closed_pp
+    contact, gap, closed_pp = state.contact - state.yielded, state.gap, state.closed_pp
     if not (contact > 0 and closed_pp > 0 and np.isfinite([state.open_pp, gap, state.uKu]).all()):
         return Estimate()
     compliance, share = 1.0 / body.scale(problem.grid), contact / N
     residual, test, product = levels.test_products(
         state.open_p, state.open_pp, contact, *state[-5:]
     )
+    opened = (N - state.contact) / max(N - contact, 1)  # not yielded, of what is free
     e, response = np.sqrt(EQUIVALENCE * compliance * residual), np.sqrt(compliance * test) / share
     squares = (CALIBRATION.pressure * e) ** 2 * body.typical(problem.grid)
 
@@ -144,9 +147,9 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
         np.linalg.norm([problem.rounding / np.sqrt(closed_pp / contact), eps, body.error])
     )
     pressure, floor = float(np.hypot(relative, floor)), floor if relative < floor else 0.0
-    if contact == N:  # nothing is open
+    if state.contact == N:  # nothing is open
         return Estimate(0.0, pressure, (0.0, floor), squares, 0.0)
-    shift = compliance * product / share
+    shift = opened * compliance * product / share
     norm = np.sqrt(max(state.uKu, 0.0))
     wrong = min(
         e * ((norm + e) / p0 + problem.self_energy),
@@ -203,10 +206,14 @@ def misclassified_points(
     return float(wrong)
 
 
-def moments_of_open(grid: Grid, g: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Sums of p^2 and p^4 off contact, on this rank."""
-    rows, points = grid.inside
-    sums = grid.by_rows(lambda i0, i1: open_moments(g[i0:i1], p[i0:i1], (i1 - i0, points)), rows)
+def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Sums of p^2 and p^4 off contact, less the hardness where a point yields, on this rank."""
+    (rows, points), limit = problem.grid.inside, problem.limit
+
+    def moments(i0: int, i1: int) -> tuple[float, float]:
+        return open_moments(g[i0:i1], p[i0:i1], limit, (i1 - i0, points))
+
+    sums = problem.grid.by_rows(moments, rows)
     return np.sum(np.reshape(sums, (-1, 2)), axis=0)
 
 

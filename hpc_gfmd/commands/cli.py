@@ -65,7 +65,7 @@ def _run(
     argv: Sequence[str], script: Callable[[], argparse.ArgumentParser] | None
 ) -> tuple[int, bool]:
     """(exit code, whether the result is what was printed)."""
-    from ..parallel.leaving import leave_together
+    from ..parallel.world import collective_exit
 
     # The restart command lives with run; what is not asked for is not imported.
     asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
@@ -81,10 +81,10 @@ def _run(
             error = GfmdError(
                 f"{asked} needs {package}, which is not installed here: pip install {package}"
             )
-        leave_together(error.exit_code, say=partial(_complain, error))
+        collective_exit(error.exit_code, say=partial(_complain, error))
         return error.exit_code, False
     except KeyboardInterrupt:  # the other ranks may not have been interrupted
-        leave_together(130, ALONE)
+        collective_exit(130, ALONE)
         return 130, False
     except Exception as error:
         if isinstance(error, MemoryError) or getattr(error, "errno", None) == ENOMEM:
@@ -95,7 +95,7 @@ def _run(
                 f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}",
                 traceback.format_exc(),
             )
-        leave_together(1, ALONE, partial(_complain, said, before))
+        collective_exit(1, ALONE, partial(_complain, said, before))
         return 1, False
 
 

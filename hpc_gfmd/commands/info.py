@@ -1,6 +1,5 @@
 """`hpc-gfmd info`: what this installation can do."""
 
-import os
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
@@ -22,9 +21,9 @@ def facts() -> dict[str, str]:
     import numba
 
     from ..parallel.fftw import fft_library
-    from ..runs.memory import available_gib
     from ..solvers import solver_names
     from ..util.caches import cache_folder
+    from ..util.machine import available_gib, cores
     from ..util.versions import versions
 
     found = {name: version for name, version in versions().items() if version}
@@ -33,7 +32,7 @@ def facts() -> dict[str, str]:
     found["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"
     found["solvers"] = "auto (bpx), " + ", ".join(solver_names())
     vectors = numba.config.CPU_NAME or "the host"  # type: ignore[attr-defined]
-    found["cores"] = f"{len(os.sched_getaffinity(0))}, vector unit of {vectors}"
+    found["cores"] = f"{len(cores())}, vector unit of {vectors}"
     found["memory"] = f"{available_gib():.1f} GiB free"
     found["cache"] = str(cache_folder())
     return found

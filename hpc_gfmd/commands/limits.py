@@ -17,7 +17,6 @@ SCATTER = (
     "+- holds the estimated error of this run and of the coefficients if known, not the scatter"
     " between realisations"
 )
-RATIOS = ("eps_t", "eps_f", "eps_c")
 
 
 def to_limits(result: Result, table_name: str = "") -> dict:
@@ -29,7 +28,9 @@ def to_limits(result: Result, table_name: str = "") -> dict:
     SceneError for a surface that is not self-affine.
     """
     surface = result.surface
-    missing = [name for name in ("hurst", *RATIOS) if not isfinite(surface.get(name, float("nan")))]
+    missing = [
+        name for name in ("hurst", *tfc.RATIOS) if not isfinite(surface.get(name, float("nan")))
+    ]
     if missing:
         raise SceneError(
             f"--tfc: found a surface of kind {surface.get('kind', 'unknown')!r} without"
@@ -37,7 +38,7 @@ def to_limits(result: Result, table_name: str = "") -> dict:
         )
     name = table_name or ("paper" if tfc.our_table() is None else "ours")
     table = tfc.table_of(name)
-    where = {key: float(surface[key]) for key in ("hurst", *RATIOS)}
+    where = {key: float(surface[key]) for key in ("hurst", *tfc.RATIOS)}
     steps = [
         {"p_star": step["p_star"]}
         | {o: _limit(step, o, error, where, table) for o, error in OBSERVABLES.items() if o in step}
@@ -81,8 +82,7 @@ def _limit(
     except SceneError as refusal:
         return found | {"refused": str(refusal)}
     return found | {
-        **{f"correction_{i}": getattr(terms, i) for i in "tfc"},
-        "correction": terms.total,
+        **terms.numbers,
         "correction_sigma": terms.sigma,
         "extrapolated": extrapolated,
         "extrapolated_sigma": whole,

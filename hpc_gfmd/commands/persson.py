@@ -5,22 +5,13 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 import numpy as np
+from pandas import DataFrame
 
 from ..theory import persson
 from ..theory.checks import within
 from ..theory.elastic import KAPPA_BGT
 from ..util.errors import SceneError
-from .number import number
-
-COLUMNS = (
-    "p_star",
-    "a_r",
-    "kappa",
-    "gap_over_h_rms",
-    "gap_over_g_rms_lam_s",
-    "stiffness",
-    "stiffness_lam_s",
-)
+from .number import finite, number
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
@@ -66,27 +57,20 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 def main(args: Namespace) -> int:
     """Print the curve. Raises SceneError for numbers out of range."""
-    p_star = _pressures(args)
-    curve = persson.curve(p_star, args.hurst, args.eps_f, args.gamma, args.printed)
-    points = [{name: _finite(curve[name][i]) for name in COLUMNS} for i in range(p_star.size)]
+    curve = persson.curve(_pressures(args), args.hurst, args.eps_f, args.gamma, args.printed)
     formula = "printed" if args.printed else "corrected"
     if args.json:
+        points = [dict(zip(curve, point)) for point in zip(*(x.tolist() for x in curve.values()))]
         head = {"hurst": args.hurst, "eps_f": args.eps_f, "gamma": args.gamma, "formula": formula}
-        print(json.dumps(head | (points[0] if len(points) == 1 else {}) | {"points": points}))
+        shown = head | (points[0] if len(points) == 1 else {}) | {"points": points}
+        print(json.dumps(finite(shown)))  # full contact makes the stiffness infinite
         return 0
     print(
         f"# Persson theory, H = {args.hurst:g}, eps_f = {args.eps_f:g}, gamma = {args.gamma:g},"
         f" {formula} formula; kappa at low load: {persson.KAPPA_LOW_LOAD:.4f} (Bush, Gibson,"
         f" Thomas: {KAPPA_BGT:.4f})"
     )
-    print(" ".join(f"{name:>20}" for name in COLUMNS))
-    for point in points:
-        print(
-            " ".join(
-                f"{'inf' if point[name] is None else format(point[name], '.8g'):>20}"
-                for name in COLUMNS
-            )
-        )
+    print(DataFrame(curve).to_string(index=False, float_format="{:.8g}".format, col_space=20))
     return 0
 
 
@@ -98,9 +82,3 @@ def _pressures(args: Namespace) -> Any:
     if points != int(within("p_star-range N", points, 1, 100000)):
         raise SceneError(f"p_star-range N: found {points:g}, allowed: a whole number")
     return np.geomspace(low, high, int(points))
-
-
-def _finite(x: float) -> float | None:
-    """A float, or None (null) where full contact makes the stiffness infinite: JSON has no
-    infinity."""
-    return float(x) if np.isfinite(x) else None

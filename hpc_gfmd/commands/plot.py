@@ -83,24 +83,19 @@ def main(args: Namespace) -> int:
     }
     for path in plot_result(result, args.output, args.what, **how):
         print(path)
-    names = args.what or ["maps"]
+    said, names = [], args.what or ["maps"]
     shown = {result.indices[k] for k in chosen_steps(result, names[0], args.step)}
-    left = [str(index) for index in result.indices if index not in shown]
+    left = [index for index in result.indices if index not in shown]
     if left and shown and names != ["heights"]:
-        print(
-            f"shown: step {', '.join(map(str, sorted(shown)))}; left out: {', '.join(left)} (--step"
-            " chooses)"
-        )
-    doubtful = [
-        str(i) for i, step in zip(result.indices, result.steps, strict=True) if not converged(step)
-    ]
-    if doubtful:
-        print(f"! not converged: step {', '.join(doubtful)} (marked in the pictures)")
-    for index, step in zip(result.indices, result.steps, strict=True):
-        if step.get("note"):
-            print(f"step {index}: {step['note']}")
-    for note in result.notes:
-        print(f"note: {note}")
-    if result.folder is not None:
-        print(f"! the run is {result.status}: only its finished load steps are shown")
+        said.append(f"shown: step {_list(sorted(shown))}; left out: {_list(left)} (--step chooses)")
+    steps = list(zip(result.indices, result.steps, strict=True))
+    if doubtful := [index for index, step in steps if not converged(step)]:
+        said.append(f"! not converged: step {_list(doubtful)} (marked in the pictures)")
+    said += [f"step {index}: {step['note']}" for index, step in steps if step.get("note")]
+    for line in said + result.remarks:
+        print(line)
     return 0
+
+
+def _list(numbers: list[int]) -> str:
+    return ", ".join(map(str, numbers))

@@ -3,12 +3,12 @@
 import json
 import sys
 from argparse import ArgumentParser, Namespace
-from math import isfinite
 from typing import Any
 
 from ..output.read import Result, read_result
 from ..output.summary import surface_line
 from ..runs.table import table
+from .number import finite
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
@@ -48,7 +48,7 @@ def main(args: Namespace) -> int:
         from .limits import limits_text, to_limits
 
         limits = to_limits(result, args.tfc)
-        shown, text = shown | _finite({"tfc": limits}), f"{text}\n\n{limits_text(limits)}"
+        shown, text = shown | finite({"tfc": limits}), f"{text}\n\n{limits_text(limits)}"
     if args.references:
         from ..runs.references import references_of
 
@@ -63,7 +63,7 @@ def main(args: Namespace) -> int:
 def as_dict(result: Result) -> dict:
     """Surface, steps and status with the names of the file; null for what is not a finite
     number."""
-    return _finite({"surface": result.surface, "steps": result.steps, "status": result.status})
+    return finite({"surface": result.surface, "steps": result.steps, "status": result.status})
 
 
 def as_text(result: Result) -> str:
@@ -79,14 +79,3 @@ def as_text(result: Result) -> str:
         else "no finished load step yet"
     )
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])
-
-
-def _finite(value: Any) -> Any:
-    """JSON knows no infinity, no NaN and no complex numbers."""
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and not isfinite(value):
-        return None
-    return value if value is None or isinstance(value, bool | int | float | str) else str(value)

@@ -10,8 +10,6 @@ from ..theory import tfc
 from ..util.errors import SceneError
 from .number import number
 
-RATIOS = ("eps_t", "eps_f", "eps_c")
-
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
@@ -62,7 +60,7 @@ def main(args: Namespace) -> int:
 
 
 def _extrapolate(args: Namespace) -> Any:
-    given = {name: getattr(args, name) for name in ("hurst", "p_star", *RATIOS, "value")}
+    given = {name: getattr(args, name) for name in ("hurst", "p_star", *tfc.RATIOS, "value")}
     missing = [f"--{name.replace('_', '-')}" for name, found in given.items() if found is None]
     if missing:
         raise SceneError(
@@ -78,21 +76,21 @@ def _extrapolate(args: Namespace) -> Any:
         **given,
         "table": args.table,
         "table_p_star": terms.p_star,
-        **{f"correction_{i}": getattr(terms, i) for i in "tfc"},
-        "correction": terms.total,
+        **terms.numbers,
         "extrapolated": extrapolated,
         "sigma": sigma,
         "notes": list(terms.notes),
     }
-    lines = [f"{args.observable} = {args.value:g} at H = {args.hurst:g}, p_star = {args.p_star:g}"]
-    lines += [
-        f"  correction {i}: {getattr(terms, i):+.4f}   (eps_{i} = {given[f'eps_{i}']:g})"
-        for i in "tfc"
+    lines = [
+        f"{args.observable} = {args.value:g} at H = {args.hurst:g}, p_star = {args.p_star:g}",
+        *(
+            f"  correction {i}: {getattr(terms, i):+.4f}   (eps_{i} = {given[f'eps_{i}']:g})"
+            for i in "tfc"
+        ),
+        f"extrapolated: {extrapolated:.4f}" + ("" if sigma is None else f" +- {sigma:.4f}"),
+        *(f"note: {note}" for note in terms.notes),
     ]
-    lines += [
-        f"extrapolated: {extrapolated:.4f}" + (f" +- {sigma:.4f}" if sigma is not None else "")
-    ]
-    return report, "\n".join(lines + [f"note: {note}" for note in terms.notes])
+    return report, "\n".join(lines)
 
 
 def _fit(args: Namespace) -> Any:

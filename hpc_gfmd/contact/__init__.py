@@ -13,14 +13,13 @@ properties, so that what nobody asks for is not computed. Numbers are in the sce
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
+from functools import cache
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from ..util.errors import SceneError
-from ..util.plugins import names_in
-from ..util.quantities import in_units
+from ..util.plugins import module_in, names_in
 from .base import OF_EVERY_LOAD
 
 if TYPE_CHECKING:
@@ -80,14 +79,6 @@ def all_numbers() -> dict[str, tuple[str, str]]:
     return OF_EVERY_LOAD | observed | counted
 
 
-def unit_of(name: str, surface: Mapping[str, Any]) -> str:
-    """Return the unit of the number of this name: "Pa/m". surface: the attributes of a result's.
-
-    "1": dimensionless; "": nobody named the unit, or the number is not known.
-    """
-    return in_units(all_numbers()[name][1], surface) if name in all_numbers() else ""
-
-
 def distribution_names(free: tuple[bool, bool] = (False, False)) -> set[str]:
     """What a scene may ask for; free: whether the surface ends along x, along y."""
     fit = [
@@ -117,6 +108,7 @@ def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Arr
     return {name: arrays for name, arrays in found.items() if arrays is not None}
 
 
+@cache
 def _merged(table: str) -> dict[str, Any]:
     return {
         name: entry
@@ -125,5 +117,6 @@ def _merged(table: str) -> dict[str, Any]:
     }
 
 
+@cache
 def _observables() -> list[ModuleType]:
-    return [importlib.import_module(f"{__name__}.{name}") for name in names_in(__name__, COMMON)]
+    return [module_in(__name__, name) for name in names_in(__name__, COMMON)]

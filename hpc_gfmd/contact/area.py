@@ -35,6 +35,11 @@ def a_r(contact: Contact) -> float:
     return contact.contact_points / contact.N
 
 
+def a_plastic(contact: Contact) -> float | None:
+    """Points at the hardness over all points; None without a hardness."""
+    return None if contact.hardness is None else contact.certificate.yielded / contact.N
+
+
 def a_r_corrected(contact: Contact) -> float | None:
     """a_r less the area that the pixels on the contact boundary do not fill; None where
     EDGE_CORRECTION does not hold."""
@@ -86,6 +91,11 @@ def _over_p_star(area: Callable[[Contact], float | None]) -> Callable[[Contact],
 OBSERVABLES = {
     "a_r": Observable(a_r, "relative contact area: points in contact over all points"),
     "kappa": Observable(_over_p_star(a_r), "a_r/p_star"),
+    "a_plastic": Observable(
+        a_plastic,
+        "share of the area where the pressure is the hardness: the part of a_r that yields",
+        sources=("Almqvist, Tribol. Int. 40 (2007) 574, doi:10.1016/j.triboint.2005.11.008",),
+    ),
     "a_r_corrected": Observable(
         a_r_corrected,
         "a_r less what points on the edge of the contact count too much",

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
-from ..output.fields import FIELDS, LazyField
+from ..output.fields import FIELDS, LAZY_ROWS, LazyField
+from ..scene.model import TOUCHING
 from ..surface.quality import load_notes
 from ..surface.units import field_dtype
 from ..util.errors import SceneError
@@ -24,7 +25,11 @@ if TYPE_CHECKING:
     from ..parallel.clusters import Clusters
     from ..surface import Surface
 
-FEW_POINTS = 100  # fewer contact points than this say little about a rough contact
+PLASTIC, MANY = 0.2, 0.1  # pressure over E*, and share of the contact, at which solids yield
+YIELDS = (
+    "the pressure exceeds E*/5 on more than a tenth of the contact: material.hardness limits it"
+)
+UNIT_SLOPE = 1e-6
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
 
 
@@ -60,6 +65,8 @@ class Contact:
         On the fine grid.
     pairs : float
         FFT pairs of the solve, as many of the fine grid.
+    hardness : float or None
+        The largest pressure, in the unit of E_star; None: there is none.
     """
 
     surface: Surface
@@ -75,6 +82,7 @@ class Contact:
     remark: str | None = None
     iterations: int = 0
     pairs: float = 0.0
+    hardness: float | None = None
 
     @property
     def N(self) -> int:
@@ -126,10 +134,23 @@ class Contact:
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
         of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
-        return (
-            "; ".join(filter(None, [self._doubt, self.remark, *of_load, *self.surface.notes]))
-            or None
-        )
+        said = [self._doubt, self.remark, *of_load, *self.surface.notes, self._overloaded]
+        return "; ".join(filter(None, said)) or None
+
+    @cached_property
+    def _overloaded(self) -> str | None:
+        """That real solids would yield, but where slopes are in units of themselves. Collective."""
+        high, area = PLASTIC * self.E_star, self.contact_points / self.N
+        # what is above `high` carries no more than the load
+        if self.hardness is not None or abs(self.g_rms - 1) < UNIT_SLOPE or self.g_rms == 0:
+            return None
+        if self.p_mean < MANY * area * high:
+            return None
+        limit, (rows, _) = high / self.pressure_unit, self.surface.grid.inside
+        parts = (slice(i, min(i + LAZY_ROWS, rows)) for i in range(0, rows, LAZY_ROWS))
+        above = [float(np.count_nonzero(self.pressure_rows(part) > limit)) for part in parts]
+        found = self.surface.grid.comm.sum([sum(above)])[0]
+        return YIELDS if found > MANY * self.contact_points else None
 
     @property
     def _doubt(self) -> str | None:
@@ -139,7 +160,7 @@ class Contact:
             return "flat surface: every point touches at any load"
         if points == self.N:
             return "full contact: every point touches, the gap is zero"
-        if points < FEW_POINTS:
+        if points < TOUCHING:
             touch = "touches" if points == 1 else "touch"
             return (
                 f"only {points} point{'s' * (points != 1)} {touch}: the area is known to"
@@ -178,8 +199,8 @@ class Contact:
 
         surface = self.surface
         fields: dict[str, Callable[[int, int], np.ndarray]] = {
-            "gap": lambda i0, i1: self.g[i0:i1],
-            "pressure": lambda i0, i1: np.where(self.touching(i0, i1), self.p[i0:i1], 0),
+            "gap": lambda i0, i1: self._gap(slice(i0, i1)),
+            "pressure": lambda i0, i1: self.pressure_rows(slice(i0, i1)),
         }
         if (h := surface.h) is not None:
             fields["heights"] = lambda i0, i1: h[i0:i1]
@@ -204,6 +225,21 @@ class Contact:
         - i0, points of the surface)."""
         points = self.surface.grid.nominal[1]
         return (self.g[i0:i1, :points] <= 0) & (self.p[i0:i1, :points] > 0)
+
+    def pressure_rows(self, take: slice) -> np.ndarray:
+        """The pressure in rows of this rank's part of the surface, in the problem's unit: 0 out of
+        contact, the hardness where a point yields."""
+        points = self.surface.grid.nominal[1]
+        g, p = self.g[take, :points], self.p[take, :points]
+        p = np.where((g <= 0) & (p > 0), p, 0)
+        if self.hardness is not None:
+            most = p.dtype.type(self.hardness / self.pressure_unit)
+            p = np.where(g < 0, most, np.minimum(p, most))
+        return p
+
+    def _gap(self, take: slice) -> np.ndarray:
+        g = self.g[take, : self.surface.grid.nominal[1]]
+        return g if self.hardness is None else np.maximum(g, 0)
 
     def clusters(
         self, of_contact: bool = True, corners: bool = False, open_axis: int | None = None
@@ -252,17 +288,14 @@ class Contact:
         if grid.N == 1:
             return 0, 0
         g, p, rows = self.g, self.p, grid.inside[0]
-        below = halo.next_row(
-            grid.comm,
-            np.stack([g[: min(rows, 1)], p[: min(rows, 1)]]),
-            np.minimum(grid.starts, grid.nominal[0]),
-        )
+        starts = np.minimum(grid.starts, grid.nominal[0])
+        below = [halo.next_row(grid.comm, field[:rows], starts) for field in (g, p)]
         around_x, around_y = self.periodic
         if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
-            below = np.stack([g[rows - 1], p[rows - 1]])
+            below = [g[rows - 1], p[rows - 1]]
 
         def edges(i0: int, i1: int) -> tuple[int, int]:
-            after = below if i1 == rows else (g[i1], p[i1])
+            after = below if i1 == rows else [g[i1], p[i1]]
             inside = i1 - i0, grid.inside[1]
             return contact_edges(g[i0:i1], p[i0:i1], inside, after[0], after[1], around_y)
 
@@ -283,8 +316,9 @@ class Contact:
 
         It refers to the solver's own arrays: the next load of a sweep overwrites them.
 
-        pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: u >= -h, positive away from
-        the rigid surface. Raises SceneError for an unknown name.
+        pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: >= -h, positive away from
+        the rigid surface, dents included; plastic: the depth of dents. Raises SceneError for an
+        unknown name.
         """
         if name not in FIELDS:
             raise SceneError(f"output.fields: found {name!r}, allowed: {', '.join(FIELDS)}")
@@ -292,13 +326,14 @@ class Contact:
         real = dtype.type
 
         def values(take: slice) -> np.ndarray:
-            points = self.surface.grid.nominal[1]
-            g, p = self.g[take, :points], self.p[take, :points]
             if name == "pressure":
-                return np.where((g <= 0) & (p > 0), p, 0) * real(self.pressure_unit)
+                return self.pressure_rows(take) * real(self.pressure_unit)
+            g = self._gap(take)
             if name == "displacement":
                 assert self.surface.h is not None  # refused beforehand with solver.low_memory
                 g = g - self.surface.h[take]
+            elif name == "plastic":
+                g = g - self.g[take, : g.shape[1]]
             return g * real(self.surface.height_unit)
 
         return _on_the_whole_grid(self.surface, values, dtype)

@@ -31,10 +31,11 @@ def pressure(contact: Contact) -> Arrays | None:
 
     edges: pressures; density: per pressure. None where nothing touches.
     """
-    comm, (_, points) = contact.surface.grid.comm, contact.surface.grid.inside
+    comm = contact.surface.grid.comm
 
     def rows(i0: int, i1: int) -> np.ndarray:
-        return contact.p[i0:i1, :points][contact.touching(i0, i1)].astype(np.float64)
+        touching = contact.touching(i0, i1)
+        return contact.pressure_rows(slice(i0, i1))[touching].astype(np.float64)
 
     high, low = comm.max(
         _over_rows(

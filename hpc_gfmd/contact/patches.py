@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .base import Arrays, Distribution, Observable
+from .perimeter import average_direction
 
 if TYPE_CHECKING:
     from .contact import Contact
@@ -80,6 +81,62 @@ def _sizes(corners: bool) -> Callable[[Contact], Arrays | None]:
     return sizes
 
 
+def patch_table(contact: Contact) -> Arrays:
+    """Arrays over the patches, the largest first: area, load (the force it carries), centre x and
+    y, perimeter, periodic (whether it goes on across an edge of the cell). On one process only."""
+    from scipy import ndimage
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    grid, periodic = contact.surface.grid, contact.periodic
+    rows, points = grid.inside
+    mask = contact.touching(0, rows)
+    labels, found = ndimage.label(mask)
+    across = [
+        np.stack([labels.take(-1, axis), labels.take(0, axis)]) for axis in (0, 1) if periodic[axis]
+    ]
+    pairs = np.concatenate([np.zeros((2, 0), int), *across], axis=1) - 1
+    pairs = pairs[:, (pairs >= 0).all(axis=0)]
+    graph = coo_array((np.ones(pairs.shape[1]), tuple(pairs)), (found, found))
+    patches, patch = connected_components(graph, directed=False)
+    of = patch[labels[mask] - 1]
+    count = np.bincount(of, minlength=patches)
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        return np.bincount(of, values, patches) / count
+
+    table: Arrays = {"area": count * _area(contact)}
+    p = contact.p[:rows, :points][mask].astype(np.float64) * contact.pressure_unit
+    table["load"] = mean(p) * table["area"]
+    sides = np.zeros(patches)
+    for axis, name in enumerate("xy"):
+        n, spacing = mask.shape[axis], grid.spacings[axis]
+        at, centre = np.nonzero(mask)[axis].astype(np.float64), np.zeros(patches)
+        if periodic[axis]:
+            turns = np.exp(2j * np.pi / n * at)
+            centre = np.angle(mean(turns.real) + 1j * mean(turns.imag)) * n / (2 * np.pi)
+            at = (at - centre[of] + n / 2) % n - n / 2  # from there
+        table[name] = (centre + mean(at)) % n * spacing
+        for way in (-1, 1):
+            beside = np.roll(mask, way, axis)
+            if not periodic[axis]:  # where the surface ends there is no edge of the contact
+                beside[(slice(None),) * axis + (min(way, 0),)] = True
+            edge = ~beside[mask]
+            sides += np.bincount(of[edge], minlength=patches) * grid.spacings[1 - axis]
+    table["perimeter"] = average_direction(contact) * sides
+    table["periodic"] = np.isin(np.arange(patches), patch[pairs.ravel()])
+    order = np.argsort(-count, kind="stable")
+    return {name: values[order] for name, values in table.items()}
+
+
+TABLE_UNITS = {
+    "area": "length^2",
+    "load": "force",
+    "x": "length",
+    "y": "length",
+    "perimeter": "length",
+    "periodic": "",
+}
 SIDES, CORNERS = _of_patches(False), _of_patches(True)
 OBSERVABLES = SIDES | CORNERS
 TOGETHER = {"patches": tuple(SIDES), "patches_8": tuple(CORNERS)}

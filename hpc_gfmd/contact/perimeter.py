@@ -27,7 +27,12 @@ def perimeter(contact: Contact) -> float:
     """
     (along_x, along_y), grid = contact.edges, contact.surface.grid
     a_x, a_y = grid.spacings
-    return (1.0 if 1 in grid.nominal else np.pi / 4) * (along_x * a_x + along_y * a_y)
+    return average_direction(contact) * (along_x * a_x + along_y * a_y)
+
+
+def average_direction(contact: Contact) -> float:
+    """Length of an edge over that of the sides of points along it, see `perimeter`."""
+    return 1.0 if 1 in contact.surface.grid.nominal else np.pi / 4
 
 
 OBSERVABLES = {

@@ -4,12 +4,12 @@ it before, in the course of the iterations and in the end."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import copysign, erf, inf, isfinite, log, sqrt
+from math import copysign, erf, hypot, inf, isfinite, isinf, log, sqrt
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 from .load import GivenLoad, HeightStatistics
-from .load_search import CALIBRATION, Errors, LoadSearch, Value
+from .load_search import CALIBRATION, Errors, LoadSearch, Value, x_of
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
@@ -28,8 +28,8 @@ class AreaSearch(LoadSearch):
     kind, usual, steps = "a_r", 1.0, True
 
     def guess(self, surface: Surface) -> float:
-        """The area is about 2 p*."""
-        return log(self.half_area)
+        """The area is about 2 p*; with a hardness `straight` is about x."""
+        return log(self.half_area) if isinf(self.closes_at) else self.straight(self.target)
 
     @property
     def half_area(self) -> float:
@@ -51,9 +51,14 @@ class AreaSearch(LoadSearch):
         return miss if miss * self.aim * self.heights.points > POINT else 0.0
 
     def straight(self, y: float) -> float:
-        """By the inverse of Persson's area, erf(c p0)."""
+        """By the inverse of Persson's area, erf(c p0), and of p0 over the hardness."""
         y = min(y, 1 - 0.25 / self.heights.points)
-        return log(NormalDist().inv_cdf((1 + y) / 2)) if y > 0 else -inf
+        if y <= 0:
+            return -inf
+        elastic = NormalDist().inv_cdf((1 + y) / 2)
+        if isinf(self.closes_at):
+            return log(elastic)
+        return x_of(1 / hypot(2 / elastic, 1 / (y * self.closes_at)), self.closes_at)
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
         """By the load that the points in contact carry: as uncertain as the pressure."""
@@ -166,7 +171,11 @@ SEARCHES: dict[str, type[LoadSearch]] = {
 
 
 def search_for(
-    load: LoadTarget, surface: Surface, known: Known, history: Sequence[dict[str, float]]
+    load: LoadTarget,
+    surface: Surface,
+    known: Known,
+    history: Sequence[dict[str, float]],
+    hardness: float | None = None,
 ) -> LoadSearch:
     """Begin the search for the load that gives a target.
 
@@ -175,7 +184,7 @@ def search_for(
     """
     value = load.value if load.quantity == "a_r" else load.value / surface.slope
     found = SEARCHES[load.quantity]
-    search = found(value, *known, known[-1], slope=found.usual)
+    search = found(value, *known, known[-1], hardness or inf, slope=found.usual)
     wanted, straight = search.straight(search.aim), search.straight
     before = [(point["x"], straight(point[load.quantity])) for point in history]
     before = [point for point in before if isfinite(point[1])]

@@ -67,18 +67,22 @@ Value = tuple[float, float]  # and its relative error
 Errors = tuple[float, float]
 
 
+def x_of(p0: float, closes_at: float | None) -> float:
+    """The variable x of a search for p0, which is below closes_at where there is one."""
+    return -log(1 / p0 - 1 / closes_at) if closes_at and isfinite(closes_at) else log(p0)
+
+
 @dataclass
 class LoadSearch(GivenLoad):
     """The state of a search: plain numbers, which make a checkpoint. A subclass knows a quantity.
 
     target: an area, or a length over the unit of slopes; tolerance: relative; counts: whether the
     error of the solution counts towards it; finest, heights: of the finest grid and of this one;
-    closes_at: p0 that closes the gap; x: log p0, or -log(1/p0 - 1/closes_at); slope: of the
-    straightened value over x; known: whether x is, so well that coarse grids need not search;
-    low, high: (x, value) that bound the load; before: (x, straightened value) of the last
+    closes_at: p0 that closes the gap, or the hardness; x: log p0, or -log(1/p0 - 1/closes_at);
+    slope: of the straightened value over x; known: whether x is, so well that coarse grids need not
+    search; low, high: (x, value) that bound the load; before: (x, straightened value) of the last
     certificate; trials: corrections by predictions on this grid; corrections: in all; looked: the
-    last iteration that was looked at.
-    """
+    last iteration that was looked at."""
 
     kind: ClassVar[str]
     usual: ClassVar[float]  # slope, before anything is known

@@ -10,6 +10,7 @@ from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 
 if TYPE_CHECKING:
+    from ..solvers.base import Solver
     from ..surface import Surface
 
 
@@ -52,3 +53,29 @@ def load_targets(
         LoadTarget(quantity, float(value) * unit) if value else LoadTarget("a_r", 1.0)
         for value in values
     )
+
+
+def require_dents(
+    solver: type[Solver],
+    hardness: float,
+    name: str,
+    values: Sequence[float],
+    pressures: Sequence[float],
+) -> None:
+    """Raise SceneError where a solver cannot do with a hardness, or no pressure below it gives what
+    the key of a scene's [load] asks for."""
+    if not solver.dents:
+        raise SceneError(
+            f'solver.name: found "{solver.name}" with material.hardness, allowed: "bpx"'
+        )
+    for p_mean in pressures:
+        if p_mean >= hardness:
+            raise SceneError(
+                f"load.{name}: found a pressure of {format_quantity(p_mean)}, allowed: below"
+                f" material.hardness, {format_quantity(hardness)}"
+            )
+    if min(values) == 0 or (name == "a_r" and max(values) == 1):
+        raise SceneError(
+            f"load.{name}: found full contact, allowed with material.hardness: less, as at a"
+            " pressure"
+        )

@@ -42,7 +42,7 @@ class LowMemorySweep(Sweep):
     def _opened(self, p0: float) -> tuple[Problem, np.ndarray | None]:
         self.solver = None  # its memory is needed now
         h = self.surface.gap if self.surface.h is not None else self.make_surface(self.dtype).gap
-        problem = Problem(self.surface.grid, h, p0, body=self.body)
+        problem = Problem(self.surface.grid, h, p0, body=self.body, hardness=self._limit)
         problem = replace(problem, h_rms=problem.root_mean_square)  # as long as they are there
         return problem, None if self.surface.grid.padded else h
 

@@ -7,8 +7,8 @@ that saves one or two iterations.
 Decimation (every second point) keeps the heights of the asperities; averages and envelopes do not,
 and start worse at small loads.
 
-Coarse grids are gathered on fewer and fewer ranks: the others wait until the solution comes back to
-their rows.
+Coarse grids are agglomerated on fewer and fewer ranks: the others wait until the solution comes
+back to their rows.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from numpy.typing import DTypeLike
 from ..certificate.certificate import certify
 from ..kernels.prolong import HALO, SWEEPS, prolong_gap
 from ..parallel import interrupt
-from ..parallel.coarsening import gathered, halved
+from ..parallel.coarsening import agglomerated, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import Windows, neighbours, rows_of
 from ..parallel.threads import on_threads
@@ -114,7 +114,7 @@ class Decimation:
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
-        starts = gathered(beside, n[0] * n[1], CALIBRATION.rank_points)
+        starts = agglomerated(beside, n[0] * n[1], CALIBRATION.rank_points)
         ranks = np.flatnonzero(np.diff(starts)).tolist()
         comm = grid.comm.subcomm(ranks)
         coarse = (
@@ -281,8 +281,10 @@ def _prolong(
     befores = [before, *(rows[:SWEEPS] for rows in borders)]
     afters = [*(rows[SWEEPS:] for rows in borders), after]
     coarse_rows = int(step.beside[fine.comm.rank]), step.n[0]
-    halved = tuple(k == 2 for k in step.steps)
-    how = halved, real(1 / problem.body.scale(fine)), problem.body.near(fine).astype(problem.dtype)
+    halved, compliance = tuple(k == 2 for k in step.steps), 1 / problem.body.scale(fine)
+    most = np.inf if problem.hardness is None else compliance * problem.hardness
+    near = problem.body.near(fine).astype(problem.dtype)
+    how = halved, real(compliance), near, real(most)
     fields = step.around(u), step.around(p)
 
     def prolong(i0: int, i1: int, before: np.ndarray, after: np.ndarray) -> None:

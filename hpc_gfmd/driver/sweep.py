@@ -24,7 +24,8 @@ from .drive import LoopState, certificate_of, drive
 from .full_contact import CLOSED, FullContact
 from .load import GivenLoad, HeightStatistics
 from .load_quantities import OpeningSearch, restored, search_for
-from .load_target import LoadTarget, load_targets
+from .load_search import x_of
+from .load_target import LoadTarget, load_targets, require_dents
 from .nested import Nested, cold_gap
 from .precision import CALIBRATION, counting, few_points, first_precision, too_little
 
@@ -42,9 +43,8 @@ if TYPE_CHECKING:
 # a load up to so much larger or smaller starts from the one before, others from coarser grids
 WARM_UP, WARM_DOWN = 1.45, 1.26
 # (not round numbers, nor the next one: p* has rounding errors)
-SAME_LOAD = (
-    1e-9  # relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
-)
+# relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
+SAME_LOAD = 1e-9
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
 NEARLY = 0.2  # of E* g_rms: full contact takes 0.3 to 20
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
@@ -76,9 +76,10 @@ class Sweep:
         lam_s: float | None = None,
         duality: bool = False,
         body: Body = HALF_SPACE,
+        hardness: float | None = None,
     ):
         self.make_surface, self.settings = make_surface, settings
-        self.E_star, self.lam_s, self.body = float(E_star), lam_s, body
+        self.E_star, self.lam_s, self.body, self.hardness = float(E_star), lam_s, body, hardness
         self.solver_class = solver_class(settings.name)
         self.target = Target(
             settings.accuracy, settings.residual, settings.max_iterations, duality=duality
@@ -104,6 +105,8 @@ class Sweep:
             )
         pressures = load.p0(self.E_star, g_rms, float(np.prod(self.surface.sizes)))
         require_range(self.E_star, self.surface, pressures)
+        if self.hardness is not None:
+            require_dents(self.solver_class, self.hardness, name, values, pressures)
         if self.settings.precision == "single" and g_rms > 0:
             for p_mean in pressures:
                 if not single_solves(p_mean / (self.E_star * g_rms), self.surface.grid.N):
@@ -168,7 +171,7 @@ class Sweep:
             if self.solver_class.holds_tension:
                 return FullContact(tolerance, self._flat_solution())
         known = (tolerance, self.settings.accuracy is not None, heights)
-        if load.quantity == "gap_mean" and self.solver_class.holds_tension:
+        if load.quantity == "gap_mean" and self.solver_class.holds_tension and not self.hardness:
             single = load.value / self.surface.height_unit * self.surface.grid.N
             opens = single * float(self.body.near(self.surface.grid)[0])  # a single point so far
             if opens < NEARLY:
@@ -179,7 +182,7 @@ class Sweep:
                 closes_at = closed.p_mean / closed.pressure_unit
                 target = load.value / self.surface.slope
                 return OpeningSearch.below(closes_at, opens, target, known)
-        return search_for(load, self.surface, known, self._history)
+        return search_for(load, self.surface, known, self._history, self._limit)
 
     def _too_little(self) -> bool:
         """Whether single precision is too little for the load."""
@@ -244,7 +247,12 @@ class Sweep:
             self._begin(p0, arrays, numbers)
 
     def _problem(self, p_star: float) -> Problem:
-        return Problem(self.surface.grid, self.surface.gap, p_star, body=self.body)
+        return Problem(self.surface.grid, self.surface.gap, p_star, None, self.body, self._limit)
+
+    @property
+    def _limit(self) -> float | None:
+        """The hardness in the program's unit."""
+        return None if self.hardness is None else self._p_star(self.hardness)
 
     def _may_start_here(self, load: float | LoadTarget) -> bool:
         """Whether a load, or one that follows it if it closes the gap at once, may start from the
@@ -289,24 +297,12 @@ class Sweep:
         iterations: int = 0,
         pairs: float = 0.0,
     ) -> Contact:
-        contact = Contact(
-            self.surface,
-            self.E_star,
-            p_mean,
-            g,
-            p,
-            status,
-            certificate,
-            self.settings.tolerance,
-            self.lam_s,
-            self.body,
-            self._load.note,
-            iterations,
-            float(pairs),
-        )
+        of_all = self.settings.tolerance, self.lam_s, self.body, self._load.note
+        done = status, certificate, *of_all, iterations, float(pairs), self.hardness
+        contact = Contact(self.surface, self.E_star, p_mean, g, p, *done)
         if status == "converged":
             known = {
-                "x": float(np.log(p_mean / (self.E_star * self.surface.slope))),
+                "x": x_of(p_mean / (self.E_star * self.surface.slope), self._limit),
                 "a_r": contact.contact_points / contact.N,
                 "gap_mean": certificate.gap_mean * self.surface.grid.a,
                 "approach": certificate.approach * self.surface.grid.a,

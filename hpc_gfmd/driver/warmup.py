@@ -10,10 +10,10 @@ from ..bodies import body_of
 from ..bodies.halfspace import HALF_SPACE
 from ..contact import default_observables, observables_named
 from ..contact.contact import Contact
-from ..kernels.cache import announced, sound
+from ..kernels.cache import on_first_compile, retry_without_cache
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import Comm, SerialComm
-from ..parallel.guard import guarded
+from ..parallel.guard import collective_errors
 from ..scene import Material, Scene, Solver
 from ..surface import build_surface
 from .precision import first_precision
@@ -47,12 +47,12 @@ def compile_once(
     compiled that has not been kept. Collective.
     """
     observe = observables_named(default_observables()).values() if observe is None else observe
-    with guarded(comm, "compiling"):
+    with collective_errors(comm, "compiling"):
         if comm.rank == 0:
-            with announced(say):
-                sound(lambda: _tiny_contact(settings, boundary, material, observe))
+            with on_first_compile(say):
+                retry_without_cache(lambda: _tiny_contact(settings, boundary, material, observe))
     if comm.rank != 0:
-        sound(lambda: _tiny_contact(settings, boundary, material, observe))
+        retry_without_cache(lambda: _tiny_contact(settings, boundary, material, observe))
 
 
 def _tiny_contact(settings: Solver, *how: Any) -> None:
@@ -88,7 +88,10 @@ def _tiny_contact_in(
     )
     body = body_of(scene.material, scene.surface.free)
     sweep = Sweep(
-        lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver, body=body
+        lambda dtype: build_surface(scene.surface, SerialComm(), dtype),
+        scene.solver,
+        body=body,
+        hardness=scene.material.hardness and 1.0,
     )
     contact = sweep.solve(0.05)
     sweep.solver.expected_area(

@@ -2,7 +2,8 @@
 kind of processor.
 
 numba looks at the source file of a kernel only, but other files' functions are compiled into it.
-What it cannot read or write it raises; `sound` then empties the folder and begins again.
+What it cannot read or write it raises; `retry_without_cache` then empties the folder and begins
+again.
 """
 
 import hashlib
@@ -58,7 +59,7 @@ def cached() -> Iterator[bool]:
 
 
 @contextmanager
-def announced(say: Callable[[str], object] | None) -> Iterator[None]:
+def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
     """Block in which say(text), if it is not None, is called once, before the first kernel that has
     not been kept is compiled."""
     here = folder()
@@ -108,7 +109,7 @@ def _folder(root: Path, state: str) -> Path | None:
         return None
 
 
-def sound(call: Callable[[], T]) -> T:
+def retry_without_cache(call: Callable[[], T]) -> T:
     """call(), again and with emptied folders where numba fails to read or to write them; returns
     what it returned."""
     for _ in range(ATTEMPTS):

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .jit import kernel, making_arrays, points_inside
+from .yielding import limit, yields
 
 BINS, PER_OCTAVE = 160, 4  # of squares: down to 2^-40 of the largest
 # points that are looked at together; more than rounding in single precision makes of a number
@@ -18,8 +19,8 @@ GROUP, ROUNDED = 32, 1.00001
 
 
 class KktSums(NamedTuple):
-    """Sums over points: p, p^2 and p^4 out of contact, p^2 in contact, |p| g, points in contact,
-    gap."""
+    """Sums over points: p, p^2 and p^4 out of contact (less the hardness where a point yields), p^2
+    in contact, |p| g, points in contact, gap; points of the contact that yield, depth of dents."""
 
     open_p: float
     open_pp: float
@@ -28,10 +29,12 @@ class KktSums(NamedTuple):
     pg: float
     contact: float
     gap: float
+    yielded: float
+    depth: float
 
 
 class KktExtremes(NamedTuple):
-    """The largest -g, and the largest -p where g <= 0."""
+    """The largest -g that is no dent, and the largest -p where g <= 0."""
 
     penetration: float
     tension: float
@@ -49,10 +52,11 @@ def displacement_rows(g, h, x, i0, i1, level):
 
 
 @making_arrays
-def kkt_residuals(g, p, x, p0, inside, i0, i1):
+def kkt_residuals(g, p, x, p0, hardness, inside, i0, i1):
     """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0;
     returns KktSums and KktExtremes."""
-    open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = 0.0
+    open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = yielded = depth = 0.0
+    most = limit(hardness, 0.0)
     worst = np.zeros(
         (2, g.shape[1])
     )  # row after row: one maximum over all points would not use vectors
@@ -73,31 +77,36 @@ def kkt_residuals(g, p, x, p0, inside, i0, i1):
             gij = 1.0 * g[i, j]
             p[i, j] = p_new
             closed = 1.0 if gij <= 0 else 0.0
-            t = closed if p_new > 0 else 0.0
-            p_closed = t * p_new
+            y = yields(gij, p_new, hardness, 0.0, 1.0)
+            t = closed if p_new > 0 and y == 0 else 0.0
+            p_closed = t * p_new + y * most
+            dent = gij if y > 0 else 0.0
             p_open = p_new - p_closed
             open_p += p_open
             open_pp += p_open * p_open
             open_p4 += (p_open * p_open) * (p_open * p_open)
             closed_pp += p_closed * p_closed
-            contact += t
-            pg += abs(p_new) * gij
-            gap += gij
+            contact += t + y
+            pg += abs(p_new - y * most) * (gij - 2 * dent)
+            gap += gij - dent
+            yielded += y
+            depth -= dent
             tension = closed * -p_new
-            worst[0, j] = -gij if -gij > worst[0, j] else worst[0, j]
+            worst[0, j] = dent - gij if dent - gij > worst[0, j] else worst[0, j]
             worst[1, j] = tension if tension > worst[1, j] else worst[1, j]
-    return KktSums(open_p, open_pp, open_p4, closed_pp, pg, contact, gap), KktExtremes(
-        worst[0].max(), worst[1].max()
-    )
+    sums = KktSums(open_p, open_pp, open_p4, closed_pp, pg, contact, gap, yielded, depth)
+    return sums, KktExtremes(worst[0].max(), worst[1].max())
 
 
 @kernel
-def open_moments(g, p, inside):
-    """Sums of p^2 and p^4 off contact."""
+def open_moments(g, p, hardness, inside):
+    """Sums of p^2 and p^4 off contact, less the hardness where a point yields."""
     squares = fourth = 0.0
+    most = limit(hardness, 0.0)
     for i in range(inside[0]):
         for j in range(inside[1]):
-            p_open = 0.0 if g[i, j] <= 0 and p[i, j] > 0 else 1.0 * p[i, j]
+            y = yields(g[i, j], p[i, j], hardness, 0.0, 1.0)
+            p_open = 0.0 if g[i, j] <= 0 and p[i, j] > 0 and y == 0 else 1.0 * p[i, j] - y * most
             squares += p_open * p_open
             fourth += (p_open * p_open) * (p_open * p_open)
     return squares, fourth
@@ -142,19 +151,23 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, counts):
 
 
 @kernel
-def dual_rows(g, p, x, scale, inside, i0, i1):
-    """x = e = p^ - p with the admissible pressure p^ = scale p in contact, 0 elsewhere; returns the
-    sum of p^ g (0 if g >= 0)."""
+def dual_rows(g, p, x, scale, shift, hardness, inside, i0, i1):
+    """x = e = p^ - p with the admissible pressure p^ = scale p + shift in contact, the hardness
+    where
+    a point yields, 0 elsewhere; returns the sum of p^ g (0 if g >= 0) out of dents."""
     total = 0.0
+    zero, one = x.dtype.type(0), x.dtype.type(1)
+    most = limit(hardness, zero)
     for i in range(i0, i1):
         m = points_inside(i, inside)
         for j in range(m, np.uint64(g.shape[1])):
             x[i - i0, j] = -x.dtype.type(p[i, j])
         for j in range(m):
             pij = x.dtype.type(p[i, j])
-            touching = g[i, j] <= 0 and pij > 0
-            admissible = scale * pij if touching else 0.0
-            x[i - i0, j] = admissible - pij
+            y = yields(g[i, j], pij, hardness, zero, one)
+            touching = g[i, j] <= 0 and pij > 0 and y == zero
+            admissible = scale * pij + shift if touching else 0.0
+            x[i - i0, j] = admissible - pij + y * most
             total += admissible * g[i, j]
     return total
 

@@ -6,6 +6,8 @@ few projected gradient steps with the part of K that couples neighbours:
 
     v <- max(v - compliance (P p_c + K_near v), -g_c),    g_c = P u_c + h,    g = g_c + v.
 
+A step that ends compliance times the hardness below -g_c makes a dent as deep as it is more.
+
 Beyond the surface, where the grid goes on, nothing pokes through: h = 0 and g = u there, and v,
 which follows the finer edge, is not bounded.
 """
@@ -22,7 +24,7 @@ RING = SWEEPS + 1  # rows of every quantity that are kept
 
 
 @making_arrays
-def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil, nominal):
+def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil, most, nominal):
     """The gap g on this rank's rows; fine_rows: the first of them and how many there are on all
     ranks, coarse_rows: likewise.
 
@@ -30,9 +32,9 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
     this rank's own, those, and the rows after: HALO of u and p, SWEEPS of h. halved: whether the
     coarse grid has half as many points along x, along y; nominal: points along each axis that have
     an initial gap. stencil: K_near for the point itself, its neighbours along x, along y, and the
-    diagonal ones. g may be h's own rows. Coarse point J lies on fine point 2 J; points in between
-    get the cubic through the four nearest, (-1, 9, 9, -1)/16, of u, and the mean of two of p.
-    """
+    diagonal ones. most: compliance times the hardness, inf without one. g may be h's own rows.
+    Coarse point J lies on fine point 2 J; points in between get the cubic through the four nearest,
+    (-1, 9, 9, -1)/16, of u, and the mean of two of p."""
     u_before, u, u_after = u
     p_before, p, p_after = p
     h_before, h, h_after = h
@@ -82,7 +84,7 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
             for j in range(inner):
                 g_c = t[slot, j + 1] + a[j]
                 t[slot, j + 1] = -g_c
-                t[v, j + 1] = max(-g_c, g.dtype.type(0))
+                t[v, j + 1] = max(min(-g_c, most), g.dtype.type(0))
         for j in range(inner, n):
             t[slot, j + 1] = -t[slot, j + 1]
             t[v, j + 1] = g.dtype.type(0)
@@ -100,7 +102,8 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
             i = r - s
             if i >= s - SWEEPS:
                 y = (start + i + n_x) % n_x
-                _relax(t, (s + 1) * RING, i, n, nominal[1] if y < nominal[0] else 0, s0, s1, s2, s3)
+                inner = nominal[1] if y < nominal[0] else 0
+                _relax(t, (s + 1) * RING, i, n, inner, most, s0, s1, s2, s3)
         i = r - SWEEPS
         if i >= 0:
             lowest, v = (i + RING) % RING, (SWEEPS + 2) * RING + (i + RING) % RING
@@ -139,7 +142,7 @@ def _wrap(row):
 
 
 @inline
-def _relax(t, v, i, n, inner, s0, s1, s2, s3):
+def _relax(t, v, i, n, inner, most, s0, s1, s2, s3):
     """One step for row i, of which `inner` points are of the surface: t[v + ...] is the ring of its
     input."""
     a, b, c = v + (i - 1 + RING) % RING, v + (i + RING) % RING, v + (i + 1 + RING) % RING
@@ -160,5 +163,5 @@ def _relax(t, v, i, n, inner, s0, s1, s2, s3):
             - t[p, j]
         )
     for j in range(1, inner + 1):
-        t[out, j] = max(t[out, j], t[lowest, j])
+        t[out, j] = max(t[out, j], min(t[out, j] + most, t[lowest, j]))
     _wrap(t[out])

@@ -7,12 +7,10 @@ transposed, (W, n_x), to be transformed.
 import numpy as np
 
 from .jit import inline, kernel
-from .lines import WIDTH, move_line, publish, stream_line
+from .lines import WIDTH, move_line
 
 TILE = 8  # complex numbers of single precision in a cache line
 PIECE = 1024  # numbers that are summed up in their own precision
-# bytes of a spectrum above which it is not expected to stay in a cache until it is read
-STREAMED = 4 * 2**20
 
 
 @kernel
@@ -23,22 +21,15 @@ def to_blocks(rows, blocks, edges, n_loc, i0, count):
     n = source.shape[1]
     words = n // rows.shape[1]
     flat = source.reshape(source.size)
-    large = blocks.nbytes > STREAMED
     for m in range(edges.shape[0] - 1):
         j0, width = words * edges[m], words * (edges[m + 1] - edges[m])
         start = words * n_loc * edges[m] + i0 * width
-        streams = large and width % WIDTH == 0 and (target.ctypes.data // 8 + start) % WIDTH == 0
         for r in range(count):
             a, b = start + r * width, r * n + j0
             for w in range(0, width - width % WIDTH, WIDTH):
-                if streams:
-                    stream_line(target, a + w, flat, b + w)
-                else:
-                    move_line(target, a + w, flat, b + w)
+                move_line(target, a + w, flat, b + w)
             for w in range(width - width % WIDTH, width):
                 target[a + w] = flat[b + w]
-    if large:
-        publish()
 
 
 @kernel

@@ -24,10 +24,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import DTypeLike
 
+from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_state
-from ..kernels.halfwidth import half
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level
-from ..parallel.coarsening import Level, Transfer, gathered, levels
+from ..parallel.coarsening import Level, Transfer, agglomerated, levels
 from ..parallel.halo import Windows
 from ..parallel.threads import on_threads
 from ..util.aligned import LINE, zeros_aligned
@@ -89,7 +89,7 @@ def steps_of(
             points <= (COARSEST_POINTS if coarsest_points is None else coarsest_points)
             or coarse is hierarchy[-1]
         )
-        starts = gathered(transfer.coarse_starts, points, points if last else RANK_POINTS)
+        starts = agglomerated(transfer.coarse_starts, points, points if last else RANK_POINTS)
         steps.append(Step(transfer, starts, Windows(rank, starts, transfer.lo, transfer.hi)))
         if last:
             break
@@ -224,13 +224,23 @@ class Multilevel:
         x: np.ndarray,
         s: float,
         scratch: tuple[np.ndarray, np.ndarray],
+        hardness: np.floating | None = None,
     ) -> tuple[float, ...]:
         """Pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of the
         pass. Returns its UpdateSums as a plain tuple."""
         rows, edges = scratch
         transfer = self.transfers[0].tables
         sums = update_state(
-            (g, p, d), x, s, self.passes[k], self.fields[0], edges, transfer, self.inside, rows
+            (g, p, d),
+            x,
+            s,
+            self.passes[k],
+            self.fields[0],
+            edges,
+            transfer,
+            hardness,
+            self.inside,
+            rows,
         )
         self._join(k, edges)
         return sums
@@ -358,16 +368,22 @@ class Multilevel:
         test = max(tt - 2 * share * ts + share**2 * norm, 0.0)
         return open_pp + missing**2 * contact + residual, finest + test, product
 
-    def restrict(self, g: np.ndarray, p: np.ndarray, d: np.ndarray | None = None) -> UpdateSums:
+    def restrict(
+        self,
+        g: np.ndarray,
+        p: np.ndarray,
+        hardness: np.floating | None = None,
+        d: np.ndarray | None = None,
+    ) -> UpdateSums:
         """From a state that no step has led to, what the update passes restrict; returns
         UpdateSums, with <p, d> on F where there is a d."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
-        none, nowhere = self.dtype.type(0), np.zeros(still.shape, half(self.dtype))
+        none, nowhere = self.dtype.type(0), np.zeros(still.shape, stored_dtype(self.dtype))
 
         def restrict(k: int, i0: int, i1: int, scratch: tuple) -> tuple[float, ...]:
             rows = nowhere if d is None else d[i0:i1]
-            return self.update_rows(k, g, p, rows, still, none, scratch)
+            return self.update_rows(k, g, p, rows, still, none, scratch, hardness)
 
         passes = [(k, *rows) for k, rows in enumerate(self.passes)]
         threads = self.grid.threads

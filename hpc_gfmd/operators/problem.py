@@ -5,6 +5,10 @@ order one whatever the scene's units, and p0 is p*:
 
     p = p0 + K u    K(q) of the elastic body (|q|/2 for a half-space)
     g = u + h >= 0,    p >= 0,    p g = 0
+
+With a hardness H the pressure is at most that, and where it is, the body has a dent of depth -g:
+
+    0 <= p <= H,    p = 0 where g > 0,    p = H where g < 0
 """
 
 from __future__ import annotations
@@ -57,6 +61,8 @@ class Problem:
         What root_mean_square was, where that is known.
     body : Body
         See bodies/.
+    hardness : float or None
+        The largest pressure; None: there is none.
     """
 
     grid: Grid
@@ -64,6 +70,12 @@ class Problem:
     p0: float
     h_rms: float | None = None
     body: Body = HALF_SPACE
+    hardness: float | None = None
+
+    @property
+    def limit(self) -> np.floating | None:
+        """The hardness as kernels take it."""
+        return None if self.hardness is None else self.dtype.type(self.hardness)
 
     @property
     def dtype(self) -> np.dtype:

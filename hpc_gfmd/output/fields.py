@@ -1,13 +1,13 @@
 """The fields of a contact by name, those that are computed as they are read, and those in memory
 that are read as if from a file."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-FIELDS = ("pressure", "gap", "displacement")
+FIELDS = ("pressure", "gap", "displacement", "plastic")
 STORABLE = (*FIELDS, "heights")  # the last one once for all loads
 LAZY_ROWS = 64  # of a field that are computed at a time
 
@@ -50,6 +50,10 @@ class Slab:
     @property
     def dtype(self) -> np.dtype:
         return np.dtype(self.data.dtype)
+
+    def pieces(self) -> Iterator[tuple[int, np.ndarray]]:
+        """All of it, as `Stored.pieces` gives a field of a file: (start, rows from there on)."""
+        yield self.start, self.read()
 
     def read(self, start: int | None = None, stop: int | None = None) -> np.ndarray:
         """Rows start <= i < stop, which must be among those of this rank (default: all of them)."""

@@ -2,7 +2,6 @@
 it is: one run at a time has it, by a lock that the kernel gives back when its holder dies, however
 it dies."""
 
-import fcntl
 import os
 import re
 import socket
@@ -40,7 +39,7 @@ def acquire(folder: Path) -> int:
     """
     folder.mkdir(exist_ok=True)
     descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
-    if _taken(descriptor, fcntl.LOCK_EX):
+    if _taken(descriptor, alone=True):
         with os.fdopen(descriptor, errors="replace") as file:
             holder = file.read(200).strip() or "another process"
         raise SceneError(f"{folder.with_suffix('')}: another run is writing this file ({holder})")
@@ -59,7 +58,7 @@ def acquire(folder: Path) -> int:
 def is_held(folder: Path) -> bool:
     """True while a run holds the lock of `folder`."""
     with suppress(OSError), open(folder / LOCK, "rb") as file:
-        return _taken(file.fileno(), fcntl.LOCK_SH)
+        return _taken(file.fileno(), alone=False)
     return False
 
 
@@ -75,9 +74,11 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
             folder.rmdir()
 
 
-def _taken(descriptor: int, kind: int) -> bool:
+def _taken(descriptor: int, alone: bool) -> bool:
     try:
-        fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
-    except OSError as error:
+        import fcntl
+
+        fcntl.flock(descriptor, (fcntl.LOCK_EX if alone else fcntl.LOCK_SH) | fcntl.LOCK_NB)
+    except (ImportError, OSError) as error:
         return isinstance(error, BlockingIOError)
     return False

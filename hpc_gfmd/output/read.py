@@ -4,23 +4,21 @@ MPI."""
 import json
 import os
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import prod
 from pathlib import Path
 from typing import Any
 
 from ..parallel import guard
-from ..parallel.h5 import CHECKSUM, Stored, inside
+from ..parallel.h5 import CHECKSUM, Stored, inside, reading
 from ..scene import ArrayScene, Scene
 from ..scene.model import parse_toml
 from ..util.errors import SceneError, one_line
+from .describe import RECORD
 from .folder import HEAD, is_held, partial_folder, step_files
 
 FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
-# An attribute of each group with all its texts, as JSON of fixed length. HDF5 keeps texts of any
-# length, which other programs expect, where it has no checksums and where a flipped bit may crash
-# it: we read them from nowhere else.
-RECORD = "record"
 
 
 @dataclass(frozen=True)
@@ -57,6 +55,45 @@ class Result:
         return (Scene if "kind" in table.get("surface", {}) else ArrayScene).from_dict(
             table, str(self.path)
         )
+
+    @property
+    def remarks(self) -> list[str]:
+        """What to say beside what was made of it, a line each."""
+        unfinished = f"! the run is {self.status}: only its finished load steps are there"
+        return [f"note: {note}" for note in self.notes] + [unfinished] * (self.folder is not None)
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What the head says in one number or text."""
+        return {
+            name: value for name, value in self.head.items() if isinstance(value, str | int | float)
+        }
+
+    def some(self, steps: slice | list[int], **other: Any) -> "Result":
+        """The same of some of its load steps, by their places; other: what is said otherwise."""
+        at = range(len(self.steps))[steps] if isinstance(steps, slice) else steps
+        names = "steps", "indices", "fields"
+        picked: dict[str, Any] = {name: [getattr(self, name)[k] for k in at] for name in names}
+        return replace(self, **picked, **other)
+
+    def only(
+        self, indices: Sequence[int] | None = None, fields: Sequence[str] | None = None
+    ) -> "Result":
+        """The same of the steps of these numbers and with these fields alone (None: all). Raises
+        SceneError for those that are not there."""
+        there = {name for each in self.fields for name in each}
+        for what, asked, known in (
+            ("step", indices, self.indices),
+            ("fields", fields, sorted(there)),
+        ):
+            for one in asked or ():
+                if one not in known:
+                    allowed = ", ".join(map(str, known)) or "none"
+                    raise SceneError(f"{what}: found {one}, allowed: {allowed}")
+        some = self if indices is None else self.some([self.indices.index(k) for k in indices])
+        wanted = there if fields is None else set(fields)
+        kept = [{name: each[name] for name in each if name in wanted} for each in some.fields]
+        return replace(some, fields=kept)
 
     @property
     def missing_loads(self) -> str:
@@ -147,11 +184,9 @@ def read_checkpoint(path: Path, solver: str, identity: str) -> Result | None:
 def _read(path: Path, kind: str = FORMAT) -> Result:
     """All that one file says, its load steps in the order of their numbers; whatever goes wrong is
     one SceneError."""
-    import h5py
-
     _require_hdf5(path)
     try:
-        with h5py.File(path, "r", locking=False) as file:
+        with reading(path) as file:
             version = file.attrs.get("format_version")
             if version not in (None, FORMAT_VERSION):
                 raise SceneError(

@@ -5,26 +5,23 @@ end all of it becomes OUT.h5 in one rename. So nothing finished is lost, and not
 has a final name. Beside them lies the last checkpoint.
 """
 
-import json
 import os
 from contextlib import AbstractContextManager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0, one_line
 from ..parallel.h5 import Stored, io_way, write_file
 from ..util.errors import GfmdError, SceneError
-from .describe import SIGNS, describe
+from .describe import SIGNS, describe, set_attributes
 from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
+from .numbers import About
 from .read import (
     CHECKPOINT,
     FORMAT,
     FORMAT_VERSION,
-    RECORD,
     Result,
     read_checkpoint,
     read_partial,
@@ -38,7 +35,8 @@ class RunFile(AbstractContextManager):
     path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; head: root
     attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`; surface:
     attributes; resume: go on with an interrupted run of the same identity; force: begin anew, and
-    replace even what is no result of this scene; how: as of parallel.h5.write_file.
+    replace even what is no result of this scene; about: what the numbers of the steps are, as
+    contact.all_numbers gives it; how: as of parallel.h5.write_file.
 
     finished: attributes of the steps that are there, by their indices; resumed: whether an
     interrupted run goes on; notes: what was found, a line each; earlier: root attributes of the run
@@ -58,10 +56,11 @@ class RunFile(AbstractContextManager):
         *,
         resume: bool = True,
         force: bool = False,
+        about: About | None = None,
         **how: Any,
     ):
         self.comm, self.path, self.partial = comm, followed(path), partial_folder(path)
-        self._points, self._how = ((int(n[0]), int(n[1])), rows), how
+        self._points, self._how, self._about = ((int(n[0]), int(n[1])), rows), how, about or {}
         self._lock: int | None = None
         try:
             left, self.resumed, self.notes = on_rank_0(
@@ -250,25 +249,9 @@ class RunFile(AbstractContextManager):
             path,
             *self._points,
             fields,
-            lambda file: describe(set_attributes(file, groups)),
+            lambda file: describe(set_attributes(file, groups), self._surface, steps, self._about),
             **self._how,
         )
-
-
-def set_attributes(file: Any, groups: dict[str, dict]) -> Any:
-    """The file with attributes of groups; a dict as JSON, None not at all."""
-    for name, attributes in groups.items():
-        found = {
-            key: json.dumps(value) if isinstance(value, dict) else value
-            for key, value in attributes.items()
-            if value is not None
-        }
-        texts = {
-            key: value if np.asarray(value).dtype.kind == "U" else None
-            for key, value in found.items()
-        }
-        file.require_group(name).attrs.update(found | {RECORD: np.bytes_(json.dumps(texts))})
-    return file
 
 
 def _group(index: int) -> str:

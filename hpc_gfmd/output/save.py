@@ -7,6 +7,7 @@ from typing import Any
 
 from ..util.errors import SceneError
 from .fields import Slab
+from .numbers import About
 from .read import Result
 from .record import RunFile
 
@@ -23,9 +24,11 @@ def in_memory(result: Result) -> Result:
     )
 
 
-def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: Any) -> Path:
-    """Write a result file as a run does; rows: of the fields, on this rank. Collective. See
-    Solutions.save."""
+def save(
+    result: Result, path: Any, force: bool, rows: tuple[int, int], comm: Any, about: About
+) -> Path:
+    """Write a result file as a run does; rows: of the fields, on this rank; about: as of RunFile.
+    Collective. See Solutions.save."""
     path, said = Path(path), result.surface
     if path.suffix.lower() not in (".h5", ".hdf5"):
         raise SceneError(f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5")
@@ -38,7 +41,8 @@ def save(result: Result, path: Any, force: bool, rows: tuple[int, int], comm: An
         for name, value in result.head.items()
         if name not in ("status", "end_time", "io")
     }
-    with RunFile(comm, path, said["n"], rows, head, said, resume=False, force=force) as file:
+    how: dict[str, Any] = {"resume": False, "force": force, "about": about}
+    with RunFile(comm, path, said["n"], rows, head, said, **how) as file:
         for note in file.notes if comm.rank == 0 else ():
             warnings.warn(note, stacklevel=3)  # where the caller of Solution.save is
         heights = next((fields["heights"] for fields in result.fields if "heights" in fields), None)

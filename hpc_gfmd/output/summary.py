@@ -35,19 +35,21 @@ def summary(step: dict, surface: dict) -> str:
 
 def surface_line(surface: dict) -> str:
     """One line about the surface: points, size, roughness and the three ratios of lengths."""
+    unit = surface["unit"] if isinstance(surface.get("unit"), str) else ""
+
+    def lengths(values: list[float], digits: int) -> str:
+        scale, name = prefixed(values, unit)
+        return f"{' x '.join(f'{value / scale:.{digits}g}' for value in values)} {name}".strip()
+
     parts = []
     if points := _numbers(surface.get("n")):
         parts.append(" x ".join(f"{n:.0f}" for n in points) + " points")
     if sizes := _numbers(surface.get("physical_sizes")):
-        scale, unit = prefixed(sizes, _text(surface, "unit"))
-        parts.append(
-            " ".join(["L =", " x ".join(f"{size / scale:.4g}" for size in sizes), unit]).strip()
-        )
-    if is_number(surface.get("h_rms")) and isfinite(surface["h_rms"]):
-        scale, unit = prefixed([surface["h_rms"]], _text(surface, "unit"))
-        parts.append(f"h_rms = {surface['h_rms'] / scale:.{DIGITS}g} {unit}".strip())
+        parts.append(f"L = {lengths(sizes, 4)}")
+    if height := _numbers([surface.get("h_rms")]):
+        parts.append(f"h_rms = {lengths(height, DIGITS)}")
     for name in ("hurst", "g_rms", "eps_t", "eps_f", "eps_c"):
-        if is_number(surface.get(name)) and isfinite(surface[name]):
+        if _numbers([surface.get(name)]):
             parts.append(f"{name} = {surface[name]:.{DIGITS}g}")
     if surface.get("prepared"):
         parts.append(str(surface["prepared"]))
@@ -95,7 +97,3 @@ def _numbers(found: object) -> list[float]:
     if isinstance(found, list | tuple) and all(is_number(x) and isfinite(x) for x in found):
         return list(found)
     return []
-
-
-def _text(surface: dict, key: str) -> str:
-    return surface[key] if isinstance(surface.get(key), str) else ""

@@ -1,9 +1,9 @@
 """How a grid is coarsened: sizes and wave numbers of the levels, which coarse rows a rank owns, and
-on how few ranks they are gathered.
+on how few ranks they are agglomerated.
 
 Coarse rows first live where the fine ones do. Where that leaves ranks with less than is worth a
-message, or without rows, they are gathered on every second, fourth, ... rank: none ever holds more
-than its own share and twice what is worth a message.
+message, or without rows, they are agglomerated on every second, fourth, ... rank: none ever holds
+more than its own share and twice what is worth a message.
 """
 
 from __future__ import annotations
@@ -98,9 +98,9 @@ def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
     return -(-np.asarray(starts, dtype=np.int64) * m // n)
 
 
-def gathered(starts: ArrayLike, points: int, share: int) -> np.ndarray:
+def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
     """First row of every rank, and their number, when the rows of a grid of so many points are
-    gathered on ranks 0, s, 2 s, ..., s the least power of two that leaves each of them `share`
+    agglomerated on ranks 0, s, 2 s, ..., s the least power of two that leaves each of them `share`
     points and a row."""
     starts = np.asarray(starts)
     size = int(np.flatnonzero(np.diff(starts))[-1]) + 1  # the last rank that has any

@@ -61,10 +61,6 @@ class SerialComm:
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
         """send, receive: (array, bytes for or from each rank, their offsets)."""
 
-    def sendrecv(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
-        """The object of rank `source`; ranks: those that want the object of this one."""
-        return obj
-
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
         """The objects of all ranks in their order, joined two at a time by join(one, next one), on
         rank 0; None on the others."""
@@ -187,13 +183,6 @@ class MpiComm:
             sum(send[1]) - send[1][self.rank], np.count_nonzero(send[1]) - (send[1][self.rank] > 0)
         )
 
-    def sendrecv(self, obj: Any, ranks: Sequence[int], source: int) -> Any:
-        requests = [self.mpi.isend(obj, dest=rank) for rank in ranks]
-        found = self.mpi.recv(source=source)
-        for request in requests:
-            request.wait()
-        return found
-
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
         """The objects of all ranks in their order, joined two at a time by join(one, next one), on
         rank 0; None on the others. Up a tree: a rank gets log2(ranks) messages at most."""
@@ -250,6 +239,31 @@ class MpiComm:
         if self.node.size == 1:
             return np.array([self.rank])
         return self.node.allgather_int(self.rank)
+
+
+class DryRunComm:
+    """Rank `rank` of `size`, as a communicator that cannot send. nodes: that of every rank
+    (default: each has one to itself, so that everything between ranks is a message)."""
+
+    mpi = parent = None
+
+    def __init__(self, rank: int, size: int, nodes: ArrayLike | None = None):
+        self.rank, self.size = rank, size
+        self._nodes = np.arange(size) if nodes is None else np.asarray(nodes)
+
+    @property
+    def node_ranks(self) -> np.ndarray:
+        """The ranks on the same node."""
+        return np.flatnonzero(self._nodes == self._nodes[self.rank])
+
+    def subcomm(self, ranks: Any) -> "DryRunComm | None":
+        """The communicator of these ranks alone, None where this rank is not one of them."""
+        place = int(np.searchsorted(ranks, self.rank))
+        return (
+            DryRunComm(place, len(ranks), self._nodes[ranks])
+            if place < len(ranks) and ranks[place] == self.rank
+            else None
+        )
 
 
 Comm = SerialComm | MpiComm

@@ -14,12 +14,12 @@ T = TypeVar("T")
 
 
 @contextmanager
-def guarded(comm: Comm, doing: str) -> Iterator[None]:
+def collective_errors(comm: Comm, doing: str) -> Iterator[None]:
     """Collective block: when any rank fails inside it, every rank leaves it with an error.
 
     `doing` starts the message ("writing contact.h5"). The block itself must hold no collective call
-    that a failing rank would skip, unless in a guarded block of its own. A GfmdError stays what it
-    is, anything else becomes one.
+    that a failing rank would skip, unless in a block of this kind of its own. A GfmdError stays
+    what it is, anything else becomes one.
     """
     error: GfmdError | None = None
     try:
@@ -29,7 +29,7 @@ def guarded(comm: Comm, doing: str) -> Iterator[None]:
     except Exception as caught:
         error = GfmdError(f"{doing}: {one_line(caught)}")
         error.__cause__ = caught
-    agree(comm, error)
+    raise_on_all(comm, error)
 
 
 def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
@@ -52,16 +52,16 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
     Raises
     ------
     GfmdError
-        On every rank, as `guarded` does.
+        On every rank, as `collective_errors` does.
     """
     found = None
-    with guarded(comm, doing):
+    with collective_errors(comm, doing):
         if comm.rank == 0:
             found = work()
     return comm.bcast(found)
 
 
-def agree(comm: Comm, error: Exception | None) -> None:
+def raise_on_all(comm: Comm, error: Exception | None) -> None:
     """Raise on every rank if any rank has an error (an exception or None): the first one's, as the
     same type."""
     if comm.size == 1:

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..util.errors import GfmdError
 from .comm import Comm, SerialComm
-from .guard import guarded, on_rank_0
+from .guard import collective_errors, on_rank_0
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
 # attribute of a field; HDF5's own, Fletcher-32, needs chunks and is five times as slow as writing
@@ -57,9 +57,9 @@ class Stored:
         )
         with opened(comm, self.path, "r", doing) as file:
             for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
-                with guarded(comm, doing):  # before the others begin to read together
+                with collective_errors(comm, doing):  # before the others begin to read together
                     part = np.empty((stop - start, self.shape[1]), self.dtype)
-                with guarded(comm, doing):
+                with collective_errors(comm, doing):
                     _transfer(file[self.dataset], start, part, "read")
                     found += _checksum(part, start)
                 yield start, part
@@ -72,7 +72,7 @@ class Stored:
 
     def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
         """This rank's rows (start, stop) in one array. Collective; raises GfmdError as `pieces`."""
-        with guarded(comm, f"reading {self.path}"):
+        with collective_errors(comm, f"reading {self.path}"):
             found = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
         for start, part in self.pieces(comm, rows):
             found[start - rows[0] : start - rows[0] + len(part)] = part
@@ -133,7 +133,7 @@ def write_file(
                 found = 0
                 for start, part in _parts(comm, field, types[name], n, rows, doing):
                     parts = [(start, part)] if together else comm.gather((start, part)) or ()
-                    with guarded(comm, doing):
+                    with collective_errors(comm, doing):
                         for at, numbers in parts:
                             _transfer(file[name], at, numbers, "write")
                             sync(tmp, wait=False)
@@ -141,7 +141,7 @@ def write_file(
                 stored[name] = Stored(path, name, n, types[name], _total(comm, found))
                 if together or comm.rank == 0:
                     file[name].attrs.modify(CHECKSUM, np.uint64(stored[name].checksum))
-        with guarded(comm, doing):
+        with collective_errors(comm, doing):
             if comm.rank == 0 or together:
                 sync(tmp)
         on_rank_0(comm, doing, lambda: sync(tmp.replace(path).parent))
@@ -155,9 +155,14 @@ def write_file(
 def sync(path: Path, wait: bool = True) -> None:
     """Bring a file or folder to the disk, or have the system begin to: the disk is busy then while
     the next piece is made."""
+    if os.name == "nt":  # no descriptor of a folder
+        return
     descriptor = os.open(path, os.O_RDONLY)
     try:
-        os.fsync(descriptor) if wait else os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
+        if wait:
+            os.fsync(descriptor)
+        elif hasattr(os, "posix_fadvise"):
+            os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
     finally:
         os.close(descriptor)
 
@@ -169,16 +174,29 @@ def opened(comm: Comm, path: Path, mode: str, doing: str) -> Iterator[Any]:
     import h5py
 
     how = driver(comm)
-    with guarded(comm, doing):
+    with collective_errors(comm, doing):
         os.stat(path)  # before ranks that see it wait for one that does not
-    with guarded(comm, doing):
-        file = (
-            h5py.File(path, mode, libver=VERSIONS, **how)
-            if "comm" in how or mode == "r" or comm.rank == 0
-            else nullcontext()
-        )
-    with guarded(comm, doing), file:
+    with collective_errors(comm, doing):
+        if mode == "r" and "comm" not in how:
+            file = reading(path)
+        elif "comm" in how or comm.rank == 0:
+            file = h5py.File(path, mode, libver=VERSIONS, **how)
+        else:
+            file = nullcontext()
+    with collective_errors(comm, doing), file:
         yield file
+
+
+def reading(path: Path) -> Any:
+    """Open an h5py file to read, also while it is written, or open elsewhere in this process."""
+    import h5py
+
+    try:
+        return h5py.File(path, "r", locking=False)
+    except OSError as error:
+        if "locking flag" not in str(error):
+            raise
+        return h5py.File(path, "r")
 
 
 def inside(group: Any, name: str) -> Any:
@@ -219,7 +237,8 @@ def _lay_out(
         space += file.write(image.getbuffer())
         file.flush()
         try:
-            os.posix_fallocate(file.fileno(), 0, space)
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(file.fileno(), 0, space)
         except OSError as error:
             raise OSError(error.errno, f"{error.strerror} ({space / 1e6:.4g} MB needed)") from None
 
@@ -232,7 +251,7 @@ def _parts(
         yield from field.pieces(comm, rows)
         return
     for start, stop in _cuts(comm, rows, n[1] * dtype.itemsize):
-        with guarded(comm, doing):
+        with collective_errors(comm, doing):
             part = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
             if part.shape != (stop - start, n[1]) or stop > n[0]:
                 raise ValueError(f"{part.shape} points in rows {start}:{stop} of {tuple(n)}")

@@ -3,7 +3,7 @@ Arrays: (..., rows, m).
 
 The rows 0 <= i < n of a field form a ring. Rank r owns the rows starts[r] <= i < starts[r + 1],
 perhaps none, and has a window lo[r] <= i < hi[r] of the ring, which may reach around it. Halo rows
-are windows, and so are the rows that a rank has before they are gathered on fewer ranks. A rank
+are windows, and so are the rows that a rank has before they are agglomerated on fewer ranks. A rank
 talks to those alone whose rows or windows meet its own.
 """
 
@@ -173,13 +173,7 @@ def neighbours(
 
 
 def next_row(comm: Any, a: np.ndarray, starts: ArrayLike) -> np.ndarray:
-    """The row after this rank's rows, of which a (..., >= 0 rows, m) has the first; starts: first
-    row of every rank, and their number. Periodic, ranks without rows are skipped. Collective."""
-    rank, filled = comm.rank, np.flatnonzero(np.diff(starts))
-    source = int(filled[np.searchsorted(filled, rank, "right") % len(filled)])
-    here = int(np.searchsorted(filled, rank))
-    first = int(filled[here - 1]) - (
-        comm.size if here == 0 else 0
-    )  # all from the one before that has rows want our first one
-    wanted = [r % comm.size for r in range(first, rank)] if a.shape[-2] else []
-    return comm.sendrecv(a[..., 0, :].copy() if a.shape[-2] else None, wanted, source)
+    """The row after this rank's rows a (..., rows, m); starts: first row of every rank, and their
+    number. Periodic. Collective."""
+    last = np.asarray(starts)[1:]
+    return rows_of(comm, a, starts, last, last + 1)[..., 0, :]

@@ -10,7 +10,9 @@ from ..util.errors import SceneError
 from .comm import Comm
 
 CHEAP = 0.05  # share of the time that may go into checkpoints between loads
-HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)  # SIGUSR1: the batch system's warning
+HANDLED = tuple(  # as far as the system has them; SIGUSR1: the batch system's warning
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGUSR1") if hasattr(signal, name)
+)
 SIGACTION_BYTES = 1024  # more than a struct sigaction has anywhere
 
 _running: "Interrupt | None" = None  # the Interrupt that listens: signals are sent to the process
@@ -143,6 +145,8 @@ class Interrupt:
 def _sigaction(number: int, new: Any = None) -> Any:
     """What handles a signal, as the system knows it; new: what is to do so from now on, as a
     previous call gave it."""
+    if os.name == "nt":
+        return None
     old = ctypes.create_string_buffer(SIGACTION_BYTES)
     ctypes.CDLL(None).sigaction(int(number), new, old)
     return old

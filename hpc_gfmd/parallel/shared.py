@@ -29,8 +29,8 @@ def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
         try:
             made = os.memfd_create(_name(token))
             os.ftruncate(made, total)
-        except OSError as found:
-            error = found
+        except (OSError, AttributeError) as found:  # a system without them
+            error = OSError(str(found))
     pid, there, token = (
         int(number) for number in comm.bcast_float([os.getpid(), -1 if error else made, token])
     )

@@ -3,14 +3,16 @@ the threads of each rank."""
 
 import os
 import sys
+import time
 from collections.abc import Callable
 from types import TracebackType
 from typing import Any
 
 from ..util.errors import GfmdError, SceneError
+from ..util.machine import cores
 from ..util.streams import Stream
 from .comm import Comm, MpiComm, SerialComm
-from .launcher import LAUNCHER, launched, srun_size, tasks_per_node
+from .launcher import LAUNCHER, launched, launcher_rank, srun_size, tasks_per_node
 
 THREADS_PER_CORE = 8  # more are a mistake
 THREADED_POINTS = 2**20  # of a surface; two threads take as long as one for a quarter of them
@@ -56,6 +58,33 @@ def world() -> Comm:
     return _world
 
 
+def collective_exit(
+    exit_code: int, seconds: float = 10.0, say: Callable[[], object] | None = None
+) -> None:
+    """Wait until all ranks are about to leave with an error: mpirun ends the others, silently, as
+    soon as one has left.
+
+    Not for ever: a rank that is alone with its error ends the job after `seconds`. say(): rank 0
+    calls it at once, another rank where it is left alone, so that it is heard once.
+    """
+    say = say or (lambda: None)
+    if launcher_rank() == 0:
+        say()
+    try:
+        comm = world()
+    except GfmdError:  # no way to wait for each other: time enough for one line
+        time.sleep(1.0 if launched()[0] else 0.0)
+        return
+    if comm.size > 1:
+        request, end = comm.mpi.Ibarrier(), time.monotonic() + seconds
+        while not request.Test():
+            if time.monotonic() > end:
+                if comm.rank != 0:
+                    say()
+                comm.mpi.Abort(exit_code)
+            time.sleep(0.01)
+
+
 def comm_of(given: Any) -> Comm:
     """The communicator that a caller means: None for this process alone, one of mpi4py, or one of
     this file. Raises SceneError."""
@@ -85,9 +114,9 @@ def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
                 f" ({THREADS_PER_CORE} per core)"
             )
         return wanted
-    cores, of_slurm = len(os.sched_getaffinity(0)), os.environ.get("SLURM_CPUS_PER_TASK", "")
+    here, of_slurm = len(cores()), os.environ.get("SLURM_CPUS_PER_TASK", "")
     asked = int(comm.min([int(of_slurm) if of_slurm.isdigit() else 0])[0])
-    return min(asked, cores) or auto_threads(points, comm.size, cores)
+    return min(asked, here) or auto_threads(points, comm.size, here)
 
 
 def auto_threads(points: int, ranks: int, cores: int) -> int:
@@ -99,7 +128,7 @@ def auto_threads(points: int, ranks: int, cores: int) -> int:
 def ranks_per_node(ranks: int, threads: int) -> int:
     """How many of so many ranks share a node, as long as nobody says: as many as Slurm starts on
     one, else as the cores that this process may use are enough for."""
-    return min(ranks, tasks_per_node() or max(1, len(os.sched_getaffinity(0)) // threads))
+    return min(ranks, tasks_per_node() or max(1, len(cores()) // threads))
 
 
 def _abort_on_error(mpi: Any, hook: Hook) -> Hook:

@@ -13,9 +13,9 @@ class FigureContext:
     """A result as it is drawn.
 
     result; chosen: indices into its steps; window: (x0, x1, y0, y1) in the unit of its sizes,
-    points: the same in grid points; units, theory, lengths: how it is scaled, and what is drawn
-    beside it; dpi: of the print; name: in a legend of several results.
-    """
+    points: the same in grid points; hardness: of the solid, None without one; units, theory,
+    lengths: how it is scaled, and what is drawn beside it; dpi: of the print; name: in a legend of
+    several results."""
 
     def __init__(
         self,
@@ -30,6 +30,7 @@ class FigureContext:
         self.window, self.points = window_of(result.surface, window)
         scene = scene_of(result)
         self.theory = theory_of(scene, result.surface)
+        self.hardness = scene.material.hardness if scene else None
         self.units = Units(result, self.theory, dimensionless)
         # 1 where all varies along one axis alone
         self.dimensions = 1 if 0 in getattr(scene and scene.surface, "periods", ()) else 2

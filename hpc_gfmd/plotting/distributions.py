@@ -12,6 +12,7 @@ from .style import THEORY, colour, log_axis
 from .survey import histogram
 from .units import good, label
 
+HARDNESS = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
 DECADES = 5  # of the gap, below the largest one; smaller ones are rounding
 NAMES = {  # symbol, density, title; how many of the smallest count a bin has at least
     "pressure": ("p", "P(p)", "pressure in the contact", 4),
@@ -55,6 +56,8 @@ def _panel(ax: Any, context: FigureContext, name: str) -> None:
     log_axis(ax, "y")
     if name == "pressure":
         ax.set_xlim(0, 1.03 * highest / unit)
+        if context.hardness is not None:
+            ax.axvline(context.hardness / unit, label="hardness", **HARDNESS)
         _theory(ax, context, found, unit)
     else:
         lowest = min(edges[edges > 0][0] for _, edges, _ in found)

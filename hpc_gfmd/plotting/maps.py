@@ -24,7 +24,7 @@ from .style import (
 from .survey import Survey, survey
 from .units import good
 
-SYMBOLS = {"pressure": "p", "gap": "g", "heights": "z", "displacement": "u"}
+SYMBOLS = {"pressure": "p", "gap": "g", "heights": "z", "displacement": "u", "plastic": "d"}
 COLOURS = {"pressure": PRESSURE_MAP, "gap": GAP_MAP, "heights": HEIGHT_MAP}
 # a largest value that is more than this times the 99.5th percentile does not set the colours
 SPIKY = 1.25
@@ -41,7 +41,8 @@ def maps(context: FigureContext, names: list[str]) -> Page:
     @cache
     def found(k: int) -> Survey:
         fields = context.fields(k)
-        needed = {*names, "pressure", "gap"} if {*names} - {"heights", "displacement"} else {*names}
+        alone = {*names} <= {"heights", "displacement", "plastic"}
+        needed = {*names} if alone else {*names, "pressure", "gap"}
         return survey({n: fields[n] for n in needed & {*fields}}, pixels, context.points)
 
     panels = [

@@ -46,9 +46,9 @@ def plot(
         Solved loads, or the file with them. Of several, a list or a dict by the names in the
         legend, only curves are drawn.
     what : str, optional
-        "maps" (contact, pressure, gap), one of these or "heights", "displacement"; "distributions",
-        "spectra"; "curves" over the load or one of them: "a_r", "kappa", "gap_mean", "approach". By
-        default the first of them that there is.
+        "maps" (contact, pressure, gap), one of these or "heights", "displacement", "plastic";
+        "distributions", "spectra"; "curves" over the load or one of them: "a_r", "kappa",
+        "gap_mean", "approach". By default the first of them that there is.
     step : int or list of int, optional
         The numbers of load steps; by default all for curves, otherwise at most four, first and last
         among them.
@@ -127,7 +127,7 @@ def _result(given: Any) -> Result:
 def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
     """{name: picture} of the maps, distributions, spectra and curves that there are, or of `what`
     (names); how: see plot."""
-    result = result if isinstance(result, Result) else read_result(result)
+    result = _result(result)
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
     there = ["maps"] if how.get("window") else [name for name in PAGES if _steps(result, name)]
@@ -145,24 +145,18 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
     RESULT_NAME.png. what, how: see figures and plot. Raises SceneError and GfmdError as plot, and
     where the pictures cannot be written.
     """
-    result: Any = file if isinstance(file, Result) else read_result(file)
+    result: Any = _result(file)
     where = Path(where or result.path.with_suffix(SUFFIXES[0]))
     as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
     folder = where.parent if as_file else where
     try:
-        if not as_file:
-            folder.mkdir(exist_ok=True)
-        if not folder.is_dir():
-            raise SceneError(f"-o: the folder {folder} does not exist")
+        folder.mkdir(exist_ok=True)
     except OSError as error:
         raise SceneError(f"-o: pictures cannot go to {folder} ({one_line(error)})") from None
-    drawn = figures(result, what, **how)
-    paths = []
+    drawn, paths = figures(result, what, **how), []
     for name, fig in drawn.items():
-        one = where if as_file and len(drawn) == 1 else None
-        paths.append(
-            one or (where.with_stem(f"{where.stem}_{name}") if as_file else folder / f"{name}.png")
-        )
+        path = where.with_stem(f"{where.stem}_{name}") if as_file else folder / f"{name}.png"
+        paths.append(where if as_file and len(drawn) == 1 else path)
         try:
             save(fig, paths[-1], how.get("dpi"))
         except OSError as error:

@@ -13,7 +13,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
-from ..util.atomic import aside
+from ..util.atomic import atomic_write
 from .units import tex_number
 
 # Okabe and Ito; the last one is kept for warnings
@@ -148,5 +148,5 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
 
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:
     """Under path in one move, in the format that its suffix names; dpi: default that of RC."""
-    with aside(path) as tmp:
+    with atomic_write(path) as tmp:
         fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi or RC["savefig.dpi"])

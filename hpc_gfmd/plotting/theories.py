@@ -10,7 +10,7 @@ import numpy as np
 
 from ..output.read import Result
 from ..scene import Scene
-from ..theory import persson
+from ..theory import persson, yielding
 from ..theory.elastic import Hertz, Westergaard
 from ..theory.slope_profile import SlopeProfile
 from ..util.errors import SceneError
@@ -49,6 +49,9 @@ def theory_of(scene: Scene | None, found: Mapping[str, Any]) -> Theory | None:
     surface, E_star = scene.surface, float(scene.material.E_star)
     if scene.material.thickness is not None:
         return None
+    if (hardness := scene.material.hardness) is not None:
+        periodic = surface.kind == "self-affine" and not any(surface.free)
+        return _yielding(E_star, float(hardness), found) if periodic else None
     if surface.kind == "sphere":
         return _hertz(surface, E_star) if len({*surface.radii}) == 1 else None
     if any(surface.free):
@@ -82,6 +85,24 @@ def _persson(surface: Any, E_star: float, found: Any) -> Theory | None:
         "Persson, Phys. Rev. Lett. 99 (2007) 125502, doi:10.1103/PhysRevLett.99.125502",
     )
     return Theory(name, lambda p: persson.contact_area(p / unit), gap, density, sources=sources)
+
+
+def _yielding(E_star: float, hardness: float, found: Any) -> Theory | None:
+    slope = found.get("g_rms")
+    if not good(slope):
+        return None
+
+    def density(x: Any, p: Any) -> np.ndarray:
+        return yielding.pressure_distribution(x, p, hardness, slope, E_star)
+
+    def area(p: Any) -> np.ndarray:
+        def one(p0: float) -> float:
+            return yielding.areas(p0, hardness, slope, E_star)[0] if p0 < hardness else np.nan
+
+        return np.vectorize(one)(p)
+
+    source = "Persson, Phys. Rev. Lett. 87 (2001) 116101, doi:10.1103/PhysRevLett.87.116101"
+    return Theory("Persson, two ends", area, None, density, sources=(source,))
 
 
 def _hertz(surface: Any, E_star: float) -> Theory:

@@ -73,29 +73,25 @@ class Units:
             "" if dimensionless else surface.get(unit, "") for unit in ("unit", "pressure_unit")
         )
         self.size = surface.get("physical_sizes", (1.0, 1.0))[0]
-        self.height_scale = (
-            theory.height
-            if theory and theory.height
-            else Scale(surface.get("h_rms") or 0.0, r"h_\mathrm{rms}", True)
-        )
+        h_rms = Scale(surface.get("h_rms") or 0.0, r"h_\mathrm{rms}", True)
+        self.height_scale = (theory and theory.height) or h_rms
         slope = surface.get("g_rms")
-        moduli = [
+        moduli = (
             step["p"] / step["p_star"] / slope
             for step in result.steps
             if good(slope) and good(step.get("p_star")) and good(step.get("p"))
-        ]
-        self.p_star = moduli[0] * slope if moduli else None  # the pressure at p* = 1
+        )
+        E_star = next(moduli, None)
+        self.p_star = E_star and E_star * slope  # the pressure at p* = 1
         self.rough = surface.get("kind", "self-affine") not in ("wave", "sphere")
-        name, factor = (r"E^* g_\mathrm{rms}", slope) if self.rough else ("E^*", 1.0)
-        self.pressure_scale = Scale(moduli[0] * factor, name, True) if moduli else Scale(1.0)
+        name, unit = (r"E^* g_\mathrm{rms}", self.p_star) if self.rough else ("E^*", E_star)
+        self.pressure_scale = Scale(unit, name, True) if unit else Scale(1.0)
 
     def lengths(self, values: Any = ()) -> Scale:
         """Scale positions."""
-        return (
-            _absolute(values or [self.size], self.length_unit)
-            if self.length_unit
-            else Scale(self.size, "L_x", True)
-        )
+        if self.length_unit:
+            return _absolute(values or [self.size], self.length_unit)
+        return Scale(self.size, "L_x", True)
 
     def heights(self, values: Iterable[Any]) -> Scale:
         """Scale gaps and heights."""

@@ -14,9 +14,8 @@ from ..driver.nested import Decimation
 from ..kernels.bpx import UpdateSums
 from ..operators.multilevel import FIELDS, Step, steps_of, traffic_of
 from ..parallel.coarsening import Level
-from ..parallel.comm import stages
+from ..parallel.comm import DryRunComm, stages
 from ..parallel.grid import Grid
-from ..parallel.imagined import Imagined
 from ..parallel.layout import Layout
 
 # numbers that a step of bpx sums over all ranks, the last with those of a sweep
@@ -153,7 +152,7 @@ def share_of(
 ) -> Share:
     """The Share of one rank of a grid of n points; nominal: those of the surface; per_node: ranks
     on each node, dealt out in their order, which need no messages to transpose among themselves."""
-    comm: Any = Imagined(rank, ranks, np.arange(ranks) // per_node)
+    comm: Any = DryRunComm(rank, ranks, np.arange(ranks) // per_node)
     return Share(Grid(n, sizes, comm, nominal=nominal), np.dtype(dtype), nested)
 
 

@@ -50,6 +50,8 @@ def check(scene: Scene) -> None:
             f"solver.accuracy: found {accuracy:g}, allowed with a free boundary: above {known:g},"
             " or a residual"
         )
+    if "plastic" in scene.output.fields and scene.material.hardness is None:
+        raise SceneError('output.fields: found "plastic", allowed with material.hardness')
     if scene.solver.low_memory and "displacement" in scene.output.fields:
         raise SceneError(
             'output.fields: found "displacement", allowed with solver.low_memory: pressure, gap,'
@@ -78,6 +80,7 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         getattr(scene.surface, "lam_s", None),
         duality=not {"error_bounds", *OF_DUALITY}.isdisjoint(scene.output.observables or ()),
         body=body_of(scene.material, scene.surface.free),
+        hardness=scene.material.hardness,
     )
     _require_like_units(scene, sweep.surface)
     return sweep

@@ -18,6 +18,7 @@ import numpy as np
 from ..parallel.launcher import LAUNCHER
 from ..scene import Load
 from ..util.errors import GfmdError, SceneError
+from ..util.machine import cores
 from .solution import Solutions
 from .solve import Loads, solve
 
@@ -73,7 +74,7 @@ def solve_many(
     >>> walls = (hpc_gfmd.make_surface("self-affine", seed=seed, **rough) for seed in range(200))
     >>> areas = [found.values("a_r") for found in hpc_gfmd.solve_many(walls, p_star=[0.01, 0.1])]
     """
-    count = len(os.sched_getaffinity(0)) if processes == "auto" else processes
+    count = len(cores()) if processes == "auto" else processes
     if not isinstance(count, int | np.integer) or count < 1:
         raise SceneError(
             f'processes: found {processes!r}, allowed: a whole number from 1, or "auto"'

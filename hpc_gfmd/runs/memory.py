@@ -1,11 +1,9 @@
 """How much memory a scene takes on each rank, and whether it is there."""
 
 import math
-import os
-import resource
+import platform
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -22,42 +20,63 @@ from ..driver.precision import (
 from ..operators.problem import TRANSFORMED
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
-from ..parallel.guard import agree
+from ..parallel.guard import raise_on_all
 from ..scene import Scene
 from ..surface import cell_of
 from ..util.errors import SceneError
+from ..util.machine import GIB, available_gib, limit_gib
 from .decomposition import share_of
 
-# g, p; d, which has half the width; and h, which in low memory is kept only where the surface
-# ends
-FIELDS, STEP = 2, 0.5
-SOLVER = (
-    4  # and a copy of the gap: what a coarse solution takes while it becomes that of the next grid
-)
-TANGENT = 4
-PIECE_GIB = 1 / 16  # of a field that is written at a time
-MODES_GIB = 0.025  # while the modes are made that free edges couple
-PROCESS_GIB = 0.2  # interpreter, libraries, compiled kernels, MPI buffers
-# what threads keep for themselves, however many; each of them
-THREADS_GIB, THREAD_GIB = 0.01, 0.0015
-GIB = 2**30
 
-# points: for more, which no machine holds, not even the tables of an axis are worth making
-LONGEST_AXIS = 2**26
+@dataclass(frozen=True)
+class Needs:
+    """What a rank takes, as measured on resident memory.
+
+    Attributes
+    ----------
+    fields, step : float
+        Fields as long as the slab: g and p; d, which has half the width.
+    solver : float
+        And a copy of the gap: what a coarse solution takes while it becomes that of the next grid.
+    tangent : float
+        What the stiffness takes.
+    piece_gib, modes_gib : float
+        Of a field that is written at a time; while the modes are made that free edges couple.
+    process_gib : float
+        Interpreter, libraries, compiled kernels, MPI buffers.
+    threads_gib, thread_gib : float
+        What threads keep for themselves, however many; each of them.
+    longest_axis : int
+        Points: for more, which no machine holds, not even the tables of an axis are worth making.
+    """
+
+    fields: float = 2.0
+    step: float = 0.5
+    solver: float = 4.0
+    tangent: float = 4.0
+    piece_gib: float = 1 / 16
+    modes_gib: float = 0.025
+    process_gib: float = 0.2
+    threads_gib: float = 0.01
+    thread_gib: float = 0.0015
+    longest_axis: int = 2**26
+
+
+NEEDS = Needs()
 
 
 @dataclass(frozen=True)
 class Memory:
-    """GiB on one rank: fields and levels, heights, transforms of the solver (with all threads'
-    scratch), of the certificate, the process; and the sum. all_heights: those of all ranks, which
+    """GiB on one rank: fields and levels, the process, heights, transforms of the solver (with all
+    threads' scratch), of the certificate; and the sum. all_heights: those of all ranks, which
     with free edges are not spread evenly."""
 
     fields: float
-    heights: float
-    transforms: float
-    certificate: float
     process: float
-    all_heights: float
+    heights: float = 0.0
+    transforms: float = 0.0
+    certificate: float = 0.0
+    all_heights: float = 0.0
 
     @property
     def total(self) -> float:
@@ -88,29 +107,25 @@ def memory_of(
     dtype = max(each, key=lambda dtype: dtype.itemsize)
     itemsize, free = dtype.itemsize, scene.surface.free
     cell = cell_of(n, free, sizes)
-    if max(cell) > LONGEST_AXIS:
-        return Memory(
-            FIELDS * np.prod(cell, dtype=float) * itemsize / ranks / GIB,
-            0.0,
-            0.0,
-            0.0,
-            PROCESS_GIB,
-            0.0,
-        )
+    if max(cell) > NEEDS.longest_axis:
+        points = np.prod(cell, dtype=float) / ranks
+        return Memory(NEEDS.fields * points * itemsize / GIB, NEEDS.process_gib)
     low, nested = scene.solver.low_memory, scene.solver.nested is not False
     share = share_of(cell, dtype, ranks, rank, nominal=n, nested=nested, per_node=per_node)
-    field, step = share.points * itemsize / GIB, STEP * share.points * itemsize / GIB
+    field = share.points * itemsize / GIB
     kept = itemsize if any(free) or not low else 0  # of a height
     loads = each.count(dtype)  # in the largest precision: before it nothing is kept
 
     levels, coarse = share.level_bytes / GIB, share.nested_points * itemsize / GIB
     # of the next grid, over this one
     first = np.prod(share.grids[0].shape) / share.points if share.grids else 0.0
-    passing = [
-        2 * min(field, PIECE_GIB) if scene.output.fields else 0.0,  # as it is, and as it is written
-        coarse + first * (SOLVER * field + levels) if not low and loads > 1 else 0.0,
-        field * TANGENT + levels if "stiffness" in (scene.output.observables or ()) else 0.0,
-    ]
+    passing = [0.0]
+    if scene.output.fields:
+        passing.append(2 * min(field, NEEDS.piece_gib))  # as it is, and as it is written
+    if not low and loads > 1:
+        passing.append(coarse + first * (NEEDS.solver * field + levels))
+    if "stiffness" in (scene.output.observables or ()):
+        passing.append(field * NEEDS.tangent + levels)
 
     def spectra(precision: DTypeLike, grids: Iterable[Grid]) -> float:
         return sum(share.layout_of(grid, precision).bytes for grid in grids) / GIB
@@ -124,25 +139,22 @@ def memory_of(
     transforms += sum(
         scratch(precision, grids) for precision in {dtype, first_precision(scene.solver)}
     )
-    certificate = (
-        0.0
-        if low or itemsize == 8
-        else spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
-    )
-    if low and itemsize == 4 and with_table == 1 and _in_double(scene, n, cell):
+    certificate = 0.0
+    if not low and itemsize == 4:
+        certificate = spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
+    elif itemsize == 4 and with_table == 1 and _in_double(scene, n, cell):
         # in turn with the solver's transforms, half as large, and d
-        certificate = step
+        certificate = NEEDS.step * field
     flat = field if any(free) and _closes(scene) else 0.0
-    heights, all_heights = (rows * n[1] * kept / GIB for rows in (share.grid.inside[0], n[0]))
-    levels += MODES_GIB if all(free) else 0.0
-    process = PROCESS_GIB + (THREADS_GIB + THREAD_GIB * threads) * (threads > 1)
+    levels += NEEDS.modes_gib * all(free)
+    of_threads = (NEEDS.threads_gib + NEEDS.thread_gib * threads) * (threads > 1)
     return Memory(
-        FIELDS * field + step + levels + flat + max(passing),
-        heights,
+        (NEEDS.fields + NEEDS.step) * field + levels + flat + max(passing),
+        NEEDS.process_gib + of_threads,
+        share.grid.inside[0] * n[1] * kept / GIB,
         transforms,
         certificate,
-        process,
-        all_heights,
+        n[0] * n[1] * kept / GIB,
     )
 
 
@@ -165,69 +177,6 @@ def _in_double(scene: Scene, n: tuple[int, int], cell: tuple[int, int]) -> bool:
     return noise > CALIBRATION.noise_in_turn * counting(scene.solver, p_star)
 
 
-def available_gib() -> float:
-    """Memory of this machine that new processes can get together, of their control group if that is
-    less."""
-    gib = float("inf")
-    try:
-        with open("/proc/meminfo") as file:
-            gib = (
-                next(int(line.split()[1]) for line in file if line.startswith("MemAvailable"))
-                / 2**20
-            )
-    except (OSError, StopIteration, ValueError):
-        gib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
-    for folder in control_groups():
-        for limit, used in (
-            ("memory.max", "memory.current"),
-            ("memory.limit_in_bytes", "memory.usage_in_bytes"),
-        ):
-            try:
-                cached = next(
-                    (
-                        int(line.split()[1])
-                        for line in (folder / "memory.stat").read_text().splitlines()
-                        if line.startswith("inactive_file ")
-                    ),
-                    0,
-                )  # given back when somebody needs it
-                gib = min(
-                    gib,
-                    (int((folder / limit).read_text()) - int((folder / used).read_text()) + cached)
-                    / GIB,
-                )
-            except (OSError, ValueError):  # another version of control groups, or "max"
-                pass
-    return gib
-
-
-def control_groups(
-    root: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")
-) -> list[Path]:
-    """Folders of the control groups that may limit the memory of this process: its own and all
-    around it."""
-    try:
-        lines = [line.split(":", 2) for line in own.read_text().splitlines()]
-    except OSError:
-        lines = []
-    found = [root]  # inside a container, where the path may be that outside
-    for _, kinds, path in lines:
-        if kinds == "" or "memory" in kinds.split(","):
-            top = root / "memory" if kinds else root
-            here = top / path.lstrip("/")
-            found += [here, *(group for group in here.parents if group.is_relative_to(top))]
-    return list(dict.fromkeys(found))
-
-
-def limit_gib() -> float:
-    """Memory that this process alone may still take (ulimit -v)."""
-    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if limit == resource.RLIM_INFINITY:
-        return float("inf")
-    with open("/proc/self/statm") as file:
-        return (limit - int(file.read().split()[0]) * resource.getpagesize()) / GIB
-
-
 def require_memory(
     comm: Comm, scene: Scene, n: tuple[int, int], sizes: tuple[float, ...], threads: int
 ) -> None:
@@ -246,7 +195,7 @@ def require_memory(
     if together > there:
         error = SceneError(
             f"surface: {n[0]} x {n[1]} points need {together:.2f} GiB on {comm.machine.size} of"
-            f" {comm.size} ranks, {os.uname().nodename} has {there:.2f} GiB: use more machines,"
+            f" {comm.size} ranks, {platform.node()} has {there:.2f} GiB: use more machines,"
             " fewer points or single precision"
         )
-    agree(comm, error)
+    raise_on_all(comm, error)

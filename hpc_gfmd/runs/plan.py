@@ -8,8 +8,9 @@ import numpy as np
 
 from ..driver.precision import first_precision, precisions
 from ..surface import cell_of
+from ..util.machine import GIB
 from .decomposition import busiest
-from .memory import FIELDS, GIB, STEP, memory_of
+from .memory import NEEDS, memory_of
 from .timing import Cluster, expected_pairs, expected_seconds
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def plan_of(
         "certificate_gib": memory.certificate,
         "process_gib": memory.process,
         "file_gib": len(known) * fields * written,
-        "checkpoint_gib": (FIELDS + STEP) * cell[0] * cell[1] * decided.itemsize / GIB,
+        "checkpoint_gib": (NEEDS.fields + NEEDS.step) * cell[0] * cell[1] * decided.itemsize / GIB,
         "notes": scene.warnings(),
         "seconds": expected_seconds(scene, n, ranks, cores, cell),
         "seconds_on_nodes": Cluster().seconds(alone, pairs, traffic, ranks),

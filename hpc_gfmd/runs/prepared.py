@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..contact.contact import heights_of
+from ..output.summary import surface_line
 from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..surface import build_surface
 from ..surface.arrays import ArrayMap, is_topography, of_topography, unreliable
 from ..surface.prepare import prepare
 from ..surface.topography import Topography, open_topography, topography_of
-from ..util.quantities import prefixed
 
 if TYPE_CHECKING:
     from ..plotting.style import Figure
@@ -67,23 +67,13 @@ class PreparedSurface:
         return height_map(self.heights, self.sizes, self.unit, **how)
 
     def __repr__(self) -> str:
-        n_x, n_y = self.heights.shape
-        (scale, unit), (fine, small) = (
-            prefixed(self.sizes, self.unit),
-            prefixed([self.h_rms], self.unit),
-        )
-        sizes = " x ".join(f"{size / scale:.4g}" for size in self.sizes)
+        known = {"n": self.heights.shape, "physical_sizes": self.sizes, "h_rms": self.h_rms}
         edges = {(False, False): "periodic", (True, True): "free edges"}.get(
             self.free, f"free edges along {'xy'[self.free[1]]}"
         )
-        said = [
-            f"{n_x} x {n_y} points",
-            f"L = {sizes} {unit}".strip(),
-            f"h_rms = {self.h_rms / fine:.4g} {small}".strip(),
-            edges,
-        ]
+        said = [surface_line(known | {"unit": self.unit}), edges, *self.prepared]
         notes = f"; note: {'; '.join(self.notes)}" if self.notes else ""
-        return f"<surface: {', '.join([*said, *self.prepared])}{notes}>"
+        return f"<surface: {', '.join(said)}{notes}>"
 
 
 def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -> PreparedSurface:

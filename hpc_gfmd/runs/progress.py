@@ -19,13 +19,21 @@ class Reporter:
     """say(text) prints a line; step(...) begins a load step; watch(iterations, progress) after
     every iteration; done() ends it.
 
-    bar: whether a bar is drawn; None: on a terminal.
+    bar: whether a bar is drawn; None: on a terminal and in a notebook. out: where lines go.
     """
 
-    def __init__(self, comm: Comm, target: Solver, quiet: bool = False, bar: bool | None = None):
+    def __init__(
+        self,
+        comm: Comm,
+        target: Solver,
+        quiet: bool = False,
+        bar: bool | None = None,
+        out: Any = None,
+    ):
         self.silent = comm.rank != 0 or quiet
-        self.out, self.err = Stream(sys.stdout), Stream(sys.stderr)
-        wanted = os.environ.get("HPC_GFMD_PROGRESS") or ("bar" if self.err.isatty() else "log")
+        self.out, self.err = Stream(out or sys.stdout), Stream(sys.stderr)
+        seen = self.err.isatty() or "ipykernel" in sys.modules
+        wanted = os.environ.get("HPC_GFMD_PROGRESS") or ("bar" if seen else "log")
         self.bar_wanted = (wanted == "bar" if bar is None else bar) and not self.silent
         self.target = target
         self.bar: Any = None
@@ -39,7 +47,7 @@ class Reporter:
         self.begun = self.last = time.monotonic()
         self.first: float | None = None
         if self.bar_wanted:
-            from tqdm import tqdm
+            from tqdm.auto import tqdm  # in a notebook one of its own
 
             self.bar = tqdm(
                 total=1.0,
@@ -63,7 +71,9 @@ class Reporter:
             if self.first and 0 < error < math.inf and self.first > wanted:
                 done = math.log(self.first / error) / math.log(self.first / wanted)
                 self.bar.n = min(max(done, self.bar.n), 1.0)
-            self.bar.set_postfix_str(f"iteration {iterations}, error {error:.1e}")
+            self.bar.set_postfix_str(
+                f"iteration {iterations}, error {error:.1e} (wanted {wanted:.0e})"
+            )
         elif time.monotonic() - self.last > LINE_SECONDS:
             self.last = time.monotonic()
             self.say(

@@ -14,6 +14,8 @@ from ..parallel.grid import Grid
 from ..surface import Surface, grid_of
 from ..util.errors import SceneError
 
+ROUNDING = 1e-6  # relative, of stored pressures
+
 
 def restored_contact(result: Result) -> Contact:
     """The Contact of a Result with one load, on one process. Raises SceneError without its pressure
@@ -42,8 +44,12 @@ def restored_contact(result: Result) -> Contact:
     if heights is not None:
         surface = replace(surface, h=heights / -surface.height_unit)
     touching = int(np.count_nonzero(fields["pressure"] > 0))
+    hardness, yielded = scene.material.hardness, 0
+    if hardness is not None:
+        yielded = int(np.count_nonzero(fields["pressure"] >= (1 - ROUNDING) * hardness))
     certificate = Certificate(
         contact=touching,
+        yielded=yielded,
         gap_mean=float(fields["gap"].mean(dtype=float)) / surface.height_unit,
         energy=np.nan,
     )
@@ -63,6 +69,7 @@ def restored_contact(result: Result) -> Contact:
         scene.solver.tolerance,
         getattr(scene.surface, "lam_s", None),
         body_of(scene.material, free),
+        hardness=hardness,
     )
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..contact import all_numbers
 from ..contact.contact import Contact, heights_of
 from ..driver.load_target import LoadTarget
 from ..driver.precision import first_precision
@@ -22,7 +23,7 @@ from ..output.record import RunFile
 from ..output.summary import surface_line
 from ..parallel import wisdom
 from ..parallel.comm import Comm
-from ..parallel.guard import guarded, on_rank_0
+from ..parallel.guard import collective_errors, on_rank_0
 from ..parallel.interrupt import Interrupt, Stopped
 from ..parallel.world import threads_of, world
 from ..scene import Scene, load_scene, with_overrides
@@ -101,10 +102,15 @@ def run_scene(
     require_memory(comm, scene, n, sizes, threads)
     rows = grid_of(n, sizes, comm, free=scene.surface.free).nominal_rows
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
-    how: dict[str, Any] = {"compressed": scene.output.compression, "dtype": scene.output.dtype}
+    output = scene.output
+    how: dict[str, Any] = {
+        "compressed": output.compression,
+        "dtype": output.dtype,
+        "about": all_numbers(),
+    }
     with (
         Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt,
-        RunFile(comm, scene.output.path, n, rows, head, {}, force=force, **how) as file,
+        RunFile(comm, output.path, n, rows, head, {}, force=force, **how) as file,
     ):
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")
@@ -295,7 +301,7 @@ def restart(
     overrides: "machine.key=value" texts; nothing else of the scene can be changed.
     """
     comm = comm or world()
-    with guarded(comm, "reading the interrupted run"):
+    with collective_errors(comm, "reading the interrupted run"):
         if comm.rank == 0:
             folder = partial_folder(path)
             if not ((folder / HEAD).exists() or is_held(folder)):

@@ -5,7 +5,6 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -21,17 +20,18 @@ from ..contact import (
 from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..output.fields import FIELDS
 from ..output.read import Result, read_result
-from ..output.save import in_memory, save
+from ..output.save import in_memory
 from ..output.summary import summary, surface_line
-from ..parallel.comm import SerialComm
 from ..scene.explain import nearest
 from ..util.errors import SceneError
-from .references import references_of
+from ..util.quantities import in_units
+from .solved import Solved
 from .table import html_table
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from ..contact.contact import Contact
-    from ..plotting.style import Figure
 
 LOST = ("energy", "approach", *OF_DUALITY)  # observables that the fields do not tell
 
@@ -44,64 +44,42 @@ def _require_known(what: str, name: str, known: set[str]) -> None:
         )
 
 
-def _number(name: str, about: str) -> Any:
-    """A property of a Solution: the number of this name in the result file."""
-    return property(lambda solution: solution.value(name), doc=about)
-
-
 def _field(name: str, about: str) -> Any:
     """A property of a Solution: the field of this name."""
     return property(lambda solution: solution._field(name), doc=about)
 
 
-class _Solved:
-    """What one solved load and several have in common; rows: of the fields, on this rank."""
+class Distribution(dict):
+    """{name: array} of a distribution; units: {name: "Pa"}, "" where nobody named the unit."""
 
-    _picture: str | None = None
-
-    def __init__(self, result: Result, rows: tuple[int, int] | None, comm: Any):
-        self.result, self.comm = result, comm or SerialComm()
-        self.rows = rows or (0, int(result.surface["n"][0]))
-
-    def save(self, path: str | PathLike, force: bool = False) -> Path:
-        """Write a result file, as `hpc-gfmd run` does; returns its path.
-
-        path: of the file, which ends in .h5; force: overwrite a file that is not a result of the
-        same surface, loads and settings, or an interrupted run. Collective. Warns of what it
-        replaces. Raises SceneError where it may not be written, GfmdError where writing fails.
-        """
-        return save(self.result, path, force, self.rows, self.comm)
-
-    def references(self) -> list[str]:
-        """What to cite: the program and the papers behind these numbers, with DOI, a line each."""
-        return references_of(self.result)
-
-    def plot(self, what: str | None = None, **how: Any) -> "Figure":
-        """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads; default of
-        several), "maps" (default of one whose fields are kept), "distributions", "spectra", one
-        field or one curve, such as "a_r".
-
-        how: step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
-        hpc_gfmd.plot, which also draws several results together. Raises SceneError where there is
-        no such picture, or fields are spread over ranks.
-        """
-        from ..plotting import plot
-
-        if self.comm.size > 1:
-            raise SceneError(
-                f"plot: found fields that are spread over {self.comm.size} ranks, allowed: save,"
-                " and plot the file"
-            )
-        return plot(self.result, what or self._picture, **how)
+    units: dict[str, str]
 
 
-class Solution(_Solved):
+class Solution(Solved):
     """A solved load.
 
+    Every number of the result is an attribute of its name: `hpc-gfmd help observables` lists them.
     Pressures are in the unit of E_star (Pa where `pressure_unit` is "Pa"), lengths in that of the
     heights (m where `unit` is "m"). Fields have the shape of the heights, (n_x, n_y), or, where a
     communicator was given, are the rows of this rank: `rows`.
 
+    Attributes
+    ----------
+    p, p_star : float
+        Mean pressure over the nominal area; p/(E* g_rms), nan on a flat surface.
+    a_r, a_r_corrected : float
+        Relative contact area: points in contact over all points; less what points on the edge of
+        the contact count too much (None for profiles and for points that are not square).
+    a_r_error, a_r_discretisation : float
+        Estimated relative errors of a_r: the solver's on this grid; by the size of a grid point.
+    gap_mean : float
+        Mean gap.
+    status : str
+        "converged", "stagnated", "max_iterations", "nonfinite" or "interrupted".
+    iterations, fft_pairs : int, float
+        On the fine grid; everything counted.
+    precision : str
+        "float32" or "float64": in which it was solved.
     result : output.read.Result
         All that is known, by the names of the result file: result.surface, result.steps[0],
         result.fields[0].
@@ -119,30 +97,6 @@ class Solution(_Solved):
         self._step, self._fields = result.steps[0], result.fields[0]
         self._arrays: dict[str, np.ndarray] = {}
 
-    # numbers
-
-    p: float = _number("p", "Mean pressure over the nominal area, in the unit of E_star.")
-    p_star: float = _number("p_star", "p/(E* g_rms), dimensionless; nan on a flat surface.")
-    a_r: float = _number("a_r", "Relative contact area: points in contact over all points.")
-    a_r_corrected: float | None = _number(
-        "a_r_corrected",
-        "a_r less what points on the edge of the contact count too much; None for profiles and for"
-        " points that are not square.",
-    )
-    a_r_error: float = _number(
-        "a_r_error", "Estimated relative error of a_r on this grid: the solver's."
-    )
-    a_r_discretisation: float = _number(
-        "a_r_discretisation", "Estimated relative error of a_r by the size of a grid point."
-    )
-    gap_mean: float = _number("gap_mean", "Mean gap, in the unit of the heights.")
-    status: str = _number(
-        "status", '"converged", "stagnated", "max_iterations", "nonfinite" or "interrupted".'
-    )
-    iterations: int = _number("iterations", "Iterations on the fine grid.")
-    fft_pairs: float = _number("fft_pairs", "FFT pairs of the fine grid, everything counted.")
-    precision: str = _number("precision", '"float32" or "float64": in which it was solved.')
-
     @property
     def kappa(self) -> float:
         """a_r/p_star; nan on a flat surface."""
@@ -153,39 +107,12 @@ class Solution(_Solved):
     def errors(self) -> tuple[float, float, float]:
         """Estimated relative errors, by the solver on this grid, of a_r, of the mean gap and of the
         pressure field (L2)."""
-        return self.a_r_error, self.value("gap_error"), self.value("pressure_error")
+        return self.a_r_error, self.gap_error, self.pressure_error
 
     @property
     def note(self) -> str | None:
         """What limits the meaning of the numbers, such as too few points that touch."""
         return self._step.get("note")
-
-    @property
-    def g_rms(self) -> float:
-        """Realised rms gradient of the heights."""
-        return self.result.surface["g_rms"]
-
-    @property
-    def h_rms(self) -> float:
-        """Realised rms of the heights, in their unit."""
-        return self.result.surface["h_rms"]
-
-    @property
-    def sizes(self) -> tuple[float, float]:
-        """(L_x, L_y) of the nominal area, in the unit of the heights."""
-        return tuple(self.result.surface["physical_sizes"])
-
-    @property
-    def unit(self) -> str:
-        """ "m", or "" where nobody named the unit of length."""
-        return self.result.surface.get("unit", "")
-
-    @property
-    def pressure_unit(self) -> str:
-        """ "Pa", or "" where nobody named the unit of pressure."""
-        return self.result.surface.get("pressure_unit", "")
-
-    # fields
 
     pressure: np.ndarray = _field(
         "pressure", "Contact pressure (n_x, n_y), >= 0, and 0 where the gap is open."
@@ -198,6 +125,9 @@ class Solution(_Solved):
         "displacement",
         "Displacement of the elastic surface away from the rigid one (n_x, n_y): gap + heights.",
     )
+    plastic: np.ndarray = _field(
+        "plastic", "Depth of the dents where the pressure is the hardness (n_x, n_y), >= 0."
+    )
     heights: np.ndarray = _field(
         "heights",
         "Heights of the rigid surface (n_x, n_y), peaks up, measured from the highest: <= 0.",
@@ -208,11 +138,11 @@ class Solution(_Solved):
         """Where the surfaces touch, (n_x, n_y) of bool: pressure > 0."""
         return self.pressure > 0
 
-    # on request
-
     def value(self, name: str) -> Any:
         """A number by its name in the result file, an `observable` or another one."""
         return self._step[name] if name in self._step else self.observable(name)
+
+    _get = value
 
     def observable(self, name: str) -> Any:
         """A number by the name it has in the scene's output.observables, computed now if it was not
@@ -234,13 +164,13 @@ class Solution(_Solved):
                 self._step[one] = all_observables()[one](self._whole_contact())
         return self._step[name] if name in self._step else {one: self._step[one] for one in several}
 
-    def distribution(self, name: str) -> dict[str, np.ndarray] | None:
+    def distribution(self, name: str) -> Distribution | None:
         """Arrays by the name they have in the scene's output.distributions, computed now if they
         were not asked for before.
 
         "pressure", "gap", "patches": {"edges": (k + 1,), "density": (k,)}; "heights_spectrum":
-        {"q", "power"}; ... None where there is nothing to count. Collective. Raises SceneError as
-        `observable`.
+        {"q", "power"}; ... with their `units`. None where there is nothing to count. Collective.
+        Raises SceneError as `observable`.
         """
         along_x, _, along_y = self.result.surface.get("boundary", "").partition(", ")
         require_periodic([name], (along_x == "free", along_y == "free"), "distribution")
@@ -262,13 +192,27 @@ class Solution(_Solved):
         return {name: self._step[name] for name in all_observables() if name in self._step}
 
     @property
-    def distributions(self) -> dict[str, dict[str, np.ndarray]]:
+    def distributions(self) -> dict[str, Distribution]:
         """The distributions that are known so far, by name; `distribution` finds others."""
         return {
             name: found
             for name in all_distributions()
             if (found := self._stored_distribution(name))
         }
+
+    def patch_table(self) -> "DataFrame":
+        """The contact patches as a pandas table, the largest first: area, load (the force that it
+        carries), x and y of its centre, perimeter, periodic (it goes on across an edge of the
+        cell); units by column in its `attrs`."""
+        from pandas import DataFrame
+
+        from ..contact.patches import TABLE_UNITS, patch_table
+
+        self._require_whole("patch_table")
+        found = DataFrame(patch_table(self._whole_contact()))
+        surface = self.result.surface
+        found.attrs["units"] = {name: in_units(unit, surface) for name, unit in TABLE_UNITS.items()}
+        return found
 
     def __repr__(self) -> str:
         return f"<Solution: {summary(self._step, self.result.surface)}>"
@@ -302,13 +246,17 @@ class Solution(_Solved):
             self._contact = restored_contact(self.result)
         return self._contact
 
-    def _stored_distribution(self, name: str) -> dict[str, np.ndarray]:
+    def _stored_distribution(self, name: str) -> Distribution:
         keys = {what: f"{name}_{what}" for what in all_distributions()[name].units}
-        return {what: np.array(self._step[key]) for what, key in keys.items() if key in self._step}
+        there = {what: key for what, key in keys.items() if key in self._step}
+        found = Distribution({what: np.array(self._step[key]) for what, key in there.items()})
+        found.units = {what: self._unit(key) for what, key in there.items()}
+        return found
 
 
-class Solutions(_Solved, Sequence):
-    """The solutions of a sweep of loads, in the order of the loads.
+class Solutions(Solved, Sequence):
+    """The solutions of a sweep of loads, in the order of the loads. Every number of the result is
+    an array over them under its name: `solutions.a_r`.
 
     result : output.read.Result
         All that is known, by the names of the result file.
@@ -326,7 +274,7 @@ class Solutions(_Solved, Sequence):
         super().__init__(result, rows, comm)
         contacts = contacts or [None] * len(result.steps)
         self._all = [
-            Solution(_part(result, slice(k, k + 1), status=step["status"]), contact, rows, comm)
+            Solution(result.some([k], status=step["status"]), contact, rows, comm)
             for k, (step, contact) in enumerate(zip(result.steps, contacts, strict=True))
         ]
 
@@ -337,7 +285,7 @@ class Solutions(_Solved, Sequence):
     def __getitem__(self, index: int | slice) -> "Solution | Solutions":
         if not isinstance(index, slice):
             return self._all[index]
-        some = Solutions(_part(self.result, index), (), self.rows, self.comm)
+        some = Solutions(self.result.some(index), (), self.rows, self.comm)
         some._all = self._all[index]
         return some
 
@@ -360,6 +308,8 @@ class Solutions(_Solved, Sequence):
         found = [one.value(name) for one in self]
         return np.array([np.nan if value is None else value for value in found])
 
+    _get = values
+
     def __repr__(self) -> str:
         lines = [
             f"<{len(self)} solution{'s' * (len(self) != 1)}: {surface_line(self.result.surface)},"
@@ -376,12 +326,6 @@ class Solutions(_Solved, Sequence):
 
     def __reduce__(self) -> tuple:
         return Solutions, (in_memory(self.result), (), self.rows)
-
-
-def _part(result: Result, some: slice, **other: Any) -> Result:
-    """Some of its loads; other: what is said of them otherwise."""
-    picked = {name: getattr(result, name)[some] for name in ("steps", "indices", "fields")}
-    return replace(result, **picked, **other)
 
 
 class Interrupted(KeyboardInterrupt):

@@ -1,6 +1,5 @@
 """Contacts in memory, for notebooks and scripts: as a run, without files."""
 
-import hashlib
 import json
 import sys
 import time
@@ -8,7 +7,6 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
-from functools import partial
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -16,12 +14,12 @@ import numpy as np
 
 from ..contact.contact import Contact, heights_of
 from ..driver.warmup import compile_once
-from ..kernels.cache import announced, sound
+from ..kernels.cache import on_first_compile, retry_without_cache
 from ..output.fields import FIELDS, Slab
 from ..output.read import Result
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
-from ..parallel.guard import guarded
+from ..parallel.guard import collective_errors, raise_on_all
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
 from ..surface.analytic import Rows, on_form
@@ -37,6 +35,7 @@ from .loads import check, solved, step_attributes, surface_attributes, sweep_of,
 from .prepared import PreparedSurface, prepare_surface
 from .progress import Reporter
 from .solution import Interrupted, Solution, Solutions
+from .table import GrowingTable
 
 Number = float | str  # plain, or with a unit: "20 MPa"
 Loads = Number | Sequence[Number] | np.ndarray
@@ -55,6 +54,7 @@ def solve(
     a_r: Loads | None = None,
     force: Loads | None = None,
     approach: Loads | None = None,
+    hardness: Number | None = None,
     nu: float | None = None,
     thickness: Number | None = None,
     base: str | None = None,
@@ -89,6 +89,9 @@ def solve(
         in m then.
     accuracy : float, default 1e-3
         Wanted relative accuracy of a_r, mean gap and pressure field (L2); or residual=.
+    hardness : number or text
+        The largest pressure, in the unit of `E_star`, or such as "6 GPa": elastic - perfectly
+        plastic contact. Default: none.
     nu, thickness, base
         An elastic layer of Poisson's ratio `nu` on a rigid base, "bonded" (default) or
         "frictionless", or with base_E= and base_nu= on an "elastic" one; no `thickness`: a
@@ -98,7 +101,7 @@ def solve(
     radius : number, text or (R_x, R_y)
         Of an array with a free boundary: a ball (inf: a cylinder) under its heights. A surface that
         was read or made knows its own.
-    fields : list of "pressure", "gap", "displacement", "heights"
+    fields : list of "pressure", "gap", "displacement", "plastic", "heights"
         Fields that are kept and that `save` writes; () keeps none, for long sweeps of large maps.
     observables, distributions : lists of names
         As in the scene's [output]: computed with each load beside the cheap ones; others can be
@@ -107,7 +110,7 @@ def solve(
         Threads of this process: the cores that it may use, one for less than 1024 x 1024 points,
         where more do not pay; one of each rank with `comm`. No result depends on their number.
     progress : bool
-        Whether to draw a progress bar for each load.
+        Whether to draw a progress bar for each load, and to print its row of the table after it.
     comm : communicator of mpi4py
         In scripts under mpirun: every rank calls this with the same whole `heights` (a memory map
         will do) and gets the same numbers; fields are those of its own rows, `solution.rows` =
@@ -146,14 +149,15 @@ def solve(
     given = {key: arguments[key] for key in HOMES if key in arguments} | {"nu1": nu}
     started, begun = datetime.now(UTC).isoformat(timespec="seconds"), time.monotonic()
     comm = comm_of(comm)
-    with guarded(comm, "reading the arguments"):
+    with collective_errors(comm, "reading the arguments"):
         if is_topography(heights):
             heights = prepare_surface(heights)
         known = heights if isinstance(heights, PreparedSurface) else None
         scene = scene_of_keywords(given, more, known)
         check(scene)
         z = _complete(heights if known is None else known.heights)
-    _require_the_same(comm, scene, z.shape)
+    if comm.size > 1:
+        _require_the_same(comm, scene, z.shape)
     of_each_rank = threads_of(comm, scene.machine.threads, z.size)
     head: dict[str, Any] = {}
     sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
@@ -194,13 +198,14 @@ def solve(
     steps: list[dict] = []
     contacts: list[Contact | None] = []  # None where no field is kept
     last: dict[str, Any] = {}
+    say = Reporter(comm, scene.solver, not progress, progress, sys.stderr)
 
     def solve_all() -> None:
         steps.clear()
         contacts.clear()
         sweep = sweep_of(scene, make_surface)
         loads = sweep.pressures(scene.load)
-        say = Reporter(comm, scene.solver, quiet=not progress, bar=progress)
+        table = GrowingTable(surface_attributes(scene, sweep.surface))
         for index, contact, seconds in solved(scene, sweep, loads, say):
             attributes = step_attributes(scene, index, contact, seconds)
             last["surface"], keeps = contact.surface, bool(scene.output.fields)
@@ -208,6 +213,7 @@ def solve(
                 contact = replace(contact, g=contact.g.copy(), p=contact.p.copy())
             contacts.append(contact if keeps else None)
             steps.append(attributes)  # last: a load is done with it
+            say.say(table.add({index: attributes}))
 
     stopped, several = False, several_loads(given)
     try:
@@ -215,8 +221,8 @@ def solve(
             compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
             solve_all()
         else:
-            with announced(partial(print, file=sys.stderr) if progress else None):
-                sound(solve_all)
+            with on_first_compile(say.say):
+                retry_without_cache(solve_all)
     except KeyboardInterrupt:
         if comm.size > 1 or not (steps and several):  # other ranks may not have been interrupted
             raise
@@ -309,16 +315,14 @@ def _warn(comm: Comm, steps: Sequence[dict]) -> None:
             )  # where the caller of solve is
 
 
-def _require_the_same(comm: Comm, scene: Scene, shape: Sequence[int]) -> None:
+def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
     """Raise SceneError on all ranks where they were not called with the same arguments."""
-    digest = int.from_bytes(
-        hashlib.blake2b(repr((scene.to_toml(), tuple(shape))).encode(), digest_size=6).digest()
-    )  # fits a float64
-    if comm.min([digest])[0] != comm.max([digest])[0]:
-        raise SceneError(
-            "hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole"
-            " map on each"
-        )
+    own = scene.to_toml(), shape
+    error = SceneError(
+        "hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map"
+        " on each"
+    )
+    raise_on_all(comm, None if comm.bcast(own) == own else error)
 
 
 def _complete(heights: Any) -> np.ndarray:

@@ -15,33 +15,40 @@ LEGEND = (
     " grid point, % of a_r"
 )
 
-# attribute, heading, estimated relative error or format; left out where no step has it
-COLUMNS = (
-    ("target_gap_mean", "asked: gap", None),
-    ("target_gap_over_h_rms", "asked: gap/h_rms", None),
-    ("target_a_r", "asked: a_r", None),
-    ("target_force", "force", None),
-    ("target_approach", "asked: approach", None),
-    ("p_star", "p*", None),
-    ("p", "p", None),
-    ("a_r", "a_r", "a_r_error"),
-    ("a_r_discretisation", "grid", ".2g"),
-    ("kappa", "kappa", None),
-    ("kappa_corrected", "kappa_corrected", None),
-    ("gap_mean", "mean gap", "gap_error"),
-    ("approach", "approach", None),
-    ("gap_over_h_rms", "gap/h_rms", None),
-    ("stiffness", "stiffness", None),
-    ("patches", "patches", None),
-    ("patch_largest", "patch_largest", None),
-    ("perimeter", "perimeter", None),
-    ("pressure_error", "error of p", ".2g"),
-    ("iterations", "iter.", None),
-    ("fft_pairs", "FFT pairs", ".1f"),
-    ("wall_seconds", "time", ".3g"),
-    ("precision", "precision", None),
-    ("status", "status", None),
-)
+# attribute: heading; left out where no step has it
+COLUMNS = {
+    "target_gap_mean": "asked: gap",
+    "target_gap_over_h_rms": "asked: gap/h_rms",
+    "target_a_r": "asked: a_r",
+    "target_force": "force",
+    "target_approach": "asked: approach",
+    "p_star": "p*",
+    "p": "p",
+    "a_r": "a_r",
+    "a_r_discretisation": "grid",
+    "kappa": "kappa",
+    "kappa_corrected": "kappa_corrected",
+    "gap_mean": "mean gap",
+    "approach": "approach",
+    "gap_over_h_rms": "gap/h_rms",
+    "stiffness": "stiffness",
+    "patches": "patches",
+    "patch_largest": "patch_largest",
+    "perimeter": "perimeter",
+    "pressure_error": "error of p",
+    "iterations": "iter.",
+    "fft_pairs": "FFT pairs",
+    "wall_seconds": "time",
+    "precision": "precision",
+    "status": "status",
+}
+ERRORS = {"a_r": "a_r_error", "gap_mean": "gap_error"}  # estimated relative ones
+DIGITS = {
+    "a_r_discretisation": ".2g",
+    "pressure_error": ".2g",
+    "fft_pairs": ".1f",
+    "wall_seconds": ".3g",
+}
 PER_CENT = {"a_r": "% +- solver", "a_r_discretisation": "%", "pressure_error": "%"}
 
 
@@ -93,54 +100,28 @@ def html_table(
     across: bool = True,
 ) -> str:
     """HTML of what `table` says; across: a row for each step, otherwise a column."""
+    from pandas import DataFrame
+
     indices = list(range(len(steps))) if indices is None else indices
-    rows = cells(steps, indices, surface)
-    if not across:
-        rows = [list(row) for row in zip(*rows)][1:]
-    lines = [
-        "<tr>"
-        + "".join(f'<td style="text-align:right">{escape(cell)}</td>' for cell in row)
-        + "</tr>"
-        for row in rows
-    ]
+    rows = DataFrame(cells(steps, indices, surface))
+    shown = (rows if across else rows.T[1:]).to_html(header=False, index=False, border=0)
     below = [surface_line(surface), *remarks(indices, steps), *(f"note: {note}" for note in notes)]
-    return "\n".join(
-        [
-            "<table>",
-            *lines,
-            "</table>",
-            "<small>" + "<br>".join(escape(line) for line in below) + "</small>",
-        ]
-    )
+    return f"{shown}\n<small>{'<br>'.join(map(escape, below))}</small>"
 
 
 def cells(steps: list[dict], indices: list[int], surface: dict | None = None) -> list[list[str]]:
     """The same as rows of texts: headings, units, and one row per step."""
-    columns = [
-        [
-            "step",
-            "",
-            *(
-                f"{index}" if converged(step) else f"! {index}"
-                for index, step in zip(indices, steps, strict=True)
-            ),
-        ]
-    ]
-    for key, name, how in COLUMNS:
+    marked = zip(indices, steps, strict=True)
+    columns = [["step", "", *(f"{'! ' * (not converged(step))}{k}" for k, step in marked)]]
+    for key, name in COLUMNS.items():
+        # of any file
         values = [
-            step[key] if isinstance(step.get(key), int | float | str) else None for step in steps
-        ]  # of any file
+            x if isinstance(x := step.get(key), int | float | str) else None for step in steps
+        ]
         if any(value is not None for value in values):
-            scale, heading = _scale(
-                key, [value for value in values if is_number(value)], surface or {}
-            )
-            columns.append(
-                [
-                    name,
-                    heading,
-                    *(_cell(value, scale, how, step) for value, step in zip(values, steps)),
-                ]
-            )
+            scale, heading = _scale(key, list(filter(is_number, values)), surface or {})
+            shown = (_cell(key, value, scale, step) for value, step in zip(values, steps))
+            columns.append([name, heading, *shown])
     return [list(row) for row in zip(*columns)]
 
 
@@ -158,27 +139,27 @@ def _scale(key: str, values: list[float], surface: dict) -> tuple[float, str]:
     return (scale**2 if square else scale), f"[{name}{square}]"
 
 
-def _cell(value: Any, scale: float, how: str | None, step: dict) -> str:
+def _cell(key: str, value: Any, scale: float, step: dict) -> str:
     if value is None or isinstance(value, str):
         return value or "-"
     value = value if scale == 1 else value / scale
-    if how and how.startswith("."):
+    if how := DIGITS.get(key):
         return f"{value:{how}}" if value < 1000 else f"{value:.0f}"
-    error = step.get(how) if is_number(step.get(how)) else None
+    error = step.get(ERRORS.get(key, ""))
+    error = error if is_number(error) else None
     return with_error(value, error) if isinstance(value, float) or error else str(value)
 
 
 def remarks(indices: list[int], steps: list[dict]) -> list[str]:
     """What to say below the table, a line each."""
     remarks = [LEGEND] if any("a_r_discretisation" in step for step in steps) else []
+    said: dict[str, list[str]] = {}
     for index, step in zip(indices, steps, strict=True):
         if not converged(step):
             status = step.get("status", "unknown")
             remarks.append(f"! step {index}: NOT CONVERGED ({status}), less accurate than asked")
-    for note in dict.fromkeys(step["note"] for step in steps if step.get("note")):
-        said = [
-            index for index, step in zip(indices, steps, strict=True) if step.get("note") == note
-        ]
-        where = f"step {said[0]}" if len(said) == 1 else f"steps {', '.join(map(str, said))}"
-        remarks.append(f"  {where}: {note}")
-    return remarks
+        if step.get("note"):
+            said.setdefault(step["note"], []).append(f"{index}")
+    return remarks + [
+        f"  step{'s' * (len(found) > 1)} {', '.join(found)}: {note}" for note, found in said.items()
+    ]

@@ -1,8 +1,7 @@
 """How long a scene will take, from a measurement of a few seconds that is kept in the user's
 cache."""
 
-import json
-import os
+import platform
 import time
 from dataclasses import dataclass
 
@@ -22,11 +21,17 @@ SAMPLE = {
     "lam_s_over_a": 2,
     "seed": 1,
 }
-# FFT pairs to an accuracy of 1e-3, everything counted, and further ones per decade, for the default
-# solver
-PAIRS, PAIRS_PER_DECADE = 9.0, 2.8
-SEARCHING = 1.5  # times as many where the mean pressures have to be found
 BASELINE_PAIRS = {"gfmd": 150.0, "fire": 400.0, "ccg": 150.0}
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """FFT pairs of the default solver to an accuracy of 1e-3, everything counted; further ones per
+    decade; searching: times as many where the mean pressures have to be found."""
+
+    each: float = 9.0
+    per_decade: float = 2.8
+    searching: float = 1.5
 
 
 def expected_pairs(
@@ -34,14 +39,13 @@ def expected_pairs(
 ) -> dict[np.dtype, float]:
     """FFT pairs of all loads of a scene whose surface has n points, by precision; unknown: as
     memory_of has it."""
-    settings, pairs = scene.solver, dict[np.dtype, float]()
+    settings, pairs, known = scene.solver, dict[np.dtype, float](), Pairs()
     decades = -np.log10(settings.tolerance) - 3
-    each = BASELINE_PAIRS.get(settings.name, PAIRS) * max(
-        0.6, 1 + decades * PAIRS_PER_DECADE / PAIRS
-    )
+    each = BASELINE_PAIRS.get(settings.name, known.each)
+    each *= max(0.6, 1 + decades * known.per_decade / known.each)
     for found in precisions(scene, n):
         dtype = np.dtype(found or unknown or first_precision(settings))
-        pairs[dtype] = pairs.get(dtype, 0.0) + each * (SEARCHING if scene.load.found else 1.0)
+        pairs[dtype] = pairs.get(dtype, 0.0) + each * (known.searching if scene.load.found else 1)
     return pairs
 
 
@@ -57,12 +61,8 @@ def expected_seconds(
     machine. cell: points that are solved, if more than the n of the surface."""
     points = float(np.prod(cell or n))
     work = points * np.log2(max(points, 2)) / min(ranks, cores)
-    return float(
-        sum(
-            pairs * work * seconds_per_work(dtype)
-            for dtype, pairs in expected_pairs(scene, n, unknown).items()
-        )
-    )
+    pairs = expected_pairs(scene, n, unknown)
+    return float(sum(pairs[dtype] * work * seconds_per_work(dtype) for dtype in pairs))
 
 
 @dataclass(frozen=True)
@@ -90,21 +90,13 @@ class Cluster:
 def seconds_per_work(dtype: DTypeLike) -> float:
     """Seconds per FFT pair (with everything that goes along with it) and N log2 N; measured once,
     then read."""
-    path = cache_folder() / f"speed-{np.dtype(dtype).name}.json"
+    path = cache_folder() / f"speed-{np.dtype(dtype).name}-{platform.node()}"
     try:
-        known = json.loads(path.read_text())
-        if known["host"] == os.uname().nodename:
-            return float(known["seconds_per_work"])
-    except (OSError, ValueError, KeyError, TypeError):
-        pass
-    value = _measure(dtype)
-    keep(
-        path,
-        json.dumps(
-            {"host": os.uname().nodename, "seconds_per_work": value, "time": time.time()}
-        ).encode(),
-    )
-    return value
+        return float(path.read_text())
+    except (OSError, ValueError):
+        value = _measure(dtype)
+        keep(path, str(value).encode())
+        return value
 
 
 def _measure(dtype: DTypeLike) -> float:

@@ -58,30 +58,22 @@ def printable(key: str) -> str:
     return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
 
 
-LONGEST = 1200  # characters of all errors together
 Model = type[BaseModel]
 
 
 def explain(error: ValidationError, scene: Model, kinds: Mapping[str, Model], data: dict) -> str:
-    """All errors in one line, as far as it does not become too long. `kinds` are the models of
+    """The first eight errors in one line. `kinds` are the models of
     [surface] by their kind."""
-    lines: dict[
-        tuple, str
-    ] = {}  # several errors of one key (alternatives of a type, entries of a list) are one
-    # a misspelt key first: it explains the "missing" that comes with it
-    for item in sorted(
-        error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden"
-    ):
+    # several errors of one key (alternatives of a type, entries of a list) are one; a misspelt key
+    # first: it explains the "missing" that comes with it
+    lines: dict[tuple, str] = {}
+    errors = error.errors(include_url=False)
+    for item in sorted(errors, key=lambda e: e["type"] != "extra_forbidden"):
         if item["type"] != "default_factory_not_called":  # only follows from another error
             key, line = _line(item, scene, kinds, data)
             lines.setdefault(key, line)
-    found = list(lines.values())
-    shown = [
-        line for k, line in enumerate(found) if k == 0 or len("; ".join(found[: k + 1])) <= LONGEST
-    ]
-    return "; ".join(shown) + (
-        f" (and {len(found) - len(shown)} more)" if len(shown) < len(found) else ""
-    )
+    found = [*lines.values()]
+    return "; ".join(found[:8]) + f" (and {len(found) - 8} more)" * (len(found) > 8)
 
 
 def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tuple[tuple, str]:
@@ -94,30 +86,27 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
     path, key = printable(name), (name, *rest[:1])
     if item["type"] == "extra_forbidden":
         inner = item["input"] if not rest and isinstance(item["input"], dict) else ()
-        return key, _unknown(
-            rest[-1] if rest else name, model if rest else None, path, scene, kinds, inner
-        )
+        of = model if rest else None
+        return key, _unknown(rest[-1] if rest else name, of, path, scene, kinds, inner)
     if item["type"].startswith("union_tag"):
         return key, _kind(data[name].get("kind"), kinds)
-    if not rest:
-        if (
-            item["type"] == "value_error" and model
-        ):  # a rule on the whole table brings its own words
-            return key, f"{path}: {item['ctx']['error']}"
-        found = shown(data[name]) if name in data else "nothing"
-        return key, f"{path}: found {found}, allowed: {allowed(scene.model_fields[name])}"
-    assert model is not None  # only tables have keys
-    field, value = rest[0], data[name].get(rest[0])
-    path += f".{field}"
-    found = shown(value)
-    if field not in data[name]:
-        found = "nothing"
-    elif rest[1:] and isinstance(value, list) and isinstance(rest[1], int) and rest[1] < len(value):
-        path, found = f"{path}[{rest[1]}]", shown(value[rest[1]])
-    elif rest[1:] and isinstance(value, dict) and rest[1] in value:
-        path, found = f"{path}.{printable(rest[1])}", shown(value[rest[1]])
-    what = f"{allowed(model.model_fields[field])}{_limits(item)}"
-    return key, f"{path}: found {found}, {_why(item)}allowed: {what}"
+    if not rest and item["type"] == "value_error" and model:
+        return key, f"{path}: {item['ctx']['error']}"  # a rule on the whole table has its own words
+    field, *deeper = rest or [name]
+    table, fields = (
+        (data[name], (model or scene).model_fields) if rest else (data, scene.model_fields)
+    )
+    path += f".{field}" * bool(rest)
+    found, value = "nothing", table.get(field)
+    if field in table:
+        found = shown(value)
+    if deeper and isinstance(value, list) and isinstance(deeper[0], int) and deeper[0] < len(value):
+        path, found = f"{path}[{deeper[0]}]", shown(value[deeper[0]])
+    elif deeper and isinstance(value, dict) and deeper[0] in value:
+        path, found = f"{path}.{printable(deeper[0])}", shown(value[deeper[0]])
+    what = f"{allowed(fields[field])}{_limits(item)}"
+    why = _why(item) if rest else ""
+    return key, f"{path}: found {found}, {why}allowed: {what}"
 
 
 def _why(item: Any) -> str:

@@ -1,18 +1,17 @@
 """From a scene file and the overrides of a command line to a Scene."""
 
+import os
 import tomllib
 from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from ..util.errors import SceneError
+from ..util.errors import SceneError, one_line
 from .explain import nearest, printable, shown
 from .model import Scene, parse_toml
 from .not_modelled import not_modelled
 from .settings import Load
-
-MAX_BYTES = 1 << 20  # no scene is longer; a data file given by mistake often is
 
 
 def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
@@ -72,28 +71,14 @@ def check_names(
 
 
 def _read(path: str | PathLike, origin: str) -> str:
+    if not os.path.isfile(path):
+        raise SceneError(f"{origin}: no such file, allowed: a scene file in TOML")
     try:
-        # a pipe or a device could block for ever or never end
-        if Path(path).exists() and not Path(path).is_file():
-            raise SceneError(f"{origin}: found a folder or a device, allowed: a scene file in TOML")
-        with open(path, "rb") as file:
-            raw = file.read(MAX_BYTES + 1)
-    except OSError as error:
+        text = Path(path).read_text("utf-8-sig")
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or one_line(str(error))
         raise SceneError(
-            f"{origin}: cannot read this scene file: {error.strerror or error}"
-        ) from None
-    except ValueError as error:  # a null byte in the name
-        raise SceneError(f"{origin}: cannot read this scene file: {error}") from None
-    if len(raw) > MAX_BYTES:
-        raise SceneError(
-            f"{origin}: found more than {MAX_BYTES} bytes, allowed: a scene file in TOML"
-        )
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise SceneError(
-            f"{origin}: found byte 0x{raw[error.start]:02x} at position {error.start}, "
-            "allowed: UTF-8 text in TOML"
+            f"{origin}: cannot read this scene file: {why}, allowed: UTF-8 text in TOML"
         ) from None
     if not text.strip():
         raise SceneError(f"{origin}: found an empty file, allowed: at least [surface] and [load]")

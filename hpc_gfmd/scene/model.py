@@ -18,15 +18,9 @@ from .settings import Load, Machine, Material, Output, Solver
 from .surface import KINDS, AnySurface, File, SelfAffine, Surface, Wave
 from .table import Table, Text, alike, has_unit, key
 
-LOADED_LENGTHS = ("gap_mean", "approach")
 LENGTHS = ("physical_sizes", "h_rms", "amplitude", "radius")
 RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
 TOUCHING = 100  # fewer contact points than this say little about a rough contact
-
-
-# in a line, but for texts and remarks: a key of more parts than any table has; the parser takes
-# hours with very many
-NO_KEY, TOO_DEEP = re.compile(r'"(\\.|[^"\\])*+"|\'[^\']*+\'|#.*'), re.compile(r"(\.[\s\w-]*+){9}")
 
 
 class Scene(Table):
@@ -60,27 +54,19 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _units(self) -> Self:
-        surface, material = self.surface, self.material
-        measured = isinstance(
-            surface, File
-        )  # its file may know units: what is built of it is compared later
-        lengths = (
-            {}
-            if measured
-            else {
-                f"surface.{key}": getattr(surface, key) for key in LENGTHS if hasattr(surface, key)
-            }
-        )
-        lengths |= (
-            {} if measured else {f"load.{key}": getattr(self.load, key) for key in LOADED_LENGTHS}
-        )
-        pressures = {f"load.{key}": getattr(self.load, key) for key in ("pressure", "force")}
-        pressures |= {
-            f"material.{key}": getattr(material, key)
-            for key in ("base_E", *(("E_star",) if material.E1 is None else ("E1", "E2")))
-        }
-        alike("lengths", lengths | {"material.thickness": None if measured else material.thickness})
-        alike("pressures and forces" if self.load.force else "pressures", pressures)
+        surface, material, load = self.surface, self.material, self.load
+        # a file may know units: what is built of it is compared later
+        measured = isinstance(surface, File)
+        lengths: dict[str, Any] = {}
+        if not measured:
+            lengths = {f"surface.{key}": getattr(surface, key, None) for key in LENGTHS}
+            lengths |= {f"load.{key}": getattr(load, key) for key in ("gap_mean", "approach")}
+            lengths["material.thickness"] = material.thickness
+        pressures: dict[str, Any] = {"load.pressure": load.pressure, "load.force": load.force}
+        moduli = ("hardness", "base_E", *(("E_star",) if material.E1 is None else ("E1", "E2")))
+        pressures |= {f"material.{key}": getattr(material, key) for key in moduli}
+        alike("lengths", lengths)
+        alike("pressures and forces" if load.force else "pressures", pressures)
         if self.load.force and not measured:
             alike(
                 "lengths and forces",
@@ -105,21 +91,12 @@ class Scene(Table):
     @property
     def length_unit(self) -> str:
         """ "m" where lengths were given with units, else ""; of a height map its surface knows."""
-        return (
-            "m"
-            if isinstance(self.surface.physical_sizes, tuple)
-            and has_unit(self.surface.physical_sizes)
-            else ""
-        )
+        return "m" if has_unit(self.surface.physical_sizes) else ""
 
     @property
     def pressure_unit(self) -> str:
         """ "Pa" where pressures were given with units, else ""."""
-        return (
-            "Pa"
-            if has_unit(self.material.E_star if self.material.E1 is None else self.material.E1)
-            else ""
-        )
+        return "Pa" if has_unit(self.material.E1 or self.material.E_star) else ""
 
     @classmethod
     def from_dict(
@@ -132,19 +109,12 @@ class Scene(Table):
         """
         surface = data.get("surface")
         if folder is not None and isinstance(surface, dict) and surface.get("kind") == "file":
-            path = surface.get("path")
-            if path and isinstance(path, str):
-                data = data | {"surface": surface | {"path": str(Path(folder).absolute() / path)}}
-            elif (
-                path
-                and isinstance(path, list)
-                and all(one and isinstance(one, str) for one in path)
-            ):
-                data = data | {
-                    "surface": (
-                        surface | {"path": [str(Path(folder).absolute() / one) for one in path]}
-                    )
-                }
+            path, top = surface.get("path"), Path(folder).absolute()
+            several = path if isinstance(path, list) else [path]
+            if all(one and isinstance(one, str) for one in several):
+                found = [str(top / str(one)) for one in several]
+                path = found if isinstance(path, list) else found[0]
+                data = data | {"surface": surface | {"path": path}}
         try:
             return cls.model_validate(data)
         except ValidationError as error:
@@ -194,9 +164,8 @@ class Scene(Table):
         if not isinstance(surface, SelfAffine) or surface.radius:
             return found
         if surface.eps_f > 1 / 8:
-            found.append(
-                f"surface: lam_l_over_lam_s = {surface.lam_l_over_lam_s:g} is hardly self-affine"
-            )
+            ratio = surface.lam_l_over_lam_s
+            found.append(f"surface: lam_l_over_lam_s = {ratio:g} is hardly self-affine")
         if surface.aspect < surface.eps_t:
             found.append("surface: L_y is shorter than lam_l, the roughness is not isotropic")
         n_x, n_y = surface.n
@@ -236,9 +205,6 @@ class ArrayScene(Scene):
 def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:
     """TOML text as a dictionary. Raises SceneError with the line number where the parser knows
     it."""
-    for line in text.splitlines():
-        if TOO_DEEP.search(NO_KEY.sub("", line)):
-            raise SceneError(f"{origin}: found keys nested too deeply, allowed: a scene in TOML")
     try:
         return tomllib.loads(text)
     except RecursionError:

@@ -15,7 +15,6 @@ from .model import Scene
 from .not_modelled import not_modelled
 from .surface import KINDS, Surface
 
-WIDTH = 100
 UNITS = {
     "length": "in the unit of the surface, or with a unit",
     "pressure": "in the unit of the moduli, or with a unit",
@@ -51,44 +50,37 @@ KIND = Key("kind", "which surface", ", ".join(map(json.dumps, KINDS)), example="
 
 @dataclass(frozen=True)
 class Section:
-    """A table, or a kind of surface; kind: "" for all kinds and for other tables."""
+    """A table, or a kind of surface; kind: "" for all kinds and for other tables; heading: how a
+    scene writes it."""
 
     table: str
+    heading: str
     title: str
     about: str
     keys: tuple[Key, ...]
     kind: str = ""
 
-    @property
-    def heading(self) -> str:
-        """How a scene writes it."""
-        return (
-            f'[{self.table}] of kind = "{self.kind}"'
-            if self.kind
-            else f"[{self.table}]"
-            if self.table
-            else "title"
-        )
-
 
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
     """All of them; names: those that a key takes, which the scene does not know:
     {"output.observables": [...]}."""
-    title = _key("title", Scene.model_fields["title"])
-    found = [Section("", "the scene", "A key before the first table.", (title,))]
-    for table, field in Scene.model_fields.items():
+    fields = dict(Scene.model_fields)
+    title = _key("title", fields.pop("title"))
+    found = [Section("", "title", "the scene", "A key before the first table.", (title,))]
+    for table, field in fields.items():
         models: dict[str, Any] = {"": field.annotation}
         if table == "surface":
             models = {"": Surface, **KINDS}
-        for kind, model in models.items() if table != "title" else ():
-            keys = tuple(
+        for kind, model in models.items():
+            keys = [
                 _key(name, model.model_fields[name], (names or {}).get(f"{table}.{name}"))
                 for name in model.__annotations__  # its own, not those that every kind has
                 if name in model.model_fields and name != "kind"
-            )
-            about = " ".join(model.__doc__.split())
-            keys = (KIND, *keys) if model is Surface else keys
-            found.append(Section(table, field.description or "", about, keys, kind))
+            ]
+            keys = [KIND] * (model is Surface) + keys
+            heading = f"[{table}]" + f' of kind = "{kind}"' * bool(kind)
+            about, what = " ".join(model.__doc__.split()), field.description or ""
+            found.append(Section(table, heading, what, about, tuple(keys), kind))
     return found
 
 
@@ -100,20 +92,12 @@ def toml(value: Any) -> str:
 def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
     """The keys for a terminal: all, or those of a table, or those of one name ("accuracy",
     "solver.accuracy"). Raises SceneError."""
-    lines = []
+    lines, indent = [], " " * 22
     for section in _chosen(key, sections(names)):
-        lines += ["", *textwrap.wrap(f"{section.heading}: {section.about}", WIDTH)]
+        lines += ["", *textwrap.wrap(f"{section.heading}: {section.about}", 100)]
         for entry in section.keys:
-            indent = " " * 22
-            lines += textwrap.wrap(
-                entry.meaning,
-                WIDTH,
-                initial_indent=f"  {entry.name:<18}  ",
-                subsequent_indent=indent,
-            )
-            lines += textwrap.wrap(
-                entry.facts, WIDTH, initial_indent=indent, subsequent_indent=indent
-            )
+            for first, words in ((f"  {entry.name:<18}  ", entry.meaning), (indent, entry.facts)):
+                lines += textwrap.wrap(words, 100, initial_indent=first, subsequent_indent=indent)
     return "\n".join(lines[1:])
 
 
@@ -139,13 +123,12 @@ def markdown(names: Mapping[str, Any] | None = None) -> str:
 
 
 def _key(name: str, field: Any, known: Any = ()) -> Key:
-    extra, plain = field.json_schema_extra, field.default
-    plain = None if plain is PydanticUndefined else toml(plain)
-    default = extra["said"] or ("none" if plain == "null" else plain)
+    extra, value = field.json_schema_extra, field.default
+    value = None if value is PydanticUndefined else value
+    given = field.default is not PydanticUndefined
+    default = extra["said"] or (None if not given else "none" if value is None else toml(value))
     what = extra["allowed"] + (f": {', '.join(sorted(known))}" if known else "")
-    example = extra["example"]
-    if example is None and field.default is not PydanticUndefined:
-        example = field.default
+    example = value if extra["example"] is None else extra["example"]
     return Key(name, field.description, what, extra["unit"], default, example)
 
 
@@ -154,22 +137,17 @@ def _chosen(key: str | None, found: list[Section]) -> list[Section]:
         return [section for section in found if key in (None, section.table)]
     table, _, name = key.rpartition(".")
     fits = [
-        replace(s, keys=tuple(key for key in s.keys if key.name == name))
-        for s in found
-        if table in ("", s.table)
+        replace(section, keys=keys)
+        for section in found
+        if table in ("", section.table)
+        and (keys := tuple(one for one in section.keys if one.name == name))
     ]
-    fits = [section for section in fits if section.keys]
     if not fits:
-        known = {
-            name
-            for s in found
-            for name in (
-                s.table,
-                *(k.name for k in s.keys),
-                *(f"{s.table}.{k.name}" for k in s.keys),
-            )
-            if name
-        }
-        why = not_modelled(key) or f"which is no key of a scene, nearest: {nearest(key, known)}"
+        known = {section.table for section in found} - {""}
+        for section in found:
+            names = [one.name for one in section.keys]
+            known |= {*names, *(f"{section.table}.{name}" for name in names)}
+        near = f"which is no key of a scene, nearest: {nearest(key, known)}"
+        why = not_modelled(key) or near
         raise SceneError(f"help scene: found {printable(key)}, {why}")
     return fits

@@ -38,7 +38,7 @@ PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 Parameter = Annotated[int, Field(ge=-MAX_INT, le=MAX_INT)] | float
 Names = Annotated[tuple[Path, ...], LIST, DISTINCT]
 Fields = Annotated[
-    tuple[Literal["pressure", "gap", "displacement", "heights"], ...], LIST, DISTINCT
+    tuple[Literal["pressure", "gap", "displacement", "plastic", "heights"], ...], LIST, DISTINCT
 ]
 POISSON = "a number above -1 and up to 0.5"
 NAMES = "a list of names, each once"
@@ -101,6 +101,15 @@ class Material(Table):
         "Young's modulus of the elastic base", MODULUS, None, unit="pressure", example="200 GPa"
     )
     base_nu: PoissonRatio | None = key("its Poisson ratio", POISSON, None, example=0.3)
+
+    hardness: Pressure | None = key(
+        "the largest pressure, where the solid gets a dent (elastic - perfectly plastic)",
+        MODULUS,
+        None,
+        unit="pressure",
+        example="6 GPa",
+        said="none, elastic",
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -294,7 +303,7 @@ class Output(Table):
     )
     fields: Fields = key(
         "maps that are kept; pictures of the contact need pressure or gap",
-        'a list out of "pressure", "gap", "displacement", "heights", each once',
+        'a list out of "pressure", "gap", "displacement", "plastic", "heights", each once',
         (),
         example=["pressure", "gap"],
         said="none",
@@ -324,8 +333,7 @@ class Machine(Table):
     """Speed and limits only: nothing here changes the answer."""
 
     threads: Annotated[int, Field(ge=1, le=65536)] | Literal["auto"] = key(
-        "threads of each rank; auto: all cores for one process, one where more do not pay, one of"
-        " each of several ranks",
+        "threads of each rank; auto: the cores that pay for one process, one for each of several",
         'a whole number from 1 to 65536, or "auto"',
         "auto",
     )

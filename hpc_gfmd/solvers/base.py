@@ -30,7 +30,7 @@ class Progress:
     residual : float
         sqrt(mean p^2 where the gap is open)/p0.
     contact : float
-        Points with g <= 0 and p > 0.
+        Points that touch: g <= 0 and p > 0.
     gap_mean : float
         In the problem's units.
     estimate : Estimate, or None
@@ -64,7 +64,7 @@ class Solver:
     Attributes
     ----------
     g, p : array, local slabs
-        Gap >= 0 and pressure, in the problem's units and precision.
+        Gap >= 0, but where there is a dent, and pressure, in the problem's units and precision.
     p0 : float
         The present mean pressure.
     iterations : int
@@ -86,6 +86,7 @@ class Solver:
     nests = True  # whether a nested start pays
     # whether its pressure may be < 0 where the gap is closed, as it is at a load that is too small
     holds_tension = True
+    dents = False  # whether it can do with a hardness
     takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
 

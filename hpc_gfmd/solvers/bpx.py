@@ -26,9 +26,9 @@ from ..certificate.error_estimates import (
     relative_area,
     spread_of,
 )
+from ..kernels.bfloat16 import Decoded, encoded, stored_dtype
 from ..kernels.bpx import UpdateSums, projected_step
-from ..kernels.halfwidth import Widened, half, narrowed
-from ..operators.elastic import Elastic
+from ..operators.elastic import Elastic, total
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
 from .base import Progress, Solver
@@ -48,12 +48,14 @@ class Bpx(Solver):
     sources = (
         "Bramble, Pasciak, Xu, Math. Comp. 55 (1990) 1, doi:10.1090/S0025-5718-1990-1023042-6",
     )
-    takes_gap = True
+    takes_gap = dents = True
     state_names = ("g", "p", "d")
     scalar_names = (
         "s",
         "rayleigh",
         "contact",
+        "yielded",
+        "depth",
         "gap_mean",
         "rz",
         "rd",
@@ -78,7 +80,7 @@ class Bpx(Solver):
         self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
-        self.p, self.d = grid.empty(dtype), grid.empty(half(dtype))
+        self.p, self.d = grid.empty(dtype), grid.empty(stored_dtype(dtype))
         self._make_scratch()
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
         self._number = {a: k for k, (a, _) in enumerate(self.passes)}
@@ -99,7 +101,7 @@ class Bpx(Solver):
     def take_room(self) -> None:
         self.elastic.plan()
         self._make_scratch()
-        self.d = self.grid.empty(half(self.problem.dtype))
+        self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0
         self.rd = self.zKd = self.dKd = 0.0
 
@@ -120,18 +122,18 @@ class Bpx(Solver):
     def refresh(self, uKu: float | None = None) -> None:
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
-        self._begin(self.levels.restrict(self.g, self.p))
+        self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
 
     def correct_load(self, p0: float) -> None:
         """The last step stays what the next one begins with: on F M is about 1/K, so that <z, K d>
         changes by as much as <p, d>."""
         self._set_load(p0)
         rd, zKd, dKd = self.rd, self.zKd, self.dKd
-        self._measure(self.levels.restrict(self.g, self.p, self.d))
+        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit, self.d))
         self.zKd, self.dKd = zKd + self.rd - rd, dKd
 
     def resume(self) -> None:
-        self.levels.restrict(self.g, self.p)
+        self.levels.restrict(self.g, self.p, self.problem.limit)
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
     def _begin(self, sums: UpdateSums) -> None:
@@ -139,15 +141,15 @@ class Bpx(Solver):
         self.s = 1.0
         self.rayleigh = 1.0
         self._measure(sums, anew=True)
-        if self.levels.gap_mode.wanted(self.contact / self.grid.cell_points):
+        if self.levels.gap_mode.wanted((self.contact - self.yielded) / self.grid.cell_points):
             self.elastic.pairs += self.levels.gap_mode.pairs
 
     def state(self) -> tuple[dict[str, Any], ...]:
         arrays, numbers = super().state()
-        return arrays | {"d": Widened(self.d)}, numbers | {"mode": self.levels.mode}
+        return arrays | {"d": Decoded(self.d)}, numbers | {"mode": self.levels.mode}
 
     def load_state(self, arrays: dict[str, Any], numbers: dict[str, Any]) -> None:
-        super().load_state(arrays | {"d": narrowed(arrays["d"], self.problem.dtype)}, numbers)
+        super().load_state(arrays | {"d": encoded(arrays["d"], self.problem.dtype)}, numbers)
         self.levels.mode = numbers["mode"]
         self.resume()
 
@@ -169,12 +171,12 @@ class Bpx(Solver):
         if self.contact == 0:
             self._descend_to_contact()
         a, b = self._coefficients()
-        pd = self._search(a, b, 1.0)
+        pd, deeper = self._search(a, b, 1.0)
         descent = a * self.rz + b * self.rd
         plain = not -pd > DESCENT * descent
         if plain:
             a, b = 0.0, 0.0
-            pd = self._search(self.gradient, 0.0, 0.0)
+            pd, deeper = self._search(self.gradient, 0.0, 0.0)
         dKd = self.elastic.pressure_columns()
         dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
         optimum = -pd / dKd if dKd > 0 else 1.0
@@ -190,6 +192,8 @@ class Bpx(Solver):
         self.uKu += (
             2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd
         )  # K u = p - p_cell
+        if self.problem.hardness is not None:  # pd has the work of dents
+            self.uKu -= 2 * self.s * self.problem.hardness * deeper
         self.iterations += 1
 
     def _coefficients(self) -> tuple[float, float]:
@@ -209,18 +213,21 @@ class Bpx(Solver):
         b = (zKz * rd - zKd * rz) / det
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
-    def _search(self, a: float, b: float, coupling: float) -> float:
-        """First pass: the next step into d and its row spectra; returns <p, d>."""
+    def _search(self, a: float, b: float, coupling: float) -> list[float]:
+        """First pass: the next step into d and its row spectra; returns <p, d>, and by how much
+        dents become deeper."""
         z, transfer, inside = self.levels.z, self.levels.transfers[0].tables, self.grid.inside
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
         scratch = self._scratch
 
-        def fill(i0: int, i1: int, x: np.ndarray) -> float:
+        def fill(i0: int, i1: int, x: np.ndarray) -> tuple[float, float]:
+            rows, own, hardness = (i0, i1), scratch[id(x)][0], self.problem.limit
             return projected_step(
-                self.g, self.p, self.d, x, (i0, i1), z, transfer, step, inside, scratch[id(x)][0]
+                self.g, self.p, self.d, x, rows, z, transfer, step, hardness, inside, own
             )
 
-        return float(self.grid.comm.sum([sum(self.elastic.pressure_rows(fill, self.passes))])[0])
+        found = self.elastic.pressure_rows(fill, self.passes)
+        return total(self.grid.comm, np.reshape(found, (-1, 2))).tolist()
 
     def _update(self, s: float) -> UpdateSums:
         """Last pass: x = K d by rows, new g and p; returns this rank's UpdateSums."""
@@ -230,9 +237,8 @@ class Bpx(Solver):
 
     def _update_rows(self, i0: int, i1: int, x: np.ndarray, s: float) -> tuple[float, ...]:
         scratch = self._scratch[id(x)]
-        return self.levels.update_rows(
-            self._number[i0], self.g, self.p, self.d[i0:i1], x, self.problem.dtype.type(s), scratch
-        )
+        k, s, hardness = self._number[i0], self.problem.dtype.type(s), self.problem.limit
+        return self.levels.update_rows(k, self.g, self.p, self.d[i0:i1], x, s, scratch, hardness)
 
     def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping
@@ -249,6 +255,7 @@ class Bpx(Solver):
         self.rr, self.pp = sums.rr, sums.pp
         self.level_sums = [r1, t1, rt1, ts1, rs1]
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
+        self.yielded, self.depth = sums.yielded, sums.depth
         self.changing = max(sums.opening, sums.closing)
 
     # -- how far
@@ -268,6 +275,7 @@ class Bpx(Solver):
             self.rr,
             self.pp - self.rr,
             self.contact,
+            self.yielded,
             self.gap_mean * self.N,
             self.uKu,
             *self.level_sums,
@@ -285,7 +293,7 @@ class Bpx(Solver):
         return min(n * self.p_cell / load, self.N), gap
 
     def expected_area(self, squares: float) -> float:
-        open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.grid, self.g, self.p))
+        open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
         wrong = misclassified_points(self.problem, self.g, self.p, squares, spread)
         return relative_area(max(wrong, self.changing), self.contact)

@@ -14,7 +14,7 @@ from ..operators.problem import Columns
 from ..parallel.comm import SerialComm
 from ..parallel.fft import SlabFFT
 from ..parallel.grid import Grid
-from ..parallel.guard import guarded
+from ..parallel.guard import collective_errors
 from ..parallel.interrupt import check
 from ..util.errors import SceneError
 from .analytic import Rows, flat_rows, on_form, wave_rows
@@ -196,7 +196,7 @@ def build_surface(
     if spec.kind != "file":
         rows = on_form(rows, spec.radii, spec.n, spec.physical_sizes)
         return surface_from_rows(spec.n, spec.physical_sizes, rows, comm, dtype, threads, spec.free)
-    with guarded(comm, "reading the surface"):
+    with collective_errors(comm, "reading the surface"):
         found = open_topography(spec)
     found, done, notes = prepare(found, spec, comm)
     made = surface_from_rows(
@@ -227,7 +227,7 @@ def surface_from_rows(
     grid = _nominal(cell)
     start, stop = grid.rows
     z = grid.empty(np.float64)
-    with guarded(comm, "reading the surface"):
+    with collective_errors(comm, "reading the surface"):
         for i in range(0, stop - start, ROWS):
             z[i : i + ROWS] = checked(
                 rows(start + i, min(start + i + ROWS, stop)), start + i, "surface"

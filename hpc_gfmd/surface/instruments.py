@@ -1,6 +1,5 @@
 """The formats of instruments and their programs, read by SurfaceTopography."""
 
-import sys
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import replace
 from io import StringIO
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..util.errors import SceneError
+from ..util.libraries import surface_topography
 from .arrays import of_topography
 from .metadata import Metadata
 
@@ -57,23 +57,3 @@ def opened(path: str | Path, channel: str) -> tuple[Any, bool]:
     info = info if info.dim == 2 else maps[0]
     sized = info.physical_sizes is not None
     return info.topography(**({} if sized else {"physical_sizes": (1.0, 1.0)})), sized
-
-
-def surface_topography() -> Any:
-    """The package. It would start MPI where no launcher did; here every rank reads for itself, so
-    it gets none."""
-    if "NuMPI" not in sys.modules:
-        known = {
-            name: sys.modules.pop(name)
-            for name in list(sys.modules)
-            if name.partition(".")[0] == "mpi4py"
-        }
-        sys.modules["mpi4py"] = None  # type: ignore[assignment]  # as if it were not installed
-        try:
-            import NuMPI  # noqa: F401
-        finally:
-            del sys.modules["mpi4py"]
-            sys.modules.update(known)
-    import SurfaceTopography
-
-    return SurfaceTopography

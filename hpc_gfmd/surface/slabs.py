@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..parallel.guard import guarded
+from ..parallel.guard import collective_errors
 from ..parallel.layout import row_starts
 
 ROWS = 64  # read at a time
@@ -32,7 +32,7 @@ def with_neighbours(found: Any, start: int, stop: int, **beyond: Any) -> np.ndar
 
 def local(comm: Any, make: Callable[[], Any]) -> Any:
     """What make() returns on each rank; what it raises on one is raised on all."""
-    with guarded(comm, "reading the surface"):
+    with collective_errors(comm, "reading the surface"):
         return make()
 
 

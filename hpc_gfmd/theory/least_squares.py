@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import curve_fit
 
-from ..util.errors import SceneError
+from ..util.errors import SceneError, one_line
 
 # condition number of the normalised design up to which every parameter counts as determined
 WORST = 1e7
@@ -54,18 +54,18 @@ def least_squares(
         parameter.
     """
     best: Solution | None = None
-    white = _whitening(sigma, len(value))
     for start in starts:
         try:
             x, covariance, info, *_ = curve_fit(
-                lambda _, *x: white @ model(np.array(x)),
+                lambda _, *x: model(np.array(x)),
                 None,
-                white @ value,
+                value,
                 start,
+                sigma,
                 absolute_sigma=True,
                 bounds=bounds,
                 method="trf",
-                jac=lambda _, *x: white @ jacobian(np.array(x)),
+                jac=lambda _, *x: jacobian(np.array(x)),
                 x_scale="jac",
                 full_output=True,
                 ftol=TOLERANCE,
@@ -74,6 +74,11 @@ def least_squares(
             )
         except RuntimeError:  # not converged from here
             continue
+        except ValueError as error:  # of sigma
+            raise SceneError(
+                f"sigma: found {one_line(str(error))}, allowed: errors or a covariance matrix of"
+                f" the {len(value)} runs"
+            ) from None
         chi2 = float(np.sum(info["fvec"] ** 2))
         if best is None or chi2 < best.chi2:
             best = Solution(x, covariance, jacobian(x), chi2)
@@ -84,19 +89,3 @@ def least_squares(
             " term"
         )
     return best
-
-
-def _whitening(sigma: Any, runs: int) -> np.ndarray:
-    """What makes errors independent and 1, shape (runs, runs)."""
-    errors = np.ones(runs) if sigma is None else np.asarray(sigma, dtype=float)
-    try:
-        if errors.shape not in ((runs,), (runs, runs)) or not np.isfinite(errors).all():
-            raise ValueError
-        return (
-            np.diag(1 / errors) if errors.ndim == 1 else np.linalg.inv(np.linalg.cholesky(errors))
-        )
-    except ValueError:  # also of a matrix that is no covariance
-        raise SceneError(
-            f"sigma: found shape {errors.shape}, allowed: errors or a covariance matrix of the"
-            f" {runs} runs"
-        ) from None

@@ -248,7 +248,7 @@ def curve(
     Returns
     -------
     dict of arrays in the shape of p_star
-        p_star, a_r, kappa, gap_over_h_rms, stiffness, gap_over_g_rms_lam_s, stiffness_lam_s.
+        p_star, a_r, kappa, gap_over_h_rms, gap_over_g_rms_lam_s, stiffness, stiffness_lam_s.
     """
     of, lam_s = (hurst, eps_f, gamma, printed), "g_rms_lam_s"
     return {
@@ -256,8 +256,8 @@ def curve(
         "a_r": contact_area(p_star),
         "kappa": kappa(p_star),
         "gap_over_h_rms": mean_gap(p_star, *of),
-        "stiffness": stiffness(p_star, *of),
         "gap_over_g_rms_lam_s": mean_gap(p_star, *of, lam_s),
+        "stiffness": stiffness(p_star, *of),
         "stiffness_lam_s": stiffness(p_star, *of, lam_s),
     }
 

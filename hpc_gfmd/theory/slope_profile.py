@@ -7,6 +7,7 @@ its inverse are elementary.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -15,7 +16,6 @@ from scipy.special import exprel
 
 from ..util.errors import SceneError
 from .checks import within
-from .kernels import X_ZERO
 
 _STEP = (
     0.25  # panel width in ln g: the sharpest features of the integrands have a width of about 0.05
@@ -25,7 +25,6 @@ _TAIL = (
 )
 _FINEST = 14  # halvings of the last panel, for large pressures where only g -> g_rms contributes
 _SAMPLES = 1000  # of a spectrum that is a function
-_BLOCK = 64  # pressures at a time, bounds the memory
 Function = Callable[[np.ndarray], np.ndarray]
 
 
@@ -125,23 +124,10 @@ class SlopeProfile:
         A kernel that vanishes beyond x = 28 and power = 1, or a bounded one and power = 2.
         """
         loads = np.clip(np.asarray(p_star, dtype=float), 1e-300, 1e200)
-        flat = loads.ravel()
-        out = np.full(flat.shape, np.nan)
-        order = np.argsort(flat)
-        for start in range(0, flat.size, _BLOCK):
-            block = order[start : start + _BLOCK]
-            out[block] = self._integrate_block(flat[block], kernel, power)
-        return out.reshape(loads.shape)
-
-    def _integrate_block(self, p_star: np.ndarray, kernel: Function, power: int) -> np.ndarray:
-        low = self._log_g_at(min(1.0, self.y[-1])) - _TAIL
-        if power == 1:
-            low = max(low, np.log(np.sqrt(2) * p_star[0] / X_ZERO))
-        if low >= 0:
-            return np.zeros_like(p_star)
-        log_g, y, weight = self._nodes(low)
-        weight = weight * np.exp(power * log_g - y)
-        return kernel(np.sqrt(2) * p_star[:, None] * np.exp(-log_g)) @ weight
+        log_g, y, weight = self._nodes
+        weight, x = weight * np.exp(power * log_g - y), np.sqrt(2) * np.exp(-log_g)
+        found = [kernel(load * x) @ weight for load in loads.ravel()]  # one by one: memory
+        return np.array(found).reshape(loads.shape)
 
     def _log_g_at(self, y: float) -> float:
         i = min(int(np.searchsorted(self.y, y, side="right")), self.beta.size) - 1
@@ -149,45 +135,25 @@ class SlopeProfile:
         grown = d * exprel(self.beta[i] * d) / self.inverse_rate[i] if d > 0 else 1.0
         return 0.5 * np.log(self.g2[i] + grown)
 
-    def _nodes(self, low: float) -> list[np.ndarray]:
-        """Gauss-Legendre points ln g, the ln(q/q_0) there, and weights, on panels from `low` to
-        0."""
+    @cached_property
+    def _nodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Gauss-Legendre points ln g, the ln(q/q_0) there, and weights, on panels that end at 0 and
+        begin where the integrand, which falls at least like g, is below double precision."""
+        low = self._log_g_at(min(1.0, self.y[-1])) - _TAIL
         with np.errstate(divide="ignore"):
             corners = 0.5 * np.log(self.g2)
         inside = corners[(corners > low) & (corners < 0)]
-        edges = np.unique(
-            np.concatenate(
-                [
-                    np.arange(-_STEP, low, -_STEP),
-                    -_STEP * 0.5 ** np.arange(_FINEST),
-                    [low, 0],
-                    inside,
-                ]
-            )
-        )
-        left, right = edges[:-1], edges[1:]
-        wide = right - left > 0.05
-        parts = [
-            self._panel_nodes(left[pick], right[pick], points, corners)
-            for pick, points in ((wide, 16), (~wide, 10))
-        ]
-        return [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
-
-    def _panel_nodes(
-        self, left: np.ndarray, right: np.ndarray, points: int, corners: np.ndarray
-    ) -> tuple[np.ndarray, ...]:
-        s, w = np.polynomial.legendre.leggauss(points)
-        middle, half = (left + right) / 2, (right - left) / 2
-        i = np.clip(np.searchsorted(corners, middle, side="right") - 1, 0, self.beta.size - 1)[
-            :, None
-        ]
-        log_g = middle[:, None] + half[:, None] * s
+        panels, fine = np.arange(-_STEP, low, -_STEP), -_STEP * 0.5 ** np.arange(_FINEST)
+        edges = np.unique(np.concatenate([panels, fine, [low, 0], inside]))
+        s, w = np.polynomial.legendre.leggauss(16)
+        middle, half = ((edges[1:] + sign * edges[:-1])[:, None] / 2 for sign in (1, -1))
+        i = np.clip(np.searchsorted(corners, middle, side="right") - 1, 0, self.beta.size - 1)
+        log_g = middle + half * s
         z = np.maximum((np.exp(2 * log_g) - self.g2[i]) * self.inverse_rate[i], 0)
-        beta = np.where(np.abs(self.beta[i]) < 1e-300, 1.0, self.beta[i])
-        d = np.where(
-            np.abs(self.beta[i]) < 1e-300, z, np.log1p(np.maximum(beta * z, -1 + 1e-16)) / beta
-        )
-        return log_g.ravel(), (self.y[i] + d).ravel(), (half[:, None] * w).ravel()
+        flat = np.abs(self.beta[i]) < 1e-300
+        beta = np.where(flat, 1.0, self.beta[i])
+        d = np.where(flat, z, np.log1p(np.maximum(beta * z, -1 + 1e-16)) / beta)
+        return log_g.ravel(), (self.y[i] + d).ravel(), (half * w).ravel()
 
 
 def _piece_integral(C: Function, power: int, q: np.ndarray, width: np.ndarray) -> np.ndarray:

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BaseModel, Field, create_model
 
 from ..util.errors import SceneError, one_line
 from .checks import within
@@ -34,12 +35,33 @@ __all__ = [
     "table_of",
 ]
 
+RATIOS = tuple(f"eps_{i}" for i in TERMS)
 PRESSURE_TOLERANCE = 0.05  # how far p_star may be from a tabulated one, relative
 _DATA = files(__package__).joinpath("data")
 # printed p_star are rounded; the runs were made at 0.01/sqrt(2) and 0.5/sqrt(2)
 _UNROUNDED = {0.007: 0.01 / np.sqrt(2), 0.353: 0.5 / np.sqrt(2)}
 
 Table = dict[str, Any]  # as in the data files
+Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+
+
+_Row = create_model(  # type: ignore[call-overload]
+    "_Row", sigma=(dict[str, Finite], {}), **dict.fromkeys(("hurst", *COEFFICIENTS), (Finite, ...))
+)
+
+
+class _Part(BaseModel):
+    """One observable at one pressure."""
+
+    observable: Annotated[str, Field(pattern=r"^\w+$")]
+    p_star: Annotated[Finite, Field(gt=0)]
+    rows: Annotated[list[_Row], Field(min_length=1)]  # type: ignore[valid-type]
+
+
+class _Table(BaseModel):
+    """What `read_table` accepts."""
+
+    tables: list[_Part]
 
 
 @dataclass(frozen=True)
@@ -69,6 +91,12 @@ class Correction:
     def total(self) -> float:
         """The sum of the terms."""
         return self.t + self.f + self.c
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The terms and their sum, by the names of the command line."""
+        terms = {f"correction_{i}": getattr(self, i) for i in TERMS}
+        return terms | {"correction": self.total}
 
 
 def paper_table() -> Table:
@@ -102,46 +130,15 @@ def read_table(path: str | Traversable) -> Table:
     try:
         path = Path(path) if isinstance(path, str) else path
         table = json.loads(path.read_text(encoding="utf-8"))
-        for part in table["tables"]:
-            _check_part(part)
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        TypeError,
-        IndexError,
-        AttributeError,
-        ArithmeticError,
-        RecursionError,
-    ) as error:
+        _Table.model_validate(table)
+        for row in (row for part in table["tables"] for row in part["rows"]):
+            sigma_of_terms({"sigma": {}} | row, dict.fromkeys(TERMS, 0.5))
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise SceneError(
             f"table: found {str(path)!r} ({one_line(str(error))}), allowed: a JSON file like"
             " paper_tfc.json"
         ) from None
     return table
-
-
-def _check_part(part: Table) -> None:
-    """Raise what is wrong with one of the tables, among others by its use."""
-    if not (
-        isinstance(part["observable"], str)
-        and part["observable"].isprintable()
-        and 0 < part["p_star"] < np.inf
-        and part["rows"]
-    ):
-        raise ValueError("a table needs an observable, a positive p_star and rows")
-    half = dict.fromkeys(TERMS, 0.5)
-    for row in part["rows"]:
-        numbers = [
-            row["hurst"],
-            *(row[name] for name in COEFFICIENTS),
-            *(term(row, i, 0.5) for i in TERMS),
-        ]
-        numbers += [sigma_of_terms(row, half)] if "sigma" in row else []
-        if not np.isfinite(np.array(numbers, dtype=np.float64)).all() or any(
-            isinstance(x, bool | str) for x in numbers
-        ):
-            raise ValueError("its coefficients are no finite numbers")
 
 
 def correction(

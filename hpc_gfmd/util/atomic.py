@@ -8,13 +8,15 @@ from uuid import uuid4
 
 
 @contextmanager
-def aside(path: Path) -> Iterator[Path]:
-    """`with aside(path) as tmp`: what is written to tmp becomes `path` in one move at the end; of a
-    failure nothing is left, nor, where the file system has files without a name, of a process that
-    is killed."""
+def atomic_write(path: Path) -> Iterator[Path]:
+    """`with atomic_write(path) as tmp`: what is written to tmp becomes `path` in one move at last.
+
+    Of a failure nothing is left, nor, where the file system has files without a name, of a process
+    that is killed.
+    """
     named = path.with_name(f".{path.name}.{uuid4().hex[:8]}.tmp")
     tmp, nameless = named, None
-    with suppress(OSError):
+    with suppress(OSError, AttributeError):
         nameless = os.open(path.parent, os.O_TMPFILE | os.O_RDWR, 0o666)
         tmp = Path(f"/proc/self/fd/{nameless}")
     try:

@@ -5,7 +5,7 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
-from .atomic import aside
+from .atomic import atomic_write
 
 
 def cache_folder() -> Path:
@@ -17,9 +17,9 @@ def cache_folder() -> Path:
 
 
 def keep(path: Path, content: bytes) -> None:
-    """Write a file, as `aside`: whoever reads it meanwhile sees the old or the new one. A folder
-    that cannot be written is no error."""
+    """Write a file, as `atomic_write`: whoever reads it meanwhile sees the old or the new one. A
+    folder that cannot be written is no error."""
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        with aside(path) as tmp:
+        with atomic_write(path) as tmp:
             tmp.write_bytes(content)

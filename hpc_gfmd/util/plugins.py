@@ -1,4 +1,6 @@
-"""What lies in a folder of drop-in files: a body, a solver or an observable is added as a file."""
+"""What lies in a folder of drop-in files: a body, a solver or an observable is added as a file, or
+as such a file of another package by an entry point, such as
+"hpc_gfmd.bodies": {"graded": "gfmd_extra.graded"}."""
 
 from __future__ import annotations
 
@@ -6,21 +8,41 @@ import importlib
 import pkgutil
 from collections.abc import Sequence
 from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from typing import Any
+
+from .errors import GfmdError
 
 
 @cache
 def names_in(package: str, apart: Sequence[str] = ("base",)) -> Sequence[str]:
-    """List the drop-in files of a package without importing them; apart: its other files."""
+    """List what other packages add to a folder, then its drop-in files, without importing them;
+    apart: its other files."""
     path = importlib.import_module(package).__path__
-    names = (module.name for module in pkgutil.iter_modules(path))
-    return tuple(sorted(name for name in names if name not in apart))
+    own = {module.name for module in pkgutil.iter_modules(path)}
+    return (*sorted(_added(package).keys() - own), *sorted(own - {*apart}))
+
+
+@cache
+def module_in(package: str, name: str) -> Any:
+    """Import the file of this name. Raises GfmdError for one of another package that fails."""
+    point = _added(package).get(name)
+    if point is None:
+        return importlib.import_module(f"{package}.{name}")
+    try:
+        return point.load()
+    except Exception as error:
+        raise GfmdError(f"{point.group}: {name} = {point.value} does not load: {error}") from error
 
 
 @cache
 def class_in(package: str, name: str) -> Any:
     """Find the class of a drop-in file whose `name` is the file's."""
-    module = importlib.import_module(f"{package}.{name}")
-    return next(
-        c for c in vars(module).values() if isinstance(c, type) and c.__dict__.get("name") == name
-    )
+    found = vars(module_in(package, name)).values()
+    return next(c for c in found if isinstance(c, type) and c.__dict__.get("name") == name)
+
+
+@cache
+def _added(package: str) -> dict[str, EntryPoint]:
+    group = package.replace("contact", "observables")
+    return {point.name: point for point in entry_points(group=group)}

@@ -65,7 +65,7 @@ def field_passes(shapes):
     levels, finest first."""
     share = [n_x * n_y / (shapes[0][0] * shapes[0][1]) for n_x, n_y in shapes]
     first, coarser = (share[1] if len(share) > 1 else 1.0), sum(share[2:])
-    d = 0.5  # the last step, in half the width
+    d = 0.5  # the last step, in bfloat16
     spectrum = 1 + 2 / shapes[0][1]  # n_y/2 + 1 complex columns
     return {
         # read g, p, d and z of level 1; write d and the row spectra

@@ -10,6 +10,8 @@ import numpy as np
 
 from .truth import DOUBTFUL, Contact, Truth
 
+MORE = 1.1
+
 
 def cache_folder():
     """HPC_GFMD_TRUTHS, or a folder for temporary files."""
@@ -18,24 +20,34 @@ def cache_folder():
     )
 
 
-def truths(z, sizes, loads, free=(False, False)):
-    """(Contact, [Truth]) of the loads p*, each from the cache if it is there."""
+def truths(z, sizes, loads, free=(False, False), hardness=None):
+    """(Contact, [Truth], the hardness in units of p*) of the loads p*, each Truth from the cache if
+    it is there. hardness: over the largest pressure of the loads without one, but MORE than they
+    are."""
     contact = Contact(z, sizes, free)
+    found = _truths(contact, sizes, loads)
+    if hardness is None:
+        return contact, found, None
+    hardness = float(max(hardness * max(t.pressure.max() for t in found), MORE * max(loads)))
+    return contact, _truths(contact, sizes, loads, hardness), hardness
+
+
+def _truths(contact, sizes, loads, *hardness):
     found, start = [], None
     for p_star in loads:
-        name = repr((contact.n, tuple(map(float, sizes)), float(p_star))).encode()
+        name = repr((contact.n, tuple(map(float, sizes)), float(p_star), *hardness)).encode()
         digest = hashlib.sha256(contact.h.tobytes() + contact.S.tobytes() + name).hexdigest()
         path = cache_folder() / f"{digest[:32]}.npz"
         truth = _read(path)
         if truth is None or not truth.kkt < DOUBTFUL:
-            near = start is not None and 0.5 < p_star / start.mean() < 2
-            truth = contact.solve(p_star, start if near else None)
+            near = start is not None and 0.5 < p_star / start.mean() < 2 and not hardness
+            truth = contact.solve(p_star, start if near else None, *hardness)
             if near and not truth.kkt < DOUBTFUL:
                 truth = contact.solve(p_star)
             _write(path, truth)
         start = truth.pressure
         found.append(truth)
-    return contact, found
+    return found
 
 
 def _read(path):

@@ -18,7 +18,8 @@ FAMILIES = {}
 class Wall:
     """heights (peaks up); physical_sizes; loads: p* in the order of solving; E_star; surface: table
     [surface] of a scene that has these heights, where one does; units: whether the campaign may
-    choose others; free: whether the wall ends along x, along y."""
+    choose others; free: whether the wall ends along x, along y; hardness: over the
+    largest pressure of the loads without one."""
 
     heights: np.ndarray
     physical_sizes: tuple[float, float]
@@ -27,6 +28,7 @@ class Wall:
     surface: dict | None = None
     units: bool = True
     free: tuple[bool, bool] = (False, False)
+    hardness: float | None = None
 
 
 def family(function):

@@ -34,13 +34,16 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
     try:
         wall = make(name, seed, index)
         with _time_limit(seconds):
-            contact, exact = truths(wall.heights, wall.physical_sizes, wall.loads, wall.free)
+            of = wall.heights, wall.physical_sizes, wall.loads, wall.free, wall.hardness
+            contact, exact, hardness = truths(*of)
     except Exception as error:  # a campaign goes on
         return [head | {"status": "no wall", "error": f"{type(error).__name__}: {error}"}]
     head["n"] = list(wall.heights.shape)
     rows = []
+    if hardness is not None:
+        hardness *= wall.E_star * contact.g_rms
     for solver, precision, accuracy, low_memory in ways:
-        if low_memory and (wall.surface is None or solver != "bpx"):
+        if (low_memory and wall.surface is None) or (solver != "bpx" and (low_memory or hardness)):
             continue
         way = {"solver": solver, "precision": precision, "accuracy": accuracy}
         way = head | way | {"low_memory": low_memory}
@@ -48,7 +51,7 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
         try:
             with _time_limit(seconds), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                for found, truth in zip(_solutions(wall, contact, way), exact):
+                for found, truth in zip(_solutions(wall, contact, way, hardness), exact):
                     load, p_star = next(loads)
                     judged = _judged(found, truth, contact, wall)
                     rows.append(way | {"load": load, "p_star": p_star} | judged)
@@ -78,7 +81,7 @@ def _judged(found, truth, contact, wall):
     }
 
 
-def _solutions(wall, contact, way):
+def _solutions(wall, contact, way, hardness):
     """The hpc_gfmd.Solution of one load after the other; low memory works from a scene alone."""
     settings = {"name": way["solver"], "precision": way["precision"], "accuracy": way["accuracy"]}
     if way["solver"] != "bpx":
@@ -89,6 +92,7 @@ def _solutions(wall, contact, way):
             wall.heights,
             loads,
             E_star=wall.E_star,
+            hardness=hardness,
             physical_sizes=wall.physical_sizes,
             boundary=["free" if ends else "periodic" for ends in wall.free],
             fields=["pressure"],
@@ -99,6 +103,7 @@ def _solutions(wall, contact, way):
         path = Path(folder) / "contact.h5"
         scene = {
             "surface": wall.surface,
+            "material": {} if hardness is None else {"hardness": hardness},
             "load": {"pressure": loads},
             "solver": settings | {"low_memory": True},
             "output": {"path": str(path), "fields": ["pressure"]},

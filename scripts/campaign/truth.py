@@ -89,8 +89,11 @@ class Contact:
     def times(self, multiplier, x):
         return fft.irfft2(multiplier * fft.rfft2(x), s=self.n)
 
-    def solve(self, p_star, start=None):
-        """The Truth at p*. start: the pressure of a similar load."""
+    def solve(self, p_star, start=None, hardness=None):
+        """The Truth at p*. start: the pressure of a similar load, without a hardness (unit of
+        p*)."""
+        if hardness is not None:
+            return self._yielding(p_star, hardness)
         K, h, D, N = self.K, self.h, self.D, self.N
         if start is None:
             p = self._projected(1.0 * D, p_star, 12)
@@ -146,6 +149,47 @@ class Contact:
             rounds,
         )
 
+    def _yielding(self, p_star, hardness):
+        """The Truth where the pressure is at most a hardness: accelerated proximal gradients (FISTA
+        with restarts), then one linear problem on what is free; again
+        where that moves points to another side."""
+        K, h, D, N = self.K, self.h, self.D, self.N
+        p0, step, inertia = p_star * (N / h.size), 1 / K.max(), 1.0
+        g, count, steps = np.where(D, np.maximum(h - h[D].mean(), 0), 0.0), 1, 200
+        old = g
+        for rounds in range(1, ROUNDS):  # noqa: B007
+            for _ in range(steps):
+                following = (1 + np.sqrt(1 + 4 * inertia**2)) / 2
+                y = g + (inertia - 1) / following * (g - old)
+                v = y - step * (p0 + self.times(K, y - h))
+                new = np.where(D, np.maximum(v, np.minimum(v + step * hardness, 0)), v)
+                restart = np.sum((y - new) * (new - g)) > 0
+                old, g, inertia = g, new, 1.0 if restart else following
+            Y = D & (g < 0)
+            C = D & (g == 0)
+            p, exact = self._open(C, g, p_star, INNER, Y * hardness)
+            tiny_p, tiny_g = SIGN * hardness, SIGN * h.max()
+            wrong = np.where(C, (p < -tiny_p) | (p > hardness + tiny_p), D & (exact < -tiny_g))
+            wrong = np.where(Y, exact > tiny_g, wrong)
+            count = int(wrong.sum())
+            if count == 0 or steps > 100_000:
+                break
+            steps *= 2
+        p = np.where(Y, hardness, np.where(C, np.clip(p, 0, hardness), 0))
+        g = exact
+        fresh = p0 + self.times(K, g - h)
+        p_rms, gap_mean = np.sqrt(np.sum(p * p) / N), np.maximum(g[D], 0).mean()
+        kkt = max(
+            np.sqrt(np.sum((fresh - p) ** 2) / N) / p_rms,
+            abs(p.sum() / (N * p_star) - 1),
+            float(count > 0),
+        )
+        ties_in = int(np.sum(C & (p < TIE * p_rms)))
+        ties_out = int(np.sum(D & ~C & ~Y & (g < TIE * max(gap_mean, 1e-6 * h.max()))))
+        touching = int(C.sum() + Y.sum())
+        field = p[D].reshape(self.shape)
+        return Truth(field, touching, float(gap_mean), ties_in, ties_out, float(kkt), rounds)
+
     def on_cell(self, field):
         """A field of the wall with zeros around it."""
         out = np.zeros(self.n)
@@ -183,11 +227,12 @@ class Contact:
         """A little of the identity in the preconditioner: K alone forgets the mean."""
         return 0.5 * self.K[self.K > 0].min()
 
-    def _open(self, C, p, p_star, inner):
-        """Gap on F and pressure from the linear problem p = 0 on F: K g + p_star - K h = 0
-        there."""
+    def _open(self, C, p, p_star, inner, carried=0.0):
+        """Gap on F and pressure from the linear problem p = 0, or what is carried, on F: K g +
+        p_star - K h = 0 there."""
         F = ~C
         b = p_star * (self.N / self.h.size) - self.times(self.K, self.h)
+        b = b - carried
         g = np.zeros(self.n)
         if F.any():
             mean = 1 / self.K[self.K > 0].min()
@@ -201,7 +246,7 @@ class Contact:
             g = _conjugate_gradients(
                 apply, precondition, np.where(F, -b, 0), 4 * int(F.sum()), inner, 0.0
             )
-        p = b + self.times(self.K, g)
+        p = b + carried + self.times(self.K, g)
         return p, g
 
     def _projected(self, p, p_star, steps):

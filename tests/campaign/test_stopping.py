@@ -21,7 +21,7 @@ LATE = 3.0  # iterations, in the mean
 def iterations_too_many(wall, precision, accuracy):
     """Iterations of a solve beyond the first of which all true errors were below the accuracy; None
     if it did not converge."""
-    contact, (truth,) = truths(wall.heights, wall.physical_sizes, wall.loads)
+    contact, (truth,), _ = truths(wall.heights, wall.physical_sizes, wall.loads)
 
     def solve(most):
         with warnings.catch_warnings():

@@ -49,6 +49,13 @@ def test_it_agrees_with_dense_linear_algebra(name):
             truth.gap_mean, 1e-3 * contact.h.max()
         )
         assert errors[2] < TOLERANCE
+        if index == 0:
+            hardness = max(0.3 * truth.pressure.max(), 1.1 * p_star)
+            hard = contact.solve(p_star, hardness=hardness)
+            load, most = p_star * contact.g_rms, hardness * contact.g_rms
+            wanted = oracle.solve_yielding(z, load, most, 1.0, sizes)
+            assert max(hard.kkt, abs(hard.contact / z.size - wanted.a_r)) < TOLERANCE
+            assert np.abs(hard.pressure * contact.g_rms - wanted.pressure).max() < TOLERANCE * most
 
 
 def test_errors_are_those_of_the_definition():

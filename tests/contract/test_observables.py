@@ -13,20 +13,20 @@ from hpc_gfmd.contact import (
     default_observables,
     duality,
     observables_named,
-    unit_of,
 )
+from hpc_gfmd.output.numbers import said_of
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.util.errors import SceneError
 
 every_observable = pytest.mark.parametrize("name", all_observables())
-FREE = rough((1, 8, 4), boundary="free")  # where all of them exist
+FREE, HARD = rough((1, 8, 4), boundary="free"), {"hardness": 0.5}  # where all of them exist
 
 
 @pytest.fixture(scope="module")
 def contact():
-    made = sweep_of(FREE, duality=True, accuracy=1e-3)
+    made = sweep_of(FREE, duality=True, layer=HARD, accuracy=1e-3)
     made.solve(0.05)
     return made.solve(0.1)
 
@@ -37,6 +37,7 @@ def result(tmp_path_factory):
     scene = Scene.from_dict(
         {
             "surface": FREE,
+            "material": HARD,
             "load": {"p_star": [0.05, 0.1]},
             "output": {"observables": list(all_observables())},
         }
@@ -64,7 +65,12 @@ def test_alone(name):
     """It stands beside the cheap ones, and no other."""
     surface = rough((1, 8, 2), boundary="free")
     scene = Scene.from_dict(
-        {"surface": surface, "load": {"p_star": [0.05, 0.1]}, "output": {"observables": [name]}}
+        {
+            "surface": surface,
+            "material": HARD,
+            "load": {"p_star": [0.05, 0.1]},
+            "output": {"observables": [name]},
+        }
     )
     steps = run_scene(scene, out="one.h5", quiet=True).steps
     kept = {*default_observables(), *observables_named([name])}
@@ -78,11 +84,11 @@ def test_each_number_of_a_result_is_defined(result, cli):
     surface = {"unit": "m", "pressure_unit": "Pa"}
     for name in {*result.steps[1], *all_observables()}:
         assert all_numbers()[name][0]
-        assert unit_of(name, surface)
+        assert said_of(name, surface, all_numbers())["units"]
         assert f"| `{name}` | " in page
-    found = [unit_of(name, surface) for name in ("stiffness", "patch_largest", "a_r", "energy")]
+    names = "stiffness", "patch_largest", "a_r", "energy"
+    found = [said_of(name, surface, all_numbers())["units"] for name in names]
     assert found == ["Pa/m", "m^2", "1", "Pa m"]
-    assert [unit_of(name, {"unit": "m"}) for name in ("p", "approach", "nothing")] == ["", "m", ""]
 
 
 @every_observable
@@ -115,7 +121,7 @@ def test_degenerate_contacts(name, surface, without):
     made = sweep_of(surface, duality=True)
     for p in (0.05, 0.06):
         value = all_observables()[name](made.solve(p))
-        assert value is None if name in (*without, "approach") else isfinite(value)
+        assert value is None if name in (*without, "approach", "a_plastic") else isfinite(value)
 
 
 def test_unknown_name():

@@ -72,10 +72,11 @@ def test_accuracy(name):
 
 
 @every_solver
-def test_state_goes_on_bit_by_bit(name):
+@pytest.mark.parametrize("hardness", [None, 0.3])
+def test_state_goes_on_bit_by_bit(name, hardness):
     """state -> load_state of a new solver continues with exactly the numbers of the one that was
     never stopped."""
-    problem = problem_of()
+    problem = replace(problem_of(), hardness=hardness if solver_class(name).dents else None)
     one = started(name, problem)
     for _ in range(7):
         one.step()

@@ -5,6 +5,7 @@ import errno
 import importlib.util
 import os
 import pickle
+import platform
 import shutil
 
 import pytest
@@ -17,7 +18,7 @@ def compiled(tmp_path, monkeypatch):
     """compiled(): (value, hits of the cache) of a small kernel, imported anew; .file(kind): its
     index or code in the cache."""
     numba = pytest.importorskip("numba")
-    from hpc_gfmd.kernels.cache import sound
+    from hpc_gfmd.kernels.cache import retry_without_cache
 
     monkeypatch.setenv(
         "NUMBA_CACHE_DIR", str(tmp_path / "cache")
@@ -29,7 +30,7 @@ def compiled(tmp_path, monkeypatch):
         spec = importlib.util.spec_from_file_location("small", tmp_path / "small.py")
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
-        return sound(lambda: module.f(2.0)), sum(module.f.stats.cache_hits.values())
+        return retry_without_cache(lambda: module.f(2.0)), sum(module.f.stats.cache_hits.values())
 
     run.file = lambda kind: next((tmp_path / "cache").rglob(f"*.{kind}"))
     return run
@@ -98,20 +99,20 @@ def test_other_sources_have_another_folder_and_few_are_kept(compiled, monkeypatc
 
 
 def test_an_error_that_is_not_the_caches_is_raised(compiled):
-    from hpc_gfmd.kernels.cache import sound
+    from hpc_gfmd.kernels.cache import retry_without_cache
 
     calls = []
     with pytest.raises(ZeroDivisionError):
-        sound(lambda: calls.append(1) or 1 / 0)
+        retry_without_cache(lambda: calls.append(1) or 1 / 0)
     assert len(calls) == 1
 
 
-@pytest.mark.parametrize("content", [b"", b"[]", b"{", b'{"host": 1}', b"\xff\xfe", b"null"])
+@pytest.mark.parametrize("content", [b"", b"[]", b"\xff\xfe", b"null"])
 def test_a_bad_note_of_the_speed_of_this_machine(content, tmp_path, monkeypatch):
     """`plan` measures again."""
     from hpc_gfmd.runs import timing
 
     monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path))
     monkeypatch.setattr(timing, "_measure", lambda dtype: 1e-9)
-    (tmp_path / "speed-float64.json").write_bytes(content)
+    (tmp_path / f"speed-float64-{platform.node()}").write_bytes(content)
     assert timing.seconds_per_work("float64") == 1e-9

@@ -1,6 +1,9 @@
 """Parts of the installation that are not there: not needed, or one line that says what to
 install."""
 
+import subprocess
+import sys
+
 import pytest
 from mpi_harness import call, environment, missing
 
@@ -59,3 +62,44 @@ def test_a_missing_package(module, args, code, words, folder):
     assert run.returncode == code, run.stderr
     assert len(run.stderr.strip().splitlines()) == (code != 0)
     assert words in run.stderr
+
+
+ELSEWHERE = """
+import builtins, io, os, signal, sys
+
+import numpy
+
+for module, names in {
+    os: "sched_getaffinity posix_fallocate posix_fadvise O_TMPFILE memfd_create sysconf uname",
+    signal: "SIGUSR1",
+}.items():
+    for name in names.split():
+        delattr(module, name)
+sys.modules.update(fcntl=None, resource=None)
+found = io.open
+
+def opened(path, *rest, **more):
+    if str(path).startswith(("/proc", "/sys")):
+        raise FileNotFoundError(path)
+    return found(path, *rest, **more)
+
+io.open = builtins.open = opened
+from hpc_gfmd.commands.cli import main
+
+calls = "run scene.toml,plan scene.toml,info,export contact.h5 --to npz,show contact.h5"
+for line in calls.split(","):
+    assert main(line.split()) == 0, line
+"""
+
+
+def test_what_only_linux_has_is_not_needed(folder):
+    done = subprocess.run(
+        [sys.executable, "-c", ELSEWHERE],
+        env=environment(),
+        cwd=folder,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "inf GiB" in done.stdout
+    assert {"contact.h5", "contact.npz"} <= {path.name for path in folder.iterdir()}

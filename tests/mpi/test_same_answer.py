@@ -70,16 +70,24 @@ def test_any_grid(comm, n):
 
 
 @pytest.mark.parametrize(
-    ("quantity", "value", "low_memory"),
-    [("gap_mean", 0.02, False), ("a_r", 0.3, True), ("approach", 0.05, False)],
+    ("quantity", "value", "low_memory", "hardness"),
+    [
+        ("gap_mean", 0.02, False, None),
+        ("a_r", 0.3, True, None),
+        ("a_r", 0.3, True, 0.5),
+        ("approach", 0.05, False, 0.5),
+    ],
 )
-def test_prescribed(comm, quantity, value, low_memory):
+def test_prescribed(comm, quantity, value, low_memory, hardness):
     """The search for a load takes the same steps on any number of ranks."""
     surface = rough(
         (2, 16, 4), boundary="free" if quantity == "approach" else "periodic", h_rms=0.05
     )
     solver = {"accuracy": 1e-3, "precision": "double", "low_memory": low_memory}
-    found, wanted = (sweep_of(surface, comm=world, **solver) for world in (comm, SerialComm()))
+    found, wanted = (
+        sweep_of(surface, comm=world, layer={"hardness": hardness}, **solver)
+        for world in (comm, SerialComm())
+    )
     for factor in (1.0, 0.8):
         steps = [sweep.solve(LoadTarget(quantity, factor * value)) for sweep in (found, wanted)]
         assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)

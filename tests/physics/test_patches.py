@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from contacts import heights_of, rough
 from counted import contact_of
 
 import hpc_gfmd
-from hpc_gfmd.contact import all_observables, default_observables, observables_named
+from hpc_gfmd.contact import observables_named
 
 
 def observed(contact, *names):
@@ -115,13 +114,3 @@ def test_a_profile_is_made_of_stripes():
         for name in ("contact", "gap")
         for axis in "xy"
     ] == [False, True, False, True]
-
-
-def test_only_on_request():
-    found = hpc_gfmd.solve(heights_of(rough((1, 8, 2))), 0.05)
-    default = set(default_observables())
-    assert set(found.observables) == default
-    assert not found.distributions
-    assert "a_r" in default
-    counted = ("patch", "perimeter", "contact_", "gap_perc", "gap_spans")
-    assert not {name for name in all_observables() if name.startswith(counted)} & default

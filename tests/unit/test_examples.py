@@ -14,7 +14,7 @@ from mpi_harness import environment
 from scipy import ndimage
 
 import hpc_gfmd
-from hpc_gfmd.surface.instruments import surface_topography
+from hpc_gfmd.util.libraries import surface_topography
 
 FOLDER = Path(__file__).parents[2] / "examples"
 SMALL = {"sphere": 48, "wave": 64, "measured": 64, "tfc": 64, "rough_ball": 128}

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.text import Text
 
 import hpc_gfmd
-from hpc_gfmd.surface.instruments import surface_topography
+from hpc_gfmd.util.libraries import surface_topography
 
 SIZE = 12e-6  # m
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
@@ -82,3 +82,43 @@ def test_a_scene_of_eight_lines(folder):
     sizes = solution.distributions["patches"]
     assert 0 < sizes["edges"][0] <= sizes["edges"][-1] < SIZE**2
     assert np.diff(sizes["edges"]) @ sizes["density"] == pytest.approx(1)
+
+
+SCRIPT = """
+import hpc_gfmd, numpy as np
+from SurfaceTopography import Topography, open_topography
+results = {}
+for name in ("new", "worn"):
+    scan = open_topography(f"{name}.nc").topography().detrend("mad-tilt")
+    out = abs(scan.heights() - scan.median()) > 5 * scan.mad_height()
+    whole = np.ma.masked_where(out, scan.heights())
+    scan = Topography(whole, scan.physical_sizes, unit=scan.unit).interpolate_undefined_data()
+    results[name] = hpc_gfmd.solve(scan, ["5 MPa", "20 MPa"], "2 GPa")
+results["new"].to_dataframe().to_csv("numbers.csv")
+hpc_gfmd.plot(results, "a_r").savefig("both.png")
+results["new"].export("pressure.gwy", fields=["pressure"])
+"""
+
+
+def test_twelve_lines_from_scans_with_outliers_and_holes(folder):
+    """Through SurfaceTopography's pipeline into a sweep, a table, an overlay of two samples and a
+    file of Gwyddion; no unit is typed but those of load and modulus."""
+    assert len(SCRIPT.strip().splitlines()) <= 12
+    scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
+    for name, scale in (("new", 1), ("worn", 0.5)):
+        z = np.ma.array(1e9 * scale * scan.heights + 10 * np.arange(64), mask=False)
+        z[5, 7] += 1e5
+        z[20:23, 30] = np.ma.masked
+        surface_topography().Topography(z, (1e9 * SIZE,) * 2, unit="nm").to_netcdf(
+            str(folder / f"{name}.nc")
+        )
+    (folder / "twelve.py").write_text(SCRIPT)
+    run(folder, "twelve.py")
+    table = np.genfromtxt(folder / "numbers.csv", delimiter=",", names=True)
+    wanted = hpc_gfmd.solve(scan, ["5 MPa", "20 MPa"], "2 GPa")  # with the plane of least squares
+    assert table["p"] == pytest.approx([5e6, 20e6])
+    assert table["a_r"] == pytest.approx([one.a_r for one in wanted], rel=0.1)
+    assert (folder / "both.png").read_bytes().startswith(b"\x89PNG")
+    written = (folder / "pressure.gwy").read_bytes()
+    assert written.count(b"GwyDataField") == 2
+    assert b"unitstr\0sPa\0" in written

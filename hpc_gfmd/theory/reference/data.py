@@ -81,15 +81,8 @@ class Reference:
             _weights(float(_within("hurst", hurst, self.hurst)), self.hurst),
             _weights(float(np.log(_within("eps_f", eps_f, self.eps_f))), np.log(self.eps_f)),
         )
-        ratio = np.array(
-            [
-                [
-                    np.log(value / _persson(quantity, loads, H, f))
-                    for f, value in zip(self.eps_f, values, strict=True)
-                ]
-                for H, values in zip(self.hurst, self.value[quantity], strict=True)
-            ]
-        )
+        theory = [[_persson(quantity, loads, H, f) for f in self.eps_f] for H in self.hurst]
+        ratio = np.log(self.value[quantity] / np.array(theory))
         x, at = np.log(loads), np.log(wanted)
         spline = make_interp_spline(x, np.einsum("hf,hfp->p", weights, ratio), k=min(3, len(x) - 1))
         value = np.exp(spline(at)) * _persson(quantity, wanted, hurst, eps_f)
@@ -144,7 +137,7 @@ def load(path: str | Path | None = None) -> Reference:
 
 @cache
 def _shipped() -> Reference:
-    return _read(files(__package__).joinpath("data/contact.json"))
+    return _read(files(__package__) / "data/contact.json")
 
 
 def _read(path: Path | Traversable) -> Reference:
@@ -152,9 +145,9 @@ def _read(path: Path | Traversable) -> Reference:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["format"] != FORMAT:
             raise ValueError(f"format {data['format']!r}")
-        hurst, eps_f = _array(data["hurst"]), _array(data["eps_f"])
+        hurst, eps_f = np.array(data["hurst"], float), np.array(data["eps_f"], float)
         p_star, value, sigma = (
-            {name: _array(data[kind][name]) for name in QUANTITIES}
+            {name: np.array(data[kind][name], float) for name in QUANTITIES}
             for kind in ("p_star", "value", "sigma")
         )
         for name in QUANTITIES:
@@ -165,9 +158,3 @@ def _read(path: Path | Traversable) -> Reference:
     except (OSError, ValueError, KeyError, TypeError) as error:
         allowed = "a JSON file written by python scripts/paper curves --reference"
         raise SceneError(f"reference: found {str(path)!r} ({error}), allowed: {allowed}") from None
-
-
-def _array(numbers: Any) -> np.ndarray:
-    array = np.array(numbers, dtype=np.float64)
-    array.setflags(write=False)  # shared by all who load it
-    return array

@@ -6,71 +6,92 @@ from transfers import SIZES, interpolation, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import bpx
-from hpc_gfmd.kernels.halfwidth import Widened, half, narrow, narrowed, widen
+from hpc_gfmd.kernels.bfloat16 import Decoded, decode, encode, encoded, stored_dtype
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.grid import Grid
 
+with_a_hardness = pytest.mark.parametrize("hardness", [None, 0.4])
 
-def state(random, n, dtype=float):
-    g = np.maximum(random.standard_normal(n), 0).astype(dtype)
+
+def state(random, n, hardness, dtype=float):
+    """With a hardness some points have a dent, g < 0."""
+    g = random.standard_normal(n).astype(dtype)
+    g[(g < 0) & ((g > -1) | (hardness is None))] = 0
     p = random.standard_normal(n).astype(dtype)
-    d = narrowed(random.standard_normal(n) * (g > 0), dtype)
+    d = encoded(random.standard_normal(n) * (g != 0), dtype)
     return g, p, d
 
 
+def sides(g, p, hardness):
+    """Where there is elastic contact, where a point yields, and p less the hardness there."""
+    yields = (g < 0) | ((g <= 0) & (p >= hardness)) if hardness else np.zeros(g.shape, bool)
+    return (g <= 0) & (p > 0) & ~yields, yields, p - yields * (hardness or 0)
+
+
 @pytest.mark.parametrize("n", SIZES, ids=str)
+@with_a_hardness
 @pytest.mark.parametrize("coupling", [0.0, 1.1])
 @pytest.mark.parametrize(
     ("dtype", "rough", "rounding"), [(np.float64, 1e-7, 1e-12), (np.float32, 1 / 128, 1e-4)]
 )
-def test_projected_step(random, n, coupling, dtype, rough, rounding):
-    g, p, d = state(random, n, dtype)
+def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
+    g, p, d = state(random, n, hardness, dtype)
     t, m, P_x, P_y = whole(n)
     z_coarse = random.standard_normal(m)
     padded = z_coarse[np.arange(-1, m[0] + 1) % m[0]].copy()
     a, b, compliance = 0.7, -0.2, 0.6
-    z = compliance * (p + coupling * P_x @ z_coarse @ P_y.T)
-    closed = (g <= 0) & (p > 0)
+    closed, yields, r = sides(g, p, hardness)
+    z = compliance * (r + coupling * P_x @ z_coarse @ P_y.T)
     d[g > 1] = clipped_of(dtype)  # the last time: no step for the next one
-    last = np.where(g > 1, 0, Widened(d)[:]).astype(float)
-    wanted = np.where(closed, 0, np.maximum(g - a * z - b * last, 0) - g)
+    last = np.where(g > 1, 0, Decoded(d)[:]).astype(float)
+    v, through = g - a * z - b * last, a * compliance * (hardness or np.inf)
+    opens = np.maximum(v, 0) + np.minimum(v + through, 0)
+    dents = np.minimum(v, 0) + np.maximum(v - through, 0)
+    wanted = np.where(closed, 0, np.where(yields, dents, opens) - g)
     x, work = np.empty(n, dtype), np.zeros((2, n[1] + 1), dtype)
     step = tuple(dtype(number) for number in (a, b, coupling, compliance))
-    found = bpx.projected_step(g, p, d, x, (0, n[0]), padded.astype(dtype), t.tables, step, n, work)
+    limit = hardness and dtype(hardness)
+    found, deeper = bpx.projected_step(
+        g, p, d, x, (0, n[0]), padded.astype(dtype), t.tables, step, limit, n, work
+    )
     assert np.allclose(x, wanted, rtol=rough, atol=rounding)
     clipped = (wanted == -g) & ~closed
     assert np.array_equal(x[clipped], -g[clipped])  # to the bit
     assert np.array_equal(
-        np.where(np.isinf(Widened(d)[:]), -g, Widened(d)[:]), x
+        np.where(np.isinf(Decoded(d)[:]), -g, Decoded(d)[:]), x
     )  # what `update_state` takes it for
-    assert np.all(g + x >= 0)
-    assert found == pytest.approx(np.vdot(p.astype(float), x), abs=10 * rounding)
+    assert hardness or np.all(g + x >= 0)
+    grown = np.sum(np.maximum(-(g + x), 0) - np.maximum(-g, 0), dtype=float)
+    work_done = np.vdot(p.astype(float), x) + (hardness or 0) * grown
+    assert found == pytest.approx(work_done, abs=10 * rounding)
+    assert deeper == pytest.approx(grown, abs=10 * rounding)
 
 
 def clipped_of(dtype):
-    """Minus infinity in half the width."""
-    return narrowed([-np.inf], dtype)[0]
+    """Minus infinity as it is stored."""
+    return encoded([-np.inf], dtype)[0]
 
 
 @pytest.mark.parametrize(("dtype", "rough"), [(np.float32, 1 / 128), (np.float64, 1e-7)])
-def test_half_the_width(random, dtype, rough):
+def test_storage_of_the_last_step(random, dtype, rough):
     """In kernels as in NumPy; 16 bits make nothing larger, and infinity stays what it is."""
     numbers = np.concatenate(
         [random.standard_normal(999) * 10.0 ** random.integers(-30, 30, 999), [0, -np.inf, np.inf]]
     ).astype(dtype)
-    halves = narrowed(numbers, dtype)
-    assert halves.dtype == half(dtype)
+    halves = encoded(numbers, dtype)
+    assert halves.dtype == stored_dtype(dtype)
     assert halves.itemsize == numbers.itemsize // 2
-    assert np.array_equal([narrow(number) for number in numbers], halves)
-    assert np.array_equal([widen(one) for one in halves], Widened(halves)[:])
-    assert np.allclose(Widened(halves)[:], numbers, rtol=rough, atol=0)
-    assert dtype == np.float64 or np.all(np.abs(Widened(halves)[:]) <= np.abs(numbers))
-    assert Widened(halves)[-2:].tolist() == [-np.inf, np.inf]
+    assert np.array_equal([encode(number) for number in numbers], halves)
+    assert np.array_equal([decode(one) for one in halves], Decoded(halves)[:])
+    assert np.allclose(Decoded(halves)[:], numbers, rtol=rough, atol=0)
+    assert dtype == np.float64 or np.all(np.abs(Decoded(halves)[:]) <= np.abs(numbers))
+    assert Decoded(halves)[-2:].tolist() == [-np.inf, np.inf]
 
 
 @pytest.mark.parametrize("n", SIZES, ids=str)
+@with_a_hardness
 @pytest.mark.parametrize("s", [1.0, 0.5, 0.0])
-def test_update(random, n, s):
+def test_update(random, n, hardness, s):
     """New state, sums, and the restriction of p and x on F and of the indicator of A; one
     or several passes."""
     for longest in (n[0], 2):
@@ -78,7 +99,7 @@ def test_update(random, n, s):
         levels_of = Multilevel(grid, HalfSpace(), np.float64, longest)
         if levels_of.levels[0].n == levels_of.levels[1].n:
             return
-        g, p, d = state(random, n)
+        g, p, d = state(random, n, hardness)
         x = random.standard_normal(n)
         d[g > 1] = clipped_of(float)
         e = np.where(d == clipped_of(float), -g, d)
@@ -86,21 +107,24 @@ def test_update(random, n, s):
         work = levels_of.scratch()
         sums = []
         for k, (i0, i1) in enumerate(levels_of.passes):
-            sums.append(levels_of.update_rows(k, g, p, d[i0:i1], x[i0:i1].copy(), s, work))
-        closed = (new_g <= 0) & (new_p > 0)
+            rows = d[i0:i1], x[i0:i1].copy()
+            sums.append(levels_of.update_rows(k, g, p, *rows, s, work, hardness))
+        closed, yields, r = sides(new_g, new_p, hardness)
         free = ~closed
         assert np.allclose(g, new_g)
         assert np.allclose(p, new_p)
         wanted = [
-            np.sum(new_p[free] ** 2),
-            np.sum(new_p**2),
-            np.sum((new_p * e)[free]),
+            np.sum(r[free] ** 2),
+            np.sum(r**2) + np.sum(yields) * (hardness or 0) ** 2,
+            np.sum((r * e)[free]),
             np.sum((x * e)[free]),
-            np.sum((new_p * x)[free]),
-            closed.sum(),
-            new_g.sum(),
-            np.sum(closed & (new_p + s * x <= 0)),
+            np.sum((r * x)[free]),
+            np.sum(closed | yields),
+            new_g[~yields].sum(),
+            np.sum((new_g <= 0) & (new_p > 0) & (new_p + s * x <= 0)),
             np.sum((new_g > 0) & (new_g + s * e <= 0)),
+            yields.sum(),
+            -new_g[yields].sum(),
         ]
         assert np.sum(sums, axis=0) == pytest.approx(np.array(wanted), rel=1e-11, abs=1e-11)
         m = levels_of.levels[1].n
@@ -109,5 +133,5 @@ def test_update(random, n, s):
             found[:, (row - 1) % m[0]] += levels_of.fields[0][:, row]
         factor = m[0] * m[1] / (n[0] * n[1])
         P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
-        for field, fine in zip(found, (new_p * free, 1.0 * closed, x * free), strict=True):
+        for field, fine in zip(found, (r * free, 1.0 * closed, x * free), strict=True):
             assert np.allclose(field, factor * P_x.T @ fine @ P_y, atol=1e-12)

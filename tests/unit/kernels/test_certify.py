@@ -7,26 +7,32 @@ import pytest
 from hpc_gfmd.kernels import certify
 
 
-def test_kkt_residuals(random):
+@pytest.mark.parametrize("hardness", [None, 0.4])
+def test_kkt_residuals(random, hardness):
     g = random.standard_normal((6, 5))
-    g[g < 0.3] = np.minimum(g[g < 0.3], 0)
+    g[np.abs(g) < 0.3] = 0
     x, p = random.standard_normal((6, 5)), np.empty((6, 5))
-    sums, extremes = certify.kkt_residuals(g, p, x, 0.2, g.shape, 0, 6)
+    sums, extremes = certify.kkt_residuals(g, p, x, 0.2, hardness, g.shape, 0, 6)
     fresh = 0.2 + x
-    closed = (g <= 0) & (fresh > 0)
+    yields = (g < 0) | ((g <= 0) & (fresh >= hardness)) if hardness else np.zeros(g.shape, bool)
+    closed, r = (g <= 0) & (fresh > 0) & ~yields, fresh - yields * (hardness or 0)
+    gap = np.where(yields, 0, g)
     wanted = (
-        *(np.sum(fresh[~closed] ** power) for power in (1, 2, 4)),
-        np.sum(fresh[closed] ** 2),
-        np.sum(np.abs(fresh) * g),
-        closed.sum(),
-        g.sum(),
+        *(np.sum(r[~closed] ** power) for power in (1, 2, 4)),
+        np.sum(fresh[closed] ** 2) + np.sum(yields) * (hardness or 0) ** 2,
+        np.sum(np.abs(r) * np.where(yields, -g, g)),
+        np.sum(closed | yields),
+        gap.sum(),
+        yields.sum(),
+        -g[yields].sum(),
     )
     assert np.array_equal(p, fresh)
     assert sums == pytest.approx(wanted, rel=1e-13)
     assert extremes == pytest.approx(
-        (max(-g.min(), 0), max((-fresh[g <= 0]).max(initial=0), 0)), rel=1e-13
+        (max(-gap.min(), 0), max((-fresh[g <= 0]).max(initial=0), 0)), rel=1e-13
     )
-    assert certify.open_moments(g, p, g.shape) == pytest.approx(wanted[1:3], rel=1e-13)
+    moments = certify.open_moments(g, p, hardness, g.shape)
+    assert moments == pytest.approx(wanted[1:3], rel=1e-13)
 
 
 def test_uncertain_points(random):

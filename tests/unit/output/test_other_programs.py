@@ -8,10 +8,13 @@ import h5py
 import numpy as np
 import pytest
 
-from hpc_gfmd.commands import export
+import hpc_gfmd
+from hpc_gfmd.contact import all_numbers
+from hpc_gfmd.output import export
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.util.libraries import surface_topography
 
 N, SIZES, LOADS = (6, 4), (3.0, 1.0), (0.1, 0.25)
 HEAD = {"scene": "title = 'x'", "identity": "abc", "versions": {"numpy": "2"}}
@@ -27,6 +30,7 @@ def field(step, name):
 
 
 def write(path, loads=LOADS, units=UNITS, **how):
+    how |= {"about": all_numbers()}
     with RunFile(SerialComm(), path, N, (0, N[0]), HEAD, SURFACE | units, **how) as run:
         run.update(height_field=HEIGHTS)
         for step, p in enumerate(loads):
@@ -37,6 +41,7 @@ def write(path, loads=LOADS, units=UNITS, **how):
                 "note": "few points" if step else None,
                 "patches": [1, 2],
                 "gap_mean": 0.5,
+                "spanning": step == 0,
                 "wall_seconds": 2.0,
                 "../evil": 1.0,
             }
@@ -68,7 +73,7 @@ def test_one_step_in_xarray(tmp_path, compressed):
         assert float(pressure.coords["p"]) == 0.25
         assert np.array_equal(step.heights, HEIGHTS)
         assert step.attrs["a_r"] == 0.5
-        assert pressure.attrs["units"] == ("unit of E_star" if compressed else "Pa")
+        assert pressure.attrs["units"] == ("pressure" if compressed else "Pa")
         assert "initial gap" in step.gap.attrs["long_name"]
         for name in (*step.data_vars, *step.coords):
             assert step[name].attrs["units"]
@@ -76,11 +81,24 @@ def test_one_step_in_xarray(tmp_path, compressed):
 
 
 def test_all_steps_in_xarray(path):
+    """The numbers of all loads at the root, as `Solutions` give them, the fields in their steps."""
     xarray = pytest.importorskip("xarray")
+    solutions = hpc_gfmd.load(path)
+    with xarray.open_dataset(path) as found, solutions.to_xarray() as whole:
+        assert np.array_equal(found["load"], LOADS)
+        assert found.a_r.dims == ("load",)
+        assert (found.p.attrs["units"], whole.p.attrs["units"]) == ("Pa", "Pa")
+        assert whole.drop_vars(["pressure", "gap", "heights"]).equals(found)
+        assert list(found.spanning.values) == [True, False]
+        assert np.array_equal(whole.gap, [field(0, "gap"), field(1, "gap")])
+        assert (whole.gap.dims, whole.heights.dims) == (("load", "x", "y"), ("x", "y"))
+    table = solutions.to_dataframe()
+    assert (list(table.a_r), list(table.spanning)) == ([0.2, 0.5], [True, False])
+    assert (table.attrs["units"]["p"], table.attrs["units"]["a_r"]) == ("Pa", "1")
     with xarray.open_datatree(path, engine="h5netcdf") as tree:
         assert list(tree["steps"].children) == ["0000", "0001"]
         assert np.array_equal(tree["steps/0000/gap"], field(0, "gap"))
-        assert np.array_equal(tree["loads"], LOADS)
+        assert np.array_equal(tree["load"], LOADS)
         assert not [name for group in tree.subtree for name in group.dims if "phony" in str(name)]
 
 
@@ -142,13 +160,13 @@ def test_netcdf(path, cli):
     xarray = pytest.importorskip("xarray")
     cli.prints("export", path, "--to", "netcdf")
     with xarray.open_dataset(path.with_suffix(".nc"), engine="h5netcdf") as found:
-        assert dict(found.sizes) == {"loads": 2, "x": 6, "y": 4}
-        assert np.array_equal(found.loads, LOADS)
+        assert dict(found.sizes) == {"load": 2, "x": 6, "y": 4}
+        assert np.array_equal(found["load"], LOADS)
         assert np.array_equal(found.a_r, [0.2, 0.5])
         assert list(found.note.values) == ["", "few points"]
         for name in ("pressure", "gap"):
             assert np.array_equal(found[name], [field(0, name), field(1, name)])
-            assert found[name].dims == ("loads", "x", "y")
+            assert found[name].dims == ("load", "x", "y")
         assert np.array_equal(found.heights, HEIGHTS)
         about = {name: found[name].attrs for name in ("gap_mean", "wall_seconds", "a_r", "p")}
         assert [about[name]["units"] for name in about] == ["m", "s", "1", "Pa"]
@@ -171,6 +189,29 @@ def test_npz_and_csv(path, cli):
         ("1", 0.5, "few points"),
     ]
     assert {"p [Pa]", "gap_mean [m]", "wall_seconds [s]"} < set(lines[0])
+
+
+def test_channels_of_gwyddion_and_x3p(path, cli):
+    """Pressure in Pa and gap in m, read back; X3P holds one length."""
+    read = surface_topography().open_topography
+    reader = read(cli.prints("export", path, "--to", "gwy").strip())
+    # the pressures, which are in Pa, are no topographies
+    assert [c.name for c in reader.channels] == ["gap, load 0", "heights, load 0", "gap, load 1"]
+    gap = reader.topography(channel_index=2)
+    assert np.array_equal(gap.heights(), field(1, "gap"))
+    assert (gap.physical_sizes, gap.unit) == (SIZES, "m")
+    written = path.with_suffix(".gwy").read_bytes()
+    assert b"unitstr\0sPa\0" in written
+    assert field(1, "pressure").T.astype("<f8").tobytes() in written
+    hpc_gfmd.load(path)[1].export("gap.x3p", ["gap"])
+    assert np.allclose(read("gap.x3p").topography().heights(), field(1, "gap"))
+    for how in ((), ("--fields", "gap"), ("--fields", "pressure", "--step", 0)):
+        assert "one field that is a length, of one load" in cli.refused(
+            "export", path, "--to", "x3p", *how
+        )
+    assert "found 7, allowed: 0, 1" in cli.refused("export", path, "--to", "npz", "--step", 7)
+    with pytest.raises(hpc_gfmd.SceneError, match=r"allowed: one in .*gwy"):
+        hpc_gfmd.load(path).export("gap.pdf")
 
 
 def test_an_export_that_is_killed_leaves_nothing(path, monkeypatch):

@@ -3,10 +3,10 @@
 import h5py
 import numpy as np
 import pytest
-from result_files import FIELD, STEP, SURFACE, N, begin, complete, names
+from result_files import FIELD, STEP, SURFACE, begin, complete, names
 
 from hpc_gfmd import load
-from hpc_gfmd.output.read import FORMAT_VERSION, read_result
+from hpc_gfmd.output.read import read_result
 from hpc_gfmd.util.errors import GfmdError
 
 
@@ -24,16 +24,6 @@ def test_a_finished_file_holds_everything(path):
     assert result.head["start_time"] <= result.head["end_time"]
     assert np.array_equal(result.fields[0]["gap"].read(2, 4), FIELD[2:4])
     assert names(path.parent) == ["out.h5"]
-
-
-def test_the_layout_is_the_documented_one(path):
-    complete(path, 1)
-    with h5py.File(path) as file:
-        assert file.attrs["format_version"] == FORMAT_VERSION
-        assert list(file["steps"]) == ["0000"]
-        assert file["steps/0000"].attrs["a_r"] == 0.25
-        assert file["steps/0000/gap"].shape == N
-        assert list(file["surface"].attrs["n"]) == list(N)
 
 
 def test_attributes_of_all_kinds_survive(path):

@@ -105,7 +105,7 @@ def test_loads_are_in_the_order_of_their_numbers(path):
         run.finish("converged")
     assert read_result(path).indices == [9999, 10000, 10001]
     with h5py.File(path) as file:
-        assert list(file["loads"]) == list(file["VTKHDF/Steps/Values"]) == [9999, 10000, 10001]
+        assert list(file["load"]) == list(file["VTKHDF/Steps/Values"]) == [9999, 10000, 10001]
         assert np.array_equal(file["VTKHDF/PointData/gap"][:, 0, 0], [9999, 10000, 10001])
 
 

@@ -20,13 +20,13 @@ def test_compiling_is_announced_once_and_only_if_something_is_compiled(
     if kept:
         (tmp_path / "kernel.nbi").write_bytes(b"")
     told, functions = [], [numba.njit(lambda x, k=k: x + k) for k in range(2)]
-    with cache.announced(told.append):
+    with cache.on_first_compile(told.append):
         assert not told
         assert [function(1) for function in functions] == [1, 2]
     assert len(told) == 1
     assert told[0].startswith(said)
-    with cache.announced(told.append):
+    with cache.on_first_compile(told.append):
         assert functions[0](2) == 2
     assert len(told) == 1
-    with cache.announced(None):
+    with cache.on_first_compile(None):
         assert numba.njit(lambda x: -x)(1) == -1

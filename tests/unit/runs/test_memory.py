@@ -11,9 +11,10 @@ from hpc_gfmd.runs import memory
 from hpc_gfmd.runs.plan import duration, plan_of
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
+from hpc_gfmd.util import machine
 from hpc_gfmd.util.errors import SceneError
 
-GIB = memory.GIB
+GIB = machine.GIB
 SCENE = Scene.from_dict(
     {
         "surface": {"kind": "wave", "amplitude": 0.1, "n": [8192, 8192]},
@@ -55,24 +56,24 @@ def test_the_tightest_control_group_counts(tmp_path, monkeypatch, version, top, 
         version=version,
     )
     group(root / top / "system/job_7", GIB // 2, GIB // 4, GIB // 8, version=version)
-    folders = memory.control_groups(root, own(tmp_path, f"3:cpu:/elsewhere\n{line}\n"))
+    folders = machine.control_groups(root, own(tmp_path, f"3:cpu:/elsewhere\n{line}\n"))
     assert root / top / "system/job_7/step_0" in folders
     assert not any("elsewhere" in str(folder) for folder in folders)
-    monkeypatch.setattr(memory, "control_groups", lambda: folders)
-    assert memory.available_gib() == pytest.approx(0.375)
+    monkeypatch.setattr(machine, "control_groups", lambda: folders)
+    assert machine.available_gib() == pytest.approx(0.375)
     with pytest.raises(SceneError, match=r"has 0\.38 GiB"):
         memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
 
 
 def test_no_control_groups(tmp_path):
-    assert memory.control_groups(tmp_path, tmp_path / "missing") == [tmp_path]
-    assert 0 < memory.available_gib() < 1e6
+    assert machine.control_groups(tmp_path, tmp_path / "missing") == [tmp_path]
+    assert 0 < machine.available_gib() < 1e6
 
 
 def test_the_limit_of_the_process(monkeypatch):
-    assert memory.limit_gib() > 1
+    assert machine.limit_gib() > 1
     monkeypatch.setattr(resource, "getrlimit", lambda _: (2 * GIB, 2 * GIB))
-    assert 0 < memory.limit_gib() < 2
+    assert 0 < machine.limit_gib() < 2
     with pytest.raises(SceneError, match="ulimit -v"):
         memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
 

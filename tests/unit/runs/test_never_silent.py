@@ -134,10 +134,12 @@ def test_numbers_in_wrong_units_are_warned_of(z, scale, load, words):
 
 
 def test_steep_heights_are_told(z):
-    assert (
-        hpc_gfmd.solve(3 * z, 0.1, boundary="periodic").note
-        == "g_rms = 3: the theory is that of small slopes"
-    )
+    note = hpc_gfmd.solve(3 * z, 0.1, boundary="periodic").note
+    slopes, _, exceeds = note.partition("; ")
+    assert slopes == "g_rms = 3: the theory is that of small slopes"
+    assert exceeds.startswith("the pressure exceeds E*/5 on more than a tenth of the contact")
+    assert hpc_gfmd.solve(0.01 * z, 1e-3, boundary="periodic").note is None
+    assert "E*/5" not in hpc_gfmd.solve(3 * z, 0.1, hardness=2.0, boundary="periodic").note
 
 
 def test_notes_on_a_height_map_are_told_everywhere(z, tmp_path, cli):

@@ -16,6 +16,7 @@ from hpc_gfmd.contact import (
     all_distributions,
     all_observables,
     distribution_names,
+    duality,
     observable_names,
 )
 from hpc_gfmd.driver.sweep import Sweep
@@ -64,7 +65,12 @@ def same(one, other):
 
 def test_a_list_is_a_sweep_and_nothing_is_left_out(sweep):
     assert [one.p for one in sweep] == [1e7, 3e7, 2e8]
-    assert sweep.values("a_r").tolist() == sorted({one.a_r for one in sweep})
+    assert sweep.a_r.tolist() == sweep.values("a_r").tolist() == sorted({one.a_r for one in sweep})
+    assert (sweep.unit, sweep.h_rms, len(sweep.perimeter)) == ("m", sweep[0].h_rms, 3)
+    assert {"a_r", "gap_error", "perimeter"} <= {*dir(sweep)} & {*dir(sweep[0])}
+    assert sweep[0].distribution("pressure").units == {"edges": "Pa", "density": "1/Pa"}
+    with pytest.raises(AttributeError, match=r"stiffness: was not asked for: observable"):
+        _ = sweep.stiffness
     for one in sweep:
         assert one.pressure.mean() == pytest.approx(one.p, rel=1e-3)
         assert np.count_nonzero(one.contact) == one.a_r * Z.size
@@ -162,7 +168,7 @@ def test_a_file_is_saved_again(sweep, saved):
 @pytest.mark.parametrize("of_file", [False, True], ids=["in memory", "from a file"])
 def test_more_is_asked_later(sweep, saved, of_file):
     """As if it had been asked for with the load."""
-    names = sorted(observable_names() - {"duality_gap"})
+    names = sorted(observable_names() - {"error_bounds", *duality.OBSERVABLES})
     spreads = sorted(distribution_names())
     asked = hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, observables=names, distributions=spreads)
     for one, known in zip(saved if of_file else sweep, asked, strict=True):
@@ -184,6 +190,27 @@ def test_more_is_asked_later(sweep, saved, of_file):
                 ), (name, what)
     assert set(all_observables()) <= set(asked[0].observables)
     assert set(asked[0].distributions) == set(all_distributions())
+
+
+@pytest.mark.parametrize("boundary", ["periodic", ["free", "periodic"]], ids=str)
+def test_the_patches_as_a_table(boundary):
+    """They add up to what the observables say; a square on the corner of the cell is one patch,
+    whose centre is the corner."""
+    solution = hpc_gfmd.solve(
+        Z, "30 MPa", "5 GPa", SIZES, boundary=boundary, observables=["patches", "perimeter"]
+    )
+    table, known = solution.patch_table(), solution.observables
+    assert len(table) == known["patches"]
+    assert table.area[0] == known["patch_largest"] == table.area.max()
+    assert table.area.sum() == pytest.approx(solution.a_r * 120e-12)
+    assert table.load.sum() == pytest.approx(solution.pressure.mean() * 120e-12, rel=1e-6)
+    assert table.perimeter.sum() == pytest.approx(known["perimeter"])
+    assert table.attrs["units"]["load"] == "N"
+    z = np.zeros((16, 16))
+    z[np.ix_([-1, 0, 1], [-1, 0, 1])] = 1
+    table = hpc_gfmd.solve(z, 0.001).patch_table()
+    assert list(table.periodic) == [True]
+    assert min(table.x[0], 1 - table.x[0]) + min(table.y[0], 1 - table.y[0]) < 1e-9
 
 
 def test_what_is_not_there_is_said():
@@ -259,10 +286,8 @@ def test_it_says_what_it_is(sweep):
     assert "(grid), p = 30 MPa, mean gap = " in repr(sweep[1])
     assert "\n" not in repr(sweep[1])
     assert all(f"p = {load}" in repr(sweep) for load in LOADS)
-    assert all(
-        word in sweep._repr_html_() for word in ("<table>", "a_r", "[MPa]", "24 x 20 points")
-    )
-    assert "<table>" in sweep[0]._repr_html_()
+    assert all(word in sweep._repr_html_() for word in ("<table", "a_r", "[MPa]", "24 x 20 points"))
+    assert "<table" in sweep[0]._repr_html_()
     assert repr(hpc_gfmd.make_surface("self-affine", **ROUGH)).startswith(
         "<surface: 64 x 64 points, L = 1 x 1 um, h_rms = "
     )
@@ -335,6 +360,9 @@ def test_progress(capsys):
         hpc_gfmd.solve(Z, LOADS[:2], "5 GPa", SIZES, progress=True)
     shown = capsys.readouterr()
     assert "load 2/2" in shown.err
+    assert "(wanted 1e-03)" in shown.err
+    rows = [line.split() for line in shown.err.splitlines() if line.endswith("converged")]
+    assert [row[:1] + row[2:3] for row in rows] == [["0", "10"], ["1", "30"]]
     assert not shown.out
     hpc_gfmd.solve(Z, LOADS[0], "5 GPa", SIZES)
     assert capsys.readouterr() == ("", "")

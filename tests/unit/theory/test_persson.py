@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad, trapezoid
 from scipy.special import erf
 
-from hpc_gfmd.theory import persson
+from hpc_gfmd.theory import persson, yielding
 from hpc_gfmd.theory.slope_profile import SlopeProfile
 from hpc_gfmd.util.errors import SceneError
 
@@ -116,6 +116,21 @@ def test_high_pressure():
     assert persson.stiffness(1e200, 0.5, 1e-3) == np.inf
     np.testing.assert_allclose(energy[2:], energy_sum(1e3, 0.5, 1e-3, 0.42), rtol=1e-10)
     assert persson.noncontact_area(4.0) == pytest.approx(1.5417e-15, rel=1e-3)
+
+
+@pytest.mark.parametrize("hardness", [0.11, 0.3, 3.0, 1e5])
+def test_two_absorbing_ends(hardness):
+    """All of the area and of the load is somewhere; far away the second end does not count."""
+    p = np.linspace(0, min(hardness, 6.0), 100001)
+    density = yielding.pressure_distribution(p, 0.1, hardness)
+    area, yielded = yielding.areas(0.1, hardness)
+    assert trapezoid(density, p) + yielded == pytest.approx(area, abs=1e-8)
+    assert trapezoid(density * p, p) + hardness * yielded == pytest.approx(0.1, rel=1e-8)
+    if hardness > 1:
+        assert area == pytest.approx(persson.contact_area(0.1), rel=1e-6)
+        assert density == pytest.approx(persson.pressure_distribution(p, 0.1), abs=1e-6)
+    with pytest.raises(SceneError, match="below the hardness"):
+        yielding.areas(hardness, hardness)
 
 
 def test_pressure_distribution():

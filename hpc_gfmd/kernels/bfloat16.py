@@ -1,5 +1,5 @@
-"""Half the width, for numbers that may be wrong by 1/128 of themselves: of float64 float32, of
-float32 its first 16 bits (bfloat16).
+"""Storage of numbers that may be wrong by 1/128 of themselves: of float32 its first 16 bits
+(bfloat16), of float64 a float32.
 
 Kernels are given arrays of float32 or of uint16. Sixteen bits are cut off, not rounded: nothing
 becomes larger than it was.
@@ -13,7 +13,7 @@ from numba.extending import intrinsic, overload
 from .jit import inline
 
 
-def half(dtype):
+def stored_dtype(dtype):
     """The dtype of such numbers beside fields of `dtype`."""
     return np.dtype(np.uint16 if np.dtype(dtype) == np.float32 else np.float32)
 
@@ -32,42 +32,42 @@ _bits = _same_bits(types.float32, types.uint32, ir.IntType(32))
 _number = _same_bits(types.uint32, types.float32, ir.FloatType())
 
 
-def _narrow(number):
-    """For `overload`, as _widen."""
+def _encode(number):
+    """For `overload`, as _decode."""
 
 
-def _widen(number):
+def _decode(number):
     pass
 
 
-@overload(_narrow)
-def _narrow_in_kernels(number):
+@overload(_encode)
+def _encode_in_kernels(number):
     if number == types.float32:
         return lambda number: np.uint16(_bits(number) >> np.uint32(16))
     return lambda number: np.float32(number)
 
 
-@overload(_widen)
-def _widen_in_kernels(number):
+@overload(_decode)
+def _decode_in_kernels(number):
     if number == types.uint16:
         return lambda number: _number(np.uint32(number) << np.uint32(16))
     return lambda number: np.float64(number)
 
 
 @inline
-def narrow(number):
-    """A number in half its width."""
-    return _narrow(number)
+def encode(number):
+    """A number as it is stored."""
+    return _encode(number)
 
 
 @inline
-def widen(number):
+def decode(number):
     """The number that it stands for."""
-    return _widen(number)
+    return _decode(number)
 
 
-class Widened:
-    """An array of half the width as one of float32, made where it is sliced."""
+class Decoded:
+    """A stored array as one of float32, made where it is sliced."""
 
     dtype = np.dtype(np.float32)
 
@@ -82,9 +82,9 @@ class Widened:
         return np.array(self[:], dtype)
 
 
-def narrowed(numbers, dtype):
-    """An array of numbers in half the width of `dtype`."""
+def encoded(numbers, dtype):
+    """An array of numbers as they are stored beside fields of `dtype`."""
     numbers = np.asarray(numbers, np.float32)
-    return (
-        numbers if half(dtype) == np.float32 else (numbers.view(np.uint32) >> 16).astype(np.uint16)
-    )
+    if stored_dtype(dtype) == np.float32:
+        return numbers
+    return (numbers.view(np.uint32) >> 16).astype(np.uint16)

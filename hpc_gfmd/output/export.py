@@ -1,0 +1,208 @@
+"""A result for other programs: ParaView (VTKHDF), netCDF-4, NumPy arrays, a table, Gwyddion, and
+X3P. Fields are read a piece at a time where the format lets them be written so."""
+
+import os
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..parallel.comm import SerialComm
+from ..parallel.guard import one_line
+from ..parallel.h5 import write_file
+from ..util.atomic import atomic_write
+from ..util.errors import GfmdError, SceneError
+from ..util.libraries import surface_topography
+from ..util.quantities import in_units
+from .describe import coordinates, describe, name_it, set_attributes
+from .fields import Slab
+from .numbers import About, axes, numbers, said_of
+from .read import Result
+
+HEIGHTS = "heights"  # the same for all loads
+
+
+def export(
+    result: Result, kind: str, path: str | os.PathLike | None = None, about: About | None = None
+) -> Path:
+    """Write a result as one of FORMATS; path: where (default: beside its file). Returns the path;
+    all of it is there, or nothing.
+
+    Raises SceneError if it cannot go there or into this format, GfmdError if the numbers of the
+    result are damaged or writing fails.
+    """
+    write, extension = FORMATS[kind]
+    path = Path(path or Path(result.path or "contact.h5").with_suffix(extension))
+    own = result.path if result.path and result.path.exists() else None
+    itself = own is not None and path.exists() and path.samefile(own)
+    if itself or not path.parent.is_dir() or (path.exists() and not path.is_file()):
+        raise SceneError(
+            f"-o: found {path}, allowed: a file in a folder that exists, not the result itself"
+        )
+    if not result.steps:
+        raise SceneError(f"{result.path}: no finished load step yet, nothing to export")
+    try:
+        if kind == "vtkhdf":  # which makes its own way to a file that is there or not
+            write(result, path, about or {})
+        else:
+            with atomic_write(path) as tmp:
+                write(result, tmp, about or {})
+    except (OSError, ValueError) as error:
+        raise GfmdError(f"writing {path}: {one_line(error)}") from error
+    return path
+
+
+def to_vtkhdf(result: Result, path: Path, about: About) -> None:
+    """Write a result file, whose extension ParaView knows."""
+    n = result.surface["n"]
+    if not _fields(result) or min(n) < 2:
+        raise SceneError(
+            f"{result.path}: ParaView shows fields on two axes, allowed: a result with"
+            " output.fields"
+        )
+    steps = {f"steps/{k:04d}": step for k, step in zip(result.indices, result.steps)}
+    groups = {"/": result.head, "surface": result.surface, **steps}
+    fields: dict[str, Any] = {}
+    for group, found in zip(steps, result.fields):
+        for name, field in found.items():
+            place = "surface" if name == HEIGHTS else group
+            fields[f"{place}/{name}"] = field.data if isinstance(field, Slab) else field
+    write_file(
+        SerialComm(),
+        path,
+        n,
+        (0, n[0]),
+        fields,
+        lambda file: describe(set_attributes(file, groups), result.surface, steps, about),
+    )
+
+
+def to_netcdf(result: Result, path: Path, about: About) -> None:
+    """Write dimensions load, x, y; every number of the load steps and every field as a variable
+    with its unit and meaning."""
+    import h5py
+
+    surface = result.surface
+    with open(path, "w+b") as stream, h5py.File(stream, "w") as file:
+        file.attrs.update(result.facts)
+        scales = coordinates(file, surface, numbers(result.steps), about)
+        for name, dtype in _fields(result).items():
+            file.create_dataset(name, _shape(result, name), dtype)
+            name_it(file[name], surface, about, scales[name == HEIGHTS :])
+            _fill(file[name], result, name)
+
+
+def to_npz(result: Result, path: Path, about: About) -> None:
+    """Write arrays over the load steps by their names, x, y, heights (x, y) and the other fields
+    (load, x, y)."""
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, values in (axes(result.surface) | numbers(result.steps)).items():
+            with archive.open(f"{name}.npy", "w") as file:
+                np.lib.format.write_array(file, values)
+        for name, dtype in _fields(result).items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                header = {"descr": dtype.str, "fortran_order": False, "shape": _shape(result, name)}
+                np.lib.format.write_array_header_2_0(file, header)
+                for _, _, rows in _pieces(result, name):
+                    file.write(np.ascontiguousarray(rows, dtype).tobytes())
+
+
+def to_csv(result: Result, path: Path, about: About) -> None:
+    """Write one line per load step, no fields; headings such as "gap_mean [m]" where a unit is
+    known."""
+    from pandas import DataFrame
+
+    found = {"step": np.array(result.indices)} | numbers(result.steps)
+    units = [in_units(about.get(name, ("", ""))[1], result.surface) for name in found]
+    headings = [
+        name if unit in ("", "1") else f"{name} [{unit}]" for name, unit in zip(found, units)
+    ]
+    DataFrame(found).to_csv(path, header=headings, index=False, na_rep="nan")
+
+
+def to_gwy(result: Result, path: Path, about: About) -> None:
+    """Write a channel of Gwyddion for each field of each load, by SurfaceTopography; its own
+    to_gwy, for heights, knows no unit but m."""
+    write = surface_topography().IO.GWY._gwy_write_object
+    surface, content = result.surface, dict[str, tuple]()
+
+    def unit(name: str) -> tuple:
+        text = said_of(name, surface, {})["units"]
+        return "o", ("GwySIUnit", {"unitstr": ("s", text if text in ("m", "Pa") else "")})
+
+    for k, name in _channels(result):
+        values = result.fields[k][name].read()
+        data = {
+            **{f"{a}res": ("i", n) for a, n in zip("xy", values.shape)},
+            **{f"{a}real": ("d", float(L)) for a, L in zip("xy", surface["physical_sizes"])},
+            "si_unit_xy": unit("x"),
+            "si_unit_z": unit(name),
+            "data": ("D", values.T.astype("<f8").ravel()),
+        }
+        channel = f"/{len(content) // 2}/data"
+        content[f"{channel}/title"] = "s", f"{name}, load {result.indices[k]}"
+        content[channel] = "o", ("GwyDataField", data)
+    with open(path, "wb") as file:
+        file.write(b"GWYP")
+        write(file, "GwyContainer", content)
+
+
+def to_x3p(result: Result, path: Path, about: About) -> None:
+    """Write one field of one load, a length, by SurfaceTopography."""
+    found, surface = list(_channels(result)), result.surface
+    lengths = {name for _, name in found} <= {"gap", "displacement", "plastic", HEIGHTS}
+    if len(found) != 1 or not lengths or surface.get("unit") != "m":
+        raise SceneError(
+            f"x3p: found {', '.join(name for _, name in found) or 'no field'} of"
+            f" {len(result.steps)} loads in unit {surface.get('unit', '')!r}, allowed: one field"
+            " that is a length, of one load, where lengths have units (x3p holds metres)"
+        )
+    ((k, name),) = found
+    values, sizes = result.fields[k][name].read(), tuple(surface["physical_sizes"])
+    with open(path, "wb") as file:
+        heights = np.asarray(values, dtype=float)
+        surface_topography().Topography(heights, sizes, unit="m").to_x3p(file)
+
+
+FORMATS = {  # and the extension of each
+    "vtkhdf": (to_vtkhdf, ".vtkhdf"),
+    "netcdf": (to_netcdf, ".nc"),
+    "npz": (to_npz, ".npz"),
+    "csv": (to_csv, ".csv"),
+    "gwy": (to_gwy, ".gwy"),
+    "x3p": (to_x3p, ".x3p"),
+}
+
+
+def _fields(result: Result) -> dict[str, np.dtype]:
+    """Return the fields that all steps have, and the widest type of each."""
+    names = [name for name in result.fields[0] if all(name in fields for fields in result.fields)]
+    return {
+        name: np.result_type(*(fields[name].dtype for fields in result.fields)) for name in names
+    }
+
+
+def _channels(result: Result) -> Iterator[tuple[int, str]]:
+    """(step, field) of all of them, heights once."""
+    for k in range(len(result.steps)):
+        yield from ((k, name) for name in _fields(result) if k == 0 or name != HEIGHTS)
+
+
+def _shape(result: Result, name: str) -> tuple[int, ...]:
+    return (len(result.steps), *result.surface["n"])[name == HEIGHTS :]
+
+
+def _pieces(result: Result, name: str) -> Iterator[tuple[int, int, np.ndarray]]:
+    """(step, first row, rows) of a field, a piece of memory at a time, heights once; raises
+    GfmdError where it is damaged."""
+    for k, fields in enumerate(result.fields[: 1 if name == HEIGHTS else None]):
+        for start, rows in fields[name].pieces():
+            yield k, start, rows
+
+
+def _fill(dataset: Any, result: Result, name: str) -> None:
+    for k, start, rows in _pieces(result, name):
+        at = slice(start, start + len(rows))
+        dataset[at if name == HEIGHTS else (k, at)] = rows

@@ -1,0 +1,159 @@
+"""What one solved load and several have in common: where it goes, as a file, a table or a
+picture."""
+
+from collections.abc import Callable, Iterator, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..contact import all_numbers, all_observables, default_observables
+from ..output.export import FORMATS, export
+from ..output.numbers import axes, numbers, said_of
+from ..output.read import Result
+from ..output.save import save
+from ..parallel.comm import SerialComm
+from ..util.errors import SceneError
+from ..util.quantities import in_units
+from .references import references_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
+    from ..plotting.style import Figure
+
+
+class Solved:
+    """What one solved load and several have in common; rows: of the fields, on this rank."""
+
+    _picture: str | None = None
+    _get: Callable[[str], Any]  # a number by its name
+
+    def __init__(self, result: Result, rows: tuple[int, int] | None, comm: Any):
+        self.result, self.comm = result, comm or SerialComm()
+        self.rows = rows or (0, int(result.surface["n"][0]))
+
+    @property
+    def g_rms(self) -> float:
+        """Realised rms gradient of the heights."""
+        return self.result.surface["g_rms"]
+
+    @property
+    def h_rms(self) -> float:
+        """Realised rms of the heights, in their unit."""
+        return self.result.surface["h_rms"]
+
+    @property
+    def sizes(self) -> tuple[float, float]:
+        """(L_x, L_y) of the nominal area, in the unit of the heights."""
+        return tuple(self.result.surface["physical_sizes"])
+
+    @property
+    def unit(self) -> str:
+        """ "m", or "" where nobody named the unit of length."""
+        return self.result.surface.get("unit", "")
+
+    @property
+    def pressure_unit(self) -> str:
+        """ "Pa", or "" where nobody named the unit of pressure."""
+        return self.result.surface.get("pressure_unit", "")
+
+    def _known(self) -> Iterator[str]:
+        """Names of the numbers that are there or cost nothing."""
+        yield from numbers(self.result.steps)
+        yield from default_observables()
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in self._known():
+            asked = not name.startswith("_") and name in all_observables()
+            why = f"was not asked for: observable({name!r}) of a Solution finds it"
+            raise AttributeError(f"{name}: {why if asked else 'no such number or method'}")
+        return self._get(name)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self._known()})
+
+    def save(self, path: str | PathLike, force: bool = False) -> Path:
+        """Write a result file, as `hpc-gfmd run` does; returns its path.
+
+        path: of the file, which ends in .h5; force: overwrite a file that is not a result of the
+        same surface, loads and settings, or an interrupted run. Collective. Warns of what it
+        replaces. Raises SceneError where it may not be written, GfmdError where writing fails.
+        """
+        return save(self.result, path, force, self.rows, self.comm, all_numbers())
+
+    def references(self) -> list[str]:
+        """What to cite: the program and the papers behind these numbers, with DOI, a line each."""
+        return references_of(self.result)
+
+    def export(self, path: str | PathLike, fields: Sequence[str] | None = None) -> Path:
+        """Write a file for another program, as `hpc-gfmd export` does; returns its path.
+
+        path: ends in .vtkhdf (ParaView), .nc, .npz, .csv, .gwy (Gwyddion, all fields) or .x3p (one
+        length of one load); fields: these alone. Raises SceneError where the format cannot hold
+        them.
+        """
+        self._require_whole("export")
+        kinds = {extension: kind for kind, (_, extension) in FORMATS.items()}
+        if Path(path).suffix not in kinds:
+            raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(kinds)}")
+        some = self.result.only(fields=fields)
+        return export(some, kinds[Path(path).suffix], path, all_numbers())
+
+    def to_dataframe(self) -> "DataFrame":
+        """A pandas table: a row for each load, a column for each number; units by column in its
+        `attrs`."""
+        from pandas import DataFrame, Index
+
+        found = DataFrame(numbers(self.result.steps), Index(self.result.indices, name="step"))
+        found.attrs["units"] = {name: self._unit(name) for name in found}
+        return found
+
+    def to_xarray(self) -> "Dataset":
+        """An xarray of numbers (load) and fields (load, x, y), heights (x, y), with their units and
+        meanings as attributes."""
+        from xarray import Dataset
+
+        self._require_whole("to_xarray")
+        result, found = self.result, numbers(self.result.steps)
+
+        def variable(name: str, dims: tuple[str, ...], values: Any) -> tuple:
+            return dims, values, said_of(name, result.surface, all_numbers())
+
+        content = {name: variable(name, ("load",), values) for name, values in found.items()}
+        for name in set.intersection(*map(set, result.fields)):
+            values = [fields[name].read() for fields in result.fields]
+            content[name] = (
+                variable(name, ("x", "y"), values[0])
+                if name == "heights"
+                else variable(name, ("load", "x", "y"), np.stack(values))
+            )
+        scales = {"load": found["p"], **axes(result.surface)}
+        places = {name: variable(name, (name,), values) for name, values in scales.items()}
+        return Dataset(content, places, result.facts)
+
+    def plot(self, what: str | None = None, **how: Any) -> "Figure":
+        """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads; default of
+        several), "maps" (default of one whose fields are kept), "distributions", "spectra", one
+        field or one curve, such as "a_r".
+
+        how: step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
+        hpc_gfmd.plot, which also draws several results together. Raises SceneError where there is
+        no such picture, or fields are spread over ranks.
+        """
+        from ..plotting import plot
+
+        self._require_whole("plot")
+        return plot(self.result, what or self._picture, **how)
+
+    def _require_whole(self, what: str) -> None:
+        if self.comm.size > 1:
+            raise SceneError(
+                f"{what}: found fields that are spread over {self.comm.size} ranks, allowed: save,"
+                " and load the file"
+            )
+
+    def _unit(self, name: str) -> str:
+        return in_units(all_numbers().get(name, ("", ""))[1], self.result.surface)

@@ -1,0 +1,50 @@
+"""A body, a solver and an observable of another package, by its entry points: the examples of
+docs/developer.md."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from mpi_harness import environment
+
+PAGE = (Path(__file__).parents[3] / "docs" / "developer.md").read_text()
+PARTS = {  # heading: module of the package, entry point, the folder it could be dropped in
+    "Add a body": ("graded", "hpc_gfmd.bodies", "bodies"),
+    "Add a solver": ("calm", "hpc_gfmd.solvers", "solvers"),
+    "Add a kernel": ("peaks", None, "kernels"),
+    "Add an observable": ("pressure_max", "hpc_gfmd.observables", "contact"),
+}
+SCRIPT = """
+import json
+import hpc_gfmd
+from hpc_gfmd.bodies import body_classes
+how = {"name": "calm", "observables": ["pressure_max"], "residual": 1e-6}
+found = hpc_gfmd.solve(hpc_gfmd.make_surface("wave", amplitude=0.01, n=(16, 1)), 0.01, **how)
+print(json.dumps([found.observable("pressure_max"), found.pressure.max(), [*body_classes()]]))
+"""
+
+
+def test_the_examples_of_the_developers_page_as_a_package(tmp_path):
+    package, points = tmp_path / "gfmd_extra", ""
+    package.mkdir()
+    for heading, (module, group, folder) in PARTS.items():
+        code = re.search(rf"## {heading}\n.*?```python\n(.*?)```", PAGE, re.DOTALL)[1]
+        code = code.replace("..kernels.peaks", "gfmd_extra.peaks")
+        (package / f"{module}.py").write_text(code.replace("from .", f"from hpc_gfmd.{folder}."))
+        points += f"[{group}]\n{module} = gfmd_extra.{module}\n" if group else ""
+    about = tmp_path / "gfmd_extra-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: gfmd-extra\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text(points)
+    env = environment()
+    env |= {"PYTHONPATH": f"{tmp_path}:{env['PYTHONPATH']}"}
+    done = subprocess.run([sys.executable, "-c", SCRIPT], env=env, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    observed, highest, bodies = json.loads(done.stdout)
+    assert observed == highest > 0
+    assert bodies[0] == "graded"
+    (package / "calm.py").write_text("import nothing_of_this_name")
+    done = subprocess.run([sys.executable, "-c", SCRIPT], env=env, capture_output=True, text=True)
+    assert "hpc_gfmd.solvers: calm = gfmd_extra.calm does not load: No module" in done.stderr
