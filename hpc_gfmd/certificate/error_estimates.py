@@ -11,7 +11,7 @@ at most |v|_S |e|_K; two of them give mean(e):
   |mean(e)| = |<v, S (p - p*)>|/N, which is far smaller where little is out of contact. Here p* is
   p^ but for a part that is at most half of the bound |v|_S sqrt(2 G)/N, because 1/2 <e, K e> is
   nearly all of G; and <v, S (p - p^)> is known. Where points yield e does not vanish either: of
-  what is free the open points have their share of it.
+  what is free the open points have their share of <v, e>, and the root of it of its bounds, about.
 
 Where the surface ends within the cell the first is a bound of the mean of e over the cell. That
 over the surface alone is different by <v, e>/N, v = 1 on the surface (less its mean): |v|_S is
@@ -60,6 +60,9 @@ class Calibration:
         the solution: at most a half.
     shift : float
         S of long waves over its sum over levels.
+    dents : float
+        Where points yield, the error of the open points over the root of their share of what is
+        free: 1.3 was seen.
     loaded, corner : float
         What an error of S does to the mean gap, over what as large an error of the load does, with
         all points counted as open; of its norm, where the last points are open (0.04 and 0.22 were
@@ -76,6 +79,7 @@ class Calibration:
     pressure: float = 0.6
     unknown: float = 0.5
     shift: float = 1.2
+    dents: float = 1.6
     loaded: float = 0.05
     corner: float = 0.3
     reach: float = 1.75
@@ -149,9 +153,9 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
     pressure, floor = float(np.hypot(relative, floor)), floor if relative < floor else 0.0
     if state.contact == N:  # nothing is open
         return Estimate(0.0, pressure, (0.0, floor), squares, 0.0)
-    shift = opened * compliance * product / share
+    shift = compliance * product / share
     norm = np.sqrt(max(state.uKu, 0.0))
-    wrong = min(
+    wrong = min(1.0, CALIBRATION.dents * np.sqrt(opened)) * min(
         e * ((norm + e) / p0 + problem.self_energy),
         CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift),
     )
@@ -161,7 +165,7 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
     least = body.error * p0 * min(loaded, last)
     least += eps * (p0 * response**2 + gap) + problem.rounding * (N - contact)
     attainable = _relative(least, gap) if wrong < least else 0.0, floor
-    return Estimate(_relative(wrong + least, gap), pressure, attainable, squares, shift)
+    return Estimate(_relative(wrong + least, gap), pressure, attainable, squares, opened * shift)
 
 
 def _relative(shift: float, gap: float) -> float:

@@ -223,7 +223,8 @@ class Nested:
             g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
             certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
             pairs = certificate.pairs * (coarse.grid.N / problem.grid.N)
-            likely = certificate.contact >= (1 - CALIBRATION.tension) * coarse.grid.N
+            elastic = certificate.contact - certificate.yielded
+            likely = elastic >= (1 - CALIBRATION.tension) * coarse.grid.N
         likely, pairs = problem.grid.comm.bcast_float([likely, pairs])
         return bool(likely), float(pairs)
 

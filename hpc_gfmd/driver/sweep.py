@@ -453,7 +453,7 @@ class Sweep:
         g, p = np.zeros_like(problem.heights), np.empty_like(problem.heights)
         certificate = certify(problem, g, p, dual=self.target.duality)
         pairs += certificate.pairs
-        if certificate.contact < problem.grid.N:
+        if certificate.contact - certificate.yielded < problem.grid.N:
             return None, pairs
         exact = replace(certificate, errors=(0.0, 0.0, full_contact_error(problem)))
         return (g, p, "converged", exact), pairs

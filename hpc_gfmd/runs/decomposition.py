@@ -19,7 +19,7 @@ from ..parallel.grid import Grid
 from ..parallel.layout import Layout
 
 # numbers that a step of bpx sums over all ranks, the last with those of a sweep
-REDUCTIONS = 1, 2, len(UpdateSums._fields) + 8
+REDUCTIONS = 2, 2, len(UpdateSums._fields) + 8
 
 
 @dataclass(frozen=True)

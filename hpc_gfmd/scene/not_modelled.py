@@ -8,7 +8,7 @@ ONLY = "not modelled (elastic, frictionless, non-adhesive contact only)"
 STEMS = (
     r"adh|cohes|jkr\b|dmt\b|tabor|maugis|hamaker|lennard|van der waals|surface energ"
     r"|surface tension|interfacial|capillar|menisc|gamma\b|friction|coulomb|cof\b|mu\b|stick\b"
-    r"|slip|sliding|shear|tangential|velocity\b|speed\b|plastic|elastoplastic|yield"
+    r"|slip|sliding|shear|tangential|velocity\b|speed\b|plasticity|elasto ?plastic|yield"
     r"|hardening|fracture|crack|fatigue|visco|creep|relaxation time|prony\b|loss\b|storage modul"
     r"|hystere|dissipat|lubric|fluid|oil\b|wear\b|archard|pull off|stiction|humid"
 )

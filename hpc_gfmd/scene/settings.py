@@ -333,7 +333,7 @@ class Machine(Table):
     """Speed and limits only: nothing here changes the answer."""
 
     threads: Annotated[int, Field(ge=1, le=65536)] | Literal["auto"] = key(
-        "threads of each rank; auto: the cores that pay for one process, one for each of several",
+        "threads of each rank; auto: all cores of one process where they pay, one of several ranks",
         'a whole number from 1 to 65536, or "auto"',
         "auto",
     )

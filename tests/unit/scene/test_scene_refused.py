@@ -172,7 +172,7 @@ def test_tables_that_are_missing():
 
 ALIKE = "frictionless shared mumble gammas speedup wearable"
 NOT_MODELLED = """adhesion friction friction_coefficient mu plasticity elastoPlastic yield_stress
-    viscosity viscoelastic hardness work_of_adhesion surface_energy gamma lubricant wear wear_rate
+    viscosity viscoelastic work_of_adhesion surface_energy gamma lubricant wear wear_rate
     JKR Tabor_parameter shear_stress sliding_velocity relaxation_time
     hysteresis pull_off"""
 
