@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..util.errors import SceneError, one_line
+from .common import add_set
 
 DEFAULT = "self-affine"
 
@@ -36,13 +37,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
         default="scene.toml",
         help="scene file (default: %(default)s)",
     )
-    parser.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        help="what the scene is to say: table.key=value",
-    )
+    add_set(parser, "what the scene is to say: table.key=value")
     parser.add_argument("--force", action="store_true", help="overwrite a scene that is there")
     return parser
 

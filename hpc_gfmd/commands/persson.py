@@ -11,7 +11,7 @@ from ..theory import persson
 from ..theory.checks import within
 from ..theory.elastic import KAPPA_BGT
 from ..util.errors import SceneError
-from .number import finite, number
+from .common import finite, number
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:

@@ -5,6 +5,7 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from ..util.errors import SceneError
+from .common import add_set
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:
@@ -36,13 +37,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
             " machine's cores take)"
         ),
     )
-    parser.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        help="change the scene: table.key=value",
-    )
+    add_set(parser, "change the scene: table.key=value")
     parser.add_argument("--json", action="store_true")
     return parser
 

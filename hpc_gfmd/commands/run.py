@@ -3,6 +3,8 @@
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
+from .common import add_set
+
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
@@ -17,13 +19,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
     parser.add_argument(
         "-o", "--output", metavar="OUT.h5", help="result file instead of the scene's"
     )
-    parser.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        help="change the scene: table.key=value",
-    )
+    add_set(parser, "change the scene: table.key=value")
     parser.add_argument(
         "--force",
         action="store_true",
@@ -38,13 +34,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
         description="Continue the interrupted run of a result file, on any number of ranks.",
     )
     again.add_argument("file", metavar="OUT.h5", help="result file that the run was to write")
-    again.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        help="change machine.key, such as wall_seconds",
-    )
+    add_set(again, "change machine.key, such as wall_seconds")
     again.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     again.set_defaults(main=main_restart, saves=True)
     return parser

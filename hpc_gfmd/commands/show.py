@@ -8,7 +8,7 @@ from typing import Any
 from ..output.read import Result, read_result
 from ..output.summary import surface_line
 from ..runs.table import table
-from .number import finite
+from .common import finite
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..theory import tfc
 from ..util.errors import SceneError
-from .number import number
+from .common import number
 
 
 def add_parser(subparsers: Any) -> ArgumentParser:

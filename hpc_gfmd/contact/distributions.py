@@ -12,7 +12,6 @@ from math import floor, log2
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from .base import Arrays, Distribution
 
@@ -31,34 +30,18 @@ def pressure(contact: Contact) -> Arrays | None:
 
     edges: pressures; density: per pressure. None where nothing touches.
     """
-    comm = contact.surface.grid.comm
 
-    def rows(i0: int, i1: int) -> np.ndarray:
+    def values(i0: int, i1: int) -> np.ndarray:
         touching = contact.touching(i0, i1)
         return contact.pressure_rows(slice(i0, i1))[touching].astype(np.float64)
 
-    high, low = comm.max(
-        _over_rows(
-            contact,
-            lambda i0, i1: [rows(i0, i1).max(initial=-np.inf), -rows(i0, i1).min(initial=np.inf)],
-            np.maximum,
-            [-np.inf, -np.inf],
-        )
-    ) * (1, -1)
+    low, high = _range(contact, values)
     if high < low:
         return None
     width = 2.0 ** (floor(log2(max(high - low, NARROW * high))) - FINE + 1)
     first, last = floor(low / width), floor(high / width)
-
-    def counts(i0: int, i1: int) -> np.ndarray:
-        return np.bincount(
-            (rows(i0, i1) / width).astype(np.int64) - first, minlength=last - first + 1
-        )
-
-    return _density(
-        np.arange(first, last + 2) * width * contact.pressure_unit,
-        comm.sum(_over_rows(contact, counts, np.add, np.zeros(last - first + 1))),
-    )
+    counts = _counts(contact, lambda *rows: (values(*rows) / width).astype(np.int64), first, last)
+    return _density(np.arange(first, last + 2) * width * contact.pressure_unit, counts)
 
 
 def gap(contact: Contact) -> Arrays | None:
@@ -67,11 +50,7 @@ def gap(contact: Contact) -> Arrays | None:
 
     edges: gaps; density: per gap. None where all points touch.
     """
-    comm, surface, (_, points) = (
-        contact.surface.grid.comm,
-        contact.surface,
-        contact.surface.grid.inside,
-    )
+    surface, points = contact.surface, contact.surface.grid.inside[1]
     if surface.h_rms == 0:
         return None
     unit, lowest = surface.height_unit / surface.h_rms, -GAP_BINS * GAP_OCTAVES - 1
@@ -81,35 +60,37 @@ def gap(contact: Contact) -> Arrays | None:
         with np.errstate(divide="ignore"):
             return np.maximum(np.floor(GAP_BINS * np.log2(gaps)), lowest).astype(np.int64)
 
-    top = int(
-        comm.max(
-            _over_rows(
-                contact,
-                lambda i0, i1: [bins(i0, i1).max(initial=lowest - 1)],
-                np.maximum,
-                [lowest - 1],
-            )
-        )[0]
-    )
+    _, top = _range(contact, bins)
     if top < lowest:
         return None
+    edges = np.append(0.0, 2.0 ** (np.arange(lowest + 1, top + 2) / GAP_BINS)) * surface.h_rms
+    return _density(edges, _counts(contact, bins, lowest, int(top)))
+
+
+OfRows = Callable[[int, int], np.ndarray]
+
+
+def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
+    """(lowest, highest) of all ranks; (inf, -inf) where there is none."""
+    grid = contact.surface.grid
+
+    def ends(i0: int, i1: int) -> tuple[float, float]:
+        found = values(i0, i1).astype(np.float64)
+        return -found.min(initial=np.inf), found.max(initial=-np.inf)
+
+    found = [(-np.inf, -np.inf), *grid.by_rows(ends, grid.inside[0])]
+    low, high = grid.comm.max(np.max(found, axis=0))
+    return -low, high
+
+
+def _counts(contact: Contact, bins: OfRows, first: int, last: int) -> np.ndarray:
+    """How often each number from first to last is among those of all ranks."""
+    grid, none = contact.surface.grid, np.zeros(last - first + 1)
 
     def counts(i0: int, i1: int) -> np.ndarray:
-        return np.bincount(bins(i0, i1) - lowest, minlength=top - lowest + 1)
+        return np.bincount(bins(i0, i1) - first, minlength=len(none))
 
-    edges = np.append(0.0, 2.0 ** (np.arange(lowest + 1, top + 2) / GAP_BINS)) * surface.h_rms
-    return _density(
-        edges, comm.sum(_over_rows(contact, counts, np.add, np.zeros(top - lowest + 1)))
-    )
-
-
-def _over_rows(
-    contact: Contact, of_rows: Callable[[int, int], ArrayLike], join: np.ufunc, start: ArrayLike
-) -> np.ndarray:
-    """join(..., of_rows(i0, i1)) over this rank's rows."""
-    grid = contact.surface.grid
-    found = [start, *grid.by_rows(of_rows, grid.inside[0])]
-    return join.reduce(np.array(found, dtype=np.float64))
+    return grid.comm.sum(np.sum([none, *grid.by_rows(counts, grid.inside[0])], axis=0))
 
 
 def _density(edges: np.ndarray, counts: np.ndarray) -> Arrays:

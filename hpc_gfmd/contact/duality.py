@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..operators.problem import Problem
 from .base import Observable
 
 if TYPE_CHECKING:
@@ -40,6 +39,8 @@ def pressure_bound(contact: Contact) -> float | None:
 
 def gap_bound(contact: Contact) -> float | None:
     """Bound the relative error of the mean gap; None as for the pressure."""
+    from ..operators.problem import Problem  # names of observables need no kernels
+
     energy, certificate = _energy_norm(contact), contact.certificate
     if energy is None:
         return None

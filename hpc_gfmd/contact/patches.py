@@ -89,7 +89,7 @@ def patch_table(contact: Contact) -> Arrays:
     from scipy.sparse.csgraph import connected_components
 
     grid, periodic = contact.surface.grid, contact.periodic
-    rows, points = grid.inside
+    rows = grid.inside[0]
     mask = contact.touching(0, rows)
     labels, found = ndimage.label(mask)
     across = [
@@ -106,7 +106,7 @@ def patch_table(contact: Contact) -> Arrays:
         return np.bincount(of, values, patches) / count
 
     table: Arrays = {"area": count * _area(contact)}
-    p = contact.p[:rows, :points][mask].astype(np.float64) * contact.pressure_unit
+    p = contact.pressure_rows(slice(0, rows))[mask].astype(np.float64) * contact.pressure_unit
     table["load"] = mean(p) * table["area"]
     sides = np.zeros(patches)
     for axis, name in enumerate("xy"):

@@ -160,6 +160,7 @@ class Multilevel:
         self.steps, self.levels, self.surface = known.steps, known.levels, known.surface
         self.weights, self.softness, self.gap_mode = known.weights, known.softness, known.gap_mode
 
+        self.transfers = [step.transfer for step in self.steps]
         self.distributed = len(self.steps) - 1  # coarse levels that more than one rank may have
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write
         # to and read from.
@@ -196,11 +197,6 @@ class Multilevel:
         return np.zeros(
             (field.shape[0], step.owned + 2 if step.owned else 0, field.shape[2]), self.dtype
         )
-
-    @property
-    def transfers(self) -> list[Transfer]:
-        """The Transfer of every step."""
-        return [step.transfer for step in self.steps]
 
     @property
     def nbytes(self) -> int:

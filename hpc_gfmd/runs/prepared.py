@@ -82,13 +82,14 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
     Parameters
     ----------
     path
-        A .npy, .npz, .txt, .csv, HDF5 or NetCDF file, or what SurfaceTopography reads (.x3p, .gwy,
-        .spm, ...); a list of two: their sum, of two rough bodies.
+        A .npy, .npz, .txt, .csv, HDF5, NetCDF, TIFF or PNG file, or what SurfaceTopography reads
+        (.x3p, .gwy, .spm, ...); a list of two: their sum, of two rough bodies.
     **keys
         Those of the scene's [surface] with kind = "file", such as physical_sizes=("10 um", "8 um"),
         unit="nm", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1), mirror=True,
-        window="hann", refine=2, downsample=2, flip=True, boundary="free", dataset="name". What the
-        file says of sizes holds unless they are given here; another unit than its own is refused.
+        window="hann", refine=2, downsample=2, flip=True, boundary="free", radius="5 mm",
+        height_range=("0 nm", "500 nm"), dataset="name". What the file says of sizes holds unless
+        they are given here; another unit than its own is refused.
 
     Returns
     -------

@@ -213,7 +213,8 @@ def solve(
                 contact = replace(contact, g=contact.g.copy(), p=contact.p.copy())
             contacts.append(contact if keeps else None)
             steps.append(attributes)  # last: a load is done with it
-            say.say(table.add({index: attributes}))
+            if progress:  # rows take longer than a small contact's iteration
+                say.say(table.add({index: attributes}))
 
     stopped, several = False, several_loads(given)
     try:

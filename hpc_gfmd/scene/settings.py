@@ -333,8 +333,7 @@ class Machine(Table):
     """Speed and limits only: nothing here changes the answer."""
 
     threads: Annotated[int, Field(ge=1, le=65536)] | Literal["auto"] = key(
-        "threads of each rank; auto: all cores for one process, one where more do not pay, one of"
-        " each of several ranks",
+        "threads of each rank; auto: all cores of one process where they pay, one of several ranks",
         'a whole number from 1 to 65536, or "auto"',
         "auto",
     )

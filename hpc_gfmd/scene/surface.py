@@ -273,12 +273,12 @@ class File(Surface):
         example=["9999"],
     )
     height_range: HeightRange | None = key(
-        "of a TIFF or PNG of whole numbers: heights of the lowest and the highest possible one",
+        "of a TIFF or PNG of whole numbers: heights of the lowest and the highest possible",
         'two heights, plain or as ["0 nm", "500 nm"]',
         None,
         unit="length",
         example=["0 nm", "500 nm"],
-        said="numbers with decimals are heights",
+        said="none",
     )
     # None, other than in a surface that is made: as the file says
     physical_sizes: Sizes | None = key(  # type: ignore[assignment]
@@ -332,10 +332,7 @@ class File(Surface):
         "none",
     )
     refine: Factor = key(
-        "this many times as many points along both axes, by Fourier interpolation (where the map"
-        " ends, of its mirror images)",
-        FACTOR,
-        1,
+        "this many times as many points along both axes, by Fourier interpolation", FACTOR, 1
     )
     downsample: Factor = key(
         "only every so many-th point along both axes, after shorter waves are removed", FACTOR, 1

@@ -16,20 +16,16 @@ def resampled(
 ) -> Topography:
     """A Topography of n points; only this rank's rows of it can be read. free: whether it ends
     along x, along y. Collective."""
-    z = local(
-        comm,
-        lambda: np.concatenate(
-            [np.zeros((0, n[1]))]
-            + [
-                _series(found.rows(start, stop), n[1], 1, free[1])
-                for start, stop in own_slabs(found.n[0], comm)
-            ]
-        ),
-    )
-    columns = row_starts(n[1], comm.size)
+
+    def along_y() -> np.ndarray:
+        slabs = own_slabs(found.n[0], comm)
+        rows = (_series(found.rows(*slab), n[1], 1, free[1]) for slab in slabs)
+        return np.concatenate([np.zeros((0, n[1])), *rows])
+
+    z = local(comm, along_y)
+    starts, columns = (row_starts(k, comm.size) for k in n)
     z = np.concatenate(comm.alltoall([z[:, a:b] for a, b in zip(columns, columns[1:])]))
     z = _series(z, n[0], 0, free[0])
-    starts = row_starts(n[0], comm.size)
     z = np.concatenate(comm.alltoall([z[a:b] for a, b in zip(starts, starts[1:])]), axis=1)
     first = own_rows(n[0], comm)[0]
     return replace(found, n=n, rows=lambda start, stop: z[start - first : stop - first])

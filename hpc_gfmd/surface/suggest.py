@@ -25,8 +25,7 @@ def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
     """
     found, opened = Suggestion(dict(given)), open_topography(make(given))
     found.unit = opened.unit
-    assert opened.source is not None
-    said = opened.source.metadata
+    said = opened.said
     about = f"{opened.n[0]} x {opened.n[1]} points"
     if said.sizes is not None:
         unit = said.sizes_unit or said.unit

@@ -13,6 +13,7 @@ from .analytic import Rows
 from .arrays import ArrayMap
 from .files import HeightMap
 from .heights import checked
+from .metadata import Metadata
 
 ALIKE = 1e-6  # relative difference of lengths that are the same
 UNITS = 'a unit of length, such as surface.unit = "nm"'
@@ -25,8 +26,9 @@ class Topography:
 
     Sizes and heights are in m where `unit` is "m", otherwise ("") in a unit that nobody named.
     periodic: True where the file says so. filled: points that had no height. plain: what a plain
-    length of the scene stands for, in plain_unit, that of the sizes. source: the file. lacks:
-    {key of [surface]: why it has to be given}; `prepare` refuses a Topography that lacks anything.
+    length of the scene stands for, in plain_unit, that of the sizes. said: by the file
+    itself. lacks: {key of [surface]: why it has to be given}; `prepare` refuses a Topography that
+    lacks anything.
     """
 
     n: tuple[int, ...]
@@ -38,7 +40,7 @@ class Topography:
     filled: int = 0
     plain: float = 1.0
     plain_unit: str = ""
-    source: HeightMap | None = None
+    said: Metadata = field(default_factory=Metadata)
     lacks: dict[str, str] = field(default_factory=dict)
 
     def length(self, key: str, given: float) -> float:
@@ -57,7 +59,7 @@ def open_topography(spec: Any) -> Topography:
     Raises SceneError."""
     paths = [spec.path] if isinstance(spec.path, str) else spec.path
     files = [HeightMap(spec.model_copy(update={"path": path})) for path in paths]
-    first, *others = (replace(topography_of(file, spec), source=file) for file in files)
+    first, *others = (topography_of(file, spec) for file in files)
     return _sum(first, *others) if others else first
 
 
@@ -129,6 +131,7 @@ def topography_of(found: HeightMap | ArrayMap, spec: Any) -> Topography:
         found.path,
         plain=length,
         plain_unit=sizes_unit or "",
+        said=said,
         lacks=lacks,
     )
 

@@ -152,11 +152,6 @@ def test_a_result_of_another_scene_is_not_replaced(path):
     assert read_result(path).head["identity"] == "xyz"
 
 
-def test_a_result_of_the_same_scene_is_replaced_with_a_note(path):
-    with begin(complete(path)) as run:
-        assert run.notes == [f"{path} holds a result of this scene, which this run replaces"]
-
-
 @pytest.mark.parametrize("content", [b"my thesis", None])
 def test_what_is_no_result_is_not_replaced(path, content):
     """A text, or a height map in HDF5 under the name of the result."""

@@ -52,14 +52,6 @@ def test_finished_loads_are_not_removed_unasked(path, whose, how):
         assert list(run.finished) == []
 
 
-def test_force_begins_anew(path):
-    interrupted(path, 1)
-    with begin(path, force=True) as run:
-        assert run.notes == ["removed an interrupted run of this scene (1 finished loads)"]
-    with begin(path, identity="other") as run:  # nothing is lost
-        assert run.notes == ["removed an interrupted run of another scene (0 finished loads)"]
-
-
 @pytest.mark.parametrize("left", ["step-0001.h5.tmp", "head.h5.tmp", "checkpoint.h5.tmp"])
 def test_dying_while_writing_leaves_nothing_readable(path, left):
     with begin(path) as run:

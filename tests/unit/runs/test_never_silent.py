@@ -69,16 +69,6 @@ def test_left_to_itself_the_precision_follows_the_accuracy(z, accuracy):
     assert accuracy > 1e-4 or found.pressure.dtype == np.float64
 
 
-@pytest.mark.parametrize("precision", ["single", "double"])
-def test_what_single_precision_claims_is_true(z, precision):
-    exact = hpc_gfmd.solve(z, 0.1, accuracy=1e-12, precision="double")
-    found = hpc_gfmd.solve(z, 0.1, accuracy=1e-5, precision=precision)
-    assert found.status == "converged"
-    assert abs(found.gap_mean / exact.gap_mean - 1) < 1e-5
-    assert np.linalg.norm(found.pressure - exact.pressure) < 1e-5 * np.linalg.norm(exact.pressure)
-    assert abs(found.a_r / exact.a_r - 1) < 1e-5
-
-
 def test_few_points_that_touch_are_told_everywhere(run):
     code, table, shown, data, plotted = run([1e-4])
     assert code == 0
@@ -114,11 +104,6 @@ def test_waves_of_a_few_points_are_warned_of(periods, warned):
     found = Scene.from_dict(tables(WAVE | {"n": [12, 12], "periods": periods})).warnings()
     assert len(found) == warned
     assert all("points a period" in line for line in found)
-
-
-def test_plan_tells_before_the_run(tmp_path, cli):
-    (tmp_path / "scene.toml").write_text(scene([1e-5], 1e-3, "auto"))
-    assert "fewer than 100 of the 64 x 64 points touch" in cli.prints("plan scene.toml")
 
 
 @pytest.mark.parametrize(

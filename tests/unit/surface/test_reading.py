@@ -397,6 +397,9 @@ def test_what_a_prepared_surface_knows(tmp_path):
     form = (x[:, None] ** 2 + y**2) / 2e-3
     assert np.allclose(ball.heights, Z - form, rtol=0, atol=1e-16)
     assert ball.prepared == ("on a form of radius 1 mm",)
+    of_array = {"physical_sizes": SIZES, "boundary": "free", "radius": 1e-3}
+    loads = [hpc_gfmd.solve(Z, 1e8, 1e10, **of_array), hpc_gfmd.solve(ball, "100 MPa", "10 GPa")]
+    assert loads[0].gap_mean == pytest.approx(loads[1].gap_mean)
     with pytest.raises(SceneError, match=r"surface.detrent: unknown key, nearest: surface.detrend"):
         hpc_gfmd.read_surface("z.x3p", detrent="mean")
 

@@ -29,9 +29,9 @@ class PyHpcGfmd(PythonPackage):
         depends_on("py-matplotlib@3.9:")
         depends_on("py-tomli-w@1:")
         depends_on("py-tqdm@4.60:")
-        depends_on("py-pint@0.24:")
-        depends_on("py-h5py@3.12: +mpi", when="+mpi")
-        depends_on("py-h5py@3.12: ~mpi", when="~mpi")
+        depends_on("py-pint@0.24.4:")
+        depends_on("py-h5py@3.12.1: +mpi", when="+mpi")
+        depends_on("py-h5py@3.12.1: ~mpi", when="~mpi")
         depends_on("py-mpi4py@4:", when="+mpi")
         depends_on("py-mpi4py-fft@2.0.6:", when="+mpi")
 
