@@ -155,7 +155,7 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
         return Estimate(0.0, pressure, (0.0, floor), squares, 0.0)
     shift = compliance * product / share
     norm = np.sqrt(max(state.uKu, 0.0))
-    wrong = min(1.0, CALIBRATION.dents * np.sqrt(opened)) * min(
+    wrong = (CALIBRATION.dents * np.sqrt(opened) if state.yielded else 1.0) * min(
         e * ((norm + e) / p0 + problem.self_energy),
         CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift),
     )

@@ -16,8 +16,6 @@ from ..util.streams import unfailing_output
 
 ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
 COMMANDS = ("init", "help", "run", "plan", "show", "plot", "export", "persson", "tfc", "info")
-# commands that are scripts of the repository
-MOVED = {"study": "python scripts/paper", "bench": "python scripts/bench"}
 DESCRIPTION = (
     "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml;"
     " hpc-gfmd plot contact.h5. With a measured map: hpc-gfmd init scan.x3p. Every key of a scene:"
@@ -70,8 +68,6 @@ def _run(
     # The restart command lives with run; what is not asked for is not imported.
     asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
     try:
-        if asked in MOVED and script is None:
-            raise SceneError(f"{asked}: found no such command, allowed: {MOVED[asked]}")
         parser = script() if script else build_parser([asked] if asked in COMMANDS else COMMANDS)
         args = parser.parse_args(argv)
         return args.main(args) or 0, not getattr(args, "saves", False)
