@@ -1,7 +1,8 @@
 """The part of the cell that maps show."""
 
-from math import ceil
 from typing import Any
+
+import numpy as np
 
 from ..util.errors import SceneError, one_line
 from ..util.quantities import parse
@@ -14,27 +15,25 @@ def window_of(surface: Any, window: Any = None) -> tuple:
     surface: attributes of a result; window: four numbers, or texts such as "2um". Raises
     SceneError.
     """
-    sizes, n = surface.get("physical_sizes", (1.0, 1.0)), surface["n"]
+    sizes, n = np.array(surface.get("physical_sizes", (1.0, 1.0))), np.array(surface["n"])
     if window is None:
         return (0.0, sizes[0], 0.0, sizes[1]), None
     try:
-        x0, x1, y0, y1 = map(_length, window)
-        inside = 0 <= x0 < x1 <= sizes[0] * (1 + 1e-9) and 0 <= y0 < y1 <= sizes[1] * (1 + 1e-9)
+        low, high = np.reshape([_length(edge) for edge in window], (2, 2)).T
+        inside = np.all((0 <= low) & (low < high) & (high <= sizes * (1 + 1e-9)))
     except (TypeError, ValueError):
-        inside = False
+        inside = np.False_
     if not inside:
-        found = one_line(
-            " ".join(map(str, window)) if isinstance(window, list | tuple) else str(window)
-        )
-        low, high = (f"{size:g} {surface.get('unit', '')}".rstrip() for size in sizes)
+        found = " ".join(map(str, window)) if isinstance(window, list | tuple) else str(window)
+        L_x, L_y = (f"{size:g} {surface.get('unit', '')}".rstrip() for size in sizes)
         raise SceneError(
-            f"window: found {found}, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= {low} and 0 <= y0 <"
-            f' y1 <= {high}, plain or as "2um"'
+            f"window: found {one_line(found)}, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= {L_x} and"
+            f' 0 <= y0 < y1 <= {L_y}, plain or as "2um"'
         )
-    i0, i1 = _points(x0, x1, sizes[0], n[0])
-    j0, j1 = _points(y0, y1, sizes[1], n[1])
-    a_x, a_y = sizes[0] / n[0], sizes[1] / n[1]
-    return (i0 * a_x, i1 * a_x, j0 * a_y, j1 * a_y), (i0, i1, j0, j1)
+    first = np.minimum((low / sizes * n + 1e-9).astype(int), n - 1)
+    last = np.clip(np.ceil(high / sizes * n - 1e-9).astype(int), first + 1, n)
+    points = np.transpose([first, last])
+    return tuple((points * (sizes / n)[:, None]).ravel()), tuple(points.ravel().tolist())
 
 
 def _length(edge: Any) -> float:
@@ -42,8 +41,3 @@ def _length(edge: Any) -> float:
         return float(edge)
     except ValueError:
         return float(parse(edge, "length"))
-
-
-def _points(low: float, high: float, size: float, n: int) -> tuple[int, int]:
-    first = min(int(low / size * n + 1e-9), n - 1)
-    return first, min(max(first + 1, ceil(high / size * n - 1e-9)), n)

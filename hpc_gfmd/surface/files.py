@@ -5,7 +5,7 @@ from collections.abc import Callable
 from functools import cache, partial
 from math import prod
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple
 from zipfile import ZipFile
 
 import numpy as np
@@ -135,8 +135,9 @@ def _hdf5(path: Path, spec: Any) -> tuple[Stored, Metadata]:
         maps = [name for name in names if len(file[name].shape or ()) == 2]
         name = spec.dataset if spec.dataset in file else _one_of(maps, spec)
         data = inside(file, name)
-        if not isinstance(data, h5py.Dataset):
-            _no_dataset(spec, names)
+        if not isinstance(data, h5py.Dataset):  # a group
+            name = _one_of(maps, spec)
+            data = inside(file, name)
         if data.ndim != 2:
             return Stored(data.shape, data.dtype, lambda rows, columns: data), Metadata()
         axes = [
@@ -188,16 +189,12 @@ def _one_of(names: list[str], spec: Any) -> str:
     maps = [name for name in names if name != MASK]
     name = maps[0] if len(maps) == 1 and spec.dataset == ANY else spec.dataset
     if name not in names:
-        _no_dataset(spec, names)
+        allowed = one_line(", ".join(names[:10]), 400) or "nothing, it has no map"
+        raise SceneError(
+            f"surface.dataset: found {one_line(repr(spec.dataset))}, allowed in {Path(spec.path)}:"
+            f" {allowed}"
+        )
     return name
-
-
-def _no_dataset(spec: Any, names: list[str]) -> NoReturn:
-    allowed = one_line(", ".join(names[:10]), 400) or "nothing, it has no data set"
-    raise SceneError(
-        f"surface.dataset: found {one_line(repr(spec.dataset))}, allowed in {Path(spec.path)}:"
-        f" {allowed}"
-    )
 
 
 OPENERS: dict[str, Callable[[Path, Any], tuple[Stored | np.ndarray, Metadata]]] = {
