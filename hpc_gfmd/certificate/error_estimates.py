@@ -10,8 +10,11 @@ at most |v|_S |e|_K; two of them give mean(e):
 - v = -1 out of contact and constant in contact, where e vanishes but at points that change sides:
   |mean(e)| = |<v, S (p - p*)>|/N, which is far smaller where little is out of contact. Here p* is
   p^ but for a part that is at most half of the bound |v|_S sqrt(2 G)/N, because 1/2 <e, K e> is
-  nearly all of G; and <v, S (p - p^)> is known. Where points yield e does not vanish either: of
-  what is free the open points have their share of <v, e>, and the root of it of its bounds, about.
+  nearly all of G; and <v, S (p - p^)> is known.
+
+With a hardness H, G+ and Y being the sums of the gaps and of the depths of dents less those of the
+solution, 0 <= <p*, e> + H Y <= G and sum(e) = G+ - Y. So the first v bounds p0 G+ + (H - p0) Y, the
+second one G+ - Y, and the error of the mean gap is their mean, with weights p0/H and 1 - p0/H.
 
 Where the surface ends within the cell the first is a bound of the mean of e over the cell. That
 over the surface alone is different by <v, e>/N, v = 1 on the surface (less its mean): |v|_S is
@@ -60,9 +63,6 @@ class Calibration:
         the solution: at most a half.
     shift : float
         S of long waves over its sum over levels.
-    dents : float
-        Where points yield, the error of the open points over the root of their share of what is
-        free: 1.3 was seen.
     loaded, corner : float
         What an error of S does to the mean gap, over what as large an error of the load does, with
         all points counted as open; of its norm, where the last points are open (0.04 and 0.22 were
@@ -79,7 +79,6 @@ class Calibration:
     pressure: float = 0.6
     unknown: float = 0.5
     shift: float = 1.2
-    dents: float = 1.6
     loaded: float = 0.05
     corner: float = 0.3
     reach: float = 1.75
@@ -155,10 +154,11 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
         return Estimate(0.0, pressure, (0.0, floor), squares, 0.0)
     shift = compliance * product / share
     norm = np.sqrt(max(state.uKu, 0.0))
-    wrong = (CALIBRATION.dents * np.sqrt(opened) if state.yielded else 1.0) * min(
-        e * ((norm + e) / p0 + problem.self_energy),
-        CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift),
-    )
+    first = e * ((norm + e) / p0 + problem.self_energy)
+    second = CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift)
+    if state.yielded:
+        first += (second - first) * (1 - p0 / (problem.hardness or np.inf))
+    wrong = min(first, second)
     wide = np.sqrt(N - contact)
     last = CALIBRATION.corner * np.sqrt(N) * wide * max(1, wide / 2)  # m points: sqrt(m)/2
     loaded = CALIBRATION.loaded * (response**2 + compliance * N)
