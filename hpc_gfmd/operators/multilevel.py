@@ -253,6 +253,8 @@ class Multilevel:
                 half[k] = not half[k]
             if k + 1 < len(self.passes):
                 half[k + 1] = not half[k + 1]
+            else:
+                self.fields[0][:, self.hi[k] + 1 :] = 0
 
     @property
     def z(self) -> np.ndarray:

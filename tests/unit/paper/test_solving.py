@@ -185,5 +185,3 @@ def test_command(paper, tmp_path):
     picture.unlink()
     paper.prints("fig13 --redraw -o parts")
     assert (table.read_text(), picture.stat().st_size > 10_000) == (before, True)
-    paper.script = None
-    assert "python scripts/paper" in paper.refused("study fig13")
