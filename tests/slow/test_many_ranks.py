@@ -40,4 +40,4 @@ def test_2048(tmp_path):
     assert (
         found["levels"] == 3
     )  # of 1024, 512 and 256 points; rank 0 alone has those up to 128 x 128
-    assert found["grids"] == [16, 16, 8, 2, 1]  # down to 64 x 64
+    assert found["grids"] == [16, 16, 8, 2, 1, 1]  # down to 32 x 32
