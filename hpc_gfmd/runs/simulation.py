@@ -177,6 +177,7 @@ class _Run:
                 self.scene, self.sweep, self.loads, self.say, self._watch, first, spent
             ):
                 self._after(index, contact, seconds)
+                del contact  # its fields make room for the next load
                 if index == unfinished[-1]:
                     break
         status = worst([*self.file.finished.values()])
