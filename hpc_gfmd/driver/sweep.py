@@ -64,6 +64,7 @@ class Sweep:
     """
 
     surface: Surface
+    dtype: np.dtype  # the working precision
     solver: Any  # a solvers.base.Solver; None before the first load, and while its memory is needed
     nested: Nested | None
     closed_form = True  # whether the solution of full contact is at hand
@@ -460,12 +461,14 @@ class Sweep:
 
     def _set_precision(self, dtype: DTypeLike) -> None:
         """Make the surface in this precision and plan all transforms that its contacts need."""
-        self.dtype = dtype = np.dtype(dtype)
         self.solver = self.nested = None
         before = self.__dict__.pop("surface", None)
         known = before and before.checksum
-        del before  # with its transforms
-        self.surface = self.make_surface(dtype)
+        if before is not None:
+            before.grid.forget_fft(self.dtype)
+        del before
+        self.dtype = np.dtype(dtype)
+        self.surface = self.make_surface(self.dtype)
         if known not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
         self.__dict__.pop("_heights", None)

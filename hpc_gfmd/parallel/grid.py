@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 KEPT = 16  # grids of one process that are kept for the next contact of their size
-SMALL = 2**26  # bytes of transforms below which making them anew costs more than keeping them
+SMALL = 2**24  # bytes of transforms below which making them anew costs more than keeping them
 
 
 class Grid:
