@@ -30,16 +30,21 @@ MODULES = (  # beside hpc_gfmd.__all__: title, name, what it is
 )
 
 
-def write(folder):
-    """All of them into a folder; pages that have not changed keep their date."""
-    folder.mkdir(exist_ok=True)
-    for name, text in {
+def made():
+    """All of them, by name."""
+    return {
         "scene": scene(),
         "observables": _printed("help", "observables", "--markdown"),
         "commands": commands(),
         "api": api(),
         "gallery": gallery(),
-    }.items():
+    }
+
+
+def write(folder):
+    """All of them into a folder; pages that have not changed keep their date."""
+    folder.mkdir(exist_ok=True)
+    for name, text in made().items():
         path = folder / f"{name}.md"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")

@@ -116,10 +116,16 @@ def markdown(names: Mapping[str, Any] | None = None) -> str:
         lines += ["", f"## {section.heading}", "", section.about, *columns]
         lines += [
             f"| `{key.name}` | {key.meaning} | {key.default or 'must be given'} | {key.unit} |"
-            f" {key.allowed} |"
+            f" {_listed(key.allowed)} |"
             for key in section.keys
         ]
     return "\n".join(lines)
+
+
+def _listed(allowed: str) -> str:
+    """Refer to the page that has the names of a long list."""
+    what = allowed.partition(":")[0]
+    return allowed if len(allowed) <= 120 else f"{what}, of [these](observables.md)"
 
 
 def _key(name: str, field: Any, known: Any = ()) -> Key:

@@ -127,7 +127,7 @@ def test_accuracy(bench, tmp_path):
     where = found[0]["provenance"]
     assert {"host", "cpu", "versions", "commit", "time", "ranks"} <= set(where)
     assert where["versions"]["FFT"]
-    assert (tmp_path / "accuracy-fft_pairs.png").stat().st_size > 10_000
+    assert (tmp_path / "accuracy-pairs.png").stat().st_size > 10_000
 
 
 FAKE = """
