@@ -5,6 +5,7 @@ import ast
 import contextlib
 import inspect
 import io
+import re
 from pathlib import Path
 
 import hpc_gfmd
@@ -108,8 +109,8 @@ def _directive(value):
 
 
 def gallery():
-    """Every script in examples/: the first line of its docstring, its pictures
-    (docs/gallery/SCRIPT*.png), all of it."""
+    """Every script in examples/: its pictures (docs/gallery/SCRIPT*.png), its docstring as their
+    caption, all of it."""
     lines = [
         "# Gallery",
         "",
@@ -118,9 +119,13 @@ def gallery():
     ]
     for script in sorted(EXAMPLES.glob("*.py")):
         source = script.read_text(encoding="utf-8")
-        title, _, rest = (ast.get_docstring(ast.parse(source)) or script.stem).partition("\n")
-        lines += [f"## {title.strip().rstrip('.')}", "", rest.strip(), ""]
+        what, _, rest = ast.get_docstring(ast.parse(source)).partition("\n\n")
+        what = " ".join(what.split())
+        lines += [f"## {re.split('[:,.]', what)[0]}", ""]
         for picture in sorted(PICTURES.glob(f"{script.stem}*.png")):
+            if picture.stem != script.stem and (EXAMPLES / f"{picture.stem}.py").exists():
+                continue  # that of another script
             lines += [f"![{script.stem}](../gallery/{picture.name})", ""]
+        lines += [f"*{what.replace('*', chr(92) + '*')}*", "", rest, ""]
         lines += [f"`examples/{script.name}`", "", "```python", source.strip(), "```", ""]
     return "\n".join(lines)
