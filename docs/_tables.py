@@ -24,7 +24,7 @@ def filled(text):
 
 
 def rows(name, folder=DOCS / "bench"):
-    """Read all rows that `scripts/bench NAME` left."""
+    """Read all rows that `scripts/bench NAME` left; NAME may have a wildcard."""
     files = sorted(folder.rglob(f"{name}.jsonl"))
     return [json.loads(line) for path in files for line in path.read_text("utf-8").splitlines()]
 
@@ -200,7 +200,10 @@ def whole():
 
 def contests():
     """Yield (case, our fastest row, {peer: its fastest row or None}) of all that was compared."""
-    for key, part in grouped(rows("peers"), "boundary", "n", "a_r", "asked"):
+    every = rows("peers*")
+    for row in every:
+        row["kind"] = "hardness" if row.get("hardness") else row["boundary"]
+    for key, part in grouped(every, "kind", "n", "a_r", "asked"):
         best = {}
         for row in part:
             name = PEERS.get(row["code"].partition("-")[0], "ours")
@@ -209,7 +212,7 @@ def contests():
                 best[name] is None or row["seconds_min"] < best[name]["seconds_min"]
             ):
                 best[name] = row
-        if ours := best.pop("ours"):
+        if ours := best.pop("ours", None):
             yield key, ours, best
 
 
@@ -223,16 +226,16 @@ def peers():
         if row is not None
     }
     lines = []
-    for (boundary, n, a_r, asked), ours, best in found:
+    for (kind, n, a_r, asked), ours, best in found:
         cells = [_taken(ours)]
         for name in versions:
             row = best.get(name)
             over = f", {number(row['seconds_over_ours'])} times" if row else ""
             cells.append(_taken(row) + over if row else "not reached" if name in best else "")
-        lines.append([f"{boundary}, {n}, {a_r:.3g}", f"{asked:g}", *cells])
+        lines.append([f"{kind}, {n}, {a_r:.3g}", f"{asked:g}", *cells])
     named = [f"{name} {version}" for name, version in versions.items()]
     measured = [ours for _, ours, _ in found]
-    return table(["edges, n, area", "error", "hpc-gfmd", *named], lines, measured)
+    return table(["kind, n, area", "error", "hpc-gfmd", *named], lines, measured)
 
 
 def _taken(row):
