@@ -219,7 +219,7 @@ class Load(Table):
         names = tuple(type(self).model_fields)
         not_both(self, *names)
         if all(getattr(self, name) is None for name in names):
-            raise ValueError(f"found nothing, allowed: one of {', '.join(names)}")
+            raise ValueError(f"not given, allowed: one of {', '.join(names)}")
         return self
 
     @property

@@ -137,7 +137,7 @@ def share(cases: list[Case], part: int, parts: int) -> list[Case]:
 
 
 class Store:
-    """The lines of all runs*.jsonl in a folder, of packed ones (.gz), too: one JSON line per surface
+    """The lines of all runs*.jsonl in a folder, packed (.gz) or not: one JSON line per surface
     and load, appended when it is finished and never changed.
 
     part: write runs-<part>.jsonl, so that several jobs can share the folder.

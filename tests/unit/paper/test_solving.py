@@ -156,7 +156,7 @@ def paper(cli):
     ("args", "said"),
     [
         ("fig14", "ITEM: found fig14"),
-        ("", "ITEM: found nothing"),
+        ("", "ITEM: not given"),
         ("fig1 --level big", "desk"),
         ("fig1 --part 3/2 --only-run", "--part: found '3/2'"),
         ("fig1 --part 1/2", "with --only-run"),
