@@ -12,7 +12,6 @@ Planning and compilation are never inside of the times.
 import json
 import math
 import os
-import resource
 import sys
 import time
 from functools import partial
@@ -24,6 +23,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"
 
 import numpy as np  # noqa: E402 (reads the variables above)
+from peak import peak_mib  # noqa: E402 (beside this file)
 
 MAX_ITERATIONS = 20000
 Solved = tuple[Any, int | None, str]  # what `pressure` takes, iterations, status
@@ -183,7 +183,7 @@ def solve(code, tolerance, pressure_to):
         "cpu_seconds": time.process_time() - cpu,
         "iterations": iterations,
         "status": status,
-        "peak_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10,
+        "peak_mib": peak_mib(),
     }
     np.save(pressure_to, code.pressure(result))
     return answer
