@@ -107,7 +107,8 @@ def test_a_page(page, tmp_path):
             Scene.from_dict(scene)
         elif kind == "":
             for line in COMMAND.findall(source.replace("\\\n", " ")):
-                printed = run(tmp_path, "-m", "hpc_gfmd", *split(line))
+                words, _, _ = line.partition(" > ")
+                printed = run(tmp_path, "-m", "hpc_gfmd", *shlex.split(words))
             assert not shown or agree(shown.strip(), printed)
     if program:
         (tmp_path / "page.py").write_text("".join(program))
@@ -115,12 +116,3 @@ def test_a_page(page, tmp_path):
         for k, shown in enumerate(wanted):
             part, _, printed = printed.partition(f"block {k}\n")
             assert not shown or agree(shown.strip(), part), part
-
-
-def split(line):
-    """Arguments as a shell reads them."""
-
-    words = shlex.split(line)
-    if ">" in words:
-        words = words[: words.index(">")]
-    return words
