@@ -36,9 +36,8 @@ PAGES = [
 ]
 
 
-def scan():
-    """The script that makes scan.x3p, at the end of the tutorial."""
-    return blocks(DOCS / "tutorial.md")[-1][1]
+SCAN = blocks(DOCS / "tutorial.md")[-1][1]  # the script at its end makes scan.x3p
+(SCENE,) = (source for kind, source, _ in blocks(ROOT / "README.md") if kind == "toml")
 
 
 def agree(shown, printed):
@@ -93,8 +92,10 @@ def run(folder, *arguments):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_a_page(page, tmp_path):
     """Blocks of Python share one process, commands follow each other; a page is read from above."""
-    (tmp_path / "scan.py").write_text(scan())
+    (tmp_path / "scan.py").write_text(SCAN)
     run(tmp_path, "scan.py")
+    if page.stem != "tutorial":  # which makes it
+        (tmp_path / "scene.toml").write_text(SCENE)
     program, wanted = [], []
     for kind, source, shown in blocks(page):
         if kind == "python":
@@ -102,7 +103,6 @@ def test_a_page(page, tmp_path):
             wanted.append(shown)
         elif kind == "toml":
             scene = NEEDED | tomllib.loads(source)
-            (tmp_path / "scene.toml").write_text(source)
             scene["surface"] = NEEDED["surface"] | scene["surface"]
             Scene.from_dict(scene)
         elif kind == "":
