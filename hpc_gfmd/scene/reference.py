@@ -108,7 +108,7 @@ def markdown(names: Mapping[str, Any] | None = None) -> str:
         "",
         (
             "Made by `hpc-gfmd help scene --markdown`. Lengths are in the unit of the surface,"
-            ' pressures in that of the moduli, or both are texts with units ("100 um", "50 GPa").'
+            ' pressures in that of the moduli, or all have units ("100 um", "50 GPa").'
         ),
     ]
     columns = ["", "| key | meaning | default | unit | allowed |", "|---|---|---|---|---|"]

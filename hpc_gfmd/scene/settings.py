@@ -199,7 +199,7 @@ class Load(Table):
         example=[0.01, 0.1],
     )
     force: Forces | None = key(
-        "forces on a surface that ends",
+        "forces on a surface with free edges",
         'a number greater than 0, plain or as "5 mN", or a list of them',
         None,
         unit="force",

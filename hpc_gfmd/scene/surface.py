@@ -49,9 +49,7 @@ class Surface(Table):
     """The rigid rough surface. What every kind has: the cell, in the unit of the heights."""
 
     physical_sizes: Sizes = key("lengths of the cell", SIZES, (1.0, 1.0), unit="length")
-    boundary: Boundary = key(
-        "whether the cell repeats, or ends beside an open space", SIDES, "periodic"
-    )
+    boundary: Boundary = key("whether the cell repeats, or has free edges", SIDES, "periodic")
     radius: Radii | None = key(
         "of a ball under the roughness, or [R_x, R_y]; inf: a cylinder",
         f"{RADIUS}, with a free boundary",
@@ -297,7 +295,7 @@ class File(Surface):
         said="what the file says",
     )
     boundary: Boundary | None = key(  # type: ignore[assignment]
-        "whether the map repeats, or ends beside an open space",
+        "whether the map repeats, or has free edges",
         SIDES,
         None,
         example="free",
