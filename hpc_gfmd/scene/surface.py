@@ -265,7 +265,7 @@ class File(Surface):
         "of a text: what decimals begin with", '"." or ","', None, example=",", said="what fits"
     )
     missing: Annotated[tuple[Text, ...], LIST] = key(
-        'of a text: what stands for missing points, beside nothing, "***", "BAD", "---", "nan"',
+        'of a text: what stands for missing points, besides nothing, "***", "BAD", "---", "nan"',
         "a list of texts",
         (),
         example=["9999"],
