@@ -78,11 +78,11 @@ def pairs():
     sizes = sorted({row["n"] for row in found})
     lines = [
         {"asked": f"{asked:g}", "provenance": found[0]["provenance"]}
-        | {str(n): f"{of[n]:.1f}" if n in of else "" for n in sizes}
+        | {f"n{n}": f"{of[n]:.1f}" if n in of else "" for n in sizes}
         for asked, of in means.items()
     ]
     loads = ", ".join(f"{p:.3g}" for (p,), _ in grouped(found, "p_star"))
-    columns = {"accuracy": "{asked}"} | {f"n = {n}": f"{{{n}}}" for n in sizes}
+    columns = {"accuracy": "{asked}"} | {f"n = {n}": f"{{n{n}}}" for n in sizes}
     return table(columns, lines, f"Means over p\\* = {loads}.")
 
 
@@ -278,7 +278,7 @@ def numbers():
     found = {}
     if of := our_pairs()[1].get(1e-3):
         found["An accuracy of 1e-3 in area, mean gap and pressure costs"] = (
-            f"{span(of.values(), '.0f')} [FFT pairs](docs/performance.md) (a transform of the grid"
+            f"{span(of.values(), '.1f')} [FFT pairs](docs/performance.md) (a transform of the grid"
             " and back), whatever the size"
         )
     ratios = [
