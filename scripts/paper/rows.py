@@ -130,7 +130,7 @@ def table(rows: Rows, columns: dict[str, str]) -> str:
     for row in rows:
         cells = [filled(cell, row) for cell in columns.values()]
         cells = [cell.replace("|", "\\|").replace("*", "\\*") for cell in cells]
-        lines += zip_longest(*map(_broken, cells), fillvalue="")
+        lines += map(list, zip_longest(*map(_broken, cells), fillvalue=""))
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
