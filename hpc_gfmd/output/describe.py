@@ -19,9 +19,11 @@ SIGNS = (
 )
 
 
-def describe(file: Any, surface: Attributes, steps: Mapping[str, Attributes], about: About) -> None:
-    """Add to a file that has all its groups and fields: load, x, y and the numbers of all loads;
-    steps/NNNN/x, y, p beside fields; VTKHDF, views of the fields. steps: attributes by group."""
+def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], about: About) -> None:
+    """Add to a file that has all its fields: the attributes of the root, the surface and the steps,
+    by group; load, x, y and the numbers of all loads; steps/NNNN/x, y, p beside fields; VTKHDF,
+    views of the fields."""
+    set_attributes(file, {"/": head, "surface": surface, **steps})
     if "n" not in surface:
         return  # before the surface is made
     scales = coordinates(file, surface, numbers([*steps.values()]), about)
@@ -115,8 +117,8 @@ def _fields(group: Any) -> list[str]:
     return [name for name, item in group.items() if getattr(item, "ndim", 0) == 2]
 
 
-def set_attributes(file: Any, groups: dict[str, dict]) -> Any:
-    """The file with attributes of groups; a dict as JSON, None not at all."""
+def set_attributes(file: Any, groups: Mapping[str, dict]) -> None:
+    """Give groups of a file their attributes; a dict as JSON, None not at all."""
     for name, attributes in groups.items():
         found = {
             key: json.dumps(value) if isinstance(value, dict) else value
@@ -128,4 +130,3 @@ def set_attributes(file: Any, groups: dict[str, dict]) -> Any:
             for key, value in found.items()
         }
         file.require_group(name).attrs.update(found | {RECORD: np.bytes_(json.dumps(texts))})
-    return file

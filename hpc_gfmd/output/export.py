@@ -5,7 +5,6 @@ import os
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -16,8 +15,7 @@ from ..util.atomic import atomic_write
 from ..util.errors import GfmdError, SceneError
 from ..util.libraries import surface_topography
 from ..util.quantities import in_units
-from .describe import coordinates, describe, name_it, set_attributes
-from .fields import Slab
+from .describe import coordinates, describe, name_it
 from .numbers import About, axes, numbers, said_of
 from .read import Result
 
@@ -62,20 +60,13 @@ def to_vtkhdf(result: Result, path: Path, about: About) -> None:
             f"{result.path}: ParaView shows fields on two axes, allowed: a result with"
             " output.fields"
         )
-    steps = {f"steps/{k:04d}": step for k, step in zip(result.indices, result.steps)}
-    groups = {"/": result.head, "surface": result.surface, **steps}
-    fields: dict[str, Any] = {}
-    for group, found in zip(steps, result.fields):
-        for name, field in found.items():
-            place = "surface" if name == HEIGHTS else group
-            fields[f"{place}/{name}"] = field.data if isinstance(field, Slab) else field
     write_file(
         SerialComm(),
         path,
         n,
         (0, n[0]),
-        fields,
-        lambda file: describe(set_attributes(file, groups), result.surface, steps, about),
+        result.datasets,
+        lambda file: describe(file, result.head, result.surface, result.groups, about),
     )
 
 
@@ -91,7 +82,8 @@ def to_netcdf(result: Result, path: Path, about: About) -> None:
         for name, dtype in _fields(result).items():
             file.create_dataset(name, _shape(result, name), dtype)
             name_it(file[name], surface, about, scales[name == HEIGHTS :])
-            _fill(file[name], result, name)
+            for place, rows in _pieces(result, name):
+                file[name][place] = rows
 
 
 def to_npz(result: Result, path: Path, about: About) -> None:
@@ -105,7 +97,7 @@ def to_npz(result: Result, path: Path, about: About) -> None:
             with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
                 header = {"descr": dtype.str, "fortran_order": False, "shape": _shape(result, name)}
                 np.lib.format.write_array_header_2_0(file, header)
-                for _, _, rows in _pieces(result, name):
+                for _, rows in _pieces(result, name):
                     file.write(np.ascontiguousarray(rows, dtype).tobytes())
 
 
@@ -194,15 +186,9 @@ def _shape(result: Result, name: str) -> tuple[int, ...]:
     return (len(result.steps), *result.surface["n"])[name == HEIGHTS :]
 
 
-def _pieces(result: Result, name: str) -> Iterator[tuple[int, int, np.ndarray]]:
-    """(step, first row, rows) of a field, a piece of memory at a time, heights once; raises
+def _pieces(result: Result, name: str) -> Iterator[tuple[tuple, np.ndarray]]:
+    """(place in an array of `_shape`, rows) of a field, a piece of memory at a time; raises
     GfmdError where it is damaged."""
     for k, fields in enumerate(result.fields[: 1 if name == HEIGHTS else None]):
         for start, rows in fields[name].pieces():
-            yield k, start, rows
-
-
-def _fill(dataset: Any, result: Result, name: str) -> None:
-    for k, start, rows in _pieces(result, name):
-        at = slice(start, start + len(rows))
-        dataset[at if name == HEIGHTS else (k, at)] = rows
+            yield (k, slice(start, start + len(rows)))[name == HEIGHTS :], rows

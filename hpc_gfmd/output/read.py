@@ -3,7 +3,6 @@ MPI."""
 
 import json
 import os
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import prod
@@ -15,7 +14,9 @@ from ..parallel.h5 import CHECKSUM, Stored, inside, reading
 from ..scene import ArrayScene, Scene
 from ..scene.model import parse_toml
 from ..util.errors import SceneError, one_line
+from ..util.quantities import format_quantity
 from .describe import RECORD
+from .fields import Slab
 from .folder import HEAD, is_held, partial_folder, step_files
 
 FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
@@ -63,6 +64,21 @@ class Result:
         return [f"note: {note}" for note in self.notes] + [unfinished] * (self.folder is not None)
 
     @property
+    def groups(self) -> dict[str, dict]:
+        """The attributes of the load steps, by their groups in a file."""
+        return {group_of(index): step for index, step in zip(self.indices, self.steps)}
+
+    @property
+    def datasets(self) -> dict[str, Any]:
+        """The fields by their places in a file, heights once: Stored, or the slab in memory."""
+        places = {"heights": "surface"}
+        return {
+            f"{places.get(name, group)}/{name}": one.data if isinstance(one, Slab) else one
+            for group, fields in zip(self.groups, self.fields)
+            for name, one in fields.items()
+        }
+
+    @property
     def facts(self) -> dict[str, Any]:
         """What the head says in one number or text."""
         return {
@@ -98,19 +114,22 @@ class Result:
     @property
     def missing_loads(self) -> str:
         """Which of the loads that its scene asks for are not there, as a text."""
-        key, loads = next(
-            (key, value)
-            for key, value in tomllib.loads(self.scene_toml)["load"].items()
-            if isinstance(value, list)
-        )
+        key, loads = self.scene.load.given
         left = [
-            f"{k + 1} ({key} = {value})" for k, value in enumerate(loads) if k not in self.indices
+            f"{k + 1} ({key} = {format_quantity(load)})"
+            for k, load in enumerate(loads)
+            if k not in self.indices
         ]
         return (
             f"loads {', '.join(left)} of {len(loads)} are not there"
             if left
             else "all loads are there"
         )
+
+
+def group_of(index: int) -> str:
+    """Where a file has a load step."""
+    return f"steps/{index:04d}"
 
 
 def read_result(path: str | os.PathLike) -> Result:

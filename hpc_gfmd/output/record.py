@@ -7,6 +7,7 @@ has a final name. Beside them lies the last checkpoint.
 
 import os
 from contextlib import AbstractContextManager, suppress
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from .read import (
     FORMAT,
     FORMAT_VERSION,
     Result,
+    group_of,
     read_checkpoint,
     read_partial,
     read_result,
@@ -34,8 +36,8 @@ class RunFile(AbstractContextManager):
 
     path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; head: root
     attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`; surface:
-    attributes; resume: go on with an interrupted run of the same identity; force: begin anew, and
-    replace even what is no result of this scene; about: what the numbers of the steps are, as
+    attributes; resume: go on with an interrupted run of the same identity, and leave what a later
+    one can go on with; force: begin anew, and replace even what is no result of this scene; about: what the numbers of the steps are, as
     contact.all_numbers gives it; how: as of parallel.h5.write_file.
 
     finished: attributes of the steps that are there, by their indices; resumed: whether an
@@ -62,6 +64,7 @@ class RunFile(AbstractContextManager):
         self.comm, self.path, self.partial = comm, followed(path), partial_folder(path)
         self._points, self._how, self._about = ((int(n[0]), int(n[1])), rows), how, about or {}
         self._lock: int | None = None
+        self._resume = resume
         try:
             left, self.resumed, self.notes = on_rank_0(
                 comm,
@@ -69,9 +72,7 @@ class RunFile(AbstractContextManager):
                 lambda: self._claim(head.get("identity"), resume, force),
             )
             self.finished = dict(zip(left.indices, left.steps))
-            self._fields = {
-                field.dataset: field for fields in left.fields for field in fields.values()
-            }
+            self._fields = left.datasets
             self.earlier = {
                 name: left.head[name] for name in ("start_time", "heights") if name in left.head
             }
@@ -111,9 +112,10 @@ class RunFile(AbstractContextManager):
         are.
         """
         attributes = {name: value for name, value in attributes.items() if value is not None}
-        slabs = {f"{_group(index)}/{key}": data for key, data in (fields or {}).items()}
+        group = group_of(index)
+        slabs = {f"{group}/{key}": data for key, data in (fields or {}).items()}
         self._fields |= self._write(
-            self.partial / f"step-{index:04d}.h5", "running", {_group(index): attributes}, slabs
+            self.partial / f"step-{index:04d}.h5", "running", {group: attributes}, slabs
         )
         self.finished = dict(sorted((self.finished | {index: attributes}).items()))
 
@@ -128,7 +130,7 @@ class RunFile(AbstractContextManager):
         """Where the run can go on: solver: its name; step: index of the load; state: (arrays,
         numbers) of Sweep.state on `grid`; seconds: spent on the load so far, None at its
         beginning."""
-        name, (arrays, numbers) = _group(step), state
+        name, (arrays, numbers) = group_of(step), state
         groups = {
             "/": {
                 "format": CHECKPOINT,
@@ -156,18 +158,25 @@ class RunFile(AbstractContextManager):
             self.comm, f"reading {self.partial / STATE}", lambda: read_checkpoint(*wanted)
         )
 
-    def finish(self, status: str, **head: Any) -> None:
+    def take(self, result: Result) -> None:
+        """All load steps of a result, which `finish` writes, numbered anew."""
+        result = replace(result, indices=[*range(len(result.steps))])
+        self.finished, self._fields = dict(enumerate(result.steps)), result.datasets
+
+    def finish(self, status: str) -> None:
         """Compose OUT.h5 from the finished steps, put it in place of any older one and remove the
         folder.
 
         Raises GfmdError on every rank if that fails, or the fields of a step are damaged; the
         finished steps stay in the folder.
         """
-        self._head |= {"end_time": datetime.now(UTC).isoformat(timespec="seconds")} | head
+        self._head["end_time"] = datetime.now(UTC).isoformat(timespec="seconds")
+        steps = {group_of(index): step for index, step in self.finished.items()}
         try:
-            steps = {_group(index): step for index, step in self.finished.items()}
             self._write(self.path, status, steps, self._fields)
         except GfmdError as error:
+            if not self._resume:
+                raise
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
         on_rank_0(self.comm, f"removing {self.partial}", lambda: self.close(keep=False))
 
@@ -182,9 +191,8 @@ class RunFile(AbstractContextManager):
 
     def __exit__(self, kind: type | None, *_: object) -> None:
         refused = kind is not None and issubclass(kind, SceneError)
-        self.close(
-            keep=not refused or bool(self.finished) or self.resumed
-        )  # a wrong scene leaves nothing behind
+        begun = bool(self.finished) or self.resumed
+        self.close(keep=self._resume and (begun or not refused))  # a wrong scene leaves nothing
 
     def _claim(
         self, identity: str | None, resume: bool, force: bool
@@ -243,16 +251,12 @@ class RunFile(AbstractContextManager):
     def _write(
         self, path: Path, status: str, steps: dict[str, dict], fields: dict[str, Any]
     ) -> dict[str, Stored]:
-        groups = {"/": self._head | {"status": status}, "surface": self._surface, **steps}
+        head = self._head | {"status": status}
         return write_file(
             self.comm,
             path,
             *self._points,
             fields,
-            lambda file: describe(set_attributes(file, groups), self._surface, steps, self._about),
+            lambda file: describe(file, head, self._surface, steps, self._about),
             **self._how,
         )
-
-
-def _group(index: int) -> str:
-    return f"steps/{index:04d}"

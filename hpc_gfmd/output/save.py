@@ -33,9 +33,6 @@ def save(
     if path.suffix.lower() not in (".h5", ".hdf5"):
         raise SceneError(f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5")
 
-    def slab(field: Any) -> Any:
-        return field.data if isinstance(field, Slab) else field
-
     head = {
         name: value
         for name, value in result.head.items()
@@ -45,14 +42,6 @@ def save(
     with RunFile(comm, path, said["n"], rows, head, said, **how) as file:
         for note in file.notes if comm.rank == 0 else ():
             warnings.warn(note, stacklevel=3)  # where the caller of Solution.save is
-        heights = next((fields["heights"] for fields in result.fields if "heights" in fields), None)
-        if heights is not None:
-            file.update(height_field=slab(heights))
-        for index, (step, fields) in enumerate(zip(result.steps, result.fields, strict=True)):
-            file.write_step(
-                index,
-                step,
-                {name: slab(field) for name, field in fields.items() if name != "heights"},
-            )
+        file.take(result)
         file.finish(result.status)
     return path

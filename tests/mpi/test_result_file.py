@@ -74,7 +74,8 @@ def round_trip(comm, shared_path, n, rows, compressed, dtype):
             with pytest.raises(SceneError, match="another run is writing this file"):
                 RunFile(comm, path, n, rows, HEAD, SURFACE)
             if index == 1:
-                run.finish("converged", setup_seconds=1.5)
+                run.update(setup_seconds=1.5)
+                run.finish("converged")
         comm.barrier()
     result = read_result(path)
     assert (result.status, result.scene_toml, result.surface["n"]) == (
