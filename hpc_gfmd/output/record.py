@@ -37,8 +37,9 @@ class RunFile(AbstractContextManager):
     path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; head: root
     attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`; surface:
     attributes; resume: go on with an interrupted run of the same identity, and leave what a later
-    one can go on with; force: begin anew, and replace even what is no result of this scene; about: what the numbers of the steps are, as
-    contact.all_numbers gives it; how: as of parallel.h5.write_file.
+    one can go on with; force: begin anew, and replace even what is no result of this scene; about:
+    what the numbers of the steps are, as contact.all_numbers gives it; how: as of
+    parallel.h5.write_file.
 
     finished: attributes of the steps that are there, by their indices; resumed: whether an
     interrupted run goes on; notes: what was found, a line each; earlier: root attributes of the run

@@ -37,16 +37,13 @@ def scene_of_keywords(
     for key in more:
         if key not in HOMES and (why := not_modelled(key)):
             raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
-    if given.get("nu1") is not None and more.get("nu1") is not None:
+    if given.get("nu1") is not None and "nu1" in more:
         raise SceneError(f"{CALLER}: found nu and nu1, allowed: one of them")
-    given = {key: plain(value) for key, value in given.items() if value is not None}
-    given |= {
-        key: plain(value) for key, value in more.items() if value is not None or key not in HOMES
-    }
     tables: dict[str, dict[str, Any]] = {"load": {}}
-    for key, value in given.items():
-        table = HOMES.get(key) or HOMES[nearest(key, HOMES)]
-        tables.setdefault(table, {})[key] = value
+    for key, value in (given | more).items():
+        if value is not None or key not in HOMES:
+            table = HOMES.get(key) or HOMES[nearest(key, HOMES)]
+            tables.setdefault(table, {})[key] = plain(value)
     if surface is None:
         return ArrayScene.from_dict(tables, CALLER)
     said = tables.pop("surface", {})

@@ -24,8 +24,8 @@ from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..driver.load_target import LoadTarget
 from ..driver.lowmemory import LowMemorySweep
 from ..driver.sweep import Sweep
-from ..output.fields import STORABLE
-from ..scene import File, Load, Output, Scene, check_names, has_unit
+from ..scene import File, Load, Output, Scene, each, has_unit
+from ..scene.explain import require_known
 from ..solvers import solver_names
 from ..solvers.base import Progress
 from ..surface import Surface
@@ -43,7 +43,13 @@ def check(scene: Scene) -> None:
     """Raise SceneError for names and combinations that the tables of a scene.Scene alone cannot
     know."""
     require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
-    check_names(scene, solver_names(), observable_names(), STORABLE, distribution_names())
+    for key, found, there in (
+        ("solver.name", [scene.solver.name], ["auto", *solver_names()]),
+        ("output.observables", scene.output.observables or (), observable_names()),
+        ("output.distributions", scene.output.distributions, distribution_names()),
+    ):
+        for name in found:
+            require_known(key, name, there)
     known, accuracy = body_of(scene.material, scene.surface.free).error, scene.solver.accuracy
     if accuracy and accuracy <= known:
         raise SceneError(
@@ -96,7 +102,7 @@ def _require_like_units(scene: Scene, surface: Surface) -> None:
         "load.force": (scene.load.force, "5 mN"),
     }
     for key, (value, example) in given.items() if isinstance(scene.surface, File) else ():
-        for number in value if isinstance(value, tuple) else (value,):
+        for number in each(value):
             if number and has_unit(number) != bool(surface.unit):
                 found, allowed = (
                     ("plain", f'"{example}"')
@@ -112,27 +118,21 @@ def _require_like_units(scene: Scene, surface: Surface) -> None:
 def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
     """What is said of a surface.Surface, by the names of the result file."""
     spec = scene.surface
-    numbers = {name: getattr(spec, name, float("nan")) for name in ("eps_t", "eps_f", "eps_c")} | {
-        "seed": getattr(spec, "seed", -1)
-    }
-    boundary = ", ".join("free" if ends else "periodic" for ends in spec.free)
-    said = {
-        "unit": surface.unit or scene.length_unit,
-        "pressure_unit": scene.pressure_unit,
-        "prepared": "; ".join(surface.prepared),
-    }
-    shape = {"hurst": spec.hurst} if hasattr(spec, "hurst") else {}
-    return {
+    attributes = {
         "n": list(surface.n),
         "physical_sizes": list(surface.sizes),
         "h_rms": surface.h_rms,
         "g_rms": surface.g_rms,
         "kind": getattr(spec, "kind", "array"),
-        "boundary": boundary,
-        **{name: text for name, text in said.items() if text},
-        **numbers,
-        **shape,
+        "boundary": ", ".join("free" if ends else "periodic" for ends in spec.free),
+        "unit": surface.unit or scene.length_unit,
+        "pressure_unit": scene.pressure_unit,
+        "prepared": "; ".join(surface.prepared),
+        **{name: getattr(spec, name, float("nan")) for name in ("eps_t", "eps_f", "eps_c")},
+        "seed": getattr(spec, "seed", -1),
+        "hurst": getattr(spec, "hurst", ""),
     }
+    return {name: value for name, value in attributes.items() if value != ""}
 
 
 def solved(
@@ -153,13 +153,12 @@ def solved(
     """
 
     def solve(index: int, spent: float | None) -> tuple[int, Contact, float]:
-        begun = time.monotonic() - (spent or 0.0)
+        load, begun = loads[index], time.monotonic() - (spent or 0.0)
 
         def watched(iterations: int, progress: Progress) -> bool:
             say.watch(iterations, progress)
             return watch(index, time.monotonic() - begun)
 
-        load = loads[index]
         asked = [(key.removeprefix("target_"), x) for key, x in _target(scene.load, index).items()]
         if not asked and not isinstance(load, LoadTarget):
             asked = [("p*", load / (sweep.E_star * sweep.surface.slope))]

@@ -22,7 +22,7 @@ from ..output.fields import FIELDS
 from ..output.read import Result, read_result
 from ..output.save import in_memory
 from ..output.summary import summary, surface_line
-from ..scene.explain import nearest
+from ..scene.explain import require_known
 from ..util.errors import SceneError
 from ..util.quantities import in_units
 from .solved import Solved
@@ -34,14 +34,6 @@ if TYPE_CHECKING:
     from ..contact.contact import Contact
 
 LOST = ("energy", "approach", *OF_DUALITY)  # observables that the fields do not tell
-
-
-def _require_known(what: str, name: str, known: set[str]) -> None:
-    if name not in known:
-        raise SceneError(
-            f'{what}: found {name!r}, nearest: "{nearest(str(name), known)}", allowed:'
-            f" {', '.join(sorted(known))}"
-        )
 
 
 def _field(name: str, about: str) -> Any:
@@ -152,7 +144,7 @@ class Solution(Solved):
         other names of several: a dict. Collective. Raises SceneError for an unknown name, and
         where what is left of the contact does not tell it.
         """
-        _require_known("observable", name, observable_names())
+        require_known("observable", name, observable_names())
         several = names_together(name)
         for one in several or (name,):
             if one not in self._step:
@@ -174,7 +166,7 @@ class Solution(Solved):
         """
         along_x, _, along_y = self.result.surface.get("boundary", "").partition(", ")
         require_periodic([name], (along_x == "free", along_y == "free"), "distribution")
-        _require_known("distribution", name, distribution_names())
+        require_known("distribution", name, distribution_names())
         if not self._stored_distribution(name):
             contact = self._whole_contact()
             if name.startswith("heights") and contact.surface.h is None:

@@ -5,11 +5,11 @@
 found and what is allowed.
 """
 
-from .load import check_names, load_scene, with_overrides
+from .load import load_scene, with_overrides
 from .model import ArrayScene, Scene
 from .settings import Load, Machine, Material, Output, Solver
 from .surface import File, SelfAffine, Sphere, Wave
-from .table import has_unit
+from .table import each, has_unit
 
 __all__ = [
     "ArrayScene",
@@ -23,7 +23,7 @@ __all__ = [
     "Solver",
     "Sphere",
     "Wave",
-    "check_names",
+    "each",
     "has_unit",
     "load_scene",
     "with_overrides",

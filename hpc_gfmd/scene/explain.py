@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from ..util.errors import one_line
+from ..util.errors import SceneError, one_line
 from ..util.quantities import DECIMAL_COMMA, NO_COMMA
 from .not_modelled import not_modelled
 from .table import LARGEST, SMALLEST, allowed
@@ -38,6 +38,14 @@ def nearest(name: str, known: Iterable[str]) -> str:
     if MEANT.get(name) in known:
         return MEANT[name]
     return difflib.get_close_matches(name[:80], sorted(known), n=1, cutoff=0)[0]
+
+
+def require_known(key: str, name: str, known: Iterable[str]) -> None:
+    """Raise SceneError for a name that is none of `known`."""
+    allowed = sorted(known)
+    if name not in allowed:
+        why = not_modelled(str(name)) or f'nearest: "{nearest(str(name), allowed)}"'
+        raise SceneError(f"{key}: found {shown(name)}, {why}, allowed: {', '.join(allowed)}")
 
 
 def shown(value: object) -> str:
@@ -93,18 +101,17 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
     if not rest and item["type"] == "value_error" and model:
         return key, f"{path}: {item['ctx']['error']}"  # a rule on the whole table has its own words
     field, *deeper = rest or [name]
-    table, fields = (
-        (data[name], (model or scene).model_fields) if rest else (data, scene.model_fields)
-    )
+    table = data[name] if rest else data
+    fields = (model if rest and model else scene).model_fields
     path += f".{field}" * bool(rest)
     found, value = "not given", table.get(field)
     if field in table:
+        for place in deeper[:1]:  # of a list or a table; otherwise one of several types
+            if isinstance(value, list) and place in range(len(value)):
+                path, value = f"{path}[{place}]", value[place]
+            elif isinstance(value, dict) and place in value:
+                path, value = f"{path}.{printable(place)}", value[place]
         found = f"found {shown(value)}"
-    if deeper and isinstance(value, list) and isinstance(deeper[0], int) and deeper[0] < len(value):
-        path, found = f"{path}[{deeper[0]}]", f"found {shown(value[deeper[0]])}"
-    elif deeper and isinstance(value, dict) and deeper[0] in value:
-        path = f"{path}.{printable(deeper[0])}"
-        found = f"found {shown(value[deeper[0]])}"
     what = f"{allowed(fields[field])}{_limits(item)}"
     why = _why(item) if rest else ""
     return key, f"{path}: {found}, {why}allowed: {what}"

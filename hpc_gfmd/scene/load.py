@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ..util.errors import SceneError, one_line
-from .explain import nearest, printable, shown
+from .explain import printable, shown
 from .model import Scene, parse_toml
-from .not_modelled import not_modelled
 from .settings import Load
 
 
@@ -38,36 +37,6 @@ def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
             raise SceneError(f"--set: found {shown(override)}, allowed: {table}.key=value")
         apply_override(data, override)
     return Scene.from_dict(data, "--set") if overrides else scene
-
-
-def check_names(
-    scene: Scene,
-    solvers: Iterable[str],
-    observables: Iterable[str],
-    fields: Iterable[str],
-    distributions: Iterable[str] = (),
-) -> None:
-    """Compare the names in the scene with those that the registries know.
-
-    Raises SceneError naming the nearest one.
-    """
-    for key, found, known in (
-        ("solver.name", [scene.solver.name], {"auto", *solvers}),
-        ("output.observables", scene.output.observables or (), set(observables)),
-        ("output.fields", scene.output.fields, set(fields)),
-        ("output.distributions", scene.output.distributions, set(distributions)),
-    ):
-        for name in found:
-            if name not in known:
-                guess = (
-                    f"{why}, "
-                    if (why := not_modelled(name))
-                    else f'nearest: "{nearest(name, known)}", '
-                    if known
-                    else ""
-                )
-                allowed = ", ".join(sorted(known)) or "none"
-                raise SceneError(f"{key}: found {shown(name)}, {guess}allowed: {allowed}")
 
 
 def _read(path: str | PathLike, origin: str) -> str:

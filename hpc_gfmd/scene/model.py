@@ -3,9 +3,10 @@
 import hashlib
 import json
 import math
+import os
 import re
 import tomllib
-from pathlib import Path
+from os import PathLike
 from typing import Any, Self
 
 import tomli_w
@@ -100,32 +101,22 @@ class Scene(Table):
 
     @classmethod
     def from_dict(
-        cls, data: dict[str, Any], origin: str = "scene", folder: str | Path | None = None
+        cls, data: dict[str, Any], origin: str = "scene", folder: str | PathLike | None = None
     ) -> "Scene":
         """Validate tables as read from TOML; a relative surface path counts from `folder` where one
         is given.
 
         Raises SceneError, beginning with `origin`.
         """
-        surface = data.get("surface")
-        if folder is not None and isinstance(surface, dict) and surface.get("kind") == "file":
-            path, top = surface.get("path"), Path(folder).absolute()
-            several = path if isinstance(path, list) else [path]
-            if all(one and isinstance(one, str) for one in several):
-                found = [str(top / str(one)) for one in several]
-                path = found if isinstance(path, list) else found[0]
-                data = data | {"surface": surface | {"path": path}}
         try:
-            return cls.model_validate(data)
+            return cls.model_validate(data, context=folder and os.path.abspath(folder))
         except ValidationError as error:
             raise SceneError(f"{origin}: {explain(error, cls, KINDS, data)}") from None
 
     @classmethod
-    def from_toml(
-        cls, text: str, origin: str = "scene", folder: str | Path | None = None
-    ) -> "Scene":
+    def from_toml(cls, text: str, origin: str = "scene") -> "Scene":
         """Parse and validate TOML text. Raises SceneError."""
-        return cls.from_dict(parse_toml(text, origin), origin, folder)
+        return cls.from_dict(parse_toml(text, origin), origin)
 
     def to_toml(self) -> str:
         """The scene as TOML with every default written out; `from_toml` gives back an equal

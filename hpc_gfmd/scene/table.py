@@ -1,6 +1,7 @@
 """What all tables of a scene share: strictness, number types, what a key says of itself, and the
 rule "exactly one of"."""
 
+import os
 from math import inf
 from typing import Annotated, Any, Literal
 
@@ -11,6 +12,7 @@ from pydantic import (
     ConfigDict,
     Field,
     PlainSerializer,
+    ValidationInfo,
     WrapValidator,
 )
 
@@ -36,8 +38,9 @@ def _tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _one_or_many(value: Any) -> Any:
-    return _tuple(value) if isinstance(value, list | tuple) else (value,)
+def each(value: Any) -> tuple:
+    """The values of a list, or the only one."""
+    return tuple(value) if isinstance(value, list | tuple) else (value,)
 
 
 def _in(dimension: str) -> WrapValidator:
@@ -51,6 +54,11 @@ def _in(dimension: str) -> WrapValidator:
         return value
 
     return WrapValidator(read)
+
+
+def _from_folder(path: str, scene: ValidationInfo) -> str:
+    """A relative path counts from the folder of the scene file, where there is one."""
+    return os.path.join(scene.context, path) if scene.context else path
 
 
 def _length_unit(text: str) -> str:
@@ -78,7 +86,7 @@ def _bent(radii: Any) -> Any:
 
 AS_GIVEN = PlainSerializer(lambda value: getattr(value, "text", value))  # with its unit
 LIST = BeforeValidator(_tuple)
-ONE_OR_MANY = BeforeValidator(_one_or_many)
+ONE_OR_MANY = BeforeValidator(each)
 SOME = Field(min_length=1)
 DISTINCT = AfterValidator(_distinct)
 
@@ -98,7 +106,8 @@ LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
 Path = Annotated[Text, Field(min_length=1)]
-Paths = Annotated[Path | tuple[Path, Path], LIST]
+MapPath = Annotated[Path, AfterValidator(_from_folder)]
+Paths = Annotated[MapPath | tuple[MapPath, MapPath], LIST]
 Corners = Annotated[tuple[Coordinate, Coordinate, Coordinate, Coordinate], LIST]
 Sizes = Annotated[tuple[Length, Length], LIST]
 PointsOfAxis = Annotated[int, Field(ge=1, le=MAX_N)]
@@ -160,19 +169,14 @@ def not_both(table: BaseModel, *keys: str) -> None:
 
 def has_unit(value: Any) -> bool:
     """Whether a number, or the numbers of a tuple, were given with a unit."""
-    return any(
-        isinstance(item, Quantity) for item in (value if isinstance(value, tuple) else (value,))
-    )
+    return any(isinstance(item, Quantity) for item in each(value))
 
 
 def alike(what: str, given: dict[str, Any]) -> None:
     """Raise ValueError if some of the quantities have units and others are plain; 0 and inf are
     the same in any unit, None is not given."""
     numbers = [
-        (key, item)
-        for key, value in given.items()
-        for item in (value if isinstance(value, tuple) else (value,))
-        if item and item != inf
+        (key, item) for key, value in given.items() for item in each(value) if item and item != inf
     ]
     plain = {key: item for key, item in numbers if not isinstance(item, Quantity)}
     named = {key: item.text for key, item in numbers if isinstance(item, Quantity)}

@@ -1,6 +1,8 @@
 """Scene files, overrides from the command line, and names checked against registries."""
 
 import os
+import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -8,7 +10,8 @@ import tomli_w
 from scene_tables import FILE, changed, tables
 
 import hpc_gfmd
-from hpc_gfmd.scene import Scene, check_names, load_scene
+from hpc_gfmd.runs.loads import check
+from hpc_gfmd.scene import Scene, load_scene
 from hpc_gfmd.util.errors import SceneError
 
 
@@ -66,7 +69,7 @@ def test_the_surface_file_counts_from_the_folder_of_the_scene(tmp_path):
     scene = load_scene(path.relative_to(tmp_path))
     assert scene.surface.path == str(tmp_path / "in" / "z.npy")
     assert load_scene(path, ["surface.path=/data/z.npy"]).surface.path == "/data/z.npy"
-    assert Scene.from_toml(scene.to_toml(), folder="/elsewhere") == scene
+    assert Scene.from_dict(tomllib.loads(scene.to_toml()), folder="/elsewhere") == scene
 
 
 def test_a_load_takes_the_place_of_another(tmp_path):
@@ -125,22 +128,15 @@ def test_a_bad_override_is_refused_in_one_line(tmp_path, override, words):
     assert str(caught.value).isprintable()
 
 
-def test_names_against_the_registries():
-    output = {"observables": ["a_r"], "fields": ["gap"]}
-    scene = Scene.from_dict(tables(solver={"name": "gfmd"}, output=output))
-    check_names(scene, ["gfmd", "ccg"], ["a_r", "kappa"], ["gap", "pressure"])
-    check_names(Scene.from_dict(tables()), [], [], [])  # "auto" needs no registry
-    for known, words in (
-        (
-            (["gfm", "ccg"], ["a_r"], ["gap"]),
-            "solver.name: found 'gfmd', nearest: \"gfm\", allowed: auto, ccg, gfm",
-        ),
-        (
-            (["gfmd"], ["area", "kappa"], ["gap"]),
-            "output.observables: found 'a_r', nearest: \"area\", allowed: area, kappa",
-        ),
-        ((["gfmd"], ["a_r"], []), "output.fields: found 'gap', allowed: none"),
-    ):
-        with pytest.raises(SceneError) as caught:
-            check_names(scene, *known)
-        assert str(caught.value) == words
+@pytest.mark.parametrize(
+    ("table", "key", "value", "words"),
+    [
+        ("solver", "name", "gfm", "solver.name: found 'gfm', nearest: \"gfmd\", allowed: auto, "),
+        ("output", "observables", ["a_rr"], "output.observables: found 'a_rr', nearest: \"a_r\""),
+        ("output", "distributions", ["gapp"], "output.distributions: found 'gapp', nearest: \"gap"),
+        ("output", "observables", ["friction"], "'friction', not modelled"),
+    ],
+)
+def test_names_against_the_registries(table, key, value, words):
+    with pytest.raises(SceneError, match=re.escape(words)):
+        check(Scene.from_dict(tables(**{table: {key: value}})))
