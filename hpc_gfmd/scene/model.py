@@ -137,11 +137,6 @@ class Scene(Table):
             data["output"][names] = data["output"][names] and sorted(data["output"][names])
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
-    @property
-    def n(self) -> tuple[int, int] | None:
-        """Grid points (n_x, n_y), or None where only the surface file knows."""
-        return self.surface.n
-
     def warnings(self) -> list[str]:
         """What is legal but may not mean what the user thinks, one line each."""
         surface, found = self.surface, []

@@ -29,7 +29,7 @@ from .table import (
     Text,
     Whole,
     key,
-    not_both,
+    one_of,
 )
 
 MODULUS = f'{POSITIVE}, plain or as "50 GPa"'
@@ -216,10 +216,7 @@ class Load(Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        names = tuple(type(self).model_fields)
-        not_both(self, *names)
-        if all(getattr(self, name) is None for name in names):
-            raise ValueError(f"not given, allowed: one of {', '.join(names)}")
+        one_of(self, *type(self).model_fields)
         return self
 
     @property
@@ -282,11 +279,7 @@ class Solver(Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        not_both(self, "accuracy", "residual")
-        if self.accuracy is None and self.residual is None:
-            raise ValueError(
-                "found neither accuracy nor residual, allowed: one of accuracy, residual"
-            )
+        one_of(self, "accuracy", "residual")
         return self
 
     @property

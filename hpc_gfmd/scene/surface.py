@@ -31,7 +31,7 @@ from .table import (
     Text,
     alike,
     key,
-    not_both,
+    one_of,
 )
 from .table import Path as PathText
 
@@ -128,7 +128,7 @@ class SelfAffine(Surface):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        not_both(self, "g_rms", "h_rms")
+        one_of(self, "g_rms", "h_rms")
         if self.lam_l_over_lam_r > self.lam_l_over_lam_s:
             raise ValueError(
                 f"found lam_l_over_lam_r = {self.lam_l_over_lam_r:g}, "
@@ -338,12 +338,14 @@ class File(Surface):
 
     @model_validator(mode="after")
     def _one_way_to_be_periodic(self) -> Self:
-        if self.mirror and self.window != "none":
-            raise ValueError("found mirror and window, allowed: one of them")
-        if any(self.free) and (self.mirror or self.window != "none"):
-            raise ValueError(
-                "found a free boundary with mirror or window, allowed: with a periodic one"
-            )
+        ways = {
+            "mirror": self.mirror,
+            "window": self.window != "none",
+            "a free boundary": any(self.free),
+        }
+        found = [way for way, taken in ways.items() if taken]
+        if len(found) > 1:
+            raise ValueError(f"found {' and '.join(found)}, allowed: one of them")
         alike("heights", {"surface.height_range": self.height_range})
         return self
 
@@ -383,7 +385,5 @@ AnySurface = Annotated[SelfAffine | Wave | Sphere | File, Field(discriminator="k
 
 
 def _whole(value: float, what: str) -> None:
-    if not 1 <= value <= MAX_N:
-        raise ValueError(f"found {what} = {value:.10g}, allowed: from 1 to {MAX_N}")
-    if abs(value - round(value)) > 1e-9 * value:
-        raise ValueError(f"found {what} = {value:.10g}, allowed: a whole number")
+    if not (1 <= value <= MAX_N and abs(value - round(value)) <= 1e-9 * value):
+        raise ValueError(f"found {what} = {value:.10g}, allowed: a whole number from 1 to {MAX_N}")

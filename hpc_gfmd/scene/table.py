@@ -160,11 +160,12 @@ def allowed(field: Any) -> str:
     return field.json_schema_extra["allowed"]
 
 
-def not_both(table: BaseModel, *keys: str) -> None:
-    """Raise ValueError if more than one of `keys` is set."""
+def one_of(table: BaseModel, *keys: str) -> None:
+    """Raise ValueError unless exactly one of `keys` is set."""
     found = [key for key in keys if getattr(table, key) is not None]
-    if len(found) > 1:
-        raise ValueError(f"found {' and '.join(found)}, allowed: one of {', '.join(keys)}")
+    if len(found) != 1:
+        said = f"found {' and '.join(found)}" if found else "not given"
+        raise ValueError(f"{said}, allowed: one of {', '.join(keys)}")
 
 
 def has_unit(value: Any) -> bool:

@@ -18,7 +18,7 @@ def test_shipped_scenes_load_and_survive_a_round_trip(path):
 
 def test_the_main_job():
     scene = load_scene(next(path for path in SHIPPED if path.stem == "rough"))
-    assert scene.n == (1024, 1024)
+    assert scene.surface.n == (1024, 1024)
     assert scene.load.p_star == (0.007, 0.353)
     assert (scene.surface.eps_t, scene.surface.eps_f, scene.surface.eps_c) == (
         1 / 2,
@@ -30,7 +30,7 @@ def test_the_main_job():
 
 def test_defaults():
     scene = Scene.from_dict(tables())
-    assert scene.n == (256, 256)
+    assert scene.surface.n == (256, 256)
     assert (scene.surface.lam_l, scene.surface.h_rms, scene.solver.residual) == (0.5, None, None)
     known = tomllib.loads("""
         surface = {g_rms = 1, physical_sizes = [1, 1], lam_l_over_lam_r = 1}
@@ -90,7 +90,7 @@ def test_one_load_is_a_list_of_one():
     ],
 )
 def test_grid_points(surface, n):
-    assert Scene.from_dict(changed(f"surface = {surface}")).n == n
+    assert Scene.from_dict(changed(f"surface = {surface}")).surface.n == n
 
 
 @pytest.mark.parametrize(

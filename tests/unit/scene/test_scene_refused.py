@@ -111,7 +111,7 @@ material = {thickness = 1, nu1 = 0.3, base_nu = 0.3} | found base = "bonded" wit
 material = {E1 = "1 GPa", thickness = "1 um", nu1 = 0.3, base = "elastic", base_E = 1.0, base_nu = 0.3} ; surface.physical_sizes = ["1 mm", "1 mm"] | all pressures
 load = {approach = 1} ; material = {thickness = 1, nu1 = 0.3, base = "elastic", base_E = 1, base_nu = 0} | rigid base
 surface = {L_over_lam_l = 1.9, lam_l_over_lam_s = 16.1} | = 61.18, allowed: a whole number
-surface.L_over_lam_l = 1e60 | allowed: from 1 to
+surface.L_over_lam_l = 1e60 | allowed: a whole number from 1 to
 surface.physical_sizes = [1, 1.7] | n_y = n_x * L_y/L_x
 surface.lam_l_over_lam_r = 65 | found lam_l_over_lam_r = 65, allowed: up to lam_l_over_lam_s = 64
 surface = {L_over_lam_l = 1.5, lam_l_over_lam_s = 1} | no wave vector
@@ -214,7 +214,7 @@ def test_a_band_without_modes_is_refused_and_no_other(low, band):
     has_modes = any(low * (1 - 1e-12) <= norm <= high * (1 + 1e-12) for norm in norms)
     data = tables({"L_over_lam_l": low, "lam_l_over_lam_s": band, "lam_s_over_a": 20 / high})
     if has_modes:
-        assert Scene.from_dict(data).n == (20, 20)
+        assert Scene.from_dict(data).surface.n == (20, 20)
     else:
         assert "no wave vector" in refusal(data)
 
