@@ -339,9 +339,9 @@ class File(Surface):
     @model_validator(mode="after")
     def _one_way_to_be_periodic(self) -> Self:
         ways = {
+            "a free boundary": any(self.free),
             "mirror": self.mirror,
             "window": self.window != "none",
-            "a free boundary": any(self.free),
         }
         found = [way for way, taken in ways.items() if taken]
         if len(found) > 1:

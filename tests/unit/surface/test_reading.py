@@ -423,5 +423,5 @@ def test_a_measured_surface_that_ends():
             "Pa",
             "free, free",
         )
-    with pytest.raises(SceneError, match=r"found a free boundary with mirror"):
+    with pytest.raises(SceneError, match=r"found a free boundary and mirror"):
         Scene.from_dict(scene | {"surface": surface | {"boundary": "free", "mirror": True}})
