@@ -75,14 +75,16 @@ def main(args: Namespace) -> int:
         raise GfmdError(
             f"plot needs matplotlib and scipy ({error}): pip install matplotlib scipy"
         ) from None
-    how = {
-        "step": args.step,
-        "window": args.window,
-        "dpi": args.dpi,
-        "dimensionless": args.dimensionless,
-    }
-    for path in plot_result(result, args.output, args.what, **how):
-        print(path)
+    paths = plot_result(
+        result,
+        args.output,
+        args.what,
+        step=args.step,
+        window=args.window,
+        dpi=args.dpi,
+        dimensionless=args.dimensionless,
+    )
+    print(*paths, sep="\n")
     said, names = [], args.what or ["maps"]
     shown = {result.indices[k] for k in chosen_steps(result, names[0], args.step)}
     left = [index for index in result.indices if index not in shown]

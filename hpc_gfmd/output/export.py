@@ -33,8 +33,7 @@ def export(
     """
     write, extension = FORMATS[kind]
     path = Path(path or Path(result.path or "contact.h5").with_suffix(extension))
-    own = result.path if result.path and result.path.exists() else None
-    itself = own is not None and path.exists() and path.samefile(own)
+    itself = result.path and result.path.exists() and path.exists() and path.samefile(result.path)
     if itself or not path.parent.is_dir() or (path.exists() and not path.is_file()):
         raise SceneError(
             f"-o: found {path}, allowed: a file in a folder that exists, not the result itself"

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 FIELDS = ("pressure", "gap", "displacement", "plastic")
-STORABLE = (*FIELDS, "heights")  # the last one once for all loads
 LAZY_ROWS = 64  # of a field that are computed at a time
 
 

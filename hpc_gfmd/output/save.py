@@ -38,8 +38,9 @@ def save(
         for name, value in result.head.items()
         if name not in ("status", "end_time", "io")
     }
-    how: dict[str, Any] = {"resume": False, "force": force, "about": about}
-    with RunFile(comm, path, said["n"], rows, head, said, **how) as file:
+    with RunFile(
+        comm, path, said["n"], rows, head, said, resume=False, force=force, about=about
+    ) as file:
         for note in file.notes if comm.rank == 0 else ():
             warnings.warn(note, stacklevel=3)  # where the caller of Solution.save is
         file.take(result)

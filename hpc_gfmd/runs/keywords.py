@@ -29,12 +29,9 @@ def scene_of_keywords(
 ) -> Scene:
     """The scene of what was given (None: not given) and more, on a surface, or on an array (None).
     Raises SceneError."""
-    wrong = [key for key in more if key in OF_RUNS]
-    if wrong:
-        raise SceneError(
-            f"{CALLER}: found {wrong[0]}, allowed: in a scene, whose run writes a file"
-        )
     for key in more:
+        if key in OF_RUNS:
+            raise SceneError(f"{CALLER}: found {key}, allowed: in a scene, whose run writes a file")
         if key not in HOMES and (why := not_modelled(key)):
             raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
     if given.get("nu1") is not None and "nu1" in more:

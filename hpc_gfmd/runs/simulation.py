@@ -103,14 +103,20 @@ def run_scene(
     rows = grid_of(n, sizes, comm, free=scene.surface.free).nominal_rows
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
     output = scene.output
-    how: dict[str, Any] = {
-        "compressed": output.compression,
-        "dtype": output.dtype,
-        "about": all_numbers(),
-    }
     with (
         Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt,
-        RunFile(comm, output.path, n, rows, head, {}, force=force, **how) as file,
+        RunFile(
+            comm,
+            output.path,
+            n,
+            rows,
+            head,
+            {},
+            force=force,
+            about=all_numbers(),
+            compressed=output.compression,
+            dtype=output.dtype,
+        ) as file,
     ):
         for line in [*file.notes, *scene.warnings()]:
             say.say(f"note: {line}")

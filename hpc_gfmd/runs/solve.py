@@ -240,7 +240,7 @@ def solve(
     }
     if known is None or known.table is None:
         head["identity"] += f" of {head['heights']}"
-    stored = [_fields(scene.output.fields, contact) for contact in contacts]
+    stored = [_fields(scene.output.fields, contact) if contact else {} for contact in contacts]
     attributes, indices = surface_attributes(scene, surface), list(range(len(steps)))
     result = Result(None, attributes, steps, indices, worst(steps), head, stored)
     if stopped:
@@ -275,16 +275,14 @@ def _keep_surface(known: PreparedSurface | None, dtype: np.dtype, made: Surface)
         _surfaces.setdefault(known, {})[dtype] = made
 
 
-def _fields(names: Iterable[str], contact: Contact | None) -> dict[str, Slab]:
-    """{name: Slab} of a contact, computed as they are read; none of None."""
-    if contact is None:
-        return {}
-    start, n = contact.surface.rows[0], (contact.surface.n[0], contact.surface.n[1])
-    found: dict[str, Any] = {
-        name: contact.field(name) if name in FIELDS else heights_of(contact.surface)
+def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
+    """{name: Slab} of a contact, computed as they are read."""
+    surface = contact.surface
+    start, n = surface.rows[0], (surface.n[0], surface.n[1])
+    return {
+        name: Slab(contact.field(name) if name in FIELDS else heights_of(surface), start, n)
         for name in names
     }
-    return {name: Slab(lazy, start, n) for name, lazy in found.items()}
 
 
 def _quality_notes(

@@ -307,7 +307,6 @@ class Output(Table):
         NAMES,
         None,
         example=["stiffness", "patches"],
-        said="none",
     )
     distributions: Names = key(
         "histograms and spectra of each load", NAMES, (), example=["pressure", "gap"], said="none"

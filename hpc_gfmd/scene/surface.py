@@ -56,7 +56,6 @@ class Surface(Table):
         None,
         unit="length",
         example="5 mm",
-        said="none",
     )
 
     @model_validator(mode="after")
@@ -276,7 +275,6 @@ class File(Surface):
         None,
         unit="length",
         example=["0 nm", "500 nm"],
-        said="none",
     )
     # None, other than in a surface that is made: as the file says
     physical_sizes: Sizes | None = key(  # type: ignore[assignment]
