@@ -67,14 +67,13 @@ def round_trip(comm, shared_path, n, rows, compressed, dtype):
     for index in (0, 1):  # the second one goes on
         with RunFile(comm, path, n, rows, HEAD, SURFACE | {"n": list(n)}, **how) as run:
             assert list(run.finished) == list(range(index))
-            run.update(height_field=local["gap"])
+            run.update(height_field=local["gap"], setup_seconds=1.5)
             run.write_step(index, {"p_star": 0.1 * (index + 1), "status": "converged"}, local)
             assert read_partial(path).status == "running"
             comm.barrier()
             with pytest.raises(SceneError, match="another run is writing this file"):
                 RunFile(comm, path, n, rows, HEAD, SURFACE)
             if index == 1:
-                run.update(setup_seconds=1.5)
                 run.finish("converged")
         comm.barrier()
     result = read_result(path)

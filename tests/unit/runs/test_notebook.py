@@ -6,12 +6,13 @@ import subprocess
 import sys
 import warnings
 
+import h5py
 import numpy as np
 import pytest
 from contacts import random_heights
 
 import hpc_gfmd
-from hpc_gfmd import SceneError
+from hpc_gfmd import GfmdError, SceneError
 from hpc_gfmd.contact import (
     all_distributions,
     all_observables,
@@ -279,6 +280,14 @@ def test_another_file_is_not_overwritten(sweep, tmp_path):
     same(hpc_gfmd.load(path)[0], other[0])
     with pytest.raises(SceneError, match=r"ends in .h5"):
         sweep.save("out.npz")
+
+
+def test_a_save_that_fails_leaves_nothing(saved, tmp_path):
+    with h5py.File("saved.h5", "r+") as file:
+        file["steps/0001/gap"][3, 4] += 1
+    with pytest.raises(GfmdError, match=r"the numbers of .*gap are damaged$"):
+        hpc_gfmd.load("saved.h5").save("other.h5")
+    assert [file.name for file in tmp_path.iterdir()] == ["saved.h5"]
 
 
 def test_it_says_what_it_is(sweep):
