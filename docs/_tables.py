@@ -196,7 +196,11 @@ def peers():
             taken = f"{TAKEN}, {{seconds_over_ours:.3g}} times"
             line[peer] = taken.format_map(row) if row else "not reached"
         lines.append(line)
-    columns = {"kind, n, area": "{kind}, {n}, {a_r:.3g}", "error": "{asked:g}", "ours": "{ours}"}
+    columns = {
+        "kind, n, area": "{kind}, {n}, {a_r:.3g}",
+        "error": "{asked:g}",
+        "hpc-gfmd": "{ours}",
+    }
     columns |= {f"{peer} {versions[peer]}": f"{{{peer}}}" for peer in sorted(versions)}
     return table(columns, lines)
 
