@@ -34,7 +34,7 @@ What is printed, what is right, and what shows it: a small computation, or the r
 
 {found}
 
-Made by `python scripts/paper all --level {level}`.
+Made by `python scripts/paper all`.
 """
 HEAD = """# The paper, reproduced, checked and extended
 
@@ -78,8 +78,8 @@ def _page(study, rows, level):
     lines = list(study.compare(rows))
     columns = {says: f"{{{key}}}" for key, says in SAYS.items() if any(line[key] for line in lines)}
     about = text.get("question") or f"The paper: {text['paper']}."
-    found = table(lines, columns) if lines else ""
-    return PAGE.format(name=study.name, **text | {"about": about}, found=found, level=level)
+    found = lines and table(lines, columns)
+    return PAGE.format(**text, name=study.name, about=about, found=found or "", level=level)
 
 
 def report(store: Store, level: str, tables: dict[str, Rows]) -> Path:
@@ -101,8 +101,8 @@ def report(store: Store, level: str, tables: dict[str, Rows]) -> Path:
     path = store.folder / "README.md"
     write_whole(path, head)
     columns = {"": "{number}", "printed": "{printed}", "right": "{right}", "shown by": "{shown}"}
-    found = table(errata_rows(tables), columns)
-    write_whole(store.folder / "errata.md", ERRATA.format(found=found, level=level))
+    errata = ERRATA.format(found=table(errata_rows(tables), columns))
+    write_whole(path.with_name("errata.md"), errata)
     return path
 
 
