@@ -101,7 +101,7 @@ def notes_on(found: Topography, spec: Any, comm: Any) -> list[str]:
     for axis, jump in zip("xy", quality.jumps):
         if jump > DOUBT.jump and spec.boundary is None and not found.periodic:
             raise SceneError(
-                f"surface.boundary: found nothing, and edges along {axis} that differ by {jump:.3g}"
+                f"surface.boundary: not given, with edges along {axis} that differ by {jump:.3g}"
                 ' times what neighbouring points differ by, allowed: "free" (it ends there),'
                 ' "periodic" (pressed with that jump), or detrend = "tilt", mirror = true, a'
                 " window"

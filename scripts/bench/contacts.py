@@ -16,12 +16,15 @@ WORST = 1e-6  # estimated error of the pressure that a reference may have
 @dataclass(frozen=True)
 class Case:
     """n x n points, p* = p/(E* g_rms); E* = 1, g_rms = 1 (where the surface ends,
-    of what it is cut out of), a cell of size 1 x 1."""
+    of what it is cut out of), a cell of size 1 x 1. hardness: the largest pressure over
+    E* g_rms; 0: none."""
 
     n: int
     p_star: float
     hurst: float = 0.8
     boundary: str = "periodic"
+    hardness: float = 0.0
+    seed: int = 1
 
     @property
     def table(self):
@@ -32,7 +35,7 @@ class Case:
             "L_over_lam_l": 2,
             "lam_l_over_lam_s": self.n / 4,
             "lam_s_over_a": 2,
-            "seed": 1,
+            "seed": self.seed,
             "g_rms": 1.0,
             "boundary": self.boundary,
         }
@@ -46,6 +49,8 @@ class Case:
         """Return numbers of hpc_gfmd.solve, all of the call timed, and the pressure; settings: of
         solve."""
         loads = {"pressure": self.p_star, "fields": ["pressure"]} | settings
+        if self.hardness:
+            loads["hardness"] = self.hardness
         begun, cpu = time.perf_counter(), time.process_time()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", hpc_gfmd.NotConverged)
