@@ -16,7 +16,7 @@ from ..util.quantities import format_quantity
 if TYPE_CHECKING:
     from ..scene import Load
     from ..solvers.base import Solver
-    from .sweep import Sweep
+    from .start import Start
 
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
 LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
@@ -31,24 +31,24 @@ class LoadTarget:
     value: float
 
 
-def loads_of(load: Load, sweep: Sweep) -> Sequence[float | LoadTarget]:
+def loads_of(load: Load, start: Start) -> Sequence[float | LoadTarget]:
     """What `Sweep.solve` takes for the loads of a scene: mean pressures, or LoadTarget where they
     have to be found. A gap of 0 is an area of 1.
 
     Raises SceneError for what a flat surface does not have, what the precision cannot hold, and
     what no pressure gives. Collective.
     """
-    (name, values), surface, settings = load.given, sweep.surface, sweep.settings
-    has_none = name in FLAT_HAS_NONE or (name == "approach" and sweep.is_flat)
+    (name, values), surface, settings = load.given, start.surface, start.settings
+    has_none = name in FLAT_HAS_NONE or (name == "approach" and start.is_flat)
     if surface.g_rms == 0 and has_none:
         raise SceneError(f"load.{name}: found a flat surface (g_rms = 0), allowed: load.pressure")
-    pressures = load.p0(sweep.E_star, surface.g_rms, float(np.prod(surface.sizes)))
-    require_range(sweep.E_star, surface, pressures)
-    if sweep.hardness is not None:
-        require_dents(sweep.solver_class, sweep.hardness, name, values, pressures)
+    pressures = load.p0(start.E_star, surface.g_rms, float(np.prod(surface.sizes)))
+    require_range(start.E_star, surface, pressures)
+    if start.hardness is not None:
+        require_dents(start.solver_class, start.hardness, name, values, pressures)
     if settings.precision == "single" and surface.g_rms > 0:
         for p_mean in pressures:
-            if not single_solves(p_mean / (sweep.E_star * surface.g_rms), surface.grid.N):
+            if not single_solves(p_mean / (start.E_star * surface.g_rms), surface.grid.N):
                 raise SceneError(
                     'solver.precision: found "single", too little for a pressure of'
                     f' {p_mean:g}, allowed: "auto", "double"'
@@ -64,10 +64,10 @@ def loads_of(load: Load, sweep: Sweep) -> Sequence[float | LoadTarget]:
                 )
         return tuple(LoadTarget(name, float(value)) for value in values)
     only = settings.precision == "single" or settings.low_memory
-    rounding = float(np.finfo(sweep.dtype if only else np.float64).eps)
+    rounding = float(np.finfo(start.dtype if only else np.float64).eps)
     # the least length over the largest that rounding errors leave as accurate as asked
     resolution = LENGTHS * rounding / settings.tolerance
-    top = sweep.heights.top * surface.slope  # the mean gap where the highest peak just touches
+    top = start.heights.top * surface.slope  # the mean gap where the highest peak just touches
     unit = surface.h_rms if name == "gap_over_h_rms" else 1.0
     largest, quantity = top / unit, "approach" if name == "approach" else "gap_mean"
     for value in values:
