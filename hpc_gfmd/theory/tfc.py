@@ -21,7 +21,7 @@ from pydantic import BaseModel, Field, create_model
 
 from ..util.errors import SceneError, one_line
 from .checks import within
-from .tfc_fit import COEFFICIENTS, TERMS, TfcFit, fit_tfc, read_runs, sigma_of_terms, term
+from .tfc_fit import COEFFICIENTS, TERMS, TfcFit, fit_tfc, ratios, read_runs, sigma_of_terms, term
 
 __all__ = [
     "TfcFit",
@@ -43,10 +43,14 @@ _UNROUNDED = {0.007: 0.01 / np.sqrt(2), 0.353: 0.5 / np.sqrt(2)}
 
 Table = dict[str, Any]  # as in the data files
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+Positive = Annotated[Finite, Field(gt=0)]
 
 
 _Row = create_model(  # type: ignore[call-overload]
-    "_Row", sigma=(dict[str, Finite], {}), **dict.fromkeys(("hurst", *COEFFICIENTS), (Finite, ...))
+    "_Row",
+    hurst=(Finite, ...),
+    sigma=(dict[str, Finite], {}),
+    **{name: (Positive if "alpha" in name else Finite, ...) for name in COEFFICIENTS},
 )
 
 
@@ -54,7 +58,7 @@ class _Part(BaseModel):
     """One observable at one pressure."""
 
     observable: Annotated[str, Field(pattern=r"^\w+$")]
-    p_star: Annotated[Finite, Field(gt=0)]
+    p_star: Positive
     rows: Annotated[list[_Row], Field(min_length=1)]  # type: ignore[valid-type]
 
 
@@ -177,8 +181,7 @@ def correction(
     """
     table = table or paper_table()
     part = _part(table, observable, float(within("p_star", p_star, 0, np.inf, True)))
-    eps = {"t": eps_t, "f": eps_f, "c": eps_c}
-    eps = {i: float(within(f"eps_{i}", eps[i], 0, 1)) for i in TERMS}
+    eps = ratios(eps_t, eps_f, eps_c)
     rows = sorted(part["rows"], key=lambda row: row["hurst"])
     tabulated = [row["hurst"] for row in rows]
     hurst = float(within("hurst", hurst, 0, 1))

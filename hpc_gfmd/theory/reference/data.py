@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...util.errors import SceneError
+from ..checks import within
 
 FORMAT = "hpc-gfmd reference 2"
 QUANTITIES = ("a_r", "gap_over_h_rms")
@@ -94,10 +95,7 @@ class Reference:
 
 def _within(name: str, wanted: ArrayLike, known: np.ndarray) -> np.ndarray:
     low, high = float(known.min()), float(known.max())
-    wanted = np.asarray(wanted, dtype=np.float64)
-    if not np.all((wanted >= low * (1 - ROUNDING)) & (wanted <= high * (1 + ROUNDING))):
-        raise SceneError(f"{name}: found {wanted.tolist()}, allowed: from {low:g} to {high:g}")
-    return np.clip(wanted, low, high)
+    return np.clip(within(name, wanted, low * (1 - ROUNDING), high * (1 + ROUNDING)), low, high)
 
 
 def _weights(x: float, known: np.ndarray) -> np.ndarray:
