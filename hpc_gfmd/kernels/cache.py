@@ -11,7 +11,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from traceback import walk_tb
 from types import TracebackType
@@ -62,22 +62,26 @@ def cached() -> Iterator[bool]:
 def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
     """Block in which say(text), if it is not None, is called once, before the first kernel that has
     not been kept is compiled."""
-    here = folder()
-    kept = here is not None and any(here.rglob("*.nbi"))
-    text = (
-        "compiling what this scene needs in addition, once (some seconds)"
-        if kept
-        else "compiling, once (about 20 s)"
-    )
-    with event.install_listener("numba:compile", _Once(partial(say, text) if say else None)):
+
+    def first() -> None:
+        here = folder()
+        kept = here is not None and any(here.rglob("*.nbi"))
+        if say:
+            say(
+                "compiling what this scene needs in addition, once (some seconds)"
+                if kept
+                else "compiling, once (about 20 s)"
+            )
+
+    with event.install_listener("numba:compile", _Once(first)):
         yield
 
 
 class _Once(event.Listener):  # type: ignore[misc]
     """Calls a function when the first event begins."""
 
-    def __init__(self, call: Callable[[], object] | None) -> None:
-        self.call = call
+    def __init__(self, call: Callable[[], object]) -> None:
+        self.call: Callable[[], object] | None = call
 
     def on_start(self, _: object) -> None:
         call, self.call = self.call, None

@@ -16,12 +16,14 @@ WORST = 1e-6  # estimated error of the pressure that a reference may have
 @dataclass(frozen=True)
 class Case:
     """n x n points, p* = p/(E* g_rms); E* = 1, g_rms = 1 (where the surface ends,
-    of what it is cut out of), a cell of size 1 x 1."""
+    of what it is cut out of), a cell of size 1 x 1. hardness: the largest pressure over
+    E* g_rms; 0: none."""
 
     n: int
     p_star: float
     hurst: float = 0.8
     boundary: str = "periodic"
+    hardness: float = 0.0
 
     @property
     def table(self):
@@ -46,6 +48,8 @@ class Case:
         """Return numbers of hpc_gfmd.solve, all of the call timed, and the pressure; settings: of
         solve."""
         loads = {"pressure": self.p_star, "fields": ["pressure"]} | settings
+        if self.hardness:
+            loads["hardness"] = self.hardness
         begun, cpu = time.perf_counter(), time.process_time()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", hpc_gfmd.NotConverged)

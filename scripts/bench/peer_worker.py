@@ -2,7 +2,8 @@
 has the code. Answers lines of JSON:
 
     {"heights": path.npy, "pressure": p0, "kind": "Aspher", ...}   plan for this surface (float64,
-        n x n, peaks up, of size 1 x 1, E* = 1) with a class of this file and settings of it
+        n x n, peaks up, of size 1 x 1, E* = 1) with a class of this file and settings of it;
+        "hardness": of an elastic - perfectly plastic body
     {"tolerance": t, "pressure_to": path.npy}   solve from scratch; answers seconds, cpu_seconds,
         iterations, status, peak_mib
 
@@ -12,7 +13,6 @@ Planning and compilation are never inside of the times.
 import json
 import math
 import os
-import resource
 import sys
 import time
 from functools import partial
@@ -24,6 +24,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"
 
 import numpy as np  # noqa: E402 (reads the variables above)
+from peak import peak_mib  # noqa: E402 (beside this file)
 
 MAX_ITERATIONS = 20000
 Solved = tuple[Any, int | None, str]  # what `pressure` takes, iterations, status
@@ -80,16 +81,17 @@ class Aspher:
 
 
 class Tamaas:
-    """PolonskyKeerRey with the pressure as its variable."""
+    """PolonskyKeerRey with the pressure as its variable; with a hardness KatoSaturated."""
 
     packages = ("tamaas",)
 
-    def __init__(self, heights, p0):
+    def __init__(self, heights, p0, hardness=None):
         import tamaas as tm
 
         tm.initialize(1)
         tm.set_log_level(tm.LogLevel.error)
         self.tm, self.p0, self.heights = tm, p0, np.ascontiguousarray(heights)
+        self.hardness = hardness
         self.model = tm.Model(tm.model_type.basic_2d, [1.0, 1.0], list(heights.shape))
         self.model.E, self.model.nu = 1.0, 0.0
         self.solve(1e-1, 3)
@@ -97,7 +99,10 @@ class Tamaas:
     def solve(self, tolerance, max_iterations=MAX_ITERATIONS):
         self.model.traction[...] = 0
         self.model.displacement[...] = 0
-        solver = self.tm.PolonskyKeerRey(self.model, self.heights, tolerance)
+        if self.hardness:
+            solver = self.tm.KatoSaturated(self.model, self.heights, tolerance, self.hardness)
+        else:
+            solver = self.tm.PolonskyKeerRey(self.model, self.heights, tolerance)
         solver.max_iter, solver.dump_freq = max_iterations, 10 * max_iterations
         left = solver.solve(self.p0)
         return None, None, "converged" if left <= tolerance else "not converged"
@@ -112,7 +117,7 @@ class ContactMechanicsPK:
 
     packages = ("ContactMechanics", "SurfaceTopography", "NuMPI", "muGrid")
 
-    def __init__(self, heights, p0, free=False):
+    def __init__(self, heights, p0, free=False, hardness=None):
         import ContactMechanics as cm
         from ContactMechanics.Factory import make_system
         from SurfaceTopography import Topography
@@ -123,6 +128,7 @@ class ContactMechanicsPK:
         surface = Topography(heights, (1.0, 1.0), periodic=not free)
         self.system = make_system(interaction="hardwall", substrate=substrate, surface=surface)
         self.h_rms, self.p0, self.force = heights.std(), p0, p0 / n**2  # force per pixel
+        self.hardness = {"hardness": hardness / n**2} if hardness else {}
         substrate.evaluate_disp(np.ones((n, n)))
 
     def solve(self, tolerance):
@@ -132,6 +138,7 @@ class ContactMechanicsPK:
             forcetol=tolerance * self.force,
             thermotol=tolerance,
             maxiter=MAX_ITERATIONS,
+            **self.hardness,
         )
         return result.jac, int(result.nit), "converged" if result.success else "not converged"
 
@@ -183,7 +190,7 @@ def solve(code, tolerance, pressure_to):
         "cpu_seconds": time.process_time() - cpu,
         "iterations": iterations,
         "status": status,
-        "peak_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10,
+        "peak_mib": peak_mib(),
     }
     np.save(pressure_to, code.pressure(result))
     return answer

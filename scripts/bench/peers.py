@@ -64,7 +64,9 @@ def run(args):
     """Compare all codes on all surfaces; args: of command.py. Raises SceneError for a code that is
     not known or not there."""
     free = args.boundary == "free"
-    allowed = CODES["free" if free else "periodic"]
+    if free and args.hardness:
+        raise SceneError("--hardness: with free edges no other code is known, allowed: 0")
+    allowed = CODES["hard" if args.hardness else args.boundary]
     codes = list(allowed) if args.codes == ["all"] else args.codes
     for name in codes:
         if name not in allowed:
@@ -77,14 +79,15 @@ def run(args):
         " of our faster precision"
     )
     for n in args.n:
-        some = Case(n, 1.0, args.hurst, args.boundary)
+        some = Case(n, 1.0, args.hurst, args.boundary, args.hardness)
         loads = [some.at_area(a_r).p_star for a_r in args.a_r] if free else args.p_star
         for p_star, error in product(loads, args.error):
-            _one_case(replace(some, p_star=p_star), [*CODES["ours"], *codes], error, args, report)
+            chosen = {name: allowed[name] for name in codes}
+            _one_case(replace(some, p_star=p_star), chosen, error, args, report)
     report.finish()
 
 
-def _one_case(case, names, error, args, report):
+def _one_case(case, others, error, args, report):
     row, known = case.reference
     head = vars(replace(case)) | {"a_r": row["a_r"], "asked": error}
     boundary = {"boundary": case.boundary}
@@ -94,11 +97,13 @@ def _one_case(case, names, error, args, report):
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         np.save(folder / "heights.npy", case.surface.heights)
         surface = {"heights": str(folder / "heights.npy"), "pressure": case.p_star}
-        for name in names:
-            ours = CODES["ours"].get(name)
+        if case.hardness:
+            surface["hardness"] = case.hardness
+        for name, its in (CODES["ours"] | others).items():
+            ours = name in CODES["ours"]
             exact = known if ours or case.boundary != "free" else by_cells(case)
             code = stack.enter_context(closing(Code(name, folder, exact)))
-            options = ours | boundary if ours else CODES[case.boundary][name]
+            options = its | boundary if ours else its
             of = {"code": name, "options": options}
             try:
                 of |= code.ask(**surface, **options)

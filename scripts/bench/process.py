@@ -4,12 +4,12 @@ on threads, and the share of the time that is outside of the solver's passes.
 Other codes beside it: `python scripts/bench peers --n 64 128 256 512 1024 2048 4096 --error 1e-3`.
 """
 
-import resource
 import time
 from itertools import product
 
 from .contacts import Case
 from .kernels import watch_passes
+from .peak import peak_mib
 from .report import Report
 from .timing import measured, serve, summary
 
@@ -46,7 +46,7 @@ def worker(comm, n, p_star, boundary="periodic", **settings):
         return row | {
             "cold_seconds": cold,
             "outside_passes": 1 - sum(watch.take().values()) / row["seconds"],
-            "peak_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10,
+            "peak_mib": peak_mib(),
         }
 
     return measure
