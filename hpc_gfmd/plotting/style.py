@@ -108,11 +108,6 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
         fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(columns, len(handles)))
 
 
-def legend_below(fig: Any) -> None:
-    """The same, below the panels."""
-    legend(fig, "outside lower center", 4)
-
-
 @contextmanager
 def styled() -> Iterator[None]:
     """Block in which everything drawn looks like this."""

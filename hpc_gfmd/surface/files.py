@@ -20,7 +20,6 @@ from .packed import unpacker
 ANY = "surface"  # the data set of a scene that names none
 MASK = "mask"  # where it is not 0 there is no height (SurfaceTopography)
 SMALL = 4096  # bytes of what an archive says of sizes and units
-NPY, HDF5 = b"\x93NUMPY", b"\x89HDF\r\n\x1a\n"  # how such files begin
 
 
 @dataclass(frozen=True)
@@ -88,15 +87,8 @@ def open_map(spec: Any) -> HeightMap:
         ) from None
 
 
-def _begins(path: Path, head: bytes) -> bool:
-    with open(path, "rb") as file:
-        return file.read(len(head)) == head
-
-
 def _npy(path: Path, spec: Any) -> tuple[np.ndarray, Metadata]:
-    if not _begins(path, NPY):  # numpy.load would say how to unpickle it
-        raise ValueError("it does not begin as a .npy file does")
-    return np.load(path, mmap_mode="r", allow_pickle=False), Metadata()
+    return np.lib.format.open_memmap(path, mode="r"), Metadata()  # never unpickles, unlike load
 
 
 def _npz(path: Path, spec: Any) -> tuple[Stored, Metadata]:
@@ -161,10 +153,11 @@ def _hdf5(path: Path, spec: Any) -> tuple[Stored, Metadata]:
 
 
 def _netcdf(path: Path, spec: Any) -> tuple[Stored, Metadata]:
-    if _begins(path, HDF5):
-        return _hdf5(path, spec)
+    import h5py
     from scipy.io import netcdf_file
 
+    if h5py.is_hdf5(path):  # NetCDF 4
+        return _hdf5(path, spec)
     file = netcdf_file(path, "r", mmap=True)
     name = _one_of([key for key, found in file.variables.items() if len(found.shape) == 2], spec)
     variable = file.variables[name]

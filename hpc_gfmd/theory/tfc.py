@@ -11,8 +11,6 @@ coefficients). Fits: theory.tfc_fit.
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -37,7 +35,8 @@ __all__ = [
 
 RATIOS = tuple(f"eps_{i}" for i in TERMS)
 PRESSURE_TOLERANCE = 0.05  # how far p_star may be from a tabulated one, relative
-_DATA = files(__package__).joinpath("data")
+_DATA = Path(__file__).parent / "data"
+SHIPPED = {"paper": _DATA / "paper_tfc.json", "ours": _DATA / "our_tfc.json"}
 # printed p_star are rounded; the runs were made at 0.01/sqrt(2) and 0.5/sqrt(2)
 _UNROUNDED = {0.007: 0.01 / np.sqrt(2), 0.353: 0.5 / np.sqrt(2)}
 
@@ -105,35 +104,23 @@ class Correction:
 
 def paper_table() -> Table:
     """The paper's four tables, as the dict of the data file."""
-    return read_table(_DATA / "paper_tfc.json")
+    return table_of("paper")
 
 
-def our_table() -> Table | None:
-    """The same tables fitted to our own runs, with uncertainties; None if this installation has
-    none."""
-    path = _DATA / "our_tfc.json"
-    return read_table(path) if path.is_file() else None
+def our_table() -> Table:
+    """The same tables fitted to our own runs, with uncertainties."""
+    return table_of("ours")
 
 
 def table_of(name: str) -> Table:
     """The table of a name: "paper", "ours", or the path of a JSON file. Raises SceneError."""
-    if name == "paper":
-        return paper_table()
-    if name != "ours":
-        return read_table(name)
-    table = our_table()
-    if table is None:
-        raise SceneError(
-            "table: found 'ours', which this installation lacks, allowed: paper, FILE.json"
-        )
-    return table
+    return read_table(SHIPPED.get(name, name))
 
 
-def read_table(path: str | Traversable) -> Table:
+def read_table(path: str | Path) -> Table:
     """A table of the same form from the JSON file at path; SceneError if it is not one."""
     try:
-        path = Path(path) if isinstance(path, str) else path
-        table = json.loads(path.read_text(encoding="utf-8"))
+        table = json.loads(Path(path).read_text(encoding="utf-8"))
         _Table.model_validate(table)
         for row in (row for part in table["tables"] for row in part["rows"]):
             sigma_of_terms({"sigma": {}} | row, dict.fromkeys(TERMS, 0.5))

@@ -3,8 +3,6 @@
 import json
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
@@ -135,10 +133,10 @@ def load(path: str | Path | None = None) -> Reference:
 
 @cache
 def _shipped() -> Reference:
-    return _read(files(__package__) / "data/contact.json")
+    return _read(Path(__file__).parent / "data/contact.json")
 
 
-def _read(path: Path | Traversable) -> Reference:
+def _read(path: Path) -> Reference:
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["format"] != FORMAT:
