@@ -70,7 +70,7 @@ def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Ite
     rows = max(1, SLAB_BYTES // (8 * shape[1]) // multiple) * multiple
     for start in range(i0, i1, rows):
         stop = min(start + rows, i1)
-        slab = {
+        slab: dict[str, np.ndarray] = {
             name: np.asarray(field.read(start, stop), dtype=np.float64)[:, columns]
             for name, field in fields.items()
         }

@@ -157,7 +157,7 @@ def _looked_at(found: Topography) -> tuple[np.ndarray, np.ndarray, np.ndarray, f
     def row(i: int) -> np.ndarray:
         return found.rows(min(i, n_x), min(i + 1, n_x))  # none beyond the map
 
-    places, y = np.arange(0, n_x, -(-n_x // DOUBT.rows)), _centred(n_y)
+    places, y = range(0, n_x, -(-n_x // DOUBT.rows)), _centred(n_y)
     moments, rows = [], []
     for i in places:
         z = row(i)
@@ -168,7 +168,7 @@ def _looked_at(found: Topography) -> tuple[np.ndarray, np.ndarray, np.ndarray, f
             numbers += [_typical(one), _typical(two), _median(far) / lag]
         rows.append([*numbers, abs(z[0, 0] - z[0, -1]) or np.nan])
     medians = np.nan_to_num([*map(_median, np.transpose(rows))])
-    return places, np.array(moments), medians, _typical(row(0) - row(n_x - 1))
+    return np.array(places), np.array(moments), medians, _typical(row(0) - row(n_x - 1))
 
 
 def _centred(n: int) -> np.ndarray:
