@@ -5,6 +5,7 @@ import ast
 import contextlib
 import inspect
 import io
+import re
 from pathlib import Path
 
 import hpc_gfmd
@@ -30,16 +31,21 @@ MODULES = (  # beside hpc_gfmd.__all__: title, name, what it is
 )
 
 
-def write(folder):
-    """All of them into a folder; pages that have not changed keep their date."""
-    folder.mkdir(exist_ok=True)
-    for name, text in {
+def made():
+    """All of them, by name."""
+    return {
         "scene": scene(),
         "observables": _printed("help", "observables", "--markdown"),
         "commands": commands(),
         "api": api(),
         "gallery": gallery(),
-    }.items():
+    }
+
+
+def write(folder):
+    """All of them into a folder; pages that have not changed keep their date."""
+    folder.mkdir(exist_ok=True)
+    for name, text in made().items():
         path = folder / f"{name}.md"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
@@ -103,8 +109,8 @@ def _directive(value):
 
 
 def gallery():
-    """Every script in examples/: the first line of its docstring, its pictures
-    (docs/gallery/SCRIPT*.png), all of it."""
+    """Every script in examples/: its pictures (docs/gallery/SCRIPT*.png), its docstring as their
+    caption, all of it."""
     lines = [
         "# Gallery",
         "",
@@ -113,9 +119,13 @@ def gallery():
     ]
     for script in sorted(EXAMPLES.glob("*.py")):
         source = script.read_text(encoding="utf-8")
-        title, _, rest = (ast.get_docstring(ast.parse(source)) or script.stem).partition("\n")
-        lines += [f"## {title.strip().rstrip('.')}", "", rest.strip(), ""]
+        what, _, rest = ast.get_docstring(ast.parse(source)).partition("\n\n")
+        what = " ".join(what.split())
+        lines += [f"## {re.split('[:,.]', what)[0]}", ""]
         for picture in sorted(PICTURES.glob(f"{script.stem}*.png")):
+            if picture.stem != script.stem and (EXAMPLES / f"{picture.stem}.py").exists():
+                continue  # that of another script
             lines += [f"![{script.stem}](../gallery/{picture.name})", ""]
+        lines += [f"*{what.replace('*', chr(92) + '*')}*", "", rest, ""]
         lines += [f"`examples/{script.name}`", "", "```python", source.strip(), "```", ""]
     return "\n".join(lines)

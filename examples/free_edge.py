@@ -1,8 +1,8 @@
-"""A flat strip that ends: its pressure rises without bound at the edges, where that of a periodic
-flat wall is the same everywhere.
+"""A flat strip with free edges: its pressure rises without bound at the edges, where that of a
+periodic flat wall is the same everywhere.
 
-boundary = ["free", "periodic"]: one axis ends, the other does not. Exact: p(x) = p_mean/(pi sqrt(s
-(1 - s))), s = x/L.
+boundary = ["free", "periodic"]: one axis has edges, the other repeats. Exact:
+p(x) = p_mean/(pi sqrt(s (1 - s))), s = x/L.
 """
 
 import sys

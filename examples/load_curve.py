@@ -1,8 +1,8 @@
 """A self-affine wall under rising loads: contact area and mean gap over the load, Persson's theory,
 and the shipped reference data.
 
-A list of loads is a sweep: each starts from the one before where that is near, and all come back as
-one sequence.
+A list of loads is a sweep: each starts from the previous one where that is near, and all come back
+as one sequence.
 """
 
 import sys

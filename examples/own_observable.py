@@ -1,7 +1,7 @@
 """An observable of your own: which share of the load do the most loaded parts of the contact carry?
 
 Any function of a solution will do. One that results should have by name, on any number of ranks, is
-a file in hpc_gfmd/observables/.
+a file in hpc_gfmd/contact/.
 """
 
 import sys

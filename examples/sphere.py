@@ -1,8 +1,8 @@
 """A sphere on an elastic half-space, pressed with five forces: the profiles of the pressure and the
 radius of the contact, and Hertz.
 
-The surface ends (boundary="free"): it has no periodic images, and its arrays have the size of the
-nominal area.
+The edges are free (boundary="free"): the sphere has no periodic images, and its arrays have the
+size of the nominal area.
 """
 
 import sys

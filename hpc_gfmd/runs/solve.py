@@ -85,8 +85,8 @@ def solve(
         Effective modulus, such as "50 GPa"; or E1=, nu1= (and E2=, nu2=) as in the scene's
         [material].
     physical_sizes : (L_x, L_y), default (1, 1)
-        Of an array: plain, in the unit of the heights, or texts such as "10 um", the heights being
-        in m then.
+        Of an array: plain, in the unit of the heights, or with a unit as in "10 um"; the heights
+        are in m then.
     accuracy : float, default 1e-3
         Wanted relative accuracy of a_r, mean gap and pressure field (L2); or residual=.
     hardness : number or text

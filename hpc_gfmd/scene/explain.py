@@ -97,16 +97,17 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
         (data[name], (model or scene).model_fields) if rest else (data, scene.model_fields)
     )
     path += f".{field}" * bool(rest)
-    found, value = "nothing", table.get(field)
+    found, value = "not given", table.get(field)
     if field in table:
-        found = shown(value)
+        found = f"found {shown(value)}"
     if deeper and isinstance(value, list) and isinstance(deeper[0], int) and deeper[0] < len(value):
-        path, found = f"{path}[{deeper[0]}]", shown(value[deeper[0]])
+        path, found = f"{path}[{deeper[0]}]", f"found {shown(value[deeper[0]])}"
     elif deeper and isinstance(value, dict) and deeper[0] in value:
-        path, found = f"{path}.{printable(deeper[0])}", shown(value[deeper[0]])
+        path = f"{path}.{printable(deeper[0])}"
+        found = f"found {shown(value[deeper[0]])}"
     what = f"{allowed(fields[field])}{_limits(item)}"
     why = _why(item) if rest else ""
-    return key, f"{path}: found {found}, {why}allowed: {what}"
+    return key, f"{path}: {found}, {why}allowed: {what}"
 
 
 def _why(item: Any) -> str:
@@ -171,7 +172,5 @@ def _unknown(
 def _kind(found: object, kinds: Mapping[str, Model]) -> str:
     allowed = ", ".join(f'"{kind}"' for kind in kinds)
     guess = f'nearest: "{nearest(found, kinds)}", ' if isinstance(found, str) else ""
-    return (
-        f"surface.kind: found {'nothing' if found is None else shown(found)}, {guess}allowed:"
-        f" {allowed}"
-    )
+    said = "not given" if found is None else f"found {shown(found)}"
+    return f"surface.kind: {said}, {guess}allowed: {allowed}"

@@ -108,7 +108,7 @@ def markdown(names: Mapping[str, Any] | None = None) -> str:
         "",
         (
             "Made by `hpc-gfmd help scene --markdown`. Lengths are in the unit of the surface,"
-            ' pressures in that of the moduli, or both are texts with units ("100 um", "50 GPa").'
+            ' pressures in that of the moduli, or all have units ("100 um", "50 GPa").'
         ),
     ]
     columns = ["", "| key | meaning | default | unit | allowed |", "|---|---|---|---|---|"]
@@ -116,10 +116,16 @@ def markdown(names: Mapping[str, Any] | None = None) -> str:
         lines += ["", f"## {section.heading}", "", section.about, *columns]
         lines += [
             f"| `{key.name}` | {key.meaning} | {key.default or 'must be given'} | {key.unit} |"
-            f" {key.allowed} |"
+            f" {_listed(key.allowed)} |"
             for key in section.keys
         ]
     return "\n".join(lines)
+
+
+def _listed(allowed: str) -> str:
+    """Refer to the page that has the names of a long list."""
+    what = allowed.partition(":")[0]
+    return allowed if len(allowed) <= 120 else f"{what}, of [these](observables.md)"
 
 
 def _key(name: str, field: Any, known: Any = ()) -> Key:

@@ -199,7 +199,7 @@ class Load(Table):
         example=[0.01, 0.1],
     )
     force: Forces | None = key(
-        "forces on a surface that ends",
+        "forces on a surface with free edges",
         'a number greater than 0, plain or as "5 mN", or a list of them',
         None,
         unit="force",
@@ -219,7 +219,7 @@ class Load(Table):
         names = tuple(type(self).model_fields)
         not_both(self, *names)
         if all(getattr(self, name) is None for name in names):
-            raise ValueError(f"found nothing, allowed: one of {', '.join(names)}")
+            raise ValueError(f"not given, allowed: one of {', '.join(names)}")
         return self
 
     @property

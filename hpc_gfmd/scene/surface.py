@@ -49,9 +49,7 @@ class Surface(Table):
     """The rigid rough surface. What every kind has: the cell, in the unit of the heights."""
 
     physical_sizes: Sizes = key("lengths of the cell", SIZES, (1.0, 1.0), unit="length")
-    boundary: Boundary = key(
-        "whether the cell repeats, or ends beside an open space", SIDES, "periodic"
-    )
+    boundary: Boundary = key("whether the cell repeats, or has free edges", SIDES, "periodic")
     radius: Radii | None = key(
         "of a ball under the roughness, or [R_x, R_y]; inf: a cylinder",
         f"{RADIUS}, with a free boundary",
@@ -267,7 +265,7 @@ class File(Surface):
         "of a text: what decimals begin with", '"." or ","', None, example=",", said="what fits"
     )
     missing: Annotated[tuple[Text, ...], LIST] = key(
-        'of a text: what stands for missing points, beside nothing, "***", "BAD", "---", "nan"',
+        'of a text: what stands for missing points, besides nothing, "***", "BAD", "---", "nan"',
         "a list of texts",
         (),
         example=["9999"],
@@ -297,7 +295,7 @@ class File(Surface):
         said="what the file says",
     )
     boundary: Boundary | None = key(  # type: ignore[assignment]
-        "whether the map repeats, or ends beside an open space",
+        "whether the map repeats, or has free edges",
         SIDES,
         None,
         example="free",

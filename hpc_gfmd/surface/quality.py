@@ -102,7 +102,7 @@ def notes_on(found: Topography, spec: Any, comm: Any) -> tuple[str, ...]:
         said = made_periodic or spec.boundary is not None or found.periodic
         if jump > DOUBT.jump and not said:
             raise SceneError(
-                f"surface.boundary: found nothing, and edges along {axis} that differ by {jump:.3g}"
+                f"surface.boundary: not given, with edges along {axis} that differ by {jump:.3g}"
                 ' times what neighbouring points differ by, allowed: "free" (it ends there),'
                 ' "periodic" (pressed with that jump), or detrend = "tilt", mirror = true, a'
                 " window"

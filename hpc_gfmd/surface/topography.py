@@ -100,11 +100,11 @@ def topography_of(found: HeightMap, spec: Any) -> Topography:
     nothing, lacks = f"neither in the scene nor in {found.path}, allowed", {}
     if given is None and said.sizes is None:
         lacks["physical_sizes"] = (
-            f"surface.physical_sizes: found nothing, {nothing}: two positive numbers [L_x, L_y],"
+            f"surface.physical_sizes: not given, {nothing}: two positive numbers [L_x, L_y],"
             ' plain in surface.unit or as "12.8 um"'
         )
     if unit is None and (given is None or has_unit(given)):
-        lacks["unit"] = f"surface.unit: found nothing for the heights, {nothing}: {UNITS}"
+        lacks["unit"] = f"surface.unit: not given for the heights, {nothing}: {UNITS}"
     height, length, own = (
         _factor(name, found.path) for name in (unit, sizes_unit, said.unit or unit)
     )

@@ -24,6 +24,7 @@ class Case:
     hurst: float = 0.8
     boundary: str = "periodic"
     hardness: float = 0.0
+    seed: int = 1
 
     @property
     def table(self):
@@ -34,7 +35,7 @@ class Case:
             "L_over_lam_l": 2,
             "lam_l_over_lam_s": self.n / 4,
             "lam_s_over_a": 2,
-            "seed": 1,
+            "seed": self.seed,
             "g_rms": 1.0,
             "boundary": self.boundary,
         }

@@ -8,6 +8,12 @@ from matplotlib.figure import Figure
 from .timing import Row
 
 Rows = Sequence[Row]
+LABELS = {
+    "error": "true relative error",
+    "fft_pairs": "FFT pairs",
+    "seconds_min": "time (s)",
+    "peak_mib": "memory (MiB)",
+}
 
 
 class Panel(NamedTuple):
@@ -32,10 +38,15 @@ def picture(path, panels):
         for name, rows in group(panel.rows, *panel.keys).items():
             points = [row[panel.x] for row in rows], [row[panel.y] for row in rows]
             ax.plot(*points, ".-", label=", ".join(map(str, name)))
-        ax.set(xlabel=panel.x, ylabel=panel.y, title=panel.title, yscale=panel.scale)
+        names = (LABELS.get(name, name) for name in (panel.x, panel.y))
+        ax.set(**dict(zip(("xlabel", "ylabel"), names)), title=panel.title, yscale=panel.scale)
         if not isinstance(panel.rows[0][panel.x], str):
             ax.set_xscale(panel.scale)
-        ax.legend(title=", ".join(panel.keys), fontsize="xx-small")
+    if len({panel.keys for panel in panels}) == 1:  # all have the same lines
+        fig.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    else:
+        for ax in fig.axes:
+            ax.legend(fontsize="xx-small")
     fig.savefig(path, dpi=150)
 
 

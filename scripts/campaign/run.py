@@ -62,6 +62,10 @@ def parser():
 
 def main(given):
     """Run the campaign with these arguments, print what came out, and record it."""
+    from bench.report import provenance
+
+    from hpc_gfmd.parallel.comm import SerialComm
+
     from .table import count, grouped, markdown, read, report
 
     if given.records:
@@ -76,7 +80,8 @@ def main(given):
                 file.writelines(json.dumps(row, default=float) + "\n" for row in new)
     if given.record:
         command = shlex.join(["scripts/campaign", *sys.argv[1:]])
-        found = {"command": command, "time": time.strftime("%Y-%m-%dT%H:%MZ", time.gmtime())}
+        commit = provenance(SerialComm())["commit"]
+        found = {"command": command, "commit": commit}
         with open(given.record, "a") as file:
             file.write(json.dumps(found | count(rows) | {"families": grouped(rows)}) + "\n")
     print(report(rows, given.worst))

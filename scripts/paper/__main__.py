@@ -122,7 +122,7 @@ def _publish(args, items, store):
 def _items(args):
     allowed = f"allowed: all, {', '.join(TEXTS)}"
     if not args.item:
-        raise SceneError(f"ITEM: found nothing, {allowed}")
+        raise SceneError(f"ITEM: not given, {allowed}")
     items = [one for name in args.item for one in (OF_PAPER if name == "all" else [name])]
     if unknown := set(items) - set(TEXTS):
         raise SceneError(f"ITEM: found {', '.join(sorted(unknown))}, {allowed}")

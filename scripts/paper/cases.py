@@ -1,6 +1,7 @@
 """What is solved: surfaces and their loads, in series at three levels of effort, and the store of
 what is there."""
 
+import gzip
 import json
 import os
 import tomllib
@@ -136,8 +137,8 @@ def share(cases: list[Case], part: int, parts: int) -> list[Case]:
 
 
 class Store:
-    """The lines of all runs*.jsonl in a folder: one JSON line per surface and load, appended when
-    it is finished and never changed.
+    """The lines of all runs*.jsonl in a folder, packed (.gz) or not: one JSON line per surface
+    and load, appended when it is finished and never changed.
 
     part: write runs-<part>.jsonl, so that several jobs can share the folder.
     """
@@ -152,8 +153,10 @@ class Store:
         A line that is torn, or no run, is left out.
         """
         found: dict[tuple, dict] = {}
-        for path in sorted(self.folder.glob("runs*.jsonl")):
-            for line in path.read_bytes().split(b"\n"):
+        for path in sorted(self.folder.glob("runs*.jsonl*")):
+            content = path.read_bytes()
+            content = gzip.decompress(content) if path.suffix == ".gz" else content
+            for line in content.split(b"\n"):
                 try:
                     run = json.loads(line)
                     found[key_of(run)] = found.get(key_of(run), {}) | run

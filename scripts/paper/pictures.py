@@ -22,16 +22,16 @@ COLOURS = 48  # of a picture, as many as show no difference
 LABELS = {
     "eps_c": r"$\epsilon_c = a/\lambda_s$",
     "eps_f": r"$\epsilon_f = \lambda_s/\lambda_l$",
-    "eps_t": r"$\epsilon_t = \lambda_l/\mathcal{L}$",
+    "eps_t": r"$\epsilon_t = \lambda_l/L$",
     "kappa": r"$\kappa = a_r/p^*$",
     "kappa_tfc": r"$\kappa$ in the TFC limit",
-    "gap_over_h_rms": r"$\Delta\bar u/h_\mathrm{rms}$",
-    "gap_over_g_rms_lam_s": r"$\Delta\bar u/(g_\mathrm{rms} \lambda_s)$",
+    "gap_over_h_rms": r"$\langle g\rangle/h_\mathrm{rms}$",
+    "gap_over_g_rms_lam_s": r"$\langle g\rangle/(g_\mathrm{rms} \lambda_s)$",
     "p_star": r"$p^* = p/(E^* g_\mathrm{rms})$",
     "a_r": r"$a_r$",
     "p_inverse": r"$1/p^*$",
     "open_area": r"$1 - a_r$",
-    "L_over_lam_l": r"$\mathcal{L}/\lambda_l$",
+    "L_over_lam_l": r"$L/\lambda_l$",
     "hurst": "$H$",
 }
 TITLES = {"low": r"$p^* = 0.01/\sqrt{2}$", "high": r"$p^* = 0.5/\sqrt{2}$"}

@@ -10,35 +10,48 @@ from pathlib import Path
 
 from .cases import Store, cases_of
 from .errata import errata_rows
-from .items import STUDIES, TEXTS
+from .items import TEXTS
 from .items.tables import our_table
 from .rows import Rows, as_csv, read_csv, table
 from .study import Study
 
-SAYS = {"paper says": "{paper}", "we find": "{ours}", "why": "{why}"}
-MADE = "Made by `python scripts/paper {name} --level {level}`."
+SAYS = {"paper": "paper says", "ours": "we find", "why": "why"}
 PAGE = """# {title}
 
-{question}
+{about}
 
 ![{title}]({name}.png)
 
+*{caption}*
+
 {found}
 
-All numbers: [{name}.csv]({name}.csv); ± is one standard error. {made}
+All numbers: [{name}.csv]({name}.csv); ± is one standard error. Made by `python scripts/paper {name} --level {level}`.
+"""
+ERRATA = """# Errata of the paper
+
+What is printed, what is right, and what shows it: a small computation, or the runs of the figures.
+
+{found}
+
+Made by `python scripts/paper all --level {level}`.
 """
 HEAD = """# The paper, reproduced, checked and extended
 
-N. Prodanov, W. B. Dapp, M. H. Müser, *On the contact area and mean gap of rough, elastic contacts*, Tribology Letters 53 (2014) 433:
-every figure and table. {made} All numbers are computed from the runs in `runs*.jsonl` when this page is written.
+N. Prodanov, W. B. Dapp, M. H. Müser, *On the contact area and mean gap of rough, elastic contacts*, Tribol. Lett. 53 (2014) 433,
+[doi:10.1007/s11249-013-0282-z](https://doi.org/10.1007/s11249-013-0282-z): every figure and table, and its [errata](errata.md).
 
 {loads} loads on grids from {low}² to {high}² points, {minutes:.0f} minutes of solving, accuracy {accuracy:g}; {poor} failed it.
+All numbers follow from the kept runs: `python scripts/paper all --level {level}`.
 
-- "As counted": grid points in contact (filled marks). "Edge-corrected": less (π - 1 + ln 2)/24 of a point for every segment of the
-  contact boundary (open marks; Yastrebov, Anciaux, Molinari 2017).
-- "±": one standard error, from the scatter of realisations and a fifth of the solver's error estimate. Runs of one surface on several
-  grids are compared surface by surface.
-- Theory: Persson with gamma = 0.42, corrected (solid) and as printed (dashed), never scaled."""
+- "As counted": grid points in contact. "Edge-corrected": less (π - 1 + ln 2)/24 of a point for every segment of the contact
+  boundary (Yastrebov, Anciaux, Molinari 2017).
+- "±": one standard error, from the scatter of realisations and a fifth of the solver's error estimate. Runs of one surface on
+  several grids are compared surface by surface.
+- Theory: Persson with gamma = 0.42, never scaled.
+
+{found}
+"""
 
 
 def rows_of(study: Study, store: Store, level: str, redraw: bool = False) -> Rows:
@@ -50,62 +63,51 @@ def rows_of(study: Study, store: Store, level: str, redraw: bool = False) -> Row
 
 
 def publish(study: Study, store: Store, level: str, redraw: bool = False) -> Rows:
-    """Write table, picture and, of an item beyond the paper, page; returns the rows, [] of none."""
+    """Write table, picture and page of an item; returns the rows, [] of none."""
     if rows := rows_of(study, store, level, redraw):
         path = store.folder / study.name
         if not redraw:
             write_whole(path.with_suffix(".csv"), as_csv(rows))
         study.draw(rows, path.with_suffix(".png"))
-        if "question" in TEXTS[study.name]:
-            write_whole(path.with_suffix(".md"), _page(study, rows, level))
+        write_whole(path.with_suffix(".md"), _page(study, rows, level))
     return rows
 
 
 def _page(study, rows, level):
-    columns = {"": "{paper}", "we find": "{ours}", " ": "{why}"}
+    text = TEXTS[study.name]
     lines = list(study.compare(rows))
-    if not any(line["why"] for line in lines):
-        del columns[" "]
-    return PAGE.format(
-        name=study.name,
-        **TEXTS[study.name],
-        found=table(lines, columns),
-        made=MADE.format(name=study.name, level=level),
-    )
+    said = [key for key in SAYS if any(line[key] for line in lines)]
+    titles = SAYS | ({"paper": "what", "why": "beside"} if "question" in text else {})
+    columns = {titles[key]: f"{{{key}}}" for key in said}
+    about = text.get("question") or f"The paper: {text['paper']}."
+    found = table(lines, columns) if lines else ""
+    return PAGE.format(name=study.name, **text | {"about": about}, found=found, level=level)
 
 
 def report(store: Store, level: str, tables: dict[str, Rows]) -> Path:
-    """Write README.md of all figures and tables, {item: rows}; returns its path."""
+    """Write README.md, which leads to the pages of all items, and errata.md; {item: rows} are the
+    paper's. Returns the path of the first."""
     runs = list(store.stored().values())
     sizes = [run["n"] for run in runs] or [0]
-    parts = [
-        HEAD.format(
-            made=MADE.format(name="all", level=level),
-            loads=len(runs),
-            low=min(sizes),
-            high=max(sizes),
-            minutes=sum(run["wall_seconds"] for run in runs) / 60,
-            accuracy=max((run["accuracy"] for run in runs), default=0),
-            poor=sum(run["status"] != "converged" for run in runs),
-        )
+    items = [
+        text | {"link": f"[{name}]({name}.md)" if (store.folder / f"{name}.md").is_file() else name}
+        for name, text in TEXTS.items()
     ]
-    beyond = [name for name in TEXTS if (store.folder / f"{name}.md").is_file()]
-    if beyond:
-        links = ", ".join(f"[{TEXTS[name]['title']}]({name}.md)" for name in beyond)
-        parts.append(f"Beyond the paper: {links}. Their commands solve what `runs*.jsonl` lacks.")
-    for name, rows in tables.items():
-        title = TEXTS[name]["title"]
-        parts.append(f"## {name}: {title}\n\nPaper: {TEXTS[name]['paper']}.")
-        if not rows:
-            parts.append("Nothing solved yet.")
-            continue
-        parts.append(f"![{title}]({name}.png)\n\nNumbers: [{name}.csv]({name}.csv).")
-        if lines := list(STUDIES[name].compare(rows)):
-            parts.append(table(lines, SAYS))
-    columns = {"": "{number}", "printed": "{printed}", "right": "{right}", "shown by": "{shown}"}
-    parts.append("## Errata of the paper\n\n" + table(errata_rows(tables), columns))
     path = store.folder / "README.md"
-    write_whole(path, "\n\n".join(parts) + "\n")
+    head = HEAD.format(
+        level=level,
+        loads=len(runs),
+        low=min(sizes),
+        high=max(sizes),
+        minutes=sum(run["wall_seconds"] for run in runs) / 60,
+        accuracy=max((run["accuracy"] for run in runs), default=0),
+        poor=sum(run["status"] != "converged" for run in runs),
+        found=table(items, {"page": "{link}", "what": "{title}", "paper, literature": "{paper}"}),
+    )
+    write_whole(path, head)
+    columns = {"": "{number}", "printed": "{printed}", "right": "{right}", "shown by": "{shown}"}
+    found = table(errata_rows(tables), columns)
+    write_whole(store.folder / "errata.md", ERRATA.format(found=found, level=level))
     return path
 
 

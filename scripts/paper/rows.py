@@ -2,14 +2,17 @@
 
 import csv
 import io
+import re
+import textwrap
 from collections.abc import Iterator
 from contextlib import suppress
-from itertools import groupby
+from itertools import groupby, zip_longest
 from operator import itemgetter
 from string import Formatter
 from typing import Any
 
 Rows = list[dict]
+CELL = 115  # characters of a cell of a table that readers take in
 PRESSURES = {"low": 0.01 / 2**0.5, "high": 0.5 / 2**0.5}  # p_star; printed as 0.007 and 0.353
 
 
@@ -121,12 +124,21 @@ def saying(paper: str, ours: str, why: str = "", **row: Any) -> dict:
 
 
 def table(rows: Rows, columns: dict[str, str]) -> str:
-    """Write a Markdown table; columns: {title: template of its cells}."""
+    """Write a Markdown table; columns: {title: template of its cells}. A long cell goes on in the
+    lines below, from one of its commas or semicolons on."""
     lines = [list(columns), ["---"] * len(columns)]
     for row in rows:
-        cells = (filled(cell, row) for cell in columns.values())
-        lines.append([cell.replace("|", "\\|").replace("*", "\\*") for cell in cells])
+        cells = [filled(cell, row) for cell in columns.values()]
+        cells = [cell.replace("|", "\\|").replace("*", "\\*") for cell in cells]
+        lines += map(list, zip_longest(*map(_broken, cells), fillvalue=""))
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _broken(cell):
+    whole = re.sub(r"\([^()]*\)", lambda part: part[0].replace(" ", "\0"), cell)
+    glued = re.sub(r"(?<![,;:.]) ", "\0", whole)  # it breaks at what spaces are left
+    parts = textwrap.wrap(glued, CELL, break_long_words=False, break_on_hyphens=False)
+    return [part.replace("\0", " ") for part in parts] or [""]
 
 
 def as_csv(rows: Rows) -> str:

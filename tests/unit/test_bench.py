@@ -127,7 +127,7 @@ def test_accuracy(bench, tmp_path):
     where = found[0]["provenance"]
     assert {"host", "cpu", "versions", "commit", "time", "ranks"} <= set(where)
     assert where["versions"]["FFT"]
-    assert (tmp_path / "accuracy-fft_pairs.png").stat().st_size > 10_000
+    assert (tmp_path / "accuracy-pairs.png").stat().st_size > 10_000
 
 
 FAKE = """
@@ -188,6 +188,8 @@ def test_peers(bench, tmp_path, monkeypatch):
         (["peers", "--codes", "nonsense"], "--codes: found 'nonsense', allowed: aspher"),
         (["peers"], "scripts/bench-peers-setup"),
         (["peers", "--boundary", "free", "--codes", "tamaas"], "allowed: aspher-fft"),
+        (["peers", "--boundary", "free", "--hardness", "1"], "--hardness: with free edges"),
+        (["pairs", "--surfaces", "2"], "--surfaces: found 1 numbers, allowed: one for each"),
         (["kernels", "--n", "63"], "--n: found"),
         (["kernels", "--repeats", "0"], "--repeats: found 0"),
     ],
@@ -214,6 +216,12 @@ def test_storage(bench, tmp_path):
     assert [row["way"] for row in found] == ["raw", "raw, one file", "result file, serial"]
     assert found[2]["times raw"] == pytest.approx(found[2]["seconds"] / found[0]["seconds"])
     assert {path.suffix for path in tmp_path.iterdir()} == {".jsonl", ".txt"}
+
+
+def test_pairs_are_means_over_surfaces(bench):
+    found = bench("pairs", "--n", 32, 64, "--surfaces", 2, 1, "--accuracy", 1e-2)
+    assert [(row["loads"], row["converged"]) for row in found] == [(4, 4), (2, 2)]
+    assert all(0 < row["iterations"] < row["fft_pairs"] <= row["largest"] for row in found)
 
 
 def test_one_process_and_releases(bench, tmp_path, monkeypatch):

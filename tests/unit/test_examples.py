@@ -1,7 +1,6 @@
 """Every example runs, on a small grid, without a warning, and leaves its pictures."""
 
 import ast
-import re
 import runpy
 import subprocess
 import sys
@@ -13,9 +12,6 @@ import pytest
 from mpi_harness import environment
 from scipy import ndimage
 
-import hpc_gfmd
-from hpc_gfmd.util.libraries import surface_topography
-
 FOLDER = Path(__file__).parents[2] / "examples"
 SMALL = {"sphere": 48, "wave": 64, "measured": 64, "tfc": 64, "rough_ball": 128}
 POINTS = 96  # of the others
@@ -23,16 +19,6 @@ MPI = "mpi_script"  # see tests/mpi
 OPTIONAL = "leak_map"  # it needs a package that nothing else does
 ALONE = "measured"  # it imports SurfaceTopography, which initialises MPI: this process must not
 EXAMPLES = sorted(FOLDER.glob("*.py"))
-
-
-def blocks(page):
-    return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
-
-
-DOCS = FOLDER.parent / "docs"
-PAGES = [
-    page for page in (*sorted(DOCS.glob("howto/*.md")), DOCS / "literature.md") if blocks(page)
-]
 
 
 def run(path, monkeypatch):
@@ -54,18 +40,6 @@ def alone(tmp_path, script, *arguments):
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_the_python_of_a_how_to_page(page, tmp_path):
-    code = "\n".join(blocks(page))
-    surface = hpc_gfmd.make_surface(
-        "wave", amplitude="9 nm", n=(8, 6), physical_sizes=("1 um",) * 2
-    )
-    scan = surface_topography().Topography(surface.heights, surface.sizes, unit="m")
-    scan.to_x3p(str(tmp_path / "scan.x3p"))
-    (tmp_path / "page.py").write_text(code)
-    alone(tmp_path, "page.py")
 
 
 def test_in_a_process_of_its_own(tmp_path):

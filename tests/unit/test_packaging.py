@@ -66,7 +66,7 @@ def test_the_published_readme_has_no_links_into_the_repository(archive):
     published = archive["PKG-INFO"].decode()
     assert LINK.findall(text("README.md"))
     assert LINK.findall(published) == []
-    assert "## Five numbers" in published
+    assert "## In numbers" in published
 
 
 def test_the_source_archive_has_the_repository(archive):

@@ -51,13 +51,12 @@ def run(folder, *arguments):
 
 def test_six_lines_of_python(folder):
     (folder / "six.py").write_text(PYTHON)
-    first, *rest = run(folder, "six.py").splitlines()
+    (first,) = run(folder, "six.py").splitlines()
     scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
     solution = hpc_gfmd.solve(scan, LOAD, MODULUS)
     area = float(re.fullmatch(r"a_r = ([\d.]+) %", first)[1]) / 100
     assert area == pytest.approx(solution.a_r, rel=1e-2)
     assert 0.01 < area < 0.5
-    assert all(word in "".join(rest) for word in ("edges", "density"))
     assert (folder / "pressure.png").read_bytes().startswith(b"\x89PNG")
     texts = [text.get_text() for text in solution.plot("pressure").findobj(Text)]
     assert any("(MPa)" in text for text in texts)

@@ -141,7 +141,7 @@ def decades_needed(rows: Rows) -> Iterator[dict]:
     needed = next(d for d in np.arange(1, 41) / 2 if gap(d) >= 1 - CONVERGED)
     yield saying(
         f"H = {claim['hurst']:g}, a_r of order 0.01: self-affine over {claim['decades']} decades"
-        " before the gap has its fractal limit",
+        " until the gap has its fractal limit",
         f"corrected theory: within {CONVERGED:.0%} after {needed:g} decades; after three it has"
         f" {gap(3):.1g} of it",
         "no simulation can show the limit; theory that fits the data at large eps_f says where it"

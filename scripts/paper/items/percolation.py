@@ -197,7 +197,7 @@ def draw(rows: Rows, path: Path) -> None:
                 right.plot([], [], marker=mark, color="0.35", linestyle="", label=name)
         ends = np.array([1.0, max((row["L_over_lam_l"] for row in rows), default=2)])
         left.axhspan(*LITERATURE, color="0.85", zorder=0, label="literature")
-        centre.plot(ends, 0.08 * ends ** (-1 / NU), label=r"$\propto\mathcal{L}^{-3/4}$", **THEORY)
+        centre.plot(ends, 0.08 * ends ** (-1 / NU), label=r"$\propto L^{-3/4}$", **THEORY)
         for ax, y in ((left, "contact area at percolation"), (centre, "width")):
             named(ax, "L_over_lam_l", y, yscale="log" if ax is centre else "linear")
             ax.set_xscale("log", base=2)

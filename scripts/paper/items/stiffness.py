@@ -116,7 +116,7 @@ def draw(rows: Rows, path: Path) -> None:
                     | {k: row[k] / row["p_star"] for k in row if k[:9] in ("stiffness", "persson")}
                     for row in part
                 ]
-                label = f"$\\mathcal{{L}}/\\lambda_l = {size:g}$, $\\epsilon_f = 1/{waves:g}$"
+                label = f"$L/\\lambda_l = {size:g}$, $\\epsilon_f = 1/{waves:g}$"
                 points(above, over, "p_star", "stiffness", linestyle="-", color=color, label=label)
                 points(above, over, "p_star", "persson", "", linestyle="--", color=color)
                 points(below, part, "p_star", "exponent", linestyle="-", color=color)

@@ -123,9 +123,9 @@ def test_what_nobody_says_is_not_invented(cli):
         "init map.npz"
     )
     complaint = cli.refused("run scene.toml --set surface.detrend=none --set surface.fill=none")
-    for lack in ("physical_sizes: found nothing", "unit: found nothing", "path: found nan"):
+    for lack in ("physical_sizes: not given", "unit: not given", "path: found nan"):
         assert f"surface.{lack}" in complaint  # all at once
-    assert "surface.boundary: found nothing" in complaint
+    assert "surface.boundary: not given" in complaint
     assert not compose(
         "map.npz", Path("a.toml"), ['surface.physical_sizes=["3 um", "2 um"]', "surface.unit=nm"]
     )[1]

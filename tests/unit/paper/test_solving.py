@@ -1,6 +1,7 @@
 """`python scripts/paper`: what is stored is safe and complete, and not solved again."""
 
 import errno
+import gzip
 import json
 import os
 from dataclasses import replace
@@ -18,8 +19,8 @@ from hpc_gfmd import GfmdError
 
 SMALL = Case(0.8, 2, 8, 2, 1, (0.05, 0.35))
 CASES = [SMALL, replace(SMALL, hurst=0.3), replace(SMALL, lam_s_over_a=4)]
-COMMITTED = Path(__file__).parents[3] / "docs/study/runs.jsonl"
-ALL = {*json.loads(COMMITTED.open().readline())} - {"contact_points"}
+COMMITTED = Path(__file__).parents[3] / "docs/study/runs.jsonl.gz"
+ALL = {*json.loads(gzip.decompress(COMMITTED.read_bytes()).splitlines()[0])} - {"contact_points"}
 
 
 def solved(cases, store):
@@ -155,7 +156,7 @@ def paper(cli):
     ("args", "said"),
     [
         ("fig14", "ITEM: found fig14"),
-        ("", "ITEM: found nothing"),
+        ("", "ITEM: not given"),
         ("fig1 --level big", "desk"),
         ("fig1 --part 3/2 --only-run", "--part: found '3/2'"),
         ("fig1 --part 1/2", "with --only-run"),

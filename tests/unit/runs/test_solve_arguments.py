@@ -22,7 +22,7 @@ REFUSED = [
     ({"E_star": np.array([1.0, 2.0])}, "material.E_star: found [1.0, 2.0]"),
     ({"physical_sizes": (HUGE, 1)}, "surface.physical_sizes"),
     ({"accuracy": HUGE}, "solver.accuracy"),
-    ({"pressure": None}, "load: found nothing"),
+    ({"pressure": None}, "load: not given"),
     ({"heights": np.where(Z == Z.max(), np.inf, Z)}, "surface: found inf"),
     ({"heights": np.ma.masked_less(Z, 0)}, "found"),
     *[

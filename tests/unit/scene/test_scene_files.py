@@ -31,8 +31,8 @@ def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
         (b"[surface]\nhurst = 0,8\n", "(decimals have a point, not a comma: 0,8)"),
         (b"a = " + b"[" * 5000, "nested too deeply"),
         (b"a = " + b"9" * 5000, "not valid TOML"),
-        (b"title = 'only'", "surface: found nothing"),
-        (b"load.p_star = 0x" + b"f" * 5000, "surface: found nothing"),
+        (b"title = 'only'", "surface: not given"),
+        (b"load.p_star = 0x" + b"f" * 5000, "surface: not given"),
     ],
 )
 def test_a_bad_file_is_refused_in_one_line(tmp_path, content, words):

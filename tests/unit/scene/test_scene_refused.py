@@ -91,7 +91,7 @@ surface.physical_sizes = [1, 2, 3] | physical_sizes: found [1, 2, 3], allowed: t
 solver.options.mass = true | solver.options.mass: found true, allowed: a table
 load.p_star = [0.1, -1] | load.p_star[1]: found -1
 surface = {g_rms = 1, h_rms = 1} | surface: found g_rms and h_rms
-load = {} | load: found nothing, allowed: one of p_star, pressure, gap_mean, gap_over_h_rms, a_r, force, approach
+load = {} | load: not given, allowed: one of p_star, pressure, gap_mean, gap_over_h_rms, a_r, force, approach
 load = {p_star = 1, pressure = 1} | load: found p_star and pressure
 load = {a_r = 0.1, gap_mean = 1} | load: found gap_mean and a_r, allowed: one of
 load.gap_over_h_rms = -0.1 | load.gap_over_h_rms: found -0.1, allowed: a number from 0, or a list of them
@@ -120,7 +120,7 @@ surface = {kind = "wave", amplitude = 0.1, n = [8, 6], periods = [1, 4]} | found
 surface = {kind = "wave", amplitude = 0.1, n = [8, 6.0]} | surface.n[1]: found 6.0
 surface = {kind = "wave", amplitude = 0.1, n = 8} | surface.n: found 8, allowed: two whole numbers
 surface = {kind = "wave", amplitude = 0, n = [8, 6]} | load.p_star: found a flat surface
-surface.kind = "wave" | surface.amplitude: found nothing, allowed: a number, plain or as "100 nm"; surface.n: found nothing
+surface.kind = "wave" | surface.amplitude: not given, allowed: a number, plain or as "100 nm"; surface.n: not given
 surface = {kind = "file", path = ""} | surface.path: found ''
 surface = {kind = "file", path = ["a.npy"]} | surface.path: found ['a.npy'], allowed: the path of a height map
 surface = {kind = "file", path = ["a.npy", "b.npy", "c.npy"]} | or a list of two
@@ -160,11 +160,11 @@ def test_messages(change, words):
 
 def test_tables_that_are_missing():
     for data, words in (
-        ({"load": {"p_star": 1}}, "surface: found nothing, allowed: a table [surface]"),
-        ({"surface": SURFACE}, "load: found nothing"),
+        ({"load": {"p_star": 1}}, "surface: not given, allowed: a table [surface]"),
+        ({"surface": SURFACE}, "load: not given"),
         ({"surface": [SURFACE], "load": {"p_star": 1}}, "allowed: a table [surface]"),
-        ({"surface": {"hurst": 1}, "load": {"p_star": 1}}, "surface.kind: found nothing, allowed"),
-        ({}, "surface: found nothing, allowed: a table [surface]; load: found nothing"),
+        ({"surface": {"hurst": 1}, "load": {"p_star": 1}}, "surface.kind: not given, allowed"),
+        ({}, "surface: not given, allowed: a table [surface]; load: not given"),
         (tables(solver={"options": {"mass": int("9" * 400)}}), "solver.options.mass: found 9999"),
     ):
         assert words in refusal(data)

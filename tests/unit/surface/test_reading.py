@@ -140,8 +140,8 @@ def test_the_same_numbers_in_every_unit(unit, tmp_path):
 def test_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
     BARE[name](tmp_path / name, 1e9 * Z)
     named = {"physical_sizes": ("1.2 um", "400 nm")}
-    both = r"^surface.physical_sizes: found nothing, .*; surface.unit: found nothing"
-    for keys, words in (({}, both), (named, r"^surface.unit: found nothing for the heights")):
+    both = r"^surface.physical_sizes: not given, .*; surface.unit: not given"
+    for keys, words in (({}, both), (named, r"^surface.unit: not given for the heights")):
         with pytest.raises(SceneError, match=words):
             hpc_gfmd.read_surface(name, **keys)
     plain = {"physical_sizes": (1200, 400)}
@@ -165,7 +165,7 @@ def test_the_scene_may_say_otherwise(tmp_path):
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda p: np.savez(p, z=Z, physical_sizes=[1, 2]), r"^surface.unit: found nothing"),
+        (lambda p: np.savez(p, z=Z, physical_sizes=[1, 2]), r"^surface.unit: not given"),
         (
             lambda p: np.savez(p, z=Z, physical_sizes=[1, 2], unit="V"),
             r"^surface.unit: in .* 'V' is no unit of length",
@@ -411,7 +411,7 @@ def test_a_measured_surface_that_ends():
     np.savez("z.npz", z=1e9 * tilted, physical_sizes=1e9 * np.array(SIZES), unit="nm")
     surface = {"kind": "file", "path": "z.npz"}
     scene = {"load": {"pressure": "10 MPa"}, "material": {"E_star": "50 GPa"}}
-    with pytest.raises(SceneError, match=r"^surface.boundary: found nothing"):
+    with pytest.raises(SceneError, match=r"^surface.boundary: not given"):
         run_scene(Scene.from_dict(scene | {"surface": surface}), out="out.h5", quiet=True)
     ends = Scene.from_dict(scene | {"surface": surface | {"boundary": "free"}})
     assert run_scene(ends, out="out.h5", quiet=True).exit_code == 0

@@ -1,0 +1,123 @@
+"""Every block of Python, every `hpc-gfmd` command and every table of a scene on the pages works,
+and what stands below a block is what it prints: numbers to the digits shown."""
+
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from mpi_harness import environment
+
+from hpc_gfmd.scene import Scene
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+BLOCK = re.compile(
+    r"^```([a-z]*)\n(.*?)^```\n(?:\n```text\n(.*?)^```\n)?", re.MULTILINE | re.DOTALL
+)
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
+COMMAND = re.compile(r"^hpc-gfmd (.*?)(?: *#.*)?$", re.MULTILINE)
+WALL = {"kind": "file", "path": "scan.x3p"}
+NEEDED = {"surface": WALL, "material": {"E_star": "2 GPa"}, "load": {"pressure": "1 MPa"}}
+
+
+def blocks(page):
+    """[(language, source, what it prints or "")] of a page."""
+    return BLOCK.findall(page.read_text(encoding="utf-8"))
+
+
+PAGES = [
+    page
+    for page in (ROOT / "README.md", *sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("howto/*.md")))
+    if page.stem != "developer"  # its files are dropped in by test_plugins.py
+    and any(
+        kind in ("python", "toml") or (kind == "" and COMMAND.search(source))
+        for kind, source, _ in blocks(page)
+    )
+]
+
+
+SCAN = blocks(DOCS / "tutorial.md")[-1][1]  # the script at its end makes scan.x3p
+(SCENE,) = (source for kind, source, _ in blocks(ROOT / "README.md") if kind == "toml")
+
+
+def agree(shown, printed):
+    """Whether words are the same and numbers within one unit of the last digit that is shown;
+    `...` stands for anything."""
+    words = NUMBER.split(shown)
+    gaps = [r"\s+".join(map(re.escape, re.split(r"\s+", part))) for part in words]
+    pattern = r"\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*".join(gaps).replace(r"\.\.\.", ".*?")
+    found = re.search(pattern, printed, re.DOTALL)
+    return found is not None and all(
+        abs(float(x) - float(y)) <= 1.001 * last_digit(x)
+        for x, y in zip(NUMBER.findall(shown), found.groups(), strict=True)
+    )
+
+
+def last_digit(number):
+    """0.01 of 3.14, 100 of 1.5e3."""
+    digits, _, power = number.partition("e")
+    return 10.0 ** (int(power or 0) - len(digits.partition(".")[2]))
+
+
+@pytest.mark.parametrize(
+    ("shown", "printed", "same"),
+    [
+        ("a_r = 3.14 %", "x\na_r = 3.138 %\n", True),
+        ("a_r = 3.14 %", "a_r = 3.16 %", False),
+        ("[0.1 2e-3]", "[0.098   0.0021]", True),
+        ("p 5 ... s", "p 5 other\nthings s", True),
+        ("converged", "stagnated", False),
+        ("2 MPa", "3 MPa", True),
+        ("2 MPa", "4 MPa", False),
+    ],
+)
+def test_agree(shown, printed, same):
+    assert agree(shown, printed) is same
+
+
+def run(folder, *arguments):
+    """What a process prints, errors as well."""
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        env=environment(MPLBACKEND="Agg", COLUMNS="100", HPC_GFMD_PROGRESS="log"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_page(page, tmp_path):
+    """Blocks of Python share one process, commands follow each other; a page is read from above."""
+    (tmp_path / "scan.py").write_text(SCAN)
+    run(tmp_path, "scan.py")
+    if page.stem != "tutorial":  # which makes it
+        (tmp_path / "scene.toml").write_text(SCENE)
+    program, wanted = [], []
+    for kind, source, shown in blocks(page):
+        if kind == "python":
+            program.append(source + f"\nprint('block {len(wanted)}')\n")
+            wanted.append(shown)
+        elif kind == "toml":
+            scene = NEEDED | tomllib.loads(source)
+            if scene["surface"].get("kind", "file") == "file":
+                scene["surface"] = WALL | scene["surface"]
+            Scene.from_dict(scene)
+        elif kind == "":
+            for line in COMMAND.findall(source.replace("\\\n", " ")):
+                words, _, _ = line.partition(" > ")
+                printed = run(tmp_path, "-m", "hpc_gfmd", *shlex.split(words))
+            assert not shown or agree(shown.strip(), printed)
+    if program:
+        (tmp_path / "page.py").write_text("".join(program))
+        printed = run(tmp_path, "page.py")
+        for k, shown in enumerate(wanted):
+            part, _, printed = printed.partition(f"block {k}\n")
+            assert not shown or agree(shown.strip(), part), part
