@@ -37,8 +37,6 @@ RATIOS = tuple(f"eps_{i}" for i in TERMS)
 PRESSURE_TOLERANCE = 0.05  # how far p_star may be from a tabulated one, relative
 _DATA = Path(__file__).parent / "data"
 SHIPPED = {"paper": _DATA / "paper_tfc.json", "ours": _DATA / "our_tfc.json"}
-# printed p_star are rounded; the runs were made at 0.01/sqrt(2) and 0.5/sqrt(2)
-_UNROUNDED = {0.007: 0.01 / np.sqrt(2), 0.353: 0.5 / np.sqrt(2)}
 
 Table = dict[str, Any]  # as in the data files
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
@@ -237,11 +235,7 @@ def _part(table: Table, observable: str, p_star: float) -> Table:
         raise SceneError(f"observable: found {observable!r}, allowed: {', '.join(names)}")
     parts = [part for part in table["tables"] if part["observable"] == observable]
     for part in parts:
-        printed = part["p_star"]
-        if any(
-            abs(p_star / p - 1) <= PRESSURE_TOLERANCE
-            for p in (printed, _UNROUNDED.get(printed, printed))
-        ):
+        if abs(p_star / part["p_star"] - 1) <= PRESSURE_TOLERANCE:
             return part
     allowed = " or ".join(f"{part['p_star']:g}" for part in parts)
     raise SceneError(
