@@ -272,9 +272,7 @@ class Tabled(Multipliers):
         self.ranks, self.scale, self.dtype = grid.comm.size, fft.scale, fft.dtype
         self.weight = grid.column_tables(fft)[1]
         self.uniform = (
-            float(grid.comm.bcast_float([table[0, 0, 0] if table.size else 0.0])[0])
-            if absolute
-            else np.nan
+            float(grid.comm.bcast(table[0, 0, 0] if table.size else 0.0)) if absolute else np.nan
         )
         if grid.comm.rank == 0:
             table[0, 0, 0] = 0  # the rigid translation

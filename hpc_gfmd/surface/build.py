@@ -283,7 +283,7 @@ def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarra
     comm, n = grid.comm, grid.n
     if 1 in n:
         return grid, z
-    first = comm.bcast_float(z[0] if comm.rank == 0 else np.empty(n[1]))
+    first = comm.bcast(z[0].astype(float) if comm.rank == 0 else None)
     along_x, along_y = comm.max([np.any(z != first), np.any(z != z[:, :1])])
     if along_x and along_y:
         return grid, z
