@@ -38,7 +38,7 @@ def table(columns, found, note=""):
     cells = [columns, ["---"] * len(columns)]
     cells += [[cell.format_map(row) for cell in columns.values()] for row in found]
     text = "\n".join(f"| {' | '.join(line)} |" for line in cells)
-    where = "{cores} cores of {cpu}, commit {commit}"
+    where = "{cpu} (cores: {cores}), commit {commit}"
     places = dict.fromkeys(where.format_map(r["provenance"]) for r in found if "provenance" in r)
     said = f"Measured on {'; '.join(places)}." if places else ""
     return "\n\n".join(filter(None, [text, " ".join(filter(None, [note, said]))]))
