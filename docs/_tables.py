@@ -191,6 +191,7 @@ def campaign():
     found = rows("campaign", DOCS)
     for row in found:
         row["number"] = len(row["families"]) - 1
+        row.setdefault("commit", "")
         row["other"] = ", ".join(f"{n} {what}" for what, n in row["others"].items())
     columns = {
         "families": "{number}",
@@ -204,24 +205,29 @@ def campaign():
 
 
 def failures():
-    """Families of walls with failures, by what was wrong."""
+    """Families of walls with failures in all records together, by what was wrong."""
     columns = {
         "family": "`{name}`",
         "loads converged": "{converged}",
         "less accurate than asked": "{wrong}",
         "above own estimate": "{above}",
     }
-    found = [
-        of
-        | {
-            "name": name,
-            "wrong": _kinds(of["less_accurate"]),
-            "above": _kinds(of["above_estimate"]),
-        }
+    every = [
+        of | {"name": name}
         for row in rows("campaign", DOCS)
         for name, of in row["families"].items()
-        if name != "all" and (of["less_accurate"][0] or of["above_estimate"][0])
+        if name != "all"
     ]
+    found = []
+    for (name,), part in grouped(every, "name"):
+        wrong, above = (
+            [sum(counts) for counts in zip(*(of[kind] for of in part), strict=True)]
+            for kind in ("less_accurate", "above_estimate")
+        )
+        if wrong[0] or above[0]:
+            converged = sum(of["converged"] for of in part)
+            of = {"name": name, "converged": converged}
+            found.append(of | {"wrong": _kinds(wrong), "above": _kinds(above)})
     return table(columns, found)
 
 
@@ -263,10 +269,11 @@ def numbers():
             f"{span(ratios, '.2g')} times as long"
         )
     found["A billion points, two loads, on two cores"] = whole()
-    record = rows("campaign", DOCS)[-1]
-    found[f"Of {record['converged']:,} loads called converged"] = (
-        f"{record['less_accurate'][0]} were less accurate than asked"
+    records = rows("campaign", DOCS)
+    loads, wrong = (
+        sum(of) for of in zip(*((row["converged"], row["less_accurate"][0]) for row in records))
     )
+    found[f"Of {loads:,} loads called converged"] = f"{wrong} were less accurate than asked"
     strong = [row for row in rows("scaling") if row["kind"] == "strong" and row["n"] == 4096]
     most = max(strong, key=lambda row: (row["ranks"], row["precision"] == "single"))
     found[f"{most['ranks']} cores over one, 4096 x 4096 points"] = (
