@@ -100,7 +100,7 @@ class _Response:
     def _precondition(self) -> float:
         """z = M r; returns <r, z>."""
         self.levels.restrict_from(0, self.residual_and_contact)
-        self.levels.sweep_levels()
+        self.levels.sweep()
         rz, *_ = self.levels.smooth(0, self.residual_and_contact, self.z)
         return float(self.comm.sum([rz])[0])
 

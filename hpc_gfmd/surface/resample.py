@@ -1,7 +1,6 @@
 """The same Fourier series on another number of points (fewer: without its shortest waves); along an
 axis where the map ends the series of its mirror images, in cosines, which has no jump there."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -28,7 +27,11 @@ def resampled(
     z = _series(z, n[0], 0, free[0])
     z = np.concatenate(comm.alltoall([z[a:b] for a, b in zip(starts, starts[1:])]), axis=1)
     first = own_rows(n[0], comm)[0]
-    return replace(found, n=n, rows=lambda start, stop: z[start - first : stop - first])
+    return found.after(
+        f"resampled to {n[0]} x {n[1]} points",
+        n=n,
+        rows=lambda start, stop: z[start - first : stop - first],
+    )
 
 
 def _series(z: np.ndarray, n: int, axis: int, ends: bool) -> np.ndarray:

@@ -34,8 +34,3 @@ def local(comm: Any, make: Callable[[], Any]) -> Any:
     """What make() returns on each rank; what it raises on one is raised on all."""
     with collective_errors(comm, "reading the surface"):
         return make()
-
-
-def summed(comm: Any, make: Callable[[], Any]) -> np.ndarray:
-    """The sum over ranks of the numbers that make() returns."""
-    return comm.sum(local(comm, make))
