@@ -241,7 +241,7 @@ def failures():
         for name, of in row["families"].items()
         if name != "all" and (of["less_accurate"][0] or of["above_estimate"][0])
     ]
-    return table(columns, found)
+    return table(columns, found) if found else "No family has one."
 
 
 def _kinds(counts):
