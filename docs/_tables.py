@@ -38,7 +38,7 @@ def table(columns, found, note=""):
     cells = [columns, ["---"] * len(columns)]
     cells += [[cell.format_map(row) for cell in columns.values()] for row in found]
     text = "\n".join(f"| {' | '.join(line)} |" for line in cells)
-    where = "{cores} cores of {cpu}, commit {commit}"
+    where = "{cpu} (cores: {cores}), commit {commit}"
     places = dict.fromkeys(where.format_map(r["provenance"]) for r in found if "provenance" in r)
     said = f"Measured on {'; '.join(places)}." if places else ""
     return "\n\n".join(filter(None, [text, " ".join(filter(None, [note, said]))]))
@@ -102,25 +102,6 @@ def scaling():
         "efficiency": "{efficiency:.2f}",
     }
     return table(columns, [row for row in rows("scaling") if row["kind"] != "weak"])
-
-
-def kernels():
-    """One iteration, over a copy and over FFTW's own transform."""
-    found = []
-    for _, part in grouped(rows("kernels"), "n", "precision", "cores"):
-        by = {row["what"]: row for row in part}
-        fftw = by.get("FFTW 2-D", {}).get("iteration_over_this")
-        found.append(by["iteration"] | {"fftw": f"{fftw:.2f}" if fftw else ""})
-    columns = {
-        "n": "{n}",
-        "precision": "{precision}",
-        "cores": "{cores}",
-        "ns a point": "{ns_per_point:.2f}",
-        "GB/s": "{gb_per_s:.1f}",
-        "over a copy's": "{share_of_copy:.2f}",
-        "time over FFTW's pair": "{fftw}",
-    }
-    return table(columns, found)
 
 
 def storage():
@@ -241,7 +222,7 @@ def failures():
         for name, of in row["families"].items()
         if name != "all" and (of["less_accurate"][0] or of["above_estimate"][0])
     ]
-    return table(columns, found)
+    return table(columns, found) if found else "No family has one."
 
 
 def _kinds(counts):
@@ -298,7 +279,7 @@ def numbers():
 TABLES = {
     made.__name__: made
     for made in (
-        *(pairs, process, scaling, kernels, storage, releases, billion),
+        *(pairs, process, scaling, storage, releases, billion),
         *(peers, campaign, failures, model, numbers),
     )
 }
