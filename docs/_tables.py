@@ -228,7 +228,7 @@ def failures():
             converged = sum(of["converged"] for of in part)
             of = {"name": name, "converged": converged}
             found.append(of | {"wrong": _kinds(wrong), "above": _kinds(above)})
-    return table(columns, found)
+    return table(columns, found) if found else "No family has one."
 
 
 def _kinds(counts):
@@ -273,7 +273,9 @@ def numbers():
     loads, wrong = (
         sum(of) for of in zip(*((row["converged"], row["less_accurate"][0]) for row in records))
     )
-    found[f"Of {loads:,} loads called converged"] = f"{wrong} were less accurate than asked"
+    found[f"Of {loads:,} loads called converged"] = (
+        f"{wrong or 'none'} were less accurate than asked"
+    )
     strong = [row for row in rows("scaling") if row["kind"] == "strong" and row["n"] == 4096]
     most = max(strong, key=lambda row: (row["ranks"], row["precision"] == "single"))
     found[f"{most['ranks']} cores over one, 4096 x 4096 points"] = (

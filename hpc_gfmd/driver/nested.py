@@ -20,13 +20,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..certificate.certificate import certify
 from ..kernels.prolong import HALO, SWEEPS, prolong_gap
 from ..parallel import interrupt
 from ..parallel.coarsening import agglomerated, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import Windows, neighbours, rows_of
 from ..parallel.threads import on_threads
+from .full_contact import closed_contact
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -217,8 +217,7 @@ class Nested:
             return True, 0.0
         coarse, likely, pairs = self.step.problem(problem), False, 0.0
         if coarse is not None:
-            g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
-            certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
+            _, _, certificate = closed_contact(coarse, coarse.dtype)
             pairs = certificate.pairs * (coarse.grid.N / problem.grid.N)
             elastic = certificate.contact - certificate.yielded
             likely = elastic >= (1 - CALIBRATION.tension) * coarse.grid.N
