@@ -10,13 +10,10 @@ import re
 from itertools import groupby
 from pathlib import Path
 
-import numpy as np
-
 DOCS = Path(__file__).parent
 PAGES = [DOCS.parent / "README.md", *sorted(DOCS.glob("*.md"))]
 PLACE = re.compile(r"(<!-- rows: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 PEERS = {"aspher": "ASPHER", "tamaas": "Tamaas", "contactmechanics": "ContactMechanics"}
-SINGLE_FINEST = 2e-4  # accuracy below which "auto" takes double precision
 TAKEN = "{seconds_min:.3g} s, {peak_mib:.0f} MiB"
 
 
@@ -41,7 +38,7 @@ def table(columns, found, note=""):
     cells = [columns, ["---"] * len(columns)]
     cells += [[cell.format_map(row) for cell in columns.values()] for row in found]
     text = "\n".join(f"| {' | '.join(line)} |" for line in cells)
-    where = "{cores} cores of {cpu}, commit {commit}"
+    where = "{cpu} (cores: {cores}), commit {commit}"
     places = dict.fromkeys(where.format_map(r["provenance"]) for r in found if "provenance" in r)
     said = f"Measured on {'; '.join(places)}." if places else ""
     return "\n\n".join(filter(None, [text, " ".join(filter(None, [note, said]))]))
@@ -62,34 +59,18 @@ def span(values, form):
     return low if low == high else f"{low} to {high}"
 
 
-def our_pairs():
-    """Return rows of the default solver as a user starts it, and of them {asked: {n: pairs}}."""
-    ours = {"solver": "bpx", "start": "nested", "hurst": 0.8}
-    found = [
-        row
-        for row in rows("accuracy")
-        if ours.items() <= row.items()
-        and row["precision"] == ("single" if row["asked"] > SINGLE_FINEST else "double")
-    ]
-    means = {
-        asked: {n: np.mean([r["fft_pairs"] for r in part]) for (n,), part in grouped(same, "n")}
-        for (asked,), same in reversed(grouped(found, "asked"))
-    }
-    return found, means
-
-
 def pairs():
-    """FFT pairs by accuracy and grid, means over the loads."""
-    found, means = our_pairs()
+    """FFT pairs by accuracy and grid, means over surfaces and loads; and the largest."""
+    found = rows("pairs")
     sizes = sorted({row["n"] for row in found})
     lines = [
-        {"asked": f"{asked:g}", "provenance": found[0]["provenance"]}
-        | {f"n{n}": f"{of[n]:.1f}" if n in of else "" for n in sizes}
-        for asked, of in means.items()
+        dict.fromkeys((f"n{n}" for n in sizes), "")
+        | {f"n{row['n']}": f"{row['fft_pairs']:.2f} ({row['largest']:.1f})" for row in part}
+        | {"asked": asked, "provenance": part[0]["provenance"]}
+        for (asked,), part in grouped(found, "accuracy")
     ]
-    loads = ", ".join(f"{p:.3g}" for (p,), _ in grouped(found, "p_star"))
-    columns = {"accuracy": "{asked}"} | {f"n = {n}": f"{{n{n}}}" for n in sizes}
-    return table(columns, lines, f"Means over p\\* = {loads}.")
+    columns = {"accuracy": "{asked:g}"} | {f"n = {n}": f"{{n{n}}}" for n in sizes}
+    return table(columns, lines)
 
 
 def process():
@@ -121,25 +102,6 @@ def scaling():
         "efficiency": "{efficiency:.2f}",
     }
     return table(columns, [row for row in rows("scaling") if row["kind"] != "weak"])
-
-
-def kernels():
-    """One iteration, over a copy and over FFTW's own transform."""
-    found = []
-    for _, part in grouped(rows("kernels"), "n", "precision", "cores"):
-        by = {row["what"]: row for row in part}
-        fftw = by.get("FFTW 2-D", {}).get("iteration_over_this")
-        found.append(by["iteration"] | {"fftw": f"{fftw:.2f}" if fftw else ""})
-    columns = {
-        "n": "{n}",
-        "precision": "{precision}",
-        "cores": "{cores}",
-        "ns a point": "{ns_per_point:.2f}",
-        "GB/s": "{gb_per_s:.1f}",
-        "over a copy's": "{share_of_copy:.2f}",
-        "time over FFTW's pair": "{fftw}",
-    }
-    return table(columns, found)
 
 
 def storage():
@@ -215,7 +177,11 @@ def peers():
             taken = f"{TAKEN}, {{seconds_over_ours:.3g}} times"
             line[peer] = taken.format_map(row) if row else "not reached"
         lines.append(line)
-    columns = {"kind, n, area": "{kind}, {n}, {a_r:.3g}", "error": "{asked:g}", "ours": "{ours}"}
+    columns = {
+        "kind, n, area": "{kind}, {n}, {a_r:.3g}",
+        "error": "{asked:g}",
+        "hpc-gfmd": "{ours}",
+    }
     columns |= {f"{peer} {versions[peer]}": f"{{{peer}}}" for peer in sorted(versions)}
     return table(columns, lines)
 
@@ -225,6 +191,7 @@ def campaign():
     found = rows("campaign", DOCS)
     for row in found:
         row["number"] = len(row["families"]) - 1
+        row.setdefault("commit", "")
         row["other"] = ", ".join(f"{n} {what}" for what, n in row["others"].items())
     columns = {
         "families": "{number}",
@@ -238,25 +205,30 @@ def campaign():
 
 
 def failures():
-    """Families of walls with failures, by what was wrong."""
+    """Families of walls with failures in all records together, by what was wrong."""
     columns = {
         "family": "`{name}`",
         "loads converged": "{converged}",
         "less accurate than asked": "{wrong}",
         "above own estimate": "{above}",
     }
-    found = [
-        of
-        | {
-            "name": name,
-            "wrong": _kinds(of["less_accurate"]),
-            "above": _kinds(of["above_estimate"]),
-        }
+    every = [
+        of | {"name": name}
         for row in rows("campaign", DOCS)
         for name, of in row["families"].items()
-        if name != "all" and (of["less_accurate"][0] or of["above_estimate"][0])
+        if name != "all"
     ]
-    return table(columns, found)
+    found = []
+    for (name,), part in grouped(every, "name"):
+        wrong, above = (
+            [sum(counts) for counts in zip(*(of[kind] for of in part), strict=True)]
+            for kind in ("less_accurate", "above_estimate")
+        )
+        if wrong[0] or above[0]:
+            converged = sum(of["converged"] for of in part)
+            of = {"name": name, "converged": converged}
+            found.append(of | {"wrong": _kinds(wrong), "above": _kinds(above)})
+    return table(columns, found) if found else "No family has one."
 
 
 def _kinds(counts):
@@ -282,9 +254,9 @@ def model():
 def numbers():
     """What the README says of speed and accuracy."""
     found = {}
-    if of := our_pairs()[1].get(1e-3):
+    if cost := [row["fft_pairs"] for row in rows("pairs") if row["accuracy"] == 1e-3]:
         found["An accuracy of 1e-3 in area, mean gap and pressure costs"] = (
-            f"{span(of.values(), '.1f')} [FFT pairs](docs/performance.md) (a transform of the grid"
+            f"{span(cost, '.1f')} [FFT pairs](docs/performance.md) (a transform of the grid"
             " and back), whatever the size"
         )
     ratios = [
@@ -297,9 +269,12 @@ def numbers():
             f"{span(ratios, '.2g')} times as long"
         )
     found["A billion points, two loads, on two cores"] = whole()
-    record = rows("campaign", DOCS)[-1]
-    found[f"Of {record['converged']:,} loads called converged"] = (
-        f"{record['less_accurate'][0]} were less accurate than asked"
+    records = rows("campaign", DOCS)
+    loads, wrong = (
+        sum(of) for of in zip(*((row["converged"], row["less_accurate"][0]) for row in records))
+    )
+    found[f"Of {loads:,} loads called converged"] = (
+        f"{wrong or 'none'} were less accurate than asked"
     )
     strong = [row for row in rows("scaling") if row["kind"] == "strong" and row["n"] == 4096]
     most = max(strong, key=lambda row: (row["ranks"], row["precision"] == "single"))
@@ -313,7 +288,7 @@ def numbers():
 TABLES = {
     made.__name__: made
     for made in (
-        *(pairs, process, scaling, kernels, storage, releases, billion),
+        *(pairs, process, scaling, storage, releases, billion),
         *(peers, campaign, failures, model, numbers),
     )
 }

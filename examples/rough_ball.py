@@ -1,7 +1,7 @@
 """A rough ball on a flat: how far roughness spreads the pressure, over the load.
 
 `radius` puts a ball under the roughness. The effective contact radius is that of the Hertz contact
-whose pressure lies as far from the axis in the mean (Greenwood and Tripp 1967); it is Hertz's own
+whose pressure lies as far from the axis in the mean (Greenwood and Tripp 1967). It is Hertz's own
 where alpha, the rms height over Hertz's approach, is below about 0.05.
 """
 

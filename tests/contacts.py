@@ -9,7 +9,8 @@ from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import loads
 from hpc_gfmd.scene import Material, Scene, Solver
 from hpc_gfmd.surface import build_surface
-from hpc_gfmd.surface.build import surface_from_rows
+from hpc_gfmd.surface.build import surface_of
+from hpc_gfmd.surface.topography import Topography
 
 EXACT = {"residual": 1e-11, "precision": "double"}
 
@@ -48,9 +49,8 @@ def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver
 
 def surface_over(z, sizes=(1.0, 1.0), dtype=np.float64, comm=None, free=(False, False)):
     """The Surface of an array of heights."""
-    return surface_from_rows(
-        z.shape, sizes, lambda a, b: z[a:b], comm or SerialComm(), dtype, 1, free
-    )
+    found = Topography(z.shape, sizes, lambda a, b: z[a:b])
+    return surface_of(found, comm or SerialComm(), dtype, 1, free)
 
 
 def sweep_over(

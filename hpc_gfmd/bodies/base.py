@@ -9,8 +9,8 @@ pressure does (`stiffness` at q = 0) counts for the approach alone.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache, wraps
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from functools import wraps
+from typing import TYPE_CHECKING, Any, TypeVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -46,7 +46,7 @@ def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
     return known
 
 
-class Multipliers(Protocol):
+class Multipliers:
     """What multiplies the columns of a spectrum by K and S, in place and with 1/N folded in.
 
     Attributes
@@ -55,18 +55,20 @@ class Multipliers(Protocol):
         The K(0) that load control leaves out: 0, or nan, where the body gives way without end.
     """
 
-    uniform: float
+    uniform = 0.0
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Called once before the columns of a field are multiplied, where modes of different
-        columns belong together. Collective."""
+        """Called once before the columns of a field are multiplied, for modes of different columns
+        that belong together: here there are none. Collective."""
 
     def stiffness(self, block: np.ndarray, m: int) -> float:
         """block *= K/N; block: (W, n_x) complex, the columns of block m. Returns their share of <u,
         K u>."""
+        raise NotImplementedError
 
     def compliance(self, block: np.ndarray, m: int) -> float:
         """block *= S/N, 0 where K is. Returns their share of <p, S p>."""
+        raise NotImplementedError
 
 
 class Body:
@@ -151,12 +153,7 @@ class Body:
         return q_x, q_y
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
-        """The Multipliers for the transforms of a grid. Collective."""
-        return self.tabled(grid, fft)
-
-    def tabled(self, grid: Grid, fft: SlabFFT) -> Tabled:
-        """The multipliers from the table, which is made once for each plan of transforms.
-        Collective."""
+        """The Multipliers for the transforms of a grid, from a table. Collective."""
         return self.kept(fft, lambda: Tabled(grid, fft, self.table(grid, fft), self.absolute))
 
     def kept(self, fft: SlabFFT, make: Callable[[], T]) -> T:
@@ -252,13 +249,22 @@ class Body:
             added = np.where(share > 0, (S[1:] - S[:-1]) / share, S[1:])
         return np.append(S[0], added) / least[0]
 
+    @once_per_grid
     def near(self, grid: Grid) -> np.ndarray:
         """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0
         where there are none)."""
-        return _near(self, tuple(min(k, NEAR_POINTS) for k in grid.n), grid.spacings, grid.a)
+        n_x, n_y = (min(k, NEAR_POINTS) for k in grid.n)
+        q_x, q_y = (
+            2 * np.pi * np.fft.fftfreq(k) * grid.a / s for k, s in zip((n_x, n_y), grid.spacings)
+        )
+        K = np.fft.ifft2(self.stiffness(np.hypot(q_x[:, None], q_y), grid.a)).real
+        x, y = n_x > 2, n_y > 2
+        return np.array(
+            [K[0, 0], K[1 % n_x, 0] * x, K[0, 1 % n_y] * y, K[1 % n_x, 1 % n_y] * (x and y)]
+        )
 
 
-class Tabled:
+class Tabled(Multipliers):
     """The multipliers of a body whose K stands in a table. absolute: whether its K(0) means
     anything."""
 
@@ -266,23 +272,16 @@ class Tabled:
         self.ranks, self.scale, self.dtype = grid.comm.size, fft.scale, fft.dtype
         self.weight = grid.column_tables(fft)[1]
         self.uniform = (
-            float(grid.comm.bcast_float([table[0, 0, 0] if table.size else 0.0])[0])
-            if absolute
-            else np.nan
+            float(grid.comm.bcast(table[0, 0, 0] if table.size else 0.0)) if absolute else np.nan
         )
         if grid.comm.rank == 0:
             table[0, 0, 0] = 0  # the rigid translation
         self.table = table
 
-    def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Every mode is alone."""
-
     def stiffness(self, block: np.ndarray, m: int) -> float:
-        """block *= K/N."""
         return self._call(multiply_by_table, block, m)
 
     def compliance(self, block: np.ndarray, m: int) -> float:
-        """block *= S/N, 0 where K is."""
         return self._call(divide_by_table, block, m)
 
     def _call(self, kernel: Any, block: np.ndarray, m: int) -> float:
@@ -292,13 +291,3 @@ class Tabled:
             self.weight[m],
             self.dtype.type(self.scale),
         )
-
-
-@cache
-def _near(body: Body, n: tuple[int, ...], spacings: tuple[float, float], a: float) -> np.ndarray:
-    q = [2 * np.pi * np.fft.fftfreq(k) * a / s for k, s in zip(n, spacings, strict=True)]
-    K = np.fft.ifft2(body.stiffness(np.hypot(q[0][:, None], q[1]), a)).real
-    x, y = (k > 2 for k in n)
-    return np.array(
-        [K[0, 0], K[1 % n[0], 0] * x, K[0, 1 % n[1]] * y, K[1 % n[0], 1 % n[1]] * (x and y)]
-    )

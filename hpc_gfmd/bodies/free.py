@@ -154,7 +154,7 @@ def added(found: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
     }
 
 
-class Coupled:
+class Coupled(Multipliers):
     """Multipliers that couple the lowest modes of the cell. plain: those without; found: Images;
     matrices: as of `added`."""
 
@@ -162,7 +162,7 @@ class Coupled:
         self, plain: Multipliers, grid: Grid, fft: SlabFFT, found: Images, matrices: Matrices
     ):
         self.plain, self.comm, self.found, self.matrices = plain, grid.comm, found, matrices
-        self.modes, self.edges, self.scale = found.modes, fft.edges, fft.scale
+        self.modes, self.edges = found.modes, fft.edges
         length = np.sqrt(np.prod(grid.sizes)) / grid.a
         self.unit = {False: fft.scale / length, True: fft.scale * length}
         self.uniform = 1 / (found.constant * length)
@@ -211,11 +211,9 @@ class Coupled:
         )
 
     def stiffness(self, block: np.ndarray, m: int) -> float:
-        """block *= K/N."""
         return self._and_modes(self.plain.stiffness(block, m), block, m)
 
     def compliance(self, block: np.ndarray, m: int) -> float:
-        """block *= S/N, 0 where K is."""
         return self._and_modes(self.plain.compliance(block, m), block, m)
 
     def _and_modes(self, energy: float, block: np.ndarray, m: int) -> float:

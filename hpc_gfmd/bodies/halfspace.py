@@ -39,11 +39,9 @@ class HalfSpace(Body):
 HALF_SPACE = HalfSpace()
 
 
-class OnTheFly:
+class OnTheFly(Multipliers):
     """Multiplies by K = |q|/2 and S = 2/|q| without a table. q_x: (n_x,); q_y, weight: as
     Grid.column_tables."""
-
-    uniform = 0.0
 
     def __init__(self, fft: SlabFFT, q_x: np.ndarray, q_y: np.ndarray, weight: np.ndarray):
         self.dtype, self.scale = fft.dtype, fft.scale
@@ -52,15 +50,10 @@ class OnTheFly:
         )  # kernels see real and imaginary parts as numbers of their own
         self.q_y, self.weight = q_y.astype(fft.dtype), weight
 
-    def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Every mode is alone."""
-
     def stiffness(self, block: np.ndarray, m: int) -> float:
-        """block *= K/N."""
         return self._call(multiply_stiffness, block, m, 0.5)
 
     def compliance(self, block: np.ndarray, m: int) -> float:
-        """block *= S/N, 0 at q = 0."""
         return self._call(multiply_compliance, block, m, 2.0)
 
     def _call(self, kernel: Any, block: np.ndarray, m: int, factor: float) -> float:

@@ -76,10 +76,8 @@ def images(
 ) -> Images:
     """cell: sizes; inside: those of the surface in it; free: where it ends; modes: the highest
     along each axis."""
-    k = {
-        axis: {1: np.arange(modes[axis] + 1), -1: np.arange(1, modes[axis] + 1)} for axis in (0, 1)
-    }
-    q = 2 * np.pi * np.hypot(k[0][1][:, None] / cell[0], k[1][1] / cell[1])
+    k_x, k_y = (np.arange(most + 1) for most in modes)
+    q = 2 * np.pi * np.hypot(k_x[:, None] / cell[0], k_y / cell[1])
     T, axes = {}, [_Nodes(*axis) for axis in zip(cell, inside, modes)]
     if all(free):
         X, Y = axes
@@ -89,11 +87,12 @@ def images(
         return Images(T, free, modes, constant / (cell[0] * cell[1]))
     along = int(free[1])  # the axis that ends
     X = axes[along]
+    k, beside = (k_y, k_x) if along else (k_x, k_y)
     for a in (1, -1):
-        waves = 2 * np.pi / cell[1 - along] * k[1 - along][1]
+        waves = 2 * np.pi / cell[1 - along] * beside
         stack = [_in_modes(kernel_of_wave(X.offsets, cell[along], wave), (X, a)) for wave in waves]
         if a > 0:
-            stack[0], _ = _without_mean(stack[0], 2 * np.pi / cell[along] * k[along][1], X.even)
+            stack[0], _ = _without_mean(stack[0], 2 * np.pi / cell[along] * k, X.even)
         for b in (1, -1):
             T[(a, b) if along == 0 else (b, a)] = np.array(stack)[int(b < 0) :]
     return Images(T, free, modes, np.nan)

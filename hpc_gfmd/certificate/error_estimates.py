@@ -33,6 +33,7 @@ points.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import hypot, inf, isfinite, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -134,33 +135,31 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
     """
     p0, N, body = state.p0, problem.grid.N, problem.body
     contact, gap, closed_pp = state.contact - state.yielded, state.gap, state.closed_pp
-    if not (contact > 0 and closed_pp > 0 and np.isfinite([state.open_pp, gap, state.uKu]).all()):
+    if not (contact > 0 and closed_pp > 0 and isfinite(state.open_pp + gap + state.uKu)):
         return Estimate()
     compliance, share = 1.0 / body.scale(problem.grid), contact / N
     residual, test, product = levels.test_products(
         state.open_p, state.open_pp, contact, *state[-5:]
     )
     opened = (N - state.contact) / max(N - contact, 1)  # not yielded, of what is free
-    e, response = np.sqrt(EQUIVALENCE * compliance * residual), np.sqrt(compliance * test) / share
+    e, response = sqrt(EQUIVALENCE * compliance * residual), sqrt(compliance * test) / share
     squares = (CALIBRATION.pressure * e) ** 2 * body.typical(problem.grid)
 
     eps = ROUNDING * float(np.finfo(problem.dtype).eps)
-    relative = float(np.sqrt(squares / closed_pp))
-    floor = float(
-        np.linalg.norm([problem.rounding / np.sqrt(closed_pp / contact), eps, body.error])
-    )
-    pressure, floor = float(np.hypot(relative, floor)), floor if relative < floor else 0.0
+    relative = sqrt(squares / closed_pp)
+    floor = hypot(problem.rounding / sqrt(closed_pp / contact), eps, body.error)
+    pressure, floor = hypot(relative, floor), floor if relative < floor else 0.0
     if state.contact == N:  # nothing is open
         return Estimate(0.0, pressure, (0.0, floor), squares, 0.0)
     shift = compliance * product / share
-    norm = np.sqrt(max(state.uKu, 0.0))
+    norm = sqrt(max(state.uKu, 0.0))
     first = e * ((norm + e) / p0 + problem.self_energy)
     second = CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift)
     if state.yielded:
-        first += (second - first) * (1 - p0 / (problem.hardness or np.inf))
+        first += (second - first) * (1 - p0 / (problem.hardness or inf))
     wrong = min(first, second)
-    wide = np.sqrt(N - contact)
-    last = CALIBRATION.corner * np.sqrt(N) * wide * max(1, wide / 2)  # m points: sqrt(m)/2
+    wide = sqrt(N - contact)
+    last = CALIBRATION.corner * sqrt(N) * wide * max(1, wide / 2)  # m points: sqrt(m)/2
     loaded = CALIBRATION.loaded * (response**2 + compliance * N)
     least = body.error * p0 * min(loaded, last)
     least += eps * (p0 * response**2 + gap) + problem.rounding * (N - contact)

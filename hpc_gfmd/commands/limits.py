@@ -24,7 +24,7 @@ def to_limits(result: Result, table_name: str = "") -> dict:
     corrections t, f, c and their sum, "extrapolated" with its sigma (of the value and, where the
     table has it, of the coefficients), notes; or "refused" with the reason.
 
-    table_name: as of theory.tfc.table_of; "": ours where installed, otherwise the paper's. Raises
+    table_name: as of theory.tfc.table_of; "": ours. Raises
     SceneError for a surface that is not self-affine.
     """
     surface = result.surface
@@ -36,7 +36,7 @@ def to_limits(result: Result, table_name: str = "") -> dict:
             f"--tfc: found a surface of kind {surface.get('kind', 'unknown')!r} without"
             f" {', '.join(missing)}, allowed: results of a self-affine surface"
         )
-    name = table_name or ("paper" if tfc.our_table() is None else "ours")
+    name = table_name or "ours"
     table = tfc.table_of(name)
     where = {key: float(surface[key]) for key in ("hurst", *tfc.RATIOS)}
     steps = [

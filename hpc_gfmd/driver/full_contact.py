@@ -1,6 +1,7 @@
-"""The least load that closes the gap of a surface that ends.
+"""Full contact: its solution, u = -h, and the least load that closes the gap.
 
-Where all is closed the solution is linear in the load: p = p0 p1 + p_h, p1 being the pressure of a
+On a surface that does not end the latter is the largest tension without any load. On one that ends
+the solution is linear in the load where all is closed: p = p0 p1 + p_h, p1 being the pressure of a
 flat surface at a mean of 1. So in the course of the iterations, which then only relax what is
 beyond the surface, the load is put right without a transform: to max(-p_h/p1), which just leaves no
 point in tension.
@@ -11,28 +12,49 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import DTypeLike
 
+from ..certificate.certificate import Certificate, certify
 from .load import GivenLoad
 
 if TYPE_CHECKING:
-    from ..certificate.certificate import Certificate
+    from ..operators.problem import Problem
     from ..solvers.base import Progress, Solver
 
-ROWS = 64  # looked at at a time
 CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 
 
+def closed_contact(
+    problem: Problem, dtype: DTypeLike = np.float64, dual: bool = False
+) -> tuple[np.ndarray, np.ndarray, Certificate]:
+    """Give the gap 0, its pressure and the Certificate, in which points in tension do not count as
+    contact. Collective."""
+    g, p = np.zeros_like(problem.heights), np.empty_like(problem.heights)
+    return g, p, certify(problem, g, p, dtype=dtype, dual=dual)
+
+
+def closing_load(problem: Problem) -> tuple[float, float]:
+    """The least p0 at which u = -h is the solution, and the FFT pairs that it took: the largest
+    tension without any. Collective."""
+    _, p, certificate = closed_contact(problem)
+    tension, largest = problem.grid.comm.max(
+        [-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))]
+    )
+    rounding = CLOSED * float(np.finfo(p.dtype).eps) * largest
+    return float(problem.p0 + tension + rounding), certificate.pairs
+
+
 class FullContact(GivenLoad):
-    """A search for that load. tolerance: relative, of the load; unit: the solution for a flat
-    surface at a mean pressure of 1, local slab: the pressure on the surface, the displacement
-    beyond it; None where the surface does not end."""
+    """A search for the least load that closes the gap. tolerance: relative, of the load; unit: the
+    solution for a flat surface at a mean pressure of 1, local slab: the pressure on the surface,
+    the displacement beyond it; None where the surface does not end."""
 
     from_full_contact = True
     given = False
 
     def __init__(self, tolerance: float, unit: np.ndarray | None, p0: float = 1.0):
         super().__init__(p0, closes=True)
-        self.tolerance, self.unit, self.known = tolerance, unit, False
+        self.tolerance, self.unit = tolerance, unit
 
     def numbers(self) -> dict[str, Any]:
         """What makes a checkpoint: there is no other state."""
@@ -66,23 +88,32 @@ class FullContact(GivenLoad):
     def _lowest(self, solver: Solver) -> tuple[float, float]:
         """The load beyond that at which the first point opens, and its rounding error.
         Collective."""
-        (rows, points), tension, largest = solver.grid.inside, -np.inf, 0.0
-        for i in range(0, rows, ROWS):
-            p = solver.p[i : min(i + ROWS, rows), :points]
-            own = p if self.unit is None else p / self.unit[i : i + len(p), :points]
-            tension = max(tension, -float(own.min()))
-            largest = max(largest, float(p.max()), -float(p.min()))
-        tension, largest = solver.grid.comm.max([tension, largest])
+        rows, points = solver.grid.inside
+
+        def extremes(i0: int, i1: int) -> tuple[float, float]:
+            p = solver.p[i0:i1, :points]
+            own = p if self.unit is None else p / self.unit[i0:i1, :points]
+            return -float(own.min()), float(np.abs(p).max())
+
+        found = [(-np.inf, 0.0), *solver.grid.by_rows(extremes, rows)]
+        tension, largest = solver.grid.comm.max(np.max(found, axis=0)).tolist()
         stored = solver.problem_now.rounding if self.unit is not None else 0.0
-        return -float(tension), max(CLOSED * float(np.finfo(solver.p.dtype).eps) * largest, stored)
+        return -tension, max(CLOSED * float(np.finfo(solver.p.dtype).eps) * largest, stored)
 
     def _press(self, solver: Solver, by: float) -> bool:
         """Go to a load that is so much larger, and to its solution. Collective."""
         (rows, points), by = solver.grid.inside, float(by)
+
+        def press(i0: int, i1: int) -> None:
+            if self.unit is None:
+                solver.p[i0:i1] += by
+                return
+            inner, more = max(rows - i0, 0), by * self.unit[i0:i1]
+            solver.p[i0:i1][:inner, :points] += more[:inner, :points]
+            solver.g[i0:i1][:inner, points:] += more[:inner, points:]
+            solver.g[i0:i1][inner:] += more[inner:]
+
         solver.p0 += by
-        for i, (g, p) in enumerate(zip(solver.g, solver.p)):
-            inner = points if i < rows else 0
-            p[:inner] += by if self.unit is None else by * self.unit[i, :inner]
-            g[inner:] += 0.0 if self.unit is None else by * self.unit[i, inner:]
+        solver.grid.by_rows(press)
         solver.correct_load(solver.p0) if solver.iterations else solver.refresh()
         return True

@@ -166,12 +166,8 @@ class LoadSearch(GivenLoad):
     def near(self, solver: Solver, progress: Progress) -> bool:
         """Tell whether the value is as near as this grid knows it: not without the highest peak."""
         blind = self.heights.lowest > self.heights.top
-        return (
-            self.known
-            or blind
-            or self.trials == CALIBRATION.trials
-            or not self._try(solver, progress, CALIBRATION.coarse)
-        )
+        content = self.known or blind or self.trials == CALIBRATION.trials
+        return content or not self._try(solver, progress, CALIBRATION.coarse)
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
         """Change the load where more than a share of the tolerance is missed or, in the end, where
@@ -182,17 +178,14 @@ class LoadSearch(GivenLoad):
         if self.trials < CALIBRATION.trials:
             return self._try(solver, progress, CALIBRATION.share * self.tolerance)
         found = self._prediction(solver, progress) if self.steps else None
-        miss = self.miss(found[0]) if found else 0.0
-        if (
-            not found
-            or miss < max(found[1], self.tolerance)
-            or self.corrections == CALIBRATION.most
-        ):
+        if not found or self.corrections == CALIBRATION.most:
             return False
-        if not self.within(solver, progress, miss):
+        y, error = found
+        miss = self.miss(y)
+        if miss < max(error, self.tolerance) or not self.within(solver, progress, miss):
             return False
-        self._bound(found[0])
-        return self._step(found[0], miss, solver)
+        self._bound(y)
+        return self._step(y, miss, solver)
 
     def _try(self, solver: Solver, progress: Progress, least: float) -> bool:
         found = self._prediction(solver, progress)
@@ -207,11 +200,9 @@ class LoadSearch(GivenLoad):
     def _prediction(self, solver: Solver, progress: Progress) -> Value | None:
         """Tell what the solver predicts, once it is far enough."""
         errors = progress.estimates if progress.finite else None
-        return (
-            self.predicted(solver, progress, errors)
-            if errors and errors[1] < CALIBRATION.step
-            else None
-        )
+        if errors and errors[1] < CALIBRATION.step:
+            return self.predicted(solver, progress, errors)
+        return None
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
         """Tell whether the certificate may find the target met, or has to say what is missed."""
@@ -244,23 +235,17 @@ class LoadSearch(GivenLoad):
         low, high = (here, self.high) if small else (self.low, here)
         if low and high and low[0] >= high[0]:  # one of them was none
             low, high = (here, None) if small else (None, here)
-        self.low, self.high = low, high
-        if (
-            self.steps
-            and low
-            and high
-            and 2 * (high[0] - low[0]) < max(CALIBRATION.jump, self.tolerance)
-        ):
+        self.low, self.high, apart = low, high, max(CALIBRATION.jump, self.tolerance) / 2
+        if self.steps and low and high and high[0] - low[0] < apart:
             self._tell(low[1], high[1])
 
     def _side_of_jump(self, y: float) -> None:
         """Put the certified value in place of a predicted one; begin anew where that was wrong."""
-        sides = [
-            (self.x, y) if side and side[0] == self.x else side for side in (self.low, self.high)
-        ]
-        self.low, self.high = sides
-        if sides[0] and sides[1] and sides[0][1] < self.aim <= sides[1][1]:
-            self._tell(sides[0][1], sides[1][1])
+        here = (self.x, y)
+        low, high = (here if b and b[0] == self.x else b for b in (self.low, self.high))
+        self.low, self.high = low, high
+        if low and high and low[1] < self.aim <= high[1]:
+            self._tell(low[1], high[1])
         else:
             self.note = self.low = self.high = None
             self._bound(y)

@@ -1,4 +1,5 @@
-"""What a load is to give in place of a given mean pressure, and what cannot be had."""
+"""What the loads of a scene ask for: mean pressures, or what is to be given in place of one; and
+what cannot be had."""
 
 from __future__ import annotations
 
@@ -6,12 +7,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ..surface.units import require_range, single_solves
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 
 if TYPE_CHECKING:
+    from ..scene import Load
     from ..solvers.base import Solver
-    from ..surface import Surface
+    from .start import Start
+
+FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
+LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
 
 
 @dataclass(frozen=True)
@@ -23,12 +31,30 @@ class LoadTarget:
     value: float
 
 
-def load_targets(
-    name: str, values: Sequence[float], surface: Surface, top: float, resolution: float
-) -> tuple[LoadTarget, ...]:
-    """Targets from the key of a scene's [load] and its values; top: mean gap where the highest peak
-    just touches; resolution: least length over it that rounding errors leave as accurate as asked.
-    A gap of 0 is an area of 1. Raises SceneError for what cannot be had."""
+def loads_of(load: Load, start: Start) -> Sequence[float | LoadTarget]:
+    """What `Sweep.solve` takes for the loads of a scene: mean pressures, or LoadTarget where they
+    have to be found. A gap of 0 is an area of 1. start: what the Sweep solves with.
+
+    Raises SceneError for what a flat surface does not have, what the precision cannot hold, and
+    what no pressure gives. Collective.
+    """
+    (name, values), surface, settings = load.given, start.surface, start.settings
+    has_none = name in FLAT_HAS_NONE or (name == "approach" and start.is_flat)
+    if surface.g_rms == 0 and has_none:
+        raise SceneError(f"load.{name}: found a flat surface (g_rms = 0), allowed: load.pressure")
+    pressures = load.p0(start.E_star, surface.g_rms, float(np.prod(surface.sizes)))
+    require_range(start.E_star, surface, pressures)
+    if start.hardness is not None:
+        require_dents(start.solver_class, start.hardness, name, values, pressures)
+    if settings.precision == "single" and surface.g_rms > 0:
+        for p_mean in pressures:
+            if not single_solves(p_mean / (start.E_star * surface.g_rms), surface.grid.N):
+                raise SceneError(
+                    'solver.precision: found "single", too little for a pressure of'
+                    f' {p_mean:g}, allowed: "auto", "double"'
+                )
+    if pressures:
+        return pressures
     if name == "a_r":
         for value in values:
             if value * surface.grid.N < 0.5:
@@ -37,6 +63,11 @@ def load_targets(
                     f"allowed: {1 / surface.grid.N:.3g} to 1"
                 )
         return tuple(LoadTarget(name, float(value)) for value in values)
+    only = settings.precision == "single" or settings.low_memory
+    rounding = float(np.finfo(start.dtype if only else np.float64).eps)
+    # the least length over the largest that rounding errors leave as accurate as asked
+    resolution = LENGTHS * rounding / settings.tolerance
+    top = start.heights.top * surface.slope  # the mean gap where the highest peak just touches
     unit = surface.h_rms if name == "gap_over_h_rms" else 1.0
     largest, quantity = top / unit, "approach" if name == "approach" else "gap_mean"
     for value in values:

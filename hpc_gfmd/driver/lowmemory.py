@@ -21,7 +21,6 @@ import numpy as np
 from ..operators.problem import HeightSpectrum, Problem
 from ..util.errors import SceneError
 from .nested import Nested
-from .precision import CALIBRATION, counting
 from .sweep import Sweep
 
 
@@ -66,9 +65,7 @@ class LowMemorySweep(Sweep):
 
     def _rounding_counts(self, problem: Problem) -> bool:
         """Not where double precision would take tables, too."""
-        return not self.body.table_share and self._noise(
-            problem
-        ) > CALIBRATION.noise_in_turn * counting(self.target, problem.p0)
+        return not self.body.table_share and self._is_noisy(problem)
 
 
 def _give_back() -> None:

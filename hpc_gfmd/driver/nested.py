@@ -20,13 +20,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..certificate.certificate import certify
 from ..kernels.prolong import HALO, SWEEPS, prolong_gap
 from ..parallel import interrupt
 from ..parallel.coarsening import agglomerated, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import Windows, neighbours, rows_of
 from ..parallel.threads import on_threads
+from .full_contact import closed_contact
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -136,10 +136,8 @@ class Decimation:
         h = problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
         beside, starts = (np.minimum(rows, self.nominal[0]) for rows in (self.beside, self.starts))
         if not np.array_equal(beside, starts):
-            windows, rank = (
-                Windows(self.fine.comm.rank, starts, beside[:-1], beside[1:]),
-                self.fine.comm.rank,
-            )
+            rank = self.fine.comm.rank
+            windows = Windows(rank, starts, beside[:-1], beside[1:])
             owned = np.zeros((starts[rank + 1] - starts[rank], h.shape[1]), h.dtype)
             windows.add(self.fine.comm, h, owned)
             h = owned
@@ -195,7 +193,7 @@ class Nested:
                 into[...] = g
             return (g if into is None else into), 0.0
         coarse, solver = self.step.problem(problem), None
-        full = pairs = stopped = 0.0
+        full, pairs, stopped = False, 0.0, 0
         if coarse is not None and self.coarser is not None:
             try:
                 g, pairs = self.coarser.start(coarse, make_solver, load=load)
@@ -205,13 +203,12 @@ class Nested:
                 full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
             except interrupt.Stopped as found:
                 stopped = found.number
-        full, pairs, stopped = problem.grid.comm.bcast_float(
-            [full, pairs, stopped]
-        )  # rank 0 has a part in all grids
+        # rank 0 has a part in all grids
+        full, pairs, stopped = problem.grid.comm.bcast((full, pairs, stopped))
         if stopped:
-            interrupt.stop(int(stopped))
+            interrupt.stop(stopped)
         load.agree(problem.grid.comm)
-        return _prolong(problem, self.step, coarse, solver, bool(full), into), float(pairs)
+        return _prolong(problem, self.step, coarse, solver, full, into), pairs
 
     def may_be_full(self, problem: Problem) -> tuple[bool, float]:
         """Whether full contact is likely, and the FFT pairs this took: from the pressure of the
@@ -220,13 +217,11 @@ class Nested:
             return True, 0.0
         coarse, likely, pairs = self.step.problem(problem), False, 0.0
         if coarse is not None:
-            g, p = np.zeros_like(coarse.h), np.empty_like(coarse.h)
-            certificate = certify(coarse, g, p, dtype=coarse.dtype.type)
+            _, _, certificate = closed_contact(coarse, coarse.dtype)
             pairs = certificate.pairs * (coarse.grid.N / problem.grid.N)
             elastic = certificate.contact - certificate.yielded
             likely = elastic >= (1 - CALIBRATION.tension) * coarse.grid.N
-        likely, pairs = problem.grid.comm.bcast_float([likely, pairs])
-        return bool(likely), float(pairs)
+        return problem.grid.comm.bcast((likely, pairs))
 
 
 def _roughly_solved(

@@ -36,15 +36,14 @@ class Calibration:
         area.
     few_points : float
         Points on the wrong side that single precision may have.
-    noise, noise_in_turn : float
+    noise : float
         Rounding errors of the transforms, over what counts, beyond which the certificate is in
-        double precision; the same in low memory, where that takes more time.
+        double precision.
     """
 
     accuracy: float = 2e-4
     few_points: float = 6
     noise: float = 0.2
-    noise_in_turn: float = 0.3
 
 
 CALIBRATION = Calibration()

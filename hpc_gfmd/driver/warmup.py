@@ -47,59 +47,39 @@ def compile_once(
     compiled that has not been kept. Collective.
     """
     observe = observables_named(default_observables()).values() if observe is None else observe
+
+    def solve() -> None:
+        _tiny_contact(settings, boundary, material or Material(), observe)
+
     with collective_errors(comm, "compiling"):
         if comm.rank == 0:
             with on_first_compile(say):
-                retry_without_cache(lambda: _tiny_contact(settings, boundary, material, observe))
+                retry_without_cache(solve)
     if comm.rank != 0:
-        retry_without_cache(lambda: _tiny_contact(settings, boundary, material, observe))
+        retry_without_cache(solve)
 
 
-def _tiny_contact(settings: Solver, *how: Any) -> None:
-    """In every precision that the run may use."""
-    first = PRECISIONS[first_precision(settings)]
-    for precision in {first, "double"} if settings.precision == "auto" else {first}:
-        _tiny_contact_in(precision, settings, *how)
-
-
-def _plain(material: Material) -> dict[str, Any]:
-    """A material as a table of numbers without units."""
-    given = {key: getattr(material, key) for key in material.model_dump(exclude_none=True)}
-    return {
-        key: float(value) if isinstance(value, float) else value for key, value in given.items()
-    }
-
-
-def _tiny_contact_in(
-    precision: str,
+def _tiny_contact(
     settings: Solver,
     boundary: str | tuple[str, str],
-    material: Material | None,
+    material: Material,
     observe: Iterable[Observable],
 ) -> None:
-    solver = settings.model_dump(exclude_none=True) | {"max_iterations": 3, "precision": precision}
-    scene = Scene.from_dict(
-        {
-            "surface": TINY | {"boundary": boundary},
-            "load": {"p_star": 0.05},
-            "solver": solver,
-            "material": _plain(material) if material else {},
-        }
-    )
-    body = body_of(scene.material, scene.surface.free)
-    sweep = Sweep(
-        lambda dtype: build_surface(scene.surface, SerialComm(), dtype),
-        scene.solver,
-        body=body,
-        hardness=scene.material.hardness and 1.0,
-    )
-    contact = sweep.solve(0.05)
-    sweep.solver.expected_area(
-        1.0
-    )  # which a contact that is not accurate may not have been asked for
-    for function in observe:
-        function(contact)
-    grid, dtype = sweep.surface.grid, sweep.dtype
-    Multilevel(
-        grid, HALF_SPACE, dtype, grid.n[0], coarsest_points=0
-    ).sweep()  # levels that only larger grids spread
+    """In every precision that the run may use."""
+    scene = Scene.from_dict({"surface": TINY | {"boundary": boundary}, "load": {"p_star": 0.05}})
+    first = PRECISIONS[first_precision(settings)]
+    for precision in {first, "double"} if settings.precision == "auto" else {first}:
+        sweep = Sweep(
+            lambda dtype: build_surface(scene.surface, SerialComm(), dtype),
+            settings.model_copy(update={"max_iterations": 3, "precision": precision}),
+            body=body_of(material, scene.surface.free),
+            hardness=material.hardness and 1.0,
+        )
+        contact = sweep.solve(0.05)
+        # which a contact that is not accurate may not have been asked for
+        sweep.solver.expected_area(1.0)
+        for function in observe:
+            function(contact)
+        grid, dtype = sweep.surface.grid, sweep.dtype
+        # levels that only larger grids spread
+        Multilevel(grid, HALF_SPACE, dtype, grid.n[0], coarsest_points=0).sweep()

@@ -16,7 +16,7 @@ DAMPING = 4.0  # of a level by the contact on it, over its stiffness
 
 
 class CoarsestLevels:
-    """levels: finest first, with their weights and softness, see multilevel.py.
+    """levels: finest first, with their weights and softness, see hierarchy.py.
 
     mode, at: a field that M has as one more function, flat, empty where there is none, and the
     level that it is on; r, t: z and the contact of the last sweep on all levels, flat, which begin
@@ -32,11 +32,6 @@ class CoarsestLevels:
         self.r, self.t = np.zeros(sizes.sum(), dtype), np.zeros(sizes.sum(), dtype)
         self.damping = dtype.type(DAMPING)
         self.mode, self.at = np.zeros(0, dtype), 0
-
-    @property
-    def nbytes(self) -> int:
-        """Bytes held."""
-        return self.r.nbytes + self.t.nbytes
 
     def sweep(self, r: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, list[float], float]:
         """z on the first level from r and t there; the sums over levels of softness times <r, r>,

@@ -7,17 +7,13 @@ the restricted indicator of the contact. Damping each level by it is what keeps 
 on the free points narrow at every load, without a parameter to tune.
 
 The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the
-indicator of A, and x) and interpolate from it. Every rank restricts to the window of coarse rows
-that its fine rows touch; windows are added up on the ranks that own the rows: those beside the fine
-rows, or fewer and fewer of them as levels get small (coarsening.py). The rest of the levels is
-small enough for rank 0 alone.
+indicator of A, and x) and interpolate from it. Which ranks have which rows of a level is told by
+hierarchy.py.
 """
 
 from __future__ import annotations
 
 from base64 import b64decode, b64encode
-from collections.abc import Sequence
-from dataclasses import dataclass
 from threading import Lock
 from typing import TYPE_CHECKING
 
@@ -27,120 +23,24 @@ from numpy.typing import DTypeLike
 from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_state
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level
-from ..parallel.coarsening import Level, Transfer, agglomerated, levels
-from ..parallel.halo import Windows
 from ..parallel.threads import on_threads
 from ..util.aligned import LINE, zeros_aligned
 from .coarsest import DAMPING, CoarsestLevels
-from .deflation import GapMode
-from .nominal import NominalArea
+from .hierarchy import Hierarchy
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
     from ..parallel.grid import Grid
 
-COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
-RANK_POINTS = 2048  # of a level on one rank, at least: fewer take less time than a message
 # <r, S r> of a field of zero mean is at most so many times the compliance of the shortest wave
 # times the sum over levels of <r, r>/weight. On all kinds of grids the largest eigenvalue is 2.21;
 # of what solvers leave it is 0.5 to 1.6 times, mostly 1.2.
 EQUIVALENCE = 1.8
 
 
-@dataclass(frozen=True)
-class Step:
-    """From one level to the next coarser one, as one rank sees it. starts: first row of every rank
-    on the coarse level, and their number; windows: between the rows that ranks write to and those
-    that they own."""
-
-    transfer: Transfer
-    starts: np.ndarray
-    windows: Windows
-
-    @property
-    def owned(self) -> int:
-        """Number of coarse rows that this rank owns."""
-        return int(self.starts[self.windows.rank + 1] - self.starts[self.windows.rank])
-
-    def traffic(self, fields: int) -> tuple[int, int]:
-        """(bytes for an itemsize of 1, messages) that this rank sends in a sweep, of so many fields
-        down and one up."""
-        down, up = self.windows.sent_rows(True), self.windows.sent_rows(False)
-        return (fields * sum(down.values()) + sum(up.values())) * self.transfer.m[1], len(
-            down
-        ) + len(up)
-
-
-def steps_of(
-    grid: Grid, dtype: DTypeLike, coarsest_points: int | None = None
-) -> tuple[list[Step], list[Level]]:
-    """The Steps down to the first level that rank 0 has alone, and the levels, of the rank that
-    grid.comm says. No memory."""
-    hierarchy, rank = levels(grid), grid.comm.rank
-    if (
-        len(hierarchy) == 1
-    ):  # a single point: a coarse level that equals it, so that there is always one
-        hierarchy = hierarchy * 2
-    steps, starts = [], grid.starts
-    for fine, coarse in zip(hierarchy, hierarchy[1:]):
-        transfer = Transfer(fine.n, coarse.n, starts, rank, dtype)
-        points = coarse.n[0] * coarse.n[1]
-        last = (
-            points <= (COARSEST_POINTS if coarsest_points is None else coarsest_points)
-            or coarse is hierarchy[-1]
-        )
-        starts = agglomerated(transfer.coarse_starts, points, points if last else RANK_POINTS)
-        steps.append(Step(transfer, starts, Windows(rank, starts, transfer.lo, transfer.hi)))
-        if last:
-            break
-    return steps, hierarchy
-
-
-@dataclass(frozen=True)
-class Hierarchy:
-    """What the sweep of a grid, body and precision needs besides memory for fields, made once.
-    surface: see nominal.py."""
-
-    steps: list[Step]
-    levels: list[Level]
-    weights: np.ndarray
-    softness: np.ndarray
-    surface: NominalArea
-    gap_mode: GapMode
-
-    @classmethod
-    def of(
-        cls, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None
-    ) -> Hierarchy:
-        """That of a grid, made once."""
-        steps, levels = steps_of(grid, dtype, coarsest_points)
-        weights, softness = (
-            np.resize(a, len(levels)) for a in (body.weights(grid), body.softness(grid))
-        )  # as often as levels
-        weights, alone = weights.astype(dtype), len(steps)
-        return cls(
-            steps,
-            levels,
-            weights,
-            softness,
-            NominalArea(grid, levels, softness, alone),
-            GapMode(grid, body, levels[alone:], weights[alone:]),
-        )
-
-
-# of the first step, which has x besides p on F and the indicator of A, and of all others
-FIELDS = 3, 2
-
-
-def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
-    """(bytes, messages) that a rank sends in a sweep."""
-    parts = np.array([step.traffic(FIELDS[min(k, 1)]) for k, step in enumerate(steps)])
-    return int(parts[:, 0].sum()) * itemsize, int(parts[:, 1].sum())
-
-
 class Multilevel:
     """The sweep for one grid and body in one precision. longest: rows per pass of the solver;
-    coarsest_points: see COARSEST_POINTS."""
+    coarsest_points: see hierarchy.py."""
 
     def __init__(
         self,
@@ -157,28 +57,20 @@ class Multilevel:
             (Hierarchy, body, self.dtype, coarsest_points),
             lambda: Hierarchy.of(grid, body, self.dtype, coarsest_points),
         )
-        self.steps, self.levels, self.surface = known.steps, known.levels, known.surface
-        self.weights, self.softness, self.gap_mode = known.weights, known.softness, known.gap_mode
-
+        self.hierarchy, self.steps, self.gap_mode = known, known.steps, known.gap_mode
         self.transfers = [step.transfer for step in self.steps]
         self.distributed = len(self.steps) - 1  # coarse levels that more than one rank may have
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write
         # to and read from.
-        self.fields = [
-            np.zeros((FIELDS[min(k, 1)], step.transfer.window_rows, step.transfer.m[1]), self.dtype)
-            for k, step in enumerate(self.steps)
-        ]
-        self.owned = [self._owned(step, field) for step, field in zip(self.steps[:-1], self.fields)]
-        starts = [grid.starts, *(step.starts for step in self.steps)]
-        # Of every level: what the indicator of the nominal area is a product of, on this rank's
-        # rows.
-        self.nominal = [
-            (x[rows[self.comm.rank] : rows[self.comm.rank + 1]].astype(dtype), y.astype(dtype))
-            for (x, y), rows in zip(self.surface.s, starts)
+        self.fields = [np.zeros(step.window_shape, self.dtype) for step in self.steps]
+        # the rows that this rank owns: in the window where that is the same
+        self.owned = [
+            field if step.windows.in_place else np.zeros(step.owned_shape, self.dtype)
+            for step, field in zip(self.steps[:-1], self.fields)
         ]
         last = slice(len(self.steps), None)
         self.coarsest = (
-            CoarsestLevels(self.levels[last], self.weights[last], self.softness[last])
+            CoarsestLevels(known.levels[last], known.weights[last], known.softness[last])
             if self.comm.rank == 0
             else None
         )
@@ -188,23 +80,6 @@ class Multilevel:
         self.lo = np.array([first.k0[a] for a, _ in self.passes], np.int64)
         self.hi = np.array([first.k0[b - 1] + 1 for _, b in self.passes], np.int64)
         self._joining, self._half = Lock(), [False] * (len(self.passes) + 1)
-
-    def _owned(self, step: Step, field: np.ndarray) -> np.ndarray:
-        """Memory for the rows of a level that this rank owns, with a row before and after: the
-        window where that is the same."""
-        if step.windows.in_place:
-            return field
-        return np.zeros(
-            (field.shape[0], step.owned + 2 if step.owned else 0, field.shape[2]), self.dtype
-        )
-
-    @property
-    def nbytes(self) -> int:
-        """Bytes held on this rank."""
-        gathered_rows = [a for a, field in zip(self.owned, self.fields) if a is not field]
-        return sum(a.nbytes for a in [*self.fields, *gathered_rows]) + (
-            self.coarsest.nbytes if self.coarsest else 0
-        )
 
     def scratch(self) -> tuple[np.ndarray, np.ndarray]:
         """Memory that `update_rows` needs, of each thread its own."""
@@ -275,8 +150,8 @@ class Multilevel:
             )
 
     def sweep(self, anew: bool = False) -> tuple[float, ...]:
-        """From what the update passes restricted to level 1, make z on level 1 (own rows and halo).
-        anew: by an M that has the gap mode of this contact.
+        """From what was restricted to level 1, in the windows of all ranks, make z on level 1 (own
+        rows and halo). anew: by an M that has the gap mode of this contact.
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times
         N/N_1: M' is M without the finest level; of the sums over these levels of softness times <r,
@@ -284,12 +159,6 @@ class Multilevel:
         times N/N_l; of the mean of p on F; and of the sums over these levels of softness times <t,
         s> and <r, s>, s being 1 on the surface and 0 beyond.
         """
-        if not self.passes:
-            self.fields[0][...] = 0
-        return self.sweep_levels(anew)
-
-    def sweep_levels(self, anew: bool = False) -> tuple[float, ...]:
-        """`sweep` of what fields[0] holds, which is still to be added up."""
         for k in range(self.distributed):
             own = self.owned[k]
             self._add_up(k, own[:, 1:-1])
@@ -298,7 +167,7 @@ class Multilevel:
         for k in reversed(range(self.distributed)):
             own = self.owned[k]
             rz, xz, *here = self.smooth(k + 1, own, own[0])
-            sums = [a + b * self.surface.weights[k + 1] for a, b in zip(sums, here)]
+            sums = [a + b * self.hierarchy.area.weights[k + 1] for a, b in zip(sums, here)]
             self._hand_out(k, self.owned[k][:1, 1:-1])
         first = self.steps[0].transfer
         ratio = self.grid.cell_points / (first.m[0] * first.m[1])
@@ -319,7 +188,7 @@ class Multilevel:
         """z of level k from that of the next one, see kernels/multilevel.py; fields: its r, t and
         perhaps x. Returns the sums."""
         z, transfer = self.fields[k][0], self.transfers[k]
-        weight, nominal = self.weights[k], self.nominal[k]
+        weight, nominal = self.hierarchy.weights[k], self.hierarchy.nominal[k]
 
         def smooth(i0: int, i1: int) -> tuple[float, ...]:
             return smooth_level(
@@ -359,7 +228,7 @@ class Multilevel:
         in contact, s the indicator of the surface. contact: points; open_p, open_pp: sums of r and
         r^2; the others as `sweep` returns them.
         """
-        share, missing, norm = contact / self.grid.N, open_p / contact, self.surface.norm
+        share, missing, norm = contact / self.grid.N, open_p / contact, self.hierarchy.area.norm
         finest = contact * (1 - share)  # by itself: what is added may be rounding errors
         residual = max(rr - 2 * missing * rt + missing**2 * tt, 0.0)
         product = rt - share * (open_p + rs) - missing * (finest + tt - share * ts)
@@ -398,7 +267,7 @@ class Multilevel:
         if not self.coarsest:
             self._hand_out(last, rows[:1])
             return (0.0,) * 8
-        r_s, t_s = (self.surface.products_of_coarsest(field) for field in rows[:2])
+        r_s, t_s = (self.hierarchy.area.products_of_coarsest(field) for field in rows[:2])
         if anew:
             self._find_mode(self.coarsest, rows[1])
         z, squares, mean = self.coarsest.sweep(rows[0], rows[1])

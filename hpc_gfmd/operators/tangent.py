@@ -17,7 +17,9 @@ v.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,76 +61,58 @@ def tangent(
     closed = int(grid.comm.sum([np.count_nonzero(contact)])[0])
     if closed in (0, grid.cell_points):
         return Tangent(0.0 if closed else np.inf, 0.0, 0.0)
-    response = _Response(grid, body, contact, np.dtype(dtype))
+    elastic = Elastic(grid, body, dtype)
     rounding = float(np.finfo(dtype).eps)
     order = 2 if grid.padded else 1
     accuracy = max(accuracy**order, FINEST * rounding / MARGIN)
-    total, gains = 0.0, [np.inf] * DELAY
-    while not sum(gains) <= MARGIN * accuracy * total:
-        if response.steps == MAX_STEPS or np.isnan(total):
-            total = np.nan
+    total, on_surface, gains = 0.0, 0.0, [np.inf] * DELAY
+    for gain, inner in islice(_steps(elastic, contact), MAX_STEPS):
+        gains = [*gains[1:], gain]
+        total, on_surface = total + gain, on_surface + inner
+        if np.isnan(total) or sum(gains) <= MARGIN * accuracy * total:
             break
-        gains = [*gains[1:], response.step()]
-        total += gains[-1]
+    else:
+        total = np.nan
     error = max(sum(gains) / total, FINEST * rounding) ** (1 / order)
-    uniform, cell = response.elastic.multipliers.uniform, grid.cell_points
+    uniform, cell = elastic.multipliers.uniform, grid.cell_points
     approach = float(1 / uniform + total / cell) * grid.N / cell if uniform else np.nan
     if grid.padded:
-        total = response.inner + 0 * total  # nan stays
-    return Tangent(total / cell, error, response.elastic.pairs, approach)
+        total = on_surface + 0 * total  # nan stays
+    return Tangent(total / cell, error, elastic.pairs, approach)
 
 
-class _Response:
-    """The state of the iteration. `step` returns by how much b K_FF^-1 b has risen."""
+def _steps(elastic: Elastic, contact: np.ndarray) -> Iterator[tuple[float, float]]:
+    """Make steps of conjugate gradients; gives by how much each makes b K_FF^-1 b, and the sum of v
+    over the surface, rise. Collective."""
+    grid, dtype = elastic.grid, elastic.dtype
+    levels = Multilevel(grid, elastic.body, dtype, elastic.fft.R)
+    (rows, n_y), (inner_rows, points) = grid.shape, grid.inside
+    # with the halo rows that the transfer expects
+    residual_and_contact = np.zeros((2, rows + 2, n_y), dtype)
+    residual, closed = residual_and_contact[:, 1:-1]
+    closed[...] = contact
+    residual[...] = 1 - closed
+    z, d = np.zeros((rows + 2, n_y), dtype), np.zeros((rows, n_y), dtype)
+    rz, beta, alpha = np.inf, 0.0, 0.0
 
-    def __init__(self, grid: Grid, body: Body, contact: np.ndarray, dtype: np.dtype):
-        self.grid, self.comm = grid, grid.comm
-        self.elastic = Elastic(grid, body, dtype)
-        self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
-        rows, n_y = grid.shape
-        self.residual_and_contact = np.zeros(
-            (2, rows + 2, n_y), dtype
-        )  # with the halo rows that the transfer expects
-        self.residual, self.contact = self.residual_and_contact[:, 1:-1]
-        self.contact[...] = contact
-        self.residual[...] = 1 - self.contact
-        self.z = np.zeros((rows + 2, n_y), dtype)
-        self.d = np.zeros((rows, n_y), dtype)
-        self.rz, self.steps = np.inf, 0
-        self.inner = 0.0  # sum of v over the surface, where that is not all
+    def fill(i0: int, i1: int, x: np.ndarray) -> float:
+        d[i0:i1] *= beta
+        d[i0:i1] += z[1 + i0 : 1 + i1] * (1 - closed[i0:i1])
+        x[: i1 - i0] = d[i0:i1]
+        inner = d[i0 : max(min(i1, inner_rows), i0), :points]
+        return inner.sum(dtype=np.float64) if grid.padded else 0.0
 
-    def _precondition(self) -> float:
-        """z = M r; returns <r, z>."""
-        self.levels.restrict_from(0, self.residual_and_contact)
-        self.levels.sweep_levels()
-        rz, *_ = self.levels.smooth(0, self.residual_and_contact, self.z)
-        return float(self.comm.sum([rz])[0])
+    def use(i0: int, i1: int, x: np.ndarray) -> None:
+        residual[i0:i1] -= alpha * x[: i1 - i0] * (1 - closed[i0:i1])
 
-    def step(self) -> float:
-        """One step of conjugate gradients."""
-        self.steps += 1
-        before, self.rz = self.rz, self._precondition()
-        beta = self.rz / before if self.rz > 0 else 0.0
-        z = self.z[1:-1]
-
-        def fill(i0: int, i1: int, x: np.ndarray) -> float:
-            d = self.d[i0:i1]
-            d *= beta
-            d += z[i0:i1] * (1 - self.contact[i0:i1])
-            x[: i1 - i0] = d
-            return (
-                d[: max(self.grid.inside[0] - i0, 0), : self.grid.inside[1]].sum(dtype=np.float64)
-                if self.grid.padded
-                else 0.0
-            )
-
-        inner = sum(self.elastic.pressure_rows(fill))
-        dKd, inner = self.comm.sum([self.elastic.pressure_columns(), inner]).tolist()
-        alpha = self.rz / dKd if dKd > 0 or np.isnan(dKd) else 0.0  # 0: solved to the last bit
-
-        def use(i0: int, i1: int, x: np.ndarray) -> None:
-            self.residual[i0:i1] -= alpha * x[: i1 - i0] * (1 - self.contact[i0:i1])
-
-        self.elastic.use_rows(use)
-        self.inner += alpha * inner
-        return alpha * self.rz
+    while True:
+        levels.restrict_from(0, residual_and_contact)
+        levels.sweep()
+        before, (rz, *_) = rz, levels.smooth(0, residual_and_contact, z)
+        rz = float(grid.comm.sum([rz])[0])
+        beta = rz / before if rz > 0 else 0.0
+        inner = sum(elastic.pressure_rows(fill))
+        dKd, inner = grid.comm.sum([elastic.pressure_columns(), inner]).tolist()
+        alpha = rz / dKd if dKd > 0 or np.isnan(dKd) else 0.0  # 0: solved to the last bit
+        elastic.use_rows(use)
+        yield alpha * rz, alpha * inner

@@ -1,22 +1,20 @@
 """Connected clusters of points on slabs, periodic or free: how large they are and whether one of
 them percolates.
 
-Every rank labels its rows strip by strip (scipy) and keeps of each strip no more than the sizes of
-its pieces and the labels along its borders. Pieces that touch across the borders of strips, and of
-the periodic cell, are joined; then the blocks of rows of two ranks, of twice two, and so on up a
-tree: of each block only the clusters matter that reach its first or its last row. Messages are as
-long as two rows, a rank gets one for each doubling of their number at most, and the result is the
-same on any number of ranks.
+Every rank labels its rows strip by strip (scipy) and keeps of each strip no more than the clusters
+that reach its first or its last row: a block. Two blocks that touch are joined to one, those of the
+strips of a rank one after the other, those of the ranks up a tree; clusters that no longer reach a
+border are whole and counted where they become so. Messages are as long as two rows, a rank gets one
+for each doubling of their number at most, and the result is the same on any number of ranks.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..kernels.clusters import join
 
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
 
 STRIP_POINTS = 2**20  # labelled at a time
 NOTHING = -1  # label of a point outside the mask
-NO_EDGES = np.zeros((0, 4), np.int64)
 # what edges of the cell a cluster reaches
 FIRST_ROW, LAST_ROW, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4, 8
 
@@ -59,30 +56,16 @@ def find_clusters(
     around both axes counts for both); along a free one where it reaches from the first point to the
     last.
     """
-    around_y, counted = (0, 1) if periodic[1] else None, _Counted()
-
-    def join_blocks(upper: _Block | None, lower: _Block | None) -> _Block | None:
-        if upper is None or lower is None:
-            return lower if upper is None else upper
-        lower = lower.renumbered(len(upper.sizes))
-        edges = _between(upper.last, lower.first, (0, 0), corners, around_y)
-        sizes, sides = np.append(upper.sizes, lower.sizes), np.append(upper.sides, lower.sides)
-        return _Joined(edges, sizes, sides, upper.wraps | lower.wraps).block(
-            upper.first, lower.last, counted
-        )
-
-    block = _local_block(mask, rows, n, periodic, corners, counted) if rows[0] < rows[1] else None
-    block, wraps = comm.reduce(block, join_blocks), np.zeros(2, np.bool_)
+    joiner, block, (start, stop) = _Joiner(corners, periodic[1]), None, rows
+    strip = max(1, STRIP_POINTS // n[1])
+    for i0 in range(start, stop, strip):
+        i1 = min(i0 + strip, stop)
+        at_ends = (i0 == 0) * FIRST_ROW, (i1 == n[0]) * LAST_ROW
+        block = joiner.together(block, joiner.labelled(mask(i0 - start, i1 - start), *at_ends))
+    block, wraps = comm.reduce(block, joiner.together), np.zeros(2, np.bool_)
     if block is not None:
-        across = (
-            _between(block.last, block.first, (1, 0), corners, around_y)
-            if periodic[0]
-            else NO_EDGES
-        )
-        whole = _Joined(across, block.sizes, block.sides, block.wraps)
-        counted.add(whole.sizes, whole.sides)
-        wraps = whole.wraps
-    sizes, sides = counted.all()
+        wraps = joiner.closed(block, periodic[0]).wraps
+    sizes, sides = (np.concatenate(parts) for parts in zip(*joiner.whole))
     spans = [_reaches(sides, first) for first in (FIRST_ROW, FIRST_COLUMN)]
     percolates = comm.max([wraps[axis] if periodic[axis] else spans[axis] for axis in (0, 1)])
     return Clusters(sizes, (bool(percolates[0]), bool(percolates[1])))
@@ -94,165 +77,120 @@ def _reaches(sides: np.ndarray, first: int) -> bool:
 
 
 @dataclass(frozen=True)
-class _Line:
-    """labels: of points in a row or column; shift (2, points): borders crossed from the root of its
-    cluster to the point."""
-
-    labels: np.ndarray
-    shift: np.ndarray
-
-    @classmethod
-    def of(cls, labels: np.ndarray) -> _Line:
-        return cls(labels, np.zeros((2, len(labels)), dtype=np.int64))
-
-    def of_roots(self, joined: _Joined, number: np.ndarray) -> _Line:
-        """The same with the roots of its pieces, by their new numbers, in place of these."""
-        inside = self.labels != NOTHING
-        labels, shift, pieces = self.labels.copy(), self.shift.copy(), self.labels[inside]
-        labels[inside] = number[joined.parent[pieces]]
-        shift[:, inside] += joined.shift[pieces].T
-        return _Line(labels, shift)
-
-    def renumbered(self, base: int) -> _Line:
-        """The same with numbers that begin at base."""
-        return _Line(np.where(self.labels != NOTHING, self.labels + base, NOTHING), self.shift)
-
-
-@dataclass(frozen=True)
 class _Block:
-    """The clusters of consecutive rows that reach the first or the last of them. sizes, sides
-    (bits): of what they have in these rows; wraps (2,): whether any cluster of these rows goes
-    around the cell."""
+    """The clusters of consecutive rows that reach the first or the last of them.
 
-    first: _Line
-    last: _Line
+    first, last (3, n_y): of every point of these rows its cluster, or NOTHING, and how many borders
+    of the cell, along x and along y, are crossed on the way to it from the root of that; sizes,
+    sides (bits): of what clusters have in these rows; wraps (2,): whether any cluster of these rows
+    goes around the cell."""
+
+    first: np.ndarray
+    last: np.ndarray
     sizes: np.ndarray
     sides: np.ndarray
     wraps: np.ndarray
 
-    def renumbered(self, base: int) -> _Block:
-        """The same with numbers that begin at base."""
-        return replace(self, first=self.first.renumbered(base), last=self.last.renumbered(base))
 
+class _Joiner:
+    """Makes one block of two. corners: as in `find_clusters`; around: whether the ends of a row
+    touch; whole: (sizes, sides) of the clusters that have no point in a border left."""
 
-class _Counted:
-    """Sizes and sides of clusters that are whole."""
+    def __init__(self, corners: bool, around: bool):
+        self.corners, self.around = corners, around
+        self.whole = [(np.zeros(0, np.int64), np.zeros(0, np.uint8))]
 
-    def __init__(self) -> None:
-        self._parts = [(np.zeros(0, np.int64), np.zeros(0, np.uint8))]
+    def labelled(self, mask: np.ndarray, first_row: int, last_row: int) -> _Block:
+        """The block of a strip; first_row, last_row: what edges of the cell its ends are."""
+        from scipy import ndimage
 
-    def add(self, sizes: np.ndarray, sides: np.ndarray) -> None:
-        """Of roots of clusters; pieces that are none have no size."""
-        self._parts.append((sizes[sizes > 0], sides[sizes > 0]))
+        structure = ndimage.generate_binary_structure(2, 2 if self.corners else 1)
+        labels, found = ndimage.label(mask, structure)
+        sides = np.zeros(found + 1, np.uint8)
+        lines = labels[0], labels[-1], labels[:, 0], labels[:, -1]
+        for line, side in zip(lines, (first_row, last_row, FIRST_COLUMN, LAST_COLUMN)):
+            sides[line] |= side
+        first, last, left, right = (
+            np.stack([line.astype(np.int64) - 1, 0 * line, 0 * line]) for line in lines
+        )  # of a point outside the mask the label is NOTHING
+        pairs = self._pairs(right, left, (0, 1), False) if self.around else []
+        sizes = np.bincount(labels.ravel(), minlength=found + 1)[1:]
+        return self._joined(pairs, sizes, sides[1:], np.zeros(2, np.bool_), first, last)
 
-    def all(self) -> tuple[np.ndarray, np.ndarray]:
-        """(sizes, sides) of all of them."""
-        sizes, sides = zip(*self._parts)
-        return np.concatenate(sizes), np.concatenate(sides)
+    def together(self, upper: _Block | None, lower: _Block | None) -> _Block | None:
+        """One block of two, of which the second begins where the first one ends; None is none."""
+        if upper is None or lower is None:
+            return lower if upper is None else upper
+        first, last = lower.first.copy(), lower.last.copy()
+        for line in first, last:
+            line[0, line[0] != NOTHING] += len(upper.sizes)
+        return self._joined(
+            self._pairs(upper.last, first, (0, 0), self.around),
+            np.append(upper.sizes, lower.sizes),
+            np.append(upper.sides, lower.sides),
+            upper.wraps | lower.wraps,
+            upper.first,
+            last,
+        )
 
+    def closed(self, block: _Block, around: bool) -> _Block:
+        """What is left of the block of all rows, all clusters being whole: no border. around:
+        whether its last row touches its first."""
+        pairs = self._pairs(block.last, block.first, (1, 0), self.around) if around else []
+        border = block.first[:, :0]
+        return self._joined(pairs, block.sizes, block.sides, block.wraps, border, border)
 
-def _between(
-    a: _Line, b: _Line, across: tuple[int, int], corners: bool, around: tuple[int, int] | None
-) -> np.ndarray:
-    """Edges (m, 4) of points that touch on neighbouring lines a, b. across: borders crossed from a
-    to b, (x, y); around: None, or those crossed from the last point of a line to its first."""
-    points = len(a.labels)
-    pairs = [(slice(None), slice(None), (0, 0))]
-    if corners:
-        pairs += [(slice(0, -1), slice(1, None), (0, 0)), (slice(1, None), slice(0, -1), (0, 0))]
-        if around is not None:
-            back = -around[0], -around[1]
-            pairs += [
-                (slice(points - 1, None), slice(0, 1), around),
-                (slice(0, 1), slice(points - 1, None), back),
-            ]
-    found = []
-    for on_a, on_b, along in pairs:
-        crossed = a.shift[:, on_a] - b.shift[:, on_b] + np.add(across, along)[:, None]
-        edges = np.stack([a.labels[on_a], b.labels[on_b], *crossed], axis=1)
-        edges = edges[(edges[:, :2] != NOTHING).all(axis=1)]
-        again = (edges[1:] == edges[:-1]).all(axis=1)
-        found.append(edges[np.append(True, ~again)[: len(edges)]])
-    return np.concatenate(found)
+    def _pairs(
+        self, a: np.ndarray, b: np.ndarray, across: tuple[int, int], around: bool
+    ) -> list[np.ndarray]:
+        """Edges (4, m), as `join` takes them transposed, between the points that touch on
+        neighbouring lines. across: borders crossed from a to b; around: whether the ends of the
+        lines touch."""
+        ways = [(slice(None), slice(None), 0)]
+        if self.corners:
+            ways += [(slice(0, -1), slice(1, None), 0), (slice(1, None), slice(0, -1), 0)]
+        if self.corners and around:
+            ways += [(slice(-1, None), slice(0, 1), 1), (slice(0, 1), slice(-1, None), -1)]
+        found = []
+        for on_a, on_b, turn in ways:
+            crossed = a[1:, on_a] - b[1:, on_b] + np.array([across]).T
+            crossed[1] += turn
+            edges = np.concatenate([a[:1, on_a], b[:1, on_b], crossed])
+            found.append(edges[:, (edges[:2] != NOTHING).all(axis=0)])
+        return found
 
-
-class _Joined:
-    """Pieces after `join`: parent, shift and wraps as there; sizes and sides (bits) of whole
-    clusters at their roots, else 0."""
-
-    def __init__(
+    def _joined(
         self,
-        edges: np.ndarray,
+        pairs: list[np.ndarray],
         sizes: np.ndarray,
         sides: np.ndarray,
-        wraps: ArrayLike = (False, False),
-    ):
-        pieces = len(sizes)
-        self.parent, self.shift = np.arange(pieces), np.zeros((pieces, 2), dtype=np.int64)
-        self.wraps = np.array(wraps, np.bool_)
-        join(edges, self.parent, self.shift, self.wraps)
-        self.sizes, self.sides = np.zeros(pieces, dtype=np.int64), np.zeros(pieces, dtype=np.uint8)
-        np.add.at(self.sizes, self.parent, sizes)
-        np.bitwise_or.at(self.sides, self.parent, sides)
+        wraps: np.ndarray,
+        first: np.ndarray,
+        last: np.ndarray,
+    ) -> _Block:
+        """The block of rows from line `first` to line `last` whose pieces have these sizes and
+        sides; counts the clusters that reach neither line."""
+        parent, shift = np.arange(len(sizes)), np.zeros((len(sizes), 2), np.int64)
+        edges = np.concatenate([np.zeros((4, 0), np.int64), *pairs], axis=1)
+        join(np.ascontiguousarray(edges.T), parent, shift, wraps)
+        of_cluster, reached = np.zeros_like(sizes), np.zeros(len(sizes), np.bool_)
+        np.add.at(of_cluster, parent, sizes)
+        sides_of_cluster = np.zeros_like(sides)
+        np.bitwise_or.at(sides_of_cluster, parent, sides)
+        for line in first, last:
+            reached[parent[line[0, line[0] != NOTHING]]] = True
+        whole = ~reached & (of_cluster > 0)  # pieces that are no root have no size
+        self.whole.append((of_cluster[whole], sides_of_cluster[whole]))
 
-    def block(self, first: _Line, last: _Line, counted: _Counted) -> _Block:
-        """The _Block of rows from line `first` to line `last`; clusters that reach neither are
-        counted."""
-        reached = np.zeros(len(self.sizes), np.bool_)
-        for line in (first, last):
-            reached[self.parent[line.labels[line.labels != NOTHING]]] = True
-        counted.add(self.sizes[~reached], self.sides[~reached])
         number = np.cumsum(reached) - 1
+
+        def of_roots(line: np.ndarray) -> np.ndarray:
+            inside = line[0] != NOTHING
+            line, pieces = line.copy(), line[0, inside]
+            line[0, inside] = number[parent[pieces]]
+            line[1:, inside] += shift[pieces].T
+            return line
+
         return _Block(
-            first.of_roots(self, number),
-            last.of_roots(self, number),
-            self.sizes[reached],
-            self.sides[reached],
-            self.wraps,
+            of_roots(first), of_roots(last), of_cluster[reached], sides_of_cluster[reached], wraps
         )
-
-
-def _local_block(
-    mask: Callable[[int, int], np.ndarray],
-    rows: tuple[int, int],
-    n: tuple[int, int],
-    periodic: tuple[bool, bool],
-    corners: bool,
-    counted: _Counted,
-) -> _Block:
-    """The _Block of the rows of one rank, which has some."""
-    from scipy import ndimage
-
-    structure = ndimage.generate_binary_structure(2, 2 if corners else 1)
-    strip, count = max(1, STRIP_POINTS // n[1]), 0
-    around_y = (0, 1) if periodic[1] else None
-    sizes, sides, edges = [], [], [NO_EDGES]
-    lines: list[_Line] = []  # the first and the last row of every strip
-    for i0 in range(0, rows[1] - rows[0], strip):
-        labels, found = ndimage.label(mask(i0, min(i0 + strip, rows[1] - rows[0])), structure)
-        sizes.append(np.bincount(labels.ravel(), minlength=found + 1)[1:])
-        top, bottom, left, right = (
-            np.where(one > 0, one + (count - 1), NOTHING).astype(np.int64)
-            for one in (labels[0], labels[-1], labels[:, 0], labels[:, -1])
-        )
-        if lines:
-            edges.append(_between(lines[-1], _Line.of(top), (0, 0), corners, around_y))
-        if around_y is not None:
-            edges.append(_between(_Line.of(right), _Line.of(left), around_y, corners, None))
-        lines += _Line.of(top), _Line.of(bottom)
-
-        reached = np.zeros(found + 1, np.uint8)
-        at_end = rows[0] + i0 + len(labels) == n[0]
-        for side, line, there in (
-            (FIRST_ROW, labels[0], rows[0] + i0 == 0),
-            (LAST_ROW, labels[-1], at_end),
-            (FIRST_COLUMN, labels[:, 0], True),
-            (LAST_COLUMN, labels[:, -1], True),
-        ):
-            if there:
-                reached[line] |= side
-        sides.append(reached[1:])
-        count += found
-    return _Joined(np.concatenate(edges), np.concatenate(sizes), np.concatenate(sides)).block(
-        lines[0], lines[-1], counted
-    )

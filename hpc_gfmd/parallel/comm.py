@@ -1,7 +1,6 @@
 """The communicator: a thin layer over MPI, or a stand-in for one process."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -41,19 +40,6 @@ class SerialComm:
         """The list of every rank's object on rank 0, None on the others."""
         return [obj]
 
-    def alltoall(self, arrays: list[np.ndarray]) -> list[np.ndarray]:
-        """The list of what every rank had for this one; arrays: one for each rank, of two axes and
-        one dtype."""
-        return arrays
-
-    def allgather_int(self, number: int) -> np.ndarray:
-        """The array of every rank's whole number, which is not pickled."""
-        return np.array([number])
-
-    def bcast_float(self, values: ArrayLike) -> np.ndarray:
-        """Rank 0's numbers, an array of float64; the others give as many."""
-        return np.asarray(values, dtype=np.float64)
-
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
         """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled
         from it; contiguous arrays."""
@@ -82,20 +68,6 @@ class SerialComm:
     node_ranks = np.zeros(1, int)  # these ranks
 
 
-@dataclass
-class Traffic:
-    """What this rank has sent to others: bytes and messages. A reduction is counted as log2(ranks)
-    messages, as in a tree."""
-
-    bytes: int = 0
-    messages: int = 0
-
-    def add(self, nbytes: float, messages: int = 1) -> None:
-        """Count messages of so many bytes together."""
-        self.bytes += int(nbytes)
-        self.messages += int(messages)
-
-
 def stages(size: int) -> int:
     """How many messages a rank sends in a reduction over so many ranks, by recursive doubling."""
     return (size - 1).bit_length()
@@ -103,13 +75,12 @@ def stages(size: int) -> int:
 
 class MpiComm:
     """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`, which
-    says what they do; sent: its Traffic, that of parts of it counted."""
+    says what they do."""
 
     def __init__(self, mpi: Any, parent: "MpiComm | None" = None):
         self.mpi, self.parent = mpi, parent
         self.rank = mpi.Get_rank()
         self.size = mpi.Get_size()
-        self.sent: Traffic = parent.sent if parent else Traffic()
         self._among: dict[tuple[int, ...], Comm | None] = {}
 
     def _allreduce(self, values: ArrayLike, op: str) -> np.ndarray:
@@ -118,7 +89,6 @@ class MpiComm:
         send = np.ascontiguousarray(values, dtype=np.float64)
         recv = np.empty_like(send)
         self.mpi.Allreduce(send, recv, op=getattr(MPI, op))
-        self.sent.add(send.nbytes * stages(self.size), stages(self.size))
         return recv
 
     def sum(self, values: ArrayLike) -> np.ndarray:
@@ -139,37 +109,11 @@ class MpiComm:
     def gather(self, obj: Any) -> list | None:
         return self.mpi.gather(obj, root=0)
 
-    def alltoall(self, arrays: list[np.ndarray]) -> list[np.ndarray]:
-        shapes, dtype = np.empty((self.size, 2), np.int64), arrays[0].dtype
-        self.mpi.Alltoall(np.array([a.shape for a in arrays], np.int64), shapes)
-        lengths = [np.array([a.nbytes for a in arrays]), shapes.prod(axis=1) * dtype.itemsize]
-        offsets = [np.cumsum(n) - n for n in lengths]
-        found = np.empty(lengths[1].sum() // dtype.itemsize, dtype)
-        self.alltoall_bytes(
-            (np.concatenate([a.ravel() for a in arrays]), lengths[0], offsets[0]),
-            (found, lengths[1], offsets[1]),
-        )
-        return [
-            part.reshape(shape)
-            for part, shape in zip(np.split(found, offsets[1][1:] // dtype.itemsize), shapes)
-        ]
-
-    def allgather_int(self, number: int) -> np.ndarray:
-        found = np.empty(self.size, np.int64)
-        self.mpi.Allgather(np.array([number], np.int64), found)
-        return found
-
-    def bcast_float(self, values: ArrayLike) -> np.ndarray:
-        values = np.array(values, dtype=np.float64)
-        self.mpi.Bcast(values, root=0)
-        return values
-
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
         from mpi4py import MPI
 
         requests = [self.mpi.Irecv(a, source=rank) for rank, a in receive.items()]
         requests += [self.mpi.Isend(a, dest=rank) for rank, a in send.items()]
-        self.sent.add(sum(a.nbytes for a in send.values()), len(send))
         MPI.Request.Waitall(requests)
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
@@ -178,9 +122,6 @@ class MpiComm:
         self.mpi.Alltoallv(
             [send[0].view(np.uint8), *send[1:], MPI.BYTE],
             [receive[0].view(np.uint8), *receive[1:], MPI.BYTE],
-        )
-        self.sent.add(
-            sum(send[1]) - send[1][self.rank], np.count_nonzero(send[1]) - (send[1][self.rank] > 0)
         )
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
@@ -206,13 +147,9 @@ class MpiComm:
             return self
         if ranks not in self._among:
             mpi = self.mpi.Split(0 if self.rank in ranks else MPI.UNDEFINED, self.rank)
-            made = (
-                None
-                if mpi == MPI.COMM_NULL
-                else SerialComm(self)
-                if len(ranks) == 1
-                else MpiComm(mpi, self)
-            )
+            made: Comm | None = None
+            if mpi != MPI.COMM_NULL:
+                made = SerialComm(self) if len(ranks) == 1 else type(self)(mpi, self)
             self._among[ranks] = made
         return self._among[ranks]
 
@@ -236,9 +173,7 @@ class MpiComm:
     @cached_property
     def node_ranks(self) -> np.ndarray:
         """The numbers of these ranks, ascending. Collective as `node`."""
-        if self.node.size == 1:
-            return np.array([self.rank])
-        return self.node.allgather_int(self.rank)
+        return np.array(self.node.allgather(self.rank))
 
 
 class DryRunComm:
@@ -256,14 +191,11 @@ class DryRunComm:
         """The ranks on the same node."""
         return np.flatnonzero(self._nodes == self._nodes[self.rank])
 
-    def subcomm(self, ranks: Any) -> "DryRunComm | None":
+    def subcomm(self, ranks: list[int]) -> "DryRunComm | None":
         """The communicator of these ranks alone, None where this rank is not one of them."""
-        place = int(np.searchsorted(ranks, self.rank))
-        return (
-            DryRunComm(place, len(ranks), self._nodes[ranks])
-            if place < len(ranks) and ranks[place] == self.rank
-            else None
-        )
+        if self.rank not in ranks:
+            return None
+        return DryRunComm(ranks.index(self.rank), len(ranks), self._nodes[ranks])
 
 
 Comm = SerialComm | MpiComm

@@ -84,7 +84,6 @@ class SlabFFT(Layout):
                 )
             )
         real, half, columns, _ = self._scratch[0]
-        self._rounds = [(self.sent(k), self.received(k)) for k in range(self.K)]
         self.plans = planned(
             comm,
             self.dtype,
@@ -174,7 +173,7 @@ class SlabFFT(Layout):
         for k0 in range(0, self.K, at_once):
             group = range(k0, min(k0 + at_once, self.K))
             if forward and sends:
-                self._send(group)
+                self._exchange(group, back=False)
 
             def one(k: int, first: int, scratch: Scratch) -> T:
                 received = self._scratch[k - first][3] if sends else None
@@ -182,20 +181,16 @@ class SlabFFT(Layout):
 
             results += self._map(one, [(k, k0) for k in group if self._own_widths[k]])
             if backward and sends:
-                self._send_back(group)
+                self._exchange(group, back=True)
         self.comm.node.barrier()  # all columns are back
         return results
 
-    def _send(self, group: range) -> None:
-        """The all-to-alls of some numbers, each into the scratch of a thread."""
+    def _exchange(self, group: range, back: bool) -> None:
+        """The all-to-alls of some numbers, each into the scratch of a thread, or back from it."""
         for k, scratch in zip(group, self._scratch):
-            sent, received = self._rounds[k]
-            self.comm.alltoall_bytes((self._round(k), *sent), (scratch[3], *received))
-
-    def _send_back(self, group: range) -> None:
-        for k, scratch in zip(group, self._scratch):
-            sent, received = self._rounds[k]
-            self.comm.alltoall_bytes((scratch[3], *received), (self._round(k), *sent))
+            blocks = self._slab(k * self.size, (k + 1) * self.size)
+            ends = (blocks, *self.sent(k)), (scratch[3], *self.received(k))
+            self.comm.alltoall_bytes(*(reversed(ends) if back else ends))
 
     def _slab(self, first: int, last: int) -> np.ndarray:
         """The memory of some blocks of this rank's rows."""
@@ -234,10 +229,6 @@ class SlabFFT(Layout):
             for memory, first, rows in pieces:
                 transpose_back(_moved(columns), memory, first, rows)
         return result
-
-    def _round(self, k: int) -> np.ndarray:
-        """The memory of the blocks that go out in the all-to-all number k."""
-        return self._slab(k * self.size, (k + 1) * self.size)
 
     def _map(self, one: Callable[[int, int, Scratch], T], ranges: Passes) -> list[T]:
         """one(a, b, scratch) for all ranges, on all threads."""

@@ -78,8 +78,8 @@ class Grid:
         one process; otherwise a new one."""
         if comm.size > 1 or comm.parent is not None:
             return cls(n, sizes, comm, threads, starts, nominal)
-        ends = None if nominal is None else (int(nominal[0]), int(nominal[1]))
-        grid = _kept.grid((int(n[0]), int(n[1])), tuple(map(float, sizes)), threads, ends)
+        ends = None if nominal is None else tuple(map(int, nominal))
+        grid = _kept.grid(tuple(map(int, n)), tuple(map(float, sizes)), None, threads, None, ends)
         grid.comm = comm  # by which a request to stop knows its run
         for fft in grid.planned():
             fft.comm = comm
@@ -213,13 +213,7 @@ class _Kept(threading.local):
     """The grids that a thread has used last: two threads never share scratch memory."""
 
     def __init__(self) -> None:
-        from .comm import SerialComm
-
-        @lru_cache(maxsize=KEPT)
-        def grid(n: tuple, sizes: tuple[float, ...], threads: int, nominal: tuple | None) -> Grid:
-            return Grid(n, sizes, SerialComm(), threads, nominal=nominal)
-
-        self.grid = grid
+        self.grid = lru_cache(maxsize=KEPT)(Grid)
 
 
 _kept = _Kept()

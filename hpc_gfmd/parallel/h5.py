@@ -84,21 +84,12 @@ class Stored:
         return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
 
 
-def driver(comm: Comm) -> dict[str, Any]:
-    """Keywords of h5py.File: by MPI-IO, where opening and closing are collective, on several ranks
-    if HDF5 has it."""
+def io_way(comm: Comm) -> str:
+    """How fields are written and read: "mpio", where opening and closing are collective, on several
+    ranks if HDF5 has it, or "serial"."""
     import h5py
 
-    return (
-        {"driver": "mpio", "comm": comm.mpi}
-        if comm.size > 1 and h5py.get_config().mpi
-        else {"locking": False}
-    )
-
-
-def io_way(comm: Comm) -> str:
-    """How fields are written and read: "mpio" or "serial"."""
-    return driver(comm).get("driver", "serial")
+    return "mpio" if comm.size > 1 and h5py.get_config().mpi else "serial"
 
 
 def write_file(
@@ -173,13 +164,14 @@ def opened(comm: Comm, path: Path, mode: str, doing: str) -> Iterator[Any]:
     alone to write ("r+"). Collective."""
     import h5py
 
-    how = driver(comm)
+    together = io_way(comm) == "mpio"
+    how = {"driver": "mpio", "comm": comm.mpi} if together else {"locking": False}
     with collective_errors(comm, doing):
         os.stat(path)  # before ranks that see it wait for one that does not
     with collective_errors(comm, doing):
-        if mode == "r" and "comm" not in how:
+        if mode == "r" and not together:
             file = reading(path)
-        elif "comm" in how or comm.rank == 0:
+        elif together or comm.rank == 0:
             file = h5py.File(path, mode, libver=VERSIONS, **how)
         else:
             file = nullcontext()

@@ -7,26 +7,15 @@ are windows, and so are the rows that a rank has before they are agglomerated on
 talks to those alone whose rows or windows meet its own.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-
-@dataclass(frozen=True)
-class Piece:
-    """Rows that the window of one rank and the rows of another one have in common; peer: the other
-    one, whoever that is here."""
-
-    peer: int
-    window: slice
-    owned: slice
-
-    def __len__(self) -> int:
-        return self.owned.stop - self.owned.start
+Pieces = dict[int, list[slice]]  # rows of an array by the rank that they go to, or come from
 
 
 class Windows:
@@ -58,55 +47,60 @@ class Windows:
             np.all((hi <= lo) | ((starts[:-1] - lo == width) & (hi - starts[1:] == width)))
         )
         self.interior = slice(width, width + int(starts[rank + 1] - starts[rank]))
-        self.own = [
-            Piece(peer, slice(*here), slice(*there)) for peer, here, there in taken if peer == rank
-        ]
-        self.take = _by_peer(
-            Piece(peer, slice(*here), slice(*there)) for peer, here, there in taken if peer != rank
-        )
-        self.give = _by_peer(
-            Piece(peer, slice(*there), slice(*here)) for peer, here, there in given if peer != rank
-        )
+        # (rows of the window, own rows); by peer: rows of the window, own rows
+        self.own = [(slice(*w), slice(*o)) for peer, w, o in taken if peer == rank]
+        self.take = _by_peer((peer, w[0], slice(*w)) for peer, w, _ in taken if peer != rank)
+        self.give = _by_peer((peer, w[0], slice(*o)) for peer, o, w in given if peer != rank)
 
     def fill(self, comm: Any, owned: np.ndarray, window: np.ndarray) -> None:
         """Copy the rows of all windows from those that own them."""
-        send = {
-            peer: np.concatenate([owned[..., piece.owned, :] for piece in pieces], axis=-2)
-            for peer, pieces in self.give.items()
-        }
-        receive = {peer: _room(pieces, window) for peer, pieces in self.take.items()}
-        comm.exchange(send, receive)
-        for piece in self._apart(owned, window):
-            window[..., piece.window, :] = owned[..., piece.owned, :]
-        for peer, pieces in self.take.items():
-            for piece, rows in zip(pieces, _parts(pieces, receive[peer])):
-                window[..., piece.window, :] = rows
+        received = _exchange(comm, owned, self.give, window, self.take)
+        for rows, own in self._apart(owned, window):
+            window[..., rows, :] = owned[..., own, :]
+        for rows, values in received:
+            window[..., rows, :] = values
 
     def add(self, comm: Any, window: np.ndarray, owned: np.ndarray) -> None:
         """Add the rows of all windows to those that own them: the transpose of `fill`."""
-        send = {
-            peer: np.concatenate([window[..., piece.window, :] for piece in pieces], axis=-2)
-            for peer, pieces in self.take.items()
-        }
-        receive = {peer: _room(pieces, owned) for peer, pieces in self.give.items()}
-        comm.exchange(send, receive)
-        for piece in self._apart(owned, window):
-            owned[..., piece.owned, :] += window[..., piece.window, :]
-        for peer, pieces in self.give.items():
-            for piece, rows in zip(pieces, _parts(pieces, receive[peer])):
-                owned[..., piece.owned, :] += rows
+        received = _exchange(comm, window, self.take, owned, self.give)
+        for rows, own in self._apart(owned, window):
+            owned[..., own, :] += window[..., rows, :]
+        for own, values in received:
+            owned[..., own, :] += values
 
-    def _apart(self, owned: np.ndarray, window: np.ndarray) -> list[Piece]:
+    def _apart(self, owned: np.ndarray, window: np.ndarray) -> list[tuple[slice, slice]]:
         """Own pieces of the own window that are not the same memory."""
         together = self.in_place and np.may_share_memory(owned, window)
-        return [piece for piece in self.own if not (together and piece.window == self.interior)]
+        return [piece for piece in self.own if not (together and piece[0] == self.interior)]
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
         """{rank: rows sent to it} by `add` or by `fill`."""
-        return {
-            peer: sum(map(len, pieces))
-            for peer, pieces in (self.take if adding else self.give).items()
-        }
+        sent = self.take if adding else self.give
+        return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
+
+
+def _exchange(comm: Any, a: np.ndarray, give: Pieces, b: np.ndarray, take: Pieces) -> list[tuple]:
+    """Send rows of a to other ranks; returns (rows of b, their values) for what they send."""
+    send = {
+        peer: np.concatenate([a[..., rows, :] for rows in pieces], axis=-2)
+        for peer, pieces in give.items()
+    }
+    receive = {
+        peer: np.empty((*b.shape[:-2], sum(map(_length, pieces)), b.shape[-1]), b.dtype)
+        for peer, pieces in take.items()
+    }
+    comm.exchange(send, receive)
+    return [
+        piece
+        for peer, pieces in take.items()
+        for piece in zip(
+            pieces, np.split(receive[peer], np.cumsum([*map(_length, pieces)])[:-1], axis=-2)
+        )
+    ]
+
+
+def _length(rows: slice) -> int:
+    return rows.stop - rows.start
 
 
 def _met(first: Any, last: Any, lo: Any, hi: Any, n: int, turns: Iterable[int]) -> Iterator[tuple]:
@@ -120,21 +114,13 @@ def _met(first: Any, last: Any, lo: Any, hi: Any, n: int, turns: Iterable[int]) 
             yield int(rank), (begin - first, end - first), (begin - shift, end - shift)
 
 
-def _by_peer(pieces: Iterable[Piece]) -> dict[int, list[Piece]]:
-    """{peer: its pieces in the order of the window}: both sides of a message then have the same
-    order."""
-    found: dict[int, list[Piece]] = {}
-    for piece in sorted(pieces, key=lambda piece: (piece.peer, piece.window.start)):
-        found.setdefault(piece.peer, []).append(piece)
+def _by_peer(pieces: Iterable[tuple[int, int, slice]]) -> Pieces:
+    """{peer: rows} of (peer, first row in the window, rows), in the order of the window: both sides
+    of a message then have the same order."""
+    found: Pieces = {}
+    for peer, _, rows in sorted(pieces, key=itemgetter(0, 1)):
+        found.setdefault(peer, []).append(rows)
     return found
-
-
-def _room(pieces: Sequence[Piece], like: np.ndarray) -> np.ndarray:
-    return np.empty((*like.shape[:-2], sum(map(len, pieces)), like.shape[-1]), like.dtype)
-
-
-def _parts(pieces: Sequence[Piece], rows: np.ndarray) -> list[np.ndarray]:
-    return np.split(rows, np.cumsum([len(piece) for piece in pieces])[:-1], axis=-2)
 
 
 def rows_of(

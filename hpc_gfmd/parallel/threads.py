@@ -34,10 +34,6 @@ def on_threads(
     `work` leaves Python: in kernels, transforms and NumPy.
     """
     pieces = list(pieces)
-    threads = min(threads, len(pieces))
-    if threads <= 1:
-        own = [] if scratch is None else scratch[:1]
-        return [work(*piece, *own) for piece in pieces]
     found: list[Any] = [None] * len(pieces)
     left = iter(enumerate(pieces))  # a thread takes the next one in one step
 
@@ -46,7 +42,7 @@ def on_threads(
         for k, piece in left:
             found[k] = work(*piece, *own)
 
-    others = [_pool().submit(work_on, thread) for thread in range(1, threads)]
+    others = [_pool().submit(work_on, thread) for thread in range(1, min(threads, len(pieces)))]
     try:
         work_on(0)
     finally:

@@ -48,7 +48,8 @@ def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashabl
     ):  # writing out all that FFTW knows takes longer than making a plan that is known
         return make()
     wisdom.made.add(shapes)
-    wisdom.version = wisdom.version if comm.size > 1 else None
+    if comm.size == 1:
+        wisdom.version = None  # what is known is no longer what rank 0 has sent
     if comm.rank == 0:
         if len(wisdom.text()) > 2 * LIMIT:
             wisdom.replace(b"")
@@ -100,7 +101,7 @@ class _Wisdom:
         assert libraries is not None
         self.name, self.library = name, libraries[name]
         self._lines: set[bytes] = set()
-        self._stamp: tuple[int, ...] | None = None
+        self._read: bytes | None = None  # what was in the cache, and these its lines
         self.made: set[Hashable] = set()
         self.version: bytes | None = None
         tiny = empty_aligned((8,), np.result_type(name, np.complex64))
@@ -117,11 +118,11 @@ class _Wisdom:
         return cache_folder() / "wisdom" / f"{self.kind}-{self.name}"
 
     def read(self) -> set[bytes]:
-        """Know what is in the cache, too; returns its lines. The file is taken over only where it
-        has changed: that takes longer than making plans that are known."""
-        stamp = _stamp(self.path)
-        if stamp is None or stamp != self._stamp:
-            self._lines, self._stamp = self.add(_content(self.path, LIMIT)), stamp
+        """Know what is in the cache, too; returns its lines. It is taken over only where it has
+        changed: that takes longer than making plans that are known."""
+        content = _content(self.path, LIMIT)
+        if content != self._read:
+            self._lines, self._read = self.add(content), content
         return self._lines
 
     def text(self) -> bytes:
@@ -149,7 +150,7 @@ class _Wisdom:
 
     def replace(self, text: bytes) -> None:
         """Know this and nothing else."""
-        self._stamp = self.version = None
+        self._read = self.version = None
         self.made.clear()
         self.library.forget_wisdom()
         self.add(text)
@@ -171,15 +172,6 @@ def _content(path: Path, most: float = np.inf) -> bytes:
     except OSError:
         return b""
     return content if len(content) <= most else b""
-
-
-def _stamp(path: Path) -> tuple[int, ...] | None:
-    """Changes with the file; None where there is none."""
-    try:
-        found = path.stat()
-    except OSError:
-        return None
-    return found.st_ino, found.st_mtime_ns, found.st_size
 
 
 def _lines(text: bytes) -> set[bytes]:

@@ -63,7 +63,7 @@ def _steps(context: FigureContext) -> list[dict]:
 
 def _panel(ax: Any, contexts: Sequence[FigureContext], key: str) -> None:
     quantity, alone = QUANTITIES[key], len(contexts) == 1
-    every = [step for one in contexts for step in _steps(one)]
+    every, theories = [step for one in contexts for step in _steps(one)], []
     for k, one in enumerate(contexts):
         x = one.units.pressures([step["p"] for step in every])
         y = one.units.heights([step.get(key) for step in every]) if quantity.length else Scale(1.0)
@@ -77,13 +77,15 @@ def _panel(ax: Any, contexts: Sequence[FigureContext], key: str) -> None:
         if function:
             loads = [step["p"] for step in _steps(one)]
             p = np.geomspace(min(loads) / BEYOND, max(loads) * BEYOND, 80)
-            line = THEORY | ({} if alone else {"color": colour(k)})
-            ax.plot(p / x.unit, function(p) / y.unit, label=theory.name, zorder=1, **line)
+            line = THEORY | ({} if alone else {"color": colour(k)}) | {"label": theory.name}
+            theories.append((p / x.unit, function(p) / y.unit, line))
     p_star = x.relative and one.units.rough
     ax.set_xlabel(r"$p^* = p_0/(E^* g_\mathrm{rms})$" if p_star else x.label("p_0"))
     ax.set_ylabel(y.label(quantity.symbol))
     log_axis(ax, "x")
-    _limits(ax)
+    _limits(ax)  # a theory may leave the panel, a load with its error may not
+    for p, values, line in theories:
+        ax.plot(p, values, zorder=1, **line)
 
 
 def _points(
@@ -115,18 +117,11 @@ def _theory(theory: Theory, p_star: float | None, key: str) -> Callable | None:
 
 
 def _limits(ax: Any) -> None:
-    """Frame what was computed: a theory may leave the panel, a load with its error may not."""
-    marks = [bar.lines[0].get_xydata() for bar in ax.containers]
-    tips = [
-        np.concatenate(segments.get_segments())
-        for bar in ax.containers
-        for segments in bar.lines[2]
-    ]
-    x, y = np.concatenate([*marks, *tips]).T
-    ax.set_xlim(x.min() / BEYOND, x.max() * BEYOND)
-    if y.min() > 0 and y.max() > 10 * y.min():
+    """Frame what has been drawn."""
+    x0, y0, x1, y1 = ax.dataLim.extents
+    ax.set_xlim(x0 / BEYOND, x1 * BEYOND)
+    if y0 > 0 and y1 > 10 * y0:
         log_axis(ax, "y")
-        ax.set_ylim(y.min() / 2.5, y.max() * 2.5)
+        ax.set_ylim(y0 / 2.5, y1 * 2.5)
     else:
-        span = y.max() - min(y.min(), 0)
-        ax.set_ylim(min(0, y.min()), y.max() + 0.15 * (span or 1.0))
+        ax.set_ylim(min(0, y0), y1 + 0.15 * ((y1 - min(y0, 0)) or 1.0))

@@ -63,7 +63,8 @@ def _panel(ax: Any, context: FigureContext, found: Any, k: int, name: str, first
     ax.set_aspect("equal")
     ax.tick_params(color="0.5")
     if name == "contact":
-        _show(ax, context, np.ma.masked_equal(found(k).contact, 0), CONTACT_MAP, Normalize(0, 1))
+        share = np.ma.masked_equal(found(k).means["contact"], 0)
+        _show(ax, context, share, CONTACT_MAP, Normalize(0, 1))
     else:
         _field(ax, context, found(k), name)
     ax.set_xlabel(context.lengths.label("x"))
@@ -81,15 +82,15 @@ def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
     values, largest = found.means[name], found.largest[name]
     scale = context.units.of(name, [largest, float(values.min())])
     values, largest = values / scale.unit, largest / scale.unit
-    clipped, contact = False, np.asarray(found.contact)
+    clipped = False
     if name == "pressure":
         ax.set_facecolor(GROUND)
-        values = np.ma.masked_where(contact == 0, values)
+        values = np.ma.masked_where(found.means["contact"] == 0, values)
         top = np.percentile(values.compressed(), 99.5) if values.count() else 1.0
         clipped = largest > SPIKY * top > 0
         norm = Normalize(0, top if clipped else largest if largest > 0 else 1.0)
     elif name == "gap":  # square root: most of what matters happens at small gaps
-        values = np.ma.masked_where(contact >= 0.5, values)
+        values = np.ma.masked_where(found.means["contact"] >= 0.5, values)
         norm = PowerNorm(0.5, vmin=0, vmax=max(largest, 1e-300))
     else:
         norm = Normalize(values.min(), values.max())

@@ -19,7 +19,7 @@ from .distributions import NAMES, distributions, has_distribution
 from .maps import SYMBOLS, maps
 from .page import Page
 from .spectra import has_spectra, spectra
-from .style import Picture, legend_below, save, styled
+from .style import Picture, legend, save, styled
 from .units import good
 
 MAX_STEPS = 4  # in maps, distributions and spectra where nobody says which
@@ -94,7 +94,7 @@ def plot(
         try:
             if ax is None:
                 page.draw(fig)
-                legend_below(fig)
+                legend(fig, "outside lower center", columns=4)
                 if len(contexts) == 1:
                     fig.suptitle(_title(contexts[0], what, page.width), x=0.01, ha="left")
             elif len(page.panels) == 1:

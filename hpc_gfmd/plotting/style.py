@@ -21,7 +21,6 @@ COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 WARNING = "#D55E00"
 THEORY: dict[str, Any] = {"color": "0.35", "linewidth": 1.2}
 WIDTH = 7.2  # inches across two columns
-DPI = 300
 
 
 def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
@@ -37,26 +36,10 @@ CONTACT_MAP, PRESSURE_MAP = _part("Greys", 0.5, 1.0), _part("magma_r", 0.22, 1.0
 GAP_MAP, HEIGHT_MAP, OTHER_MAP = "viridis", "cividis", "viridis"
 GROUND = "0.93"  # where nothing touches
 
-RC: Any = {
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "axes.titlesize": 8,
-    "figure.titlesize": 8,
-    "legend.fontsize": 7.5,
-    "legend.frameon": False,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-    "axes.linewidth": 0.7,
-    "lines.linewidth": 1.3,
-    "lines.markersize": 4,
-    "savefig.dpi": DPI,
-    "savefig.bbox": "tight",
-    "savefig.pad_inches": 0.04,
-    "svg.fonttype": "none",
-    "pdf.fonttype": 42,
-}
+RC: Any = matplotlib.rc_params_from_file(
+    Path(__file__).with_name("journal.mplstyle"), use_default_template=False
+)
+DPI = RC["savefig.dpi"]
 
 
 class Picture(Figure):
@@ -123,11 +106,6 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
             handles.setdefault(label, handle)
     if handles:
         fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(columns, len(handles)))
-
-
-def legend_below(fig: Any) -> None:
-    """The same, below the panels."""
-    legend(fig, "outside lower center", 4)
 
 
 @contextmanager

@@ -14,13 +14,12 @@ GAP_DECADES, PER_DECADE = 6, 10  # of the gap, below the largest one; its bins
 
 @dataclass(frozen=True)
 class Survey:
-    """contact: share of each pixel that touches, or None; means: {name: pixel means}, those of
-    pressure over the points that touch (0 where none does); largest: {name: largest value of a
-    point}."""
+    """means: {name: pixel means}, those of pressure over the points that touch (0 where none does),
+    and "contact": the share of each pixel that touches, where that is known; largest: {name:
+    largest value of a point}."""
 
-    contact: np.ndarray | None
-    means: dict
-    largest: dict
+    means: dict[str, np.ndarray]
+    largest: dict[str, float]
 
 
 def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
@@ -30,25 +29,19 @@ def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
     i0, i1, j0, j1 = window or (0, shape[0], 0, shape[1])
     f_x, f_y = (max(1, -(-n // pixels)) for n in (i1 - i0, j1 - j0))
     parts: dict[str, list] = {}
-    largest = dict.fromkeys(fields, -np.inf)
+    largest: dict[str, float] = {}
     for slab in _slabs(fields, i0, i1, f_x, slice(j0, j1)):
-        touching = _touching(slab)
-        if touching is not None:
-            slab["contact"] = touching
         if "pressure" in slab:
-            slab["pressure"] = np.where(touching, slab["pressure"], 0)
+            slab["pressure"] = np.where(slab["contact"], slab["pressure"], 0)
         for name, values in slab.items():
             parts.setdefault(name, []).append(_pixel_sums(values, f_x, f_y))
-            if name in largest:
-                largest[name] = max(largest[name], float(values.max()))
+            largest[name] = max(largest.get(name, -np.inf), float(values.max()))
     sums: dict[str, Any] = {name: np.concatenate(blocks) for name, blocks in parts.items()}
     points = np.outer(np.diff([*range(i0, i1, f_x), i1]), np.diff([*range(j0, j1, f_y), j1]))
-    count = sums.pop("contact", None)
-    means = {
-        name: total / (np.maximum(count, 1) if name == "pressure" else points)
-        for name, total in sums.items()
-    }
-    return Survey(None if count is None else count / points, means, largest)
+    means = {name: total / points for name, total in sums.items()}
+    if "pressure" in sums:
+        means["pressure"] = sums["pressure"] / np.maximum(sums["contact"], 1)
+    return Survey(means, largest)
 
 
 def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -58,7 +51,7 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
 
     def values() -> Iterator[np.ndarray]:
         for slab in _slabs(fields, 0, fields[name].shape[0], 1, slice(None)):
-            touching = _touching(slab)
+            touching = slab["contact"]
             yield slab[name][touching if name == "pressure" else ~touching]
 
     top = max(found.max(initial=0.0) for found in values()) or 1.0
@@ -71,21 +64,21 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Iterator[Any]:
-    """Rows i0 <= i < i1 of all fields, a few at a time, a multiple of `multiple`."""
+    """Rows i0 <= i < i1 of all fields, a few at a time, a multiple of `multiple`; "contact": the
+    points that touch, where pressure or gap tells."""
     shape = next(iter(fields.values())).shape
     rows = max(1, SLAB_BYTES // (8 * shape[1]) // multiple) * multiple
     for start in range(i0, i1, rows):
         stop = min(start + rows, i1)
-        yield {
+        slab: dict[str, np.ndarray] = {
             name: np.asarray(field.read(start, stop), dtype=np.float64)[:, columns]
             for name, field in fields.items()
         }
-
-
-def _touching(slab: dict) -> Any:
-    return (
-        slab["gap"] <= 0 if "gap" in slab else slab["pressure"] > 0 if "pressure" in slab else None
-    )
+        if "gap" in slab:
+            slab["contact"] = slab["gap"] <= 0
+        elif "pressure" in slab:
+            slab["contact"] = slab["pressure"] > 0
+        yield slab
 
 
 def _pixel_sums(values: Any, f_x: int, f_y: int) -> np.ndarray:

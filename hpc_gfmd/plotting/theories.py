@@ -102,7 +102,7 @@ def _yielding(E_star: float, hardness: float, found: Any) -> Theory | None:
         return np.vectorize(one)(p)
 
     source = "Persson, Phys. Rev. Lett. 87 (2001) 116101, doi:10.1103/PhysRevLett.87.116101"
-    return Theory("Persson, two ends", area, None, density, sources=(source,))
+    return Theory("Persson with hardness", area, None, density, sources=(source,))
 
 
 def _hertz(surface: Any, E_star: float) -> Theory:

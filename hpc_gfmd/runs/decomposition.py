@@ -1,6 +1,7 @@
 """What a rank has and sends: worked out by the code that runs, for any rank of any number of ranks,
 without memory and messages."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +13,7 @@ from numpy.typing import DTypeLike
 from ..bodies.free import Free
 from ..driver.nested import Decimation
 from ..kernels.bpx import UpdateSums
-from ..operators.multilevel import FIELDS, Step, steps_of, traffic_of
+from ..operators.hierarchy import Step, steps_of, traffic_of
 from ..parallel.coarsening import Level
 from ..parallel.comm import DryRunComm, stages
 from ..parallel.grid import Grid
@@ -86,14 +87,9 @@ class Share:
     def level_bytes(self) -> int:
         """What the preconditioner holds, windows counted, too."""
         steps, levels = self._hierarchy
-        numbers = sum(
-            FIELDS[min(k, 1)] * step.transfer.window_rows * step.transfer.m[1]
-            for k, step in enumerate(steps)
-        )
+        numbers = sum(math.prod(step.window_shape) for step in steps)
         numbers += sum(
-            FIELDS[min(k, 1)] * (step.owned + 2) * step.transfer.m[1]
-            for k, step in enumerate(steps[:-1])
-            if step.owned and not step.windows.in_place
+            math.prod(step.owned_shape) for step in steps[:-1] if not step.windows.in_place
         )
         if self.grid.comm.rank == 0:
             numbers += 2 * sum(level.n[0] * level.n[1] for level in levels[len(steps) :])

@@ -174,7 +174,7 @@ def _in_double(scene: Scene, n: tuple[int, int], cell: tuple[int, int]) -> bool:
     if varies is None:
         return True
     noise = TRANSFORMED * float(np.finfo(np.float32).eps) * varies
-    return noise > CALIBRATION.noise_in_turn * counting(scene.solver, p_star)
+    return noise > CALIBRATION.noise * counting(scene.solver, p_star)
 
 
 def require_memory(

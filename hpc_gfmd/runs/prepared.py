@@ -14,7 +14,9 @@ from ..output.summary import surface_line
 from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..surface import build_surface
-from ..surface.arrays import ArrayMap, is_topography, of_topography, unreliable
+from ..surface.arrays import checked_array, is_topography, of_topography, unreliable
+from ..surface.files import HeightMap
+from ..surface.metadata import Metadata
 from ..surface.prepare import prepare
 from ..surface.topography import Topography, open_topography, topography_of
 
@@ -130,7 +132,7 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     SceneError
         As `read_surface`.
     """
-    said, doubt = None, None
+    said, doubt = Metadata(), None
     if is_topography(heights):
         doubt = unreliable(heights)
         heights, said = of_topography(heights)
@@ -139,16 +141,17 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     elif not keys.keys() & {"physical_sizes", "unit"}:
         keys["physical_sizes"] = 1.0, 1.0
     scene, _ = _scene({"kind": "file", "path": "heights"} | keys, "hpc_gfmd.prepare_surface")
-    made = _prepared(topography_of(ArrayMap(heights, said), scene.surface), scene.surface)
+    found = HeightMap(checked_array(heights), said)
+    made = _prepared(topography_of(found, scene.surface), scene.surface)
     return replace(made, notes=(*made.notes, doubt[1])) if doubt else made
 
 
 def _prepared(found: Topography, spec: Any) -> PreparedSurface:
-    found, done, notes = prepare(found, spec, SerialComm())
+    found = prepare(found, spec, SerialComm())
     heights = found.rows(0, found.n[0])
     heights = heights if heights.flags.owndata else heights.copy()  # the caller may change his own
     heights.flags.writeable = False
-    return PreparedSurface(heights, found.sizes, found.unit, done, notes, spec.free)
+    return PreparedSurface(heights, found.sizes, found.unit, found.done, found.notes, spec.free)
 
 
 def make_surface(kind: str, **keys: Any) -> PreparedSurface:

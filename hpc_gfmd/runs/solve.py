@@ -22,9 +22,9 @@ from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, raise_on_all
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
-from ..surface.analytic import Rows, on_form
+from ..surface.analytic import on_form
 from ..surface.arrays import checked_array, is_topography
-from ..surface.build import Surface, surface_from_rows
+from ..surface.build import Surface, surface_of
 from ..surface.heights import checked
 from ..surface.quality import DIFFERENT_UNITS, MapQuality
 from ..surface.topography import Topography
@@ -165,35 +165,23 @@ def solve(
     def rows_of(start: int, stop: int) -> np.ndarray:
         return np.asarray(z[start:stop], dtype=np.float64)
 
-    rows = rows_of if known else on_form(rows_of, scene.surface.radii, z.shape, sizes)
-
-    notes = (
-        known.notes
-        if known
-        else _quality_notes(comm, z.shape, sizes, rows_of)
-        if boundary is None
-        else ()
-    )
+    topography = Topography(z.shape, sizes, rows_of)
+    if known:
+        topography = replace(topography, unit=known.unit, done=known.prepared, notes=known.notes)
+    else:
+        notes = _quality_notes(comm, topography) if boundary is None else ()
+        form = on_form(rows_of, scene.surface.radii, z.shape, sizes)
+        topography = replace(topography, rows=form, notes=notes)
 
     def make_surface(dtype: np.dtype) -> Surface:
-        made = _kept_surface(known, dtype, comm, of_each_rank) or surface_from_rows(
-            z.shape,
-            sizes,
-            rows,
-            comm,
-            dtype,
-            of_each_rank,
-            scene.surface.free,
-            known=False,
-            unit=known.unit if known else "",
+        made = _kept_surface(known, dtype, comm, of_each_rank) or surface_of(
+            topography, comm, dtype, of_each_rank, scene.surface.free, known=False
         )
         _keep_surface(known, dtype, made)
         head["heights"] = made.checksum
         head.setdefault("setup_seconds", time.monotonic() - begun)
-        checksum = made.checksum if hasattr(scene.surface, "path") else None  # of a measured map
-        return replace(
-            made, prepared=known.prepared if known else (), quality_notes=notes, checksum=checksum
-        )
+        measured = hasattr(scene.surface, "path")
+        return made if measured else replace(made, checksum=None)
 
     steps: list[dict] = []
     contacts: list[Contact | None] = []  # None where no field is kept
@@ -285,13 +273,10 @@ def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
     }
 
 
-def _quality_notes(
-    comm: Comm, n: Sequence[int], sizes: tuple[float, ...], rows: Rows
-) -> tuple[str, ...]:
+def _quality_notes(comm: Comm, found: Topography) -> tuple[str, ...]:
     """Notes on an array of which nobody said that it is periodic. Collective."""
-    found = Topography(
-        tuple(n), sizes, lambda start, stop: checked(rows(start, stop), start, "surface")
-    )
+    rows = found.rows
+    found = replace(found, rows=lambda i, j: checked(rows(i, j), i, "surface"))
     return tuple(MapQuality(found, comm).notes((True, True)))
 
 

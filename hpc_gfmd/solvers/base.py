@@ -198,8 +198,5 @@ class Solver:
         """The inverse of `state`."""
         for name in self.state_names:
             getattr(self, name)[...] = arrays[name]
-        self._set_numbers(numbers)
-
-    def _set_numbers(self, numbers: dict[str, Any]) -> None:
         for name in self.scalar_names:
             setattr(self, name, numbers[name])

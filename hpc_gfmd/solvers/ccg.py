@@ -165,7 +165,7 @@ class Ccg(Solver):
                 self.t, self.gap0, self.iterate, x, i0, i1, *args
             )
         )
-        tSt = self._deflect()
+        tSt = self.elastic.displacement_columns()
         r = self.elastic.use_rows(lambda i0, i1, x: kernels.response_sums(self.iterate, x, i0, i1))
         et, t, r, n, tSt = self.grid.comm.sum([*_total(et, 2), *_total(r, 2), tSt])
         curvature = tSt - r * t / n
@@ -180,7 +180,7 @@ class Ccg(Solver):
         scale = self.real(self.N * self.p0 / load)
         self.offset += self.shift
         offset = self.real(self.offset)
-        self._deflect()
+        self.elastic.displacement_columns()
         self._set_gap(
             self.elastic.use_rows(
                 lambda i0, i1, x: kernels.new_gap(
@@ -188,10 +188,6 @@ class Ccg(Solver):
                 )
             )
         )
-
-    def _deflect(self) -> float:
-        """S between the row transforms; returns this rank's share of <x, S x>."""
-        return self.elastic.displacement_columns()
 
     def _set_gap(self, parts: Parts) -> None:
         """The mean of gap0 in contact, and the state that is returned; parts: what `new_gap`

@@ -12,21 +12,6 @@ from .metadata import Metadata
 ALLOWED = "a real array with two axes, not empty"
 
 
-class ArrayMap:
-    """What files.HeightMap is of a file, of an array: nan where it is masked, and what is said
-    beside it."""
-
-    path = "the array"
-
-    def __init__(self, heights: Any, said: Metadata | None = None) -> None:
-        self._heights, self.metadata = checked_array(heights), said or Metadata()
-        self.shape = self._heights.shape
-
-    def rows(self, start: int, stop: int) -> np.ndarray:
-        """Rows start <= i < stop as float64."""
-        return np.ma.filled(np.ma.asarray(self._heights[start:stop], dtype=np.float64), np.nan)
-
-
 def is_topography(found: Any) -> bool:
     """Whether this is a Topography of SurfaceTopography, which is not imported for that."""
     return callable(getattr(found, "heights", None)) and hasattr(found, "physical_sizes")

@@ -3,7 +3,8 @@ operators/problem.py)."""
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from .quality import slope_notes
 from .selfaffine import self_affine_gap
 from .slabs import ROWS
 from .statistics import rms, rms_between_neighbours
-from .topography import open_topography
+from .topography import Topography, open_topography
 
 
 @dataclass(frozen=True)
@@ -177,9 +178,14 @@ def build_surface(
     low_memory: without transforms in double precision, which later ones of the certificate would
     need anyway.
     """
-    dtype, kept = np.dtype(dtype), np.dtype(np.float64 if spec.radius else dtype)
-    rows: Rows = flat_rows
+    dtype = np.dtype(dtype)
+    if spec.kind == "file":
+        with collective_errors(comm, "reading the surface"):
+            found = open_topography(spec)
+        return surface_of(prepare(found, spec, comm), comm, dtype, threads, spec.free, known=False)
+    rows: Rows = wave_rows(spec) if spec.kind == "wave" else flat_rows
     if spec.kind == "self-affine":
+        kept = np.dtype(np.float64) if spec.radius else dtype
         grid = grid_of(spec.n, spec.physical_sizes, comm, threads, spec.free)
         h, h_over_g, add_spectrum = self_affine_gap(
             spec, _nominal(grid), kept, kept if low_memory else np.float64
@@ -191,38 +197,26 @@ def build_surface(
             return made
         first, unit = made.rows[0], made.height_unit
         rows = lambda start, stop: -unit * h[start - first : stop - first]  # noqa: E731
-    elif spec.kind == "wave":
-        rows = wave_rows(spec)
-    if spec.kind != "file":
-        rows = on_form(rows, spec.radii, spec.n, spec.physical_sizes)
-        return surface_from_rows(spec.n, spec.physical_sizes, rows, comm, dtype, threads, spec.free)
-    with collective_errors(comm, "reading the surface"):
-        found = open_topography(spec)
-    found, done, notes = prepare(found, spec, comm)
-    made = surface_from_rows(
-        found.n, found.sizes, found.rows, comm, dtype, threads, spec.free, False, found.unit
-    )
-    return replace(made, prepared=done, quality_notes=notes)
+    rows = on_form(rows, spec.radii, spec.n, spec.physical_sizes)
+    found = Topography(spec.n, spec.physical_sizes, rows)
+    return surface_of(found, comm, dtype, threads, spec.free)
 
 
-def surface_from_rows(
-    n: tuple[int, ...],
-    sizes: tuple[float, ...],
-    rows: Rows,
+def surface_of(
+    found: Topography,
     comm: Any,
     dtype: DTypeLike,
     threads: int = 1,
     free: tuple[bool, bool] = (False, False),
     known: bool = True,
-    unit: str = "",
 ) -> Surface:
-    """The surface whose heights rows(start, stop) gives as float64 (stop - start, n_y); free:
-    whether it ends along x, along y.
+    """The surface with the heights of a Topography; free: whether it ends along x, along y.
 
     The gradient of a surface that ends is that between neighbouring points, otherwise that of the
     Fourier series. known: whether the scene says all about them, so that they need no checksum.
     Raises SceneError on all ranks.
     """
+    n, sizes = found.n, found.sizes
     cell = grid_of(n, sizes, comm, threads, free)
     grid = _nominal(cell)
     start, stop = grid.rows
@@ -230,28 +224,33 @@ def surface_from_rows(
     with collective_errors(comm, "reading the surface"):
         for i in range(0, stop - start, ROWS):
             z[i : i + ROWS] = checked(
-                rows(start + i, min(start + i + ROWS, stop)), start + i, "surface"
+                found.rows(start + i, min(start + i + ROWS, stop)), start + i, "surface"
             )
     check(comm)
-    digest = None if known else checksum(grid, z, n, sizes, unit)
-    top = float(comm.max([max([-np.inf, *_by_rows(grid, np.max, z)])])[0])
+    made = partial(
+        Surface,
+        n=n,
+        rows=(start, stop),
+        checksum=None if known else checksum(grid, z, n, sizes, found.unit),
+        unit=found.unit,
+        prepared=found.done,
+        quality_notes=found.notes,
+    )
+    top = _largest(grid, np.max, z)
     _by_rows(grid, lambda z: np.subtract(top, z, out=z), z)  # now the gap, exact where it is small
     if not cell.padded:
         grid, z = _leave_out_constant_axis(grid, z)
         cell = grid
-    span = float(grid.comm.max([max([0.0, *_by_rows(grid, np.max, z)])])[0])
+    span = _largest(grid, np.max, z)
     if span == 0.0:
-        return Surface(
-            cell, z.astype(dtype), n, 0.0, 0.0, (start, stop), checksum=digest, unit=unit
-        )
+        return made(cell, z.astype(dtype), h_rms=0.0, g_rms=0.0)
     if span < 1 / LARGEST:
         raise SceneError(
             f"surface: found heights that differ by {span:g} at most, allowed: 0 or at least"
             f" {1 / LARGEST:g}"
         )
     centre = float(grid.comm.sum([sum(_by_rows(grid, np.sum, z))])[0]) / grid.N
-    beside = _by_rows(grid, lambda z: np.abs(z - centre).max(), z)
-    scale = float(grid.comm.max([max([0.0, *beside])])[0])
+    scale = _largest(grid, lambda z: np.abs(z - centre).max(), z)
 
     def fill(i0: int, i1: int, x: np.ndarray) -> None:
         np.subtract(z[i0:i1], centre, out=x[: i1 - i0])
@@ -265,12 +264,17 @@ def surface_from_rows(
         grid.forget_fft(np.float64)
     h = z if dtype == np.float64 else np.empty(z.shape, dtype)
     _by_rows(grid, lambda z, h: np.divide(z, g_rms, out=h, casting="same_kind"), z, h)
-    return Surface(cell, h, n, h_rms, g_rms / grid.a, (start, stop), checksum=digest, unit=unit)
+    return made(cell, h, h_rms=h_rms, g_rms=g_rms / grid.a)
 
 
 def _by_rows(grid: Grid, function: Callable[..., Any], *fields: np.ndarray) -> list:
     """function(rows of each field) for all pieces of this rank's part, on all threads."""
     return grid.by_rows(lambda i0, i1: function(*(field[i0:i1] for field in fields)))
+
+
+def _largest(grid: Grid, function: Callable[..., Any], z: np.ndarray) -> float:
+    """The largest of what a function gives of pieces of a field. Collective."""
+    return float(grid.comm.max([max([-np.inf, *_by_rows(grid, function, z)])])[0])
 
 
 def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:
@@ -279,7 +283,7 @@ def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarra
     comm, n = grid.comm, grid.n
     if 1 in n:
         return grid, z
-    first = comm.bcast_float(z[0] if comm.rank == 0 else np.empty(n[1]))
+    first = comm.bcast(z[0].astype(float) if comm.rank == 0 else None)
     along_x, along_y = comm.max([np.any(z != first), np.any(z != z[:, :1])])
     if along_x and along_y:
         return grid, z

@@ -2,10 +2,11 @@
 on every rank."""
 
 from collections.abc import Callable
-from functools import cache, partial
+from dataclasses import dataclass
+from functools import cache
 from math import prod
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 from zipfile import ZipFile
 
 import numpy as np
@@ -14,86 +15,80 @@ from ..parallel.h5 import inside
 from ..util.errors import SceneError, one_line
 from . import instruments, pictures, text
 from .metadata import NAMES, Metadata, by_attributes, by_axes, ends
-from .packed import Packing
+from .packed import unpacker
 
 ANY = "surface"  # the data set of a scene that names none
 MASK = "mask"  # where it is not 0 there is no height (SurfaceTopography)
 SMALL = 4096  # bytes of what an archive says of sizes and units
-NPY, HDF5 = b"\x93NUMPY", b"\x89HDF\r\n\x1a\n"  # how such files begin
 
 
-class Stored(NamedTuple):
-    """An array in a file, of which read(rows, columns), slices, gives a part."""
+@dataclass(frozen=True)
+class Stored:
+    """An array in a file, of which read(part) gives array[part]."""
 
     shape: tuple[int, ...]
     dtype: np.dtype
-    read: Callable[[slice, slice], np.ndarray]
+    read: Callable[[Any], np.ndarray]
+
+    def __getitem__(self, part: Any) -> np.ndarray:
+        return self.read(part)
 
 
 class HeightMap:
-    """shape (n_x, n_y), rows(start, stop) -> float64 (stop - start, n_y), nan where the file has no
+    """shape (n_x, n_y), rows(start, stop) -> float64 (stop - start, n_y), nan where there is no
     height, and the Metadata beside it.
 
-    Raises SceneError for anything unreadable.
+    data: an array or Stored; masked points have no height. path: what messages call it. Raises
+    SceneError for what holds no heights.
     """
 
-    def __init__(self, spec: Any) -> None:
-        self.path = Path(spec.path)
-        if not self.path.is_file():
-            raise SceneError(
-                f"surface.path: found {self.path}, which is no file, allowed: the path of a"
-                " height map"
-            )
-        try:
-            found, self.metadata = OPENERS[spec.format](self.path, spec)
-        except SceneError:
-            raise
-        except Exception as error:
-            raise SceneError(
-                f"surface.path: {self.path} cannot be read as {spec.format}: {one_line(str(error))}"
-            ) from None
-        if isinstance(found, np.ndarray):
-            found = Stored(found.shape, found.dtype, partial(_part, found))
-        shape, dtype, self._read = found
+    def __init__(self, data: Any, metadata: Metadata, path: object = "the array") -> None:
+        self.path, self.metadata, self._data = path, metadata, data
+        shape, dtype = data.shape, data.dtype
         if len(shape) != 2 or min(shape) < 1:
             raise SceneError(
-                f"surface.path: found an array of shape {tuple(shape)} in {self.path}, allowed: two"
+                f"surface.path: found an array of shape {tuple(shape)} in {path}, allowed: two"
                 " axes, not empty"
             )
         if dtype.kind not in "fiu":
             raise SceneError(
-                f"surface.path: found values of type {one_line(str(dtype), 80)} in {self.path},"
+                f"surface.path: found values of type {one_line(str(dtype), 80)} in {path},"
                 " allowed: real numbers"
             )
-        self.shape = shape[::-1] if self.metadata.transposed else shape
+        self.shape = shape[::-1] if metadata.transposed else shape
 
     def rows(self, start: int, stop: int) -> np.ndarray:
         """Rows start <= i < stop as float64. Raises SceneError if they cannot be read."""
-        rows, columns = slice(start, stop), slice(None)
         try:
             turned = self.metadata.transposed
-            z = self._read(columns, rows).T if turned else self._read(rows, columns)
             with np.errstate(over="ignore"):  # of long double; infinity is seen below
-                return np.asarray(z, dtype=np.float64)
+                z = self._data[:, start:stop].T if turned else self._data[start:stop, :]
+                return np.asarray(np.ma.filled(np.ma.asarray(z, dtype=np.float64), np.nan))
         except Exception as error:
             raise SceneError(
                 f"surface.path: reading {self.path} failed: {one_line(str(error))}"
             ) from None
 
 
-def _begins(path: Path, head: bytes) -> bool:
-    with open(path, "rb") as file:
-        return file.read(len(head)) == head
-
-
-def _part(data: np.ndarray, rows: slice, columns: slice) -> np.ndarray:
-    return data[rows, columns]
+def open_map(spec: Any) -> HeightMap:
+    """The height map of a scene.File, of one path. Raises SceneError for anything unreadable."""
+    path = Path(spec.path)
+    if not path.is_file():
+        raise SceneError(
+            f"surface.path: found {path}, which is no file, allowed: the path of a height map"
+        )
+    try:
+        return HeightMap(*OPENERS[spec.format](path, spec), path)
+    except SceneError:
+        raise
+    except Exception as error:
+        raise SceneError(
+            f"surface.path: {path} cannot be read as {spec.format}: {one_line(str(error))}"
+        ) from None
 
 
 def _npy(path: Path, spec: Any) -> tuple[np.ndarray, Metadata]:
-    if not _begins(path, NPY):  # numpy.load would say how to unpickle it
-        raise ValueError("it does not begin as a .npy file does")
-    return np.load(path, mmap_mode="r", allow_pickle=False), Metadata()
+    return np.lib.format.open_memmap(path, mode="r"), Metadata()  # never unpickles, unlike load
 
 
 def _npz(path: Path, spec: Any) -> tuple[Stored, Metadata]:
@@ -112,7 +107,7 @@ def _npz(path: Path, spec: Any) -> tuple[Stored, Metadata]:
         with np.load(path, allow_pickle=False) as file:
             return file[name]
 
-    return Stored(*heads[name], lambda rows, columns: array()[rows, columns]), said
+    return Stored(*heads[name], lambda part: array()[part]), said
 
 
 def _npz_head(archive: ZipFile, name: str) -> tuple[tuple[int, ...], np.dtype]:
@@ -139,7 +134,7 @@ def _hdf5(path: Path, spec: Any) -> tuple[Stored, Metadata]:
             name = _one_of(maps, spec)
             data = inside(file, name)
         if data.ndim != 2:
-            return Stored(data.shape, data.dtype, lambda rows, columns: data), Metadata()
+            return Stored(data.shape, data.dtype, lambda part: data), Metadata()
         axes = [
             (axis[0].name.rpartition("/")[2], dict(axis[0].attrs), ends(axis[0]), len(axis[0]))
             for axis in data.dims
@@ -152,20 +147,21 @@ def _hdf5(path: Path, spec: Any) -> tuple[Stored, Metadata]:
         # Chunks that the next rows need as well are kept: unpacking a large one takes long.
         band = (data.chunks or (0,))[0] * data.shape[1] * data.dtype.itemsize
         shape, dtype = data.shape, data.dtype
-    packing, kept = Packing(attributes), max(2 * band, 2**20)
+    unpacked, kept = unpacker(attributes), max(2 * band, 2**20)
     data = h5py.File(path, "r", locking=False, rdcc_nbytes=kept, rdcc_nslots=10007)[name]
-    return Stored(shape, dtype, lambda rows, columns: packing.unpacked(data[rows, columns])), said
+    return Stored(shape, dtype, lambda part: unpacked(data[part])), said
 
 
 def _netcdf(path: Path, spec: Any) -> tuple[Stored, Metadata]:
-    if _begins(path, HDF5):
-        return _hdf5(path, spec)
+    import h5py
     from scipy.io import netcdf_file
 
+    if h5py.is_hdf5(path):  # NetCDF 4
+        return _hdf5(path, spec)
     file = netcdf_file(path, "r", mmap=True)
     name = _one_of([key for key, found in file.variables.items() if len(found.shape) == 2], spec)
     variable = file.variables[name]
-    shape, dtype, packing = variable.data.shape, variable.data.dtype, Packing(vars(variable))
+    shape, dtype, unpacked = variable.data.shape, variable.data.dtype, unpacker(vars(variable))
     axes = [
         (axis, vars(x) if x else {}, ends(x.data) if x and x.shape == (n,) else None, n)
         for axis, n in zip(variable.dimensions, shape)
@@ -175,11 +171,11 @@ def _netcdf(path: Path, spec: Any) -> tuple[Stored, Metadata]:
     masked = MASK in file.variables and file.variables[MASK].shape == shape
     del variable
 
-    def read(rows: slice, columns: slice) -> np.ndarray:
+    def read(part: Any) -> np.ndarray:
         # asked anew for each piece: the file may be closed only when nothing refers to its
         # memory any more
-        z = packing.unpacked(np.array(file.variables[name].data[rows, columns]))
-        return np.where(file.variables[MASK].data[rows, columns], np.nan, z) if masked else z
+        z = unpacked(np.array(file.variables[name].data[part]))
+        return np.where(file.variables[MASK].data[part], np.nan, z) if masked else z
 
     return Stored(shape, dtype, read), said
 

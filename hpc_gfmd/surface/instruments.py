@@ -18,11 +18,11 @@ Read = tuple[np.ndarray, Metadata]
 
 
 def read(path: str | Path, spec: Any) -> Read:
-    """(heights (n_x, n_y), nan where they are missing; Metadata) of one channel of a file; spec:
+    """(heights (n_x, n_y), masked where they are missing; Metadata) of one channel of a file; spec:
     scene.File. Raises whatever is wrong with it."""
     topography, sized = opened(path, spec.dataset)
     heights, said = of_topography(topography)
-    return np.ma.filled(heights, np.nan), said if sized else replace(said, sizes=None)
+    return heights, said if sized else replace(said, sizes=None)
 
 
 def recognised(path: str | Path, spec: Any) -> Read | None:

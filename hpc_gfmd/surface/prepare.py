@@ -7,7 +7,6 @@ All but refine and downsample are done to rows as they are read, so that the map
 place. All functions are collective.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -17,9 +16,9 @@ from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .analytic import on_form
 from .fill import filled
-from .quality import DOUBT, notes_on
+from .quality import notes_on
 from .resample import resampled
-from .slabs import own_slabs, summed
+from .slabs import local, own_slabs
 from .topography import Topography
 
 POWERS = {
@@ -45,67 +44,46 @@ def prepared_size(found: Topography, spec: Any) -> tuple[tuple[int, int], tuple[
     )
 
 
-def prepare(
-    found: Topography, spec: Any, comm: Any
-) -> tuple[Topography, tuple[str, ...], tuple[str, ...]]:
-    """The Topography as the scene wants it; what has been done to it, and what is to be noted, a
-    line each.
+def prepare(found: Topography, spec: Any, comm: Any) -> Topography:
+    """The Topography as the scene wants it, with what has been `done` to it and its `notes`.
 
     Raises SceneError on all ranks, which tells at once all that the scene has to say.
     """
-    done, lacks = [], list(found.lacks.values())
+    lacks = list(found.lacks.values())
     if lacks:  # only to see what else is
         spec = spec.model_copy(update={"crop": None})
     size, _ = prepared_size(found, spec)
     if spec.crop:
         found = _cropped(found, spec)
-        done.append(f"cropped to {found.n[0]} x {found.n[1]} points")
     detrend = "mean" if spec.window != "none" and spec.detrend == "none" else spec.detrend
     if detrend != "none":
         found = _detrended(found, detrend, comm)
-        done.append(f"{detrend} removed")
     try:
-        found, missing = filled(found, spec.fill, comm)
+        found = filled(found, spec.fill, comm)
     except SceneError as error:
         lacks.append(str(error))
-        found, missing = filled(found, "harmonic", comm)
-    if missing:
-        done.append(f"{missing} points ({100 * missing / (found.n[0] * found.n[1]):.2g} %) filled")
+        found = filled(found, "harmonic", comm)
     try:
-        notes = notes_on(found, spec, comm)
+        found = replace(found, notes=notes_on(found, spec, comm))
     except SceneError as error:
         lacks.append(str(error))
     if lacks:
         raise SceneError("; ".join(lacks))
-    if missing > DOUBT.filled * found.n[0] * found.n[1]:
-        notes.append(
-            f"{100 * missing / (found.n[0] * found.n[1]):.0f} % of the heights are filled, not"
-            " measured"
-        )
     if spec.flip:
-        found = replace(found, rows=_changed(found, np.negative))
-        done.append("upside down")
+        upright = found.rows
+        found = found.after("upside down", rows=lambda start, stop: -upright(start, stop))
     if spec.mirror:
         found = _mirrored(found)
-        done.append("mirrored")
     if spec.window != "none":
         found = _windowed(found, spec.window)
-        done.append(f"window {spec.window}")
     if size != found.n:
         found = resampled(found, size, spec.free, comm)
-        done.append(f"resampled to {size[0]} x {size[1]} points")
     if spec.radius:
         R_x, R_y = (found.length("radius", R) for R in spec.radii)
-        found = replace(found, rows=on_form(found.rows, (R_x, R_y), found.n, found.sizes))
-        given = dict.fromkeys(map(format_quantity, spec.radii))
-        done.append(f"on a form of radius {', '.join(given)}")
-    return replace(found, filled=missing), tuple(done), tuple(notes)
-
-
-def _changed(
-    found: Topography, change: Callable[[np.ndarray], np.ndarray]
-) -> Callable[[int, int], np.ndarray]:
-    return lambda start, stop: change(found.rows(start, stop))
+        given = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
+        rows = on_form(found.rows, (R_x, R_y), found.n, found.sizes)
+        found = found.after(f"on a form of radius {given}", rows=rows)
+    return found
 
 
 def _cropped(found: Topography, spec: Any) -> Topography:
@@ -126,8 +104,8 @@ def _cropped(found: Topography, spec: Any) -> Topography:
     (x0, x1), (y0, y1) = ends
     n = x1 - x0, y1 - y0
     sizes = tuple(size * k / m for size, k, m in zip(found.sizes, n, found.n))
-    return replace(
-        found,
+    return found.after(
+        f"cropped to {n[0]} x {n[1]} points",
         n=n,
         sizes=sizes,
         rows=lambda start, stop: found.rows(start + x0, stop + x0)[:, y0:y1],
@@ -152,7 +130,7 @@ def _detrended(found: Topography, what: str, comm: Any) -> Topography:
             total += [[a @ b for b in values] for a in values[:-1]]
         return total
 
-    total = summed(comm, sums)
+    total = comm.sum(local(comm, sums))
     factors = np.linalg.lstsq(total[:, :-1], total[:, -1])[0]
 
     def rows(start: int, stop: int) -> np.ndarray:
@@ -160,7 +138,8 @@ def _detrended(found: Topography, what: str, comm: Any) -> Topography:
             factor * term for factor, term in zip(factors, terms(start, stop))
         )
 
-    return replace(found, rows=rows, periodic=found.periodic if what == "mean" else None)
+    periodic = found.periodic if what == "mean" else None
+    return found.after(f"{what} removed", rows=rows, periodic=periodic)
 
 
 def _mirrored(found: Topography) -> Topography:
@@ -174,8 +153,8 @@ def _mirrored(found: Topography) -> Topography:
         z = np.concatenate(pieces)
         return np.concatenate([z, z[:, ::-1]], axis=1)
 
-    return replace(
-        found,
+    return found.after(
+        "mirrored",
         n=(2 * found.n[0], 2 * found.n[1]),
         sizes=(2 * found.sizes[0], 2 * found.sizes[1]),
         rows=rows,
@@ -188,8 +167,8 @@ def _windowed(found: Topography, name: str) -> Topography:
     from scipy.signal.windows import get_window
 
     w_x, w_y = (get_window(name, n) for n in found.n)
-    return replace(
-        found,
+    return found.after(
+        f"window {name}",
         rows=lambda start, stop: found.rows(start, stop) * w_x[start:stop, None] * w_y,
         periodic=True,
     )

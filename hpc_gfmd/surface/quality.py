@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ..parallel.comm import SerialComm
+from ..parallel.guard import on_rank_0
 from ..util.errors import SceneError
-from .slabs import local, own_slabs, summed, with_neighbours
+from .slabs import own_slabs, with_neighbours
 from .topography import Topography
 
 DIFFERENT_UNITS = "are probably in different units"
@@ -39,7 +41,7 @@ DOUBT = Doubt()
 
 
 class MapQuality:
-    """Sums and medians over a Topography, read once. Collective.
+    """What some rows of a Topography show, of which rank 0 reads at most DOUBT.rows. Collective.
 
     jumps: for each axis the jump from the last point to the first one over that between neighbours,
     medians, which a few outliers do not change; typical: how much neighbours differ; tilt: share of
@@ -48,22 +50,21 @@ class MapQuality:
     """
 
     def __init__(self, found: Topography, comm: Any) -> None:
-        x, y = (np.arange(n) - (n - 1) / 2 for n in found.n)
-        sums, rows = local(comm, lambda: _looked_at(found, comm, x, y))
-        z, zz, zx, zy = comm.sum(sums)
-        medians = np.nan_to_num([*map(_median, np.concatenate(comm.allgather(rows)).T)])
-        ends = local(comm, lambda: found.rows(0, 1) - found.rows(len(x) - 1, len(x)))
+        x, moments, medians, ends = on_rank_0(
+            comm, "reading the surface", lambda: _looked_at(found)
+        )
+        y = _centred(found.n[1])
+        mean, square, along_y = moments.mean(axis=0)
+        along_x = (x - x.mean()) @ moments[:, 0] / len(x)
+        variance = square - mean**2
         one, two, slope = medians[:6].reshape(2, 3).T  # along x, y
-        edge = np.nan_to_num([_typical(ends), medians[6]])
-        N = len(x) * len(y)
-        variance = zz - z * z / N
         taken = sum(  # by a plane of these slopes
-            m * (2 * part - m * (N / len(k)) * (k @ k))
-            for m, part, k in zip(slope, (zx, zy), (x, y))
+            m * (2 * part - m * k.var()) for m, part, k in zip(slope, (along_x, along_y), (x, y))
         )
         self.tilt = max(float(taken / variance), 0.0) if variance > 0 else 0.0
         self.typical = one.max()
-        least = DOUBT.rounding * np.sqrt(zz / N)
+        edge = np.nan_to_num([ends, medians[6]])
+        least = DOUBT.rounding * np.sqrt(square)
         with np.errstate(divide="ignore", invalid="ignore"):
             self.jumps = np.where((edge > least) & (one > 0), edge / one, 0.0)
             self.unresolved = np.where(two > 0, (2 * one / two) ** 2, 0.0).max()
@@ -90,23 +91,27 @@ class MapQuality:
         return found
 
 
-def notes_on(found: Topography, spec: Any, comm: Any) -> list[str]:
+def notes_on(found: Topography, spec: Any, comm: Any) -> tuple[str, ...]:
     """Notes on a Topography. Collective.
 
     Raises SceneError where nobody says what its boundary is and it does not look periodic.
     """
     quality = MapQuality(found, comm)
-    if spec.mirror or spec.window != "none":  # periodic whatever its edges are
-        return quality.notes((False, False))
+    made_periodic = spec.mirror or spec.window != "none"  # whatever its edges are
     for axis, jump in zip("xy", quality.jumps):
-        if jump > DOUBT.jump and spec.boundary is None and not found.periodic:
+        said = made_periodic or spec.boundary is not None or found.periodic
+        if jump > DOUBT.jump and not said:
             raise SceneError(
                 f"surface.boundary: not given, with edges along {axis} that differ by {jump:.3g}"
                 ' times what neighbouring points differ by, allowed: "free" (it ends there),'
                 ' "periodic" (pressed with that jump), or detrend = "tilt", mirror = true, a'
                 " window"
             )
-    return quality.notes([not ends for ends in spec.free])
+    notes = quality.notes([not (made_periodic or ends) for ends in spec.free])
+    share = found.filled / (found.n[0] * found.n[1])
+    if share > DOUBT.filled:
+        notes.append(f"{100 * share:.0f} % of the heights are filled, not measured")
+    return tuple(notes)
 
 
 def slope_notes(g_rms: float, measured: bool) -> list[str]:
@@ -118,23 +123,19 @@ def slope_notes(g_rms: float, measured: bool) -> list[str]:
     return [f"g_rms = {g_rms:.3g}: the theory is that of small slopes"] if steep else []
 
 
-def outliers(found: Topography, quality: MapQuality, comm: Any) -> int:
-    """Count points of a Topography that stand out of the median of their neighbours. Collective."""
-    n_x, n_y = found.n
+def outliers(found: Topography, typical: float) -> int:
+    """Count points of a Topography that stand out of the median of their neighbours; typical: how
+    much neighbours differ."""
+    from scipy.ndimage import median_filter
 
-    def count() -> list[int]:
-        total = 0
-        for start, stop in own_slabs(n_x, comm) if min(n_x, n_y) > 2 else ():
-            z = with_neighbours(found, start, stop, mode="reflect")
-            around = np.lib.stride_tricks.sliding_window_view(z, (3, 3)).reshape(-1, 9)
-            beside = np.delete(around, 4, axis=1)
-            out = (
-                np.abs(around[:, 4] - np.median(beside, axis=1)) > DOUBT.outlying * quality.typical
-            )
-            total += int(np.count_nonzero(out))
-        return [total]
-
-    return int(summed(comm, count)[0])
+    if min(found.n) < 3:
+        return 0
+    beside, total = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]]), 0
+    for start, stop in own_slabs(found.n[0], SerialComm()):
+        z = with_neighbours(found, start, stop, mode="reflect")
+        out = np.abs(z - median_filter(z, footprint=beside)) > DOUBT.outlying * typical
+        total += int(np.count_nonzero(out[1:-1, 1:-1]))
+    return total
 
 
 def load_notes(p_mean: float, E_star: float, g_rms: float, unit: str) -> list[str]:
@@ -146,38 +147,32 @@ def load_notes(p_mean: float, E_star: float, g_rms: float, unit: str) -> list[st
     return found
 
 
-def _looked_at(
-    found: Topography, comm: Any, x: np.ndarray, y: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """This rank's sums, and numbers of some of its rows: along x, and then along y, how much
-    neighbours and every second point differ, and the slope; the jump from the row's end to its
-    beginning."""
-    total, rows, n_x = np.zeros(4), [], found.n[0]
+def _looked_at(found: Topography) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Of some rows: their places; for each the means of z, z^2 and y z; medians over rows of how
+    much neighbours and every second point differ, and of the slope, along x, and then along y, and
+    of the jump from a row's end to its beginning; and this jump from the last row to the first."""
+    n_x, n_y = found.n
     lags = [min(DOUBT.lag, max(n // 8, 1)) for n in found.n]
-    every = -(-n_x // DOUBT.rows)
-    for start, stop in own_slabs(n_x, comm):
-        z = found.rows(start, min(stop + max(2, lags[0]), n_x))
-        mine = z[: stop - start]
-        total += [
-            mine.sum(),
-            np.sum(mine**2),
-            x[start:stop] @ mine.sum(axis=1),
-            y @ mine.sum(axis=0),
-        ]
-        for i in range(-start % every, len(mine), every):
-            numbers = []
-            for axis, lag in enumerate(lags):
-                ahead = [_ahead(z, i, k, axis) for k in (1, 2, lag)]
-                numbers += [_typical(ahead[0]), _typical(ahead[1]), _median(ahead[2]) / lag]
-            rows.append([*numbers, abs(z[i, 0] - z[i, -1]) or np.nan])
-    return total, np.array(rows).reshape(-1, 7)
+
+    def row(i: int) -> np.ndarray:
+        return found.rows(min(i, n_x), min(i + 1, n_x))  # none beyond the map
+
+    places, y = range(0, n_x, -(-n_x // DOUBT.rows)), _centred(n_y)
+    moments, rows = [], []
+    for i in places:
+        z = row(i)
+        moments.append([z.mean(), np.mean(z**2), np.mean(y * z)])
+        numbers = []
+        for axis, lag in enumerate(lags):
+            one, two, far = (z[:, k:] - z[:, :-k] if axis else row(i + k) - z for k in (1, 2, lag))
+            numbers += [_typical(one), _typical(two), _median(far) / lag]
+        rows.append([*numbers, abs(z[0, 0] - z[0, -1]) or np.nan])
+    medians = np.nan_to_num([*map(_median, np.transpose(rows))])
+    return np.array(places), np.array(moments), medians, _typical(row(0) - row(n_x - 1))
 
 
-def _ahead(z: np.ndarray, i: int, k: int, axis: int) -> np.ndarray:
-    """How much the points k further along an axis differ from those of row i."""
-    if axis:
-        return z[i, k:] - z[i, :-k]
-    return (z[i + k : i + k + 1] - z[i]).ravel()  # none beyond the map
+def _centred(n: int) -> np.ndarray:
+    return np.arange(n) - (n - 1) / 2
 
 
 def _typical(differences: np.ndarray) -> float:

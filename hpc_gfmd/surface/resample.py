@@ -1,13 +1,12 @@
 """The same Fourier series on another number of points (fewer: without its shortest waves); along an
 axis where the map ends the series of its mirror images, in cosines, which has no jump there."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..parallel.layout import row_starts
-from .slabs import local, own_rows, own_slabs
+from .slabs import local, own_slabs
 from .topography import Topography
 
 
@@ -22,13 +21,28 @@ def resampled(
         rows = (_series(found.rows(*slab), n[1], 1, free[1]) for slab in slabs)
         return np.concatenate([np.zeros((0, n[1])), *rows])
 
-    z = local(comm, along_y)
-    starts, columns = (row_starts(k, comm.size) for k in n)
-    z = np.concatenate(comm.alltoall([z[:, a:b] for a, b in zip(columns, columns[1:])]))
-    z = _series(z, n[0], 0, free[0])
-    z = np.concatenate(comm.alltoall([z[a:b] for a, b in zip(starts, starts[1:])]), axis=1)
-    first = own_rows(n[0], comm)[0]
-    return replace(found, n=n, rows=lambda start, stop: z[start - first : stop - first])
+    z, me = local(comm, along_y), comm.rank
+    before, rows, columns = (row_starts(k, comm.size) for k in (found.n[0], *n))
+    parts = [z[:, a:b] for a, b in zip(columns, columns[1:])]
+    shapes = [(k, parts[me].shape[1]) for k in np.diff(before)]
+    z = _series(np.concatenate(_exchanged(parts, shapes, comm)), n[0], 0, free[0])
+    parts = [z[a:b] for a, b in zip(rows, rows[1:])]
+    shapes = [(len(parts[me]), k) for k in np.diff(columns)]
+    z, first = np.concatenate(_exchanged(parts, shapes, comm), axis=1), rows[me]
+    return found.after(
+        f"resampled to {n[0]} x {n[1]} points",
+        n=n,
+        rows=lambda start, stop: z[start - first : stop - first],
+    )
+
+
+def _exchanged(parts: list, shapes: list, comm: Any) -> list[np.ndarray]:
+    """What every rank has for this one, of these shapes; parts: what it has for every rank."""
+    found, others = [np.empty(shape) for shape in shapes], {*range(comm.size)} - {comm.rank}
+    found[comm.rank] = parts[comm.rank]
+    send = {rank: np.ascontiguousarray(parts[rank]) for rank in others}
+    comm.exchange(send, {rank: found[rank] for rank in others})
+    return found
 
 
 def _series(z: np.ndarray, n: int, axis: int, ends: bool) -> np.ndarray:

@@ -11,15 +11,9 @@ from ..parallel.layout import row_starts
 ROWS = 64  # read at a time
 
 
-def own_rows(n: int, comm: Any) -> tuple[int, int]:
-    """This rank's share [start, stop) of n rows."""
-    starts = row_starts(n, comm.size)
-    return int(starts[comm.rank]), int(starts[comm.rank + 1])
-
-
 def own_slabs(n: int, comm: Any) -> list[tuple[int, int]]:
-    """This rank's share in pieces [(start, stop), ...]."""
-    first, last = own_rows(n, comm)
+    """This rank's share of n rows in pieces [(start, stop), ...]."""
+    first, last = map(int, row_starts(n, comm.size)[comm.rank : comm.rank + 2])
     return [(start, min(start + ROWS, last)) for start in range(first, last, ROWS)]
 
 
@@ -34,8 +28,3 @@ def local(comm: Any, make: Callable[[], Any]) -> Any:
     """What make() returns on each rank; what it raises on one is raised on all."""
     with collective_errors(comm, "reading the surface"):
         return make()
-
-
-def summed(comm: Any, make: Callable[[], Any]) -> np.ndarray:
-    """The sum over ranks of the numbers that make() returns."""
-    return comm.sum(local(comm, make))

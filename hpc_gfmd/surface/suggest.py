@@ -76,7 +76,7 @@ def _by_heights(
 
     def looked_at(**more: object) -> tuple[Topography, MapQuality]:
         spec = make(values | plain | more)
-        heights, *_ = prepare(open_topography(spec), spec, SerialComm())
+        heights = prepare(open_topography(spec), spec, SerialComm())
         return heights, MapQuality(heights, SerialComm())
 
     heights, quality = looked_at(fill="harmonic")
@@ -85,7 +85,7 @@ def _by_heights(
         values["fill"], why["fill"] = "harmonic", f"{heights.filled} points have no height"
     said = f"{100 * quality.tilt:.0f} % of the variance of the heights is tilt"
     found.about.append(said)
-    out = outliers(heights, quality, SerialComm())
+    out = outliers(heights, quality.typical)
     if quality.tilt > DOUBT.tilt and "detrend" not in given:
         values["detrend"], why["detrend"] = "tilt", said
         heights, quality = looked_at(fill="harmonic")

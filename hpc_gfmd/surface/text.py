@@ -51,8 +51,8 @@ def read(path: str | Path, spec: Any) -> tuple[np.ndarray, Metadata]:
         return instruments.read(path, spec)
     if layout.skip and spec.skip_lines is None and (found := instruments.recognised(path, spec)):
         return found
-    numbers = _numbers(path, layout, spec)
-    return _on_grid(numbers, layout.units) if layout.columns == 3 else (numbers, Metadata())
+    table = _table(path, layout, spec)
+    return _on_grid(table, layout.units) if layout.columns == 3 else (table.to_numpy(), Metadata())
 
 
 def layout_of(lines: list[str], spec: Any) -> Layout | None:
@@ -100,10 +100,10 @@ def _columns(line: str, mark: str | None, decimal: str, missing: tuple[str, ...]
         return 0
 
 
-def _numbers(path: str | Path, layout: Layout, spec: Any) -> np.ndarray:
+def _table(path: str | Path, layout: Layout, spec: Any) -> Any:
     from pandas import read_csv  # slow to import
 
-    table = read_csv(  # a mark that ends each line makes an empty last column
+    table = read_csv(
         path,
         sep=layout.mark or r"\s+",
         decimal=layout.decimal,
@@ -116,17 +116,16 @@ def _numbers(path: str | Path, layout: Layout, spec: Any) -> np.ndarray:
         encoding="utf-8-sig",
         encoding_errors="replace",
     )
-    return table.iloc[:, :-1].to_numpy() if table.iloc[:, -1].isna().all() else table.to_numpy()
+    # a mark that ends each line makes an empty last column
+    return table.iloc[:, :-1] if table.iloc[:, -1].isna().all() else table
 
 
-def _on_grid(points: np.ndarray, units: tuple[str, ...]) -> tuple[np.ndarray, Metadata]:
+def _on_grid(points: Any, units: tuple[str, ...]) -> tuple[np.ndarray, Metadata]:
     """The same of columns x, y, z; points of the grid that are not among them have no height."""
-    (x, i), (y, j) = (np.unique(points[:, k], return_inverse=True) for k in (0, 1))
-    heights = np.full((len(x), len(y)), np.nan)
-    heights[i, j] = points[:, 2]
-    steps = [np.diff(axis) for axis in (x, y)]
-    if any(not step.size or np.ptp(step) > UNEVEN * step.mean() for step in steps):
+    table = points.pivot(index=0, columns=1, values=2)
+    steps = [np.diff(axis) for axis in table.axes]
+    if not all(step.size and np.ptp(step) <= UNEVEN * step.mean() for step in steps):
         raise ValueError("its points are not those of a regular grid")
     sizes = tuple(float(step.mean() * (step.size + 1)) for step in steps)
     sizes_unit, unit = (units[0], units[-1]) if len(units) == 3 else (None, None)
-    return heights, Metadata(sizes, sizes_unit, unit)
+    return table.to_numpy(), Metadata(sizes, sizes_unit, unit)

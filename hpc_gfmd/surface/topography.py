@@ -2,7 +2,7 @@
 otherwise."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -10,8 +10,7 @@ from ..scene import has_unit
 from ..util.errors import SceneError
 from ..util.quantities import Quantity, factor
 from .analytic import Rows
-from .arrays import ArrayMap
-from .files import HeightMap
+from .files import HeightMap, open_map
 from .heights import checked
 from .metadata import Metadata
 
@@ -28,7 +27,7 @@ class Topography:
     periodic: True where the file says so. filled: points that had no height. plain: what a plain
     length of the scene stands for, in plain_unit, that of the sizes. said: by the file
     itself. lacks: {key of [surface]: why it has to be given}; `prepare` refuses a Topography that
-    lacks anything.
+    lacks anything. done: to the heights, notes: what to know of them, a line each.
     """
 
     n: tuple[int, ...]
@@ -42,6 +41,12 @@ class Topography:
     plain_unit: str = ""
     said: Metadata = field(default_factory=Metadata)
     lacks: dict[str, str] = field(default_factory=dict)
+    done: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def after(self, done: str, **changed: Any) -> Self:
+        """What it is after something has been done to the heights."""
+        return replace(self, done=(*self.done, done), **changed)
 
     def length(self, key: str, given: float) -> float:
         """A length of the scene in the unit of `sizes`. Raises SceneError where it has a unit and
@@ -58,7 +63,7 @@ def open_topography(spec: Any) -> Topography:
     """The Topography of a scene's height map, or of the sum of two, of which no height is read yet.
     Raises SceneError."""
     paths = [spec.path] if isinstance(spec.path, str) else spec.path
-    files = [HeightMap(spec.model_copy(update={"path": path})) for path in paths]
+    files = [open_map(spec.model_copy(update={"path": path})) for path in paths]
     first, *others = (topography_of(file, spec) for file in files)
     return _sum(first, *others) if others else first
 
@@ -87,7 +92,7 @@ def _sum(one: Topography, two: Topography) -> Topography:
     )
 
 
-def topography_of(found: HeightMap | ArrayMap, spec: Any) -> Topography:
+def topography_of(found: HeightMap, spec: Any) -> Topography:
     """The Topography of a height map, with what a scene.File says of it. Raises SceneError."""
     said, given = found.metadata, spec.physical_sizes
     unit = spec.unit or said.unit

@@ -8,7 +8,7 @@ arrays and returns arrays of their shape.
 from functools import cache
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
+from numpy.polynomial import Chebyshev
 from scipy.special import erf, exp1
 
 X_ZERO = 28.0  # exp(-x^2) and E1(x^2) are 0 in double precision from here on
@@ -48,25 +48,23 @@ def erf2_integral(x: np.ndarray) -> np.ndarray:
     """I(x) = int_x^inf erf(v)^2 exp(-v^2) dv/v (= int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t), x >=
     0."""
     x = np.minimum(x, X_ZERO)
-    low = np.exp(-x * x) * _scaled_table()(np.minimum(x, _X_ONE))
+    low = np.exp(-x * x) * _scaled()(np.minimum(x, _X_ONE))
     return np.where(x < _X_ONE, low, exp1(np.maximum(x, _X_ONE) ** 2) / 2)
 
 
 @cache
-def _scaled_table() -> CubicHermiteSpline:
-    """exp(x^2) I(x) on [0, 6] as a cubic Hermite spline.
+def _scaled() -> Chebyshev:
+    """exp(x^2) I(x) on [0, 6].
 
-    Knots from erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2)) ds/(1+s^2), which turns I(x) into a
-    smooth integral over E1; slopes from dI/dx = -erf(x)^2 exp(-x^2)/x.
+    erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2)) ds/(1+s^2) turns I(x) into a smooth integral
+    over E1.
     """
-    x = np.linspace(0, _X_ONE, 8001)
     s, w = np.polynomial.legendre.leggauss(24)
-    s, w = (s + 1) / 2, w / 2
-    scaled, slope = np.empty_like(x), np.empty_like(x)
-    # at x = 0 the logarithms of the two E1 cancel: the limit is (2/pi) int_0^1 ln(2+s^2) ds/(1+s^2)
-    scaled[0], slope[0] = 2 / np.pi * np.sum(w * np.log(2 + s * s) / (1 + s * s)), 0.0
-    x2 = x[1:] ** 2
-    inner = exp1(x2[:, None] * (2 + s * s)) @ (w / (1 + s * s))
-    scaled[1:] = np.exp(x2) * (exp1(x2) / 2 - 2 / np.pi * inner)
-    slope[1:] = 2 * x[1:] * scaled[1:] - erf(x[1:]) ** 2 / x[1:]
-    return CubicHermiteSpline(x, scaled, slope)
+    s2, w = ((s + 1) / 2) ** 2, w / 2
+
+    def scaled(x: np.ndarray) -> np.ndarray:
+        x2 = x * x
+        inner = exp1(x2[:, None] * (2 + s2)) @ (w / (1 + s2))
+        return np.exp(x2) * (exp1(x2) / 2 - 2 / np.pi * inner)
+
+    return Chebyshev.interpolate(scaled, 80, [0, _X_ONE])

@@ -19,11 +19,10 @@ Function = Callable[[np.ndarray], np.ndarray]
 @dataclass(frozen=True)
 class Solution:
     """x: parameters, shape (k,); covariance: of them, shape (k, k), for errors of the data as given
-    (1 if none are); jacobian: of the model at x, shape (runs, k); chi2: weighted sum of squares."""
+    (1 if none are); chi2: weighted sum of squares."""
 
     x: np.ndarray
     covariance: np.ndarray
-    jacobian: np.ndarray
     chi2: float
 
 
@@ -81,9 +80,10 @@ def least_squares(
             ) from None
         chi2 = float(np.sum(info["fvec"] ** 2))
         if best is None or chi2 < best.chi2:
-            best = Solution(x, covariance, jacobian(x), chi2)
-    scale = np.linalg.norm(best.jacobian, axis=0) if best else np.zeros(1)
-    if best is None or not scale.all() or np.linalg.cond(best.jacobian / scale) > WORST:
+            best = Solution(x, covariance, chi2)
+    slopes = jacobian(best.x) if best else np.zeros((1, 1))
+    scale = np.linalg.norm(slopes, axis=0)
+    if best is None or not scale.all() or np.linalg.cond(slopes / scale) > WORST:
         raise SceneError(
             "runs: found ratios that vary together, or no trend, allowed: runs that determine every"
             " term"

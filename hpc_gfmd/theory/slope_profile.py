@@ -98,15 +98,18 @@ class SlopeProfile:
         y = np.log(q / q[0])
         width = np.diff(y)
         steepness = np.diff(np.log(C)) / width  # C ~ q^steepness in a piece
-        square = {}  # h_rms^2 and g_rms^2 of every piece: the moments of q^2 C dy and q^4 C dy
-        for power in (2, 4):
-            square[power] = C[:-1] * q[:-1] ** power * width * exprel((steepness + power) * width)
+
+        def moment(power: int) -> np.ndarray:
+            """Of every piece, area/(2 pi) int q^power C dy."""
             if function:
-                square[power] = _piece_integral(function, power, q, width)
-            square[power] = square[power] * area / (2 * np.pi)
-        beta = steepness + 4
-        g2 = np.concatenate([[0], np.cumsum(square[4])])
-        rate = square[4] / (width * exprel(beta * width))
+                found = _piece_integral(function, power, q, width)
+            else:
+                found = C[:-1] * q[:-1] ** power * width * exprel((steepness + power) * width)
+            return found * area / (2 * np.pi)
+
+        beta, slopes = steepness + 4, moment(4)
+        g2 = np.concatenate([[0], np.cumsum(slopes)])
+        rate = slopes / (width * exprel(beta * width))
         return cls(
             y,
             g2 / g2[-1],
@@ -114,7 +117,7 @@ class SlopeProfile:
             g2[-1] / rate,
             q_min=float(q[0]),
             g_rms=float(np.sqrt(g2[-1])),
-            h_rms=float(np.sqrt(square[2].sum())),
+            h_rms=float(np.sqrt(moment(2).sum())),
         )
 
     def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:

@@ -11,8 +11,6 @@ coefficients). Fits: theory.tfc_fit.
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -21,7 +19,7 @@ from pydantic import BaseModel, Field, create_model
 
 from ..util.errors import SceneError, one_line
 from .checks import within
-from .tfc_fit import COEFFICIENTS, TERMS, TfcFit, fit_tfc, read_runs, sigma_of_terms, term
+from .tfc_fit import COEFFICIENTS, TERMS, TfcFit, fit_tfc, ratios, read_runs, sigma_of_terms, term
 
 __all__ = [
     "TfcFit",
@@ -37,16 +35,19 @@ __all__ = [
 
 RATIOS = tuple(f"eps_{i}" for i in TERMS)
 PRESSURE_TOLERANCE = 0.05  # how far p_star may be from a tabulated one, relative
-_DATA = files(__package__).joinpath("data")
-# printed p_star are rounded; the runs were made at 0.01/sqrt(2) and 0.5/sqrt(2)
-_UNROUNDED = {0.007: 0.01 / np.sqrt(2), 0.353: 0.5 / np.sqrt(2)}
+_DATA = Path(__file__).parent / "data"
+SHIPPED = {"paper": _DATA / "paper_tfc.json", "ours": _DATA / "our_tfc.json"}
 
 Table = dict[str, Any]  # as in the data files
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+Positive = Annotated[Finite, Field(gt=0)]
 
 
 _Row = create_model(  # type: ignore[call-overload]
-    "_Row", sigma=(dict[str, Finite], {}), **dict.fromkeys(("hurst", *COEFFICIENTS), (Finite, ...))
+    "_Row",
+    hurst=(Finite, ...),
+    sigma=(dict[str, Finite], {}),
+    **{name: (Positive if "alpha" in name else Finite, ...) for name in COEFFICIENTS},
 )
 
 
@@ -54,7 +55,7 @@ class _Part(BaseModel):
     """One observable at one pressure."""
 
     observable: Annotated[str, Field(pattern=r"^\w+$")]
-    p_star: Annotated[Finite, Field(gt=0)]
+    p_star: Positive
     rows: Annotated[list[_Row], Field(min_length=1)]  # type: ignore[valid-type]
 
 
@@ -101,35 +102,23 @@ class Correction:
 
 def paper_table() -> Table:
     """The paper's four tables, as the dict of the data file."""
-    return read_table(_DATA / "paper_tfc.json")
+    return table_of("paper")
 
 
-def our_table() -> Table | None:
-    """The same tables fitted to our own runs, with uncertainties; None if this installation has
-    none."""
-    path = _DATA / "our_tfc.json"
-    return read_table(path) if path.is_file() else None
+def our_table() -> Table:
+    """The same tables fitted to our own runs, with uncertainties."""
+    return table_of("ours")
 
 
 def table_of(name: str) -> Table:
     """The table of a name: "paper", "ours", or the path of a JSON file. Raises SceneError."""
-    if name == "paper":
-        return paper_table()
-    if name != "ours":
-        return read_table(name)
-    table = our_table()
-    if table is None:
-        raise SceneError(
-            "table: found 'ours', which this installation lacks, allowed: paper, FILE.json"
-        )
-    return table
+    return read_table(SHIPPED.get(name, name))
 
 
-def read_table(path: str | Traversable) -> Table:
+def read_table(path: str | Path) -> Table:
     """A table of the same form from the JSON file at path; SceneError if it is not one."""
     try:
-        path = Path(path) if isinstance(path, str) else path
-        table = json.loads(path.read_text(encoding="utf-8"))
+        table = json.loads(Path(path).read_text(encoding="utf-8"))
         _Table.model_validate(table)
         for row in (row for part in table["tables"] for row in part["rows"]):
             sigma_of_terms({"sigma": {}} | row, dict.fromkeys(TERMS, 0.5))
@@ -177,8 +166,7 @@ def correction(
     """
     table = table or paper_table()
     part = _part(table, observable, float(within("p_star", p_star, 0, np.inf, True)))
-    eps = {"t": eps_t, "f": eps_f, "c": eps_c}
-    eps = {i: float(within(f"eps_{i}", eps[i], 0, 1)) for i in TERMS}
+    eps = ratios(eps_t, eps_f, eps_c)
     rows = sorted(part["rows"], key=lambda row: row["hurst"])
     tabulated = [row["hurst"] for row in rows]
     hurst = float(within("hurst", hurst, 0, 1))
@@ -247,11 +235,7 @@ def _part(table: Table, observable: str, p_star: float) -> Table:
         raise SceneError(f"observable: found {observable!r}, allowed: {', '.join(names)}")
     parts = [part for part in table["tables"] if part["observable"] == observable]
     for part in parts:
-        printed = part["p_star"]
-        if any(
-            abs(p_star / p - 1) <= PRESSURE_TOLERANCE
-            for p in (printed, _UNROUNDED.get(printed, printed))
-        ):
+        if abs(p_star / part["p_star"] - 1) <= PRESSURE_TOLERANCE:
             return part
     allowed = " or ".join(f"{part['p_star']:g}" for part in parts)
     raise SceneError(

@@ -49,16 +49,6 @@ class TfcFit:
     dof: int
 
     @cached_property
-    def values(self) -> np.ndarray:
-        """The fitted parameters in the order of names."""
-        known = (
-            {"limit": self.limit}
-            | {f"C_{i}": c for i, c in self.C.items()}
-            | {f"alpha_{i}": a for i, a in self.alpha.items()}
-        )
-        return np.array([known[name] for name in self.names])
-
-    @cached_property
     def sigma(self) -> dict:
         """Standard errors of the fitted parameters by name."""
         return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
@@ -68,8 +58,7 @@ class TfcFit:
     ) -> tuple[float, float]:
         """(sum of the terms, its uncertainty) at the given ratios; a term that was not fitted is
         zero."""
-        eps = {"t": eps_t, "f": eps_f, "c": eps_c}
-        eps = {i: float(within(f"eps_{i}", eps[i], 0, 1)) for i in TERMS}
+        eps = ratios(eps_t, eps_f, eps_c)
         row = self.row(0.0)
         return sum(term(row, i, eps[i]) for i in TERMS), sigma_of_terms(row, eps)
 
@@ -89,24 +78,32 @@ class TfcFit:
         }
 
 
-def term(row: Mapping[str, Any], i: str, eps: float) -> float:
-    """C_i eps^alpha_i by a row of a coefficient table."""
-    return row[f"C_{i}"] * eps ** row[f"alpha_{i}"] if eps > 0 else 0.0
+def ratios(eps_t: float, eps_f: float, eps_c: float) -> dict[str, float]:
+    """{term: its ratio}. Raises SceneError for what is not from 0 to 1."""
+    given = zip(TERMS, (eps_t, eps_f, eps_c))
+    return {i: float(within(f"eps_{i}", value, 0, 1)) for i, value in given}
+
+
+def term(row: Mapping[str, Any], i: str, eps: Any) -> Any:
+    """C_i eps^alpha_i by a row of a coefficient table; eps: number or array."""
+    return row[f"C_{i}"] * eps ** row[f"alpha_{i}"]
+
+
+def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
+    """The derivatives of eq. tfc by each of its numbers."""
+    found: dict[str, Any] = {"limit": 1.0}
+    for i, ratio in eps.items():
+        found[f"C_{i}"] = ratio ** row[f"alpha_{i}"]
+        found[f"alpha_{i}"] = term(row, i, ratio) * np.log(np.where(ratio > 0, ratio, 1.0))
+    return found
 
 
 def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
     """Uncertainty of the sum of the terms, from the "covariance" of the row (order "names") if
     given, else from its "sigma"."""
     names = row.get("names", COEFFICIENTS)
-    gradient = []
-    for name in names:
-        kind, _, i = name.partition("_")
-        power = eps[i] ** row[f"alpha_{i}"] if i in eps and eps[i] > 0 else 0.0
-        gradient.append(
-            {"C": power, "alpha": row.get(f"C_{i}", 0) * power * np.log(eps.get(i) or 1)}.get(
-                kind, 0.0
-            )
-        )
+    known = slopes(row, eps) | {"limit": 0.0}
+    gradient = np.array([known.get(name, 0.0) for name in names])
     covariance = row.get(
         "covariance", np.diag([row["sigma"].get(name, 0.0) ** 2 for name in names])
     )
@@ -155,79 +152,56 @@ def fit_tfc(
         for i, e in zip(TERMS, (eps_t, eps_f, eps_c), strict=True)
         if i in terms
     }
-    alpha = {i: (PAPER_ALPHA | dict(alpha or {}))[i] for i in eps}
-    alpha = {
-        i: None if a is None else float(within(f"alpha_{i}", a, 0, 10, open_low=True))
-        for i, a in alpha.items()
-    }
-    free = [i for i in eps if alpha[i] is None]
-    fixed = None if limit is None else float(within("limit", limit, -np.inf, np.inf))
-    names = (
-        *(("limit",) if fixed is None else ()),
-        *(f"C_{i}" for i in eps),
-        *(f"alpha_{i}" for i in free),
-    )
+    fixed = {} if limit is None else {"limit": float(within("limit", limit, -np.inf, np.inf))}
+    wanted = PAPER_ALPHA | dict(alpha or {})
+    for i in eps:
+        if wanted[i] is not None:
+            fixed[f"alpha_{i}"] = float(within(f"alpha_{i}", wanted[i], 0, 10, open_low=True))
+    every = ("limit", *(f"{kind}_{i}" for kind in ("C", "alpha") for i in eps))
+    names = tuple(name for name in every if name not in fixed)
+    free = [name for name in names if name.startswith("alpha")]
     _enough(value, eps, free, names)
     if sigma is not None and np.ndim(sigma) < 2:
         sigma = np.broadcast_to(within("sigma", sigma, 0, np.inf, open_low=True), value.shape)
 
-    target = value - (fixed or 0.0)
-    linear = len(names) - len(free)  # the parameters in which the law is linear stand first
-
-    def exponents(x: np.ndarray) -> dict:
-        return alpha | dict(zip(free, x[linear:], strict=True))
-
-    def design(alpha: dict) -> np.ndarray:
-        return np.stack(
-            [np.ones_like(value)] * (fixed is None) + [eps[i] ** alpha[i] for i in eps], axis=1
-        )
+    def law(x: np.ndarray) -> dict[str, float]:
+        return fixed | dict(zip(names, x, strict=True))
 
     def model(x: np.ndarray) -> np.ndarray:
-        return design(exponents(x)) @ x[:linear]
+        known = law(x)
+        return known["limit"] + sum(term(known, i, eps[i]) for i in eps)
 
     def jacobian(x: np.ndarray) -> np.ndarray:
-        powers = design(exponents(x))
-        slopes = [
-            powers[:, names.index(f"C_{i}")] * x[names.index(f"C_{i}")] * np.log(eps[i])
-            for i in free
-        ]
-        return np.column_stack([powers, *slopes])
+        known = slopes(law(x), eps)
+        return np.stack([np.broadcast_to(known[name], value.shape) for name in names], axis=1)
 
-    starts = [
-        np.append(
-            np.linalg.lstsq(design(alpha | dict(zip(free, guess))), target, rcond=None)[0], guess
-        )
-        for guess in product(_STARTS, repeat=len(free))
-    ]
-    bounds = np.array([(-np.inf, np.inf)] * linear + [_ALPHA_RANGE] * len(free)).T
-    found = least_squares(model, jacobian, starts, target, sigma, bounds)
+    starts = []
+    for guess in product(_STARTS, repeat=len(free)):
+        x = np.append(np.zeros(len(names) - len(free)), guess)
+        # the law is linear in the parameters that stand first
+        linear = jacobian(x)[:, : len(names) - len(free)]
+        x[: linear.shape[1]] = np.linalg.lstsq(linear, value - model(x), rcond=None)[0]
+        starts.append(x)
+    bounds = np.array([_ALPHA_RANGE if name in free else (-np.inf, np.inf) for name in names]).T
+    found = least_squares(model, jacobian, starts, value, sigma, bounds)
     dof = value.size - len(names)
-    covariance = (
-        found.covariance
-        if sigma is not None
-        else found.covariance * (found.chi2 / dof if dof else np.nan)
-    )
-    known: dict[str, Any] = {"limit": fixed} | dict(zip(names, found.x.tolist(), strict=True))
-    return TfcFit(
-        known["limit"],
-        {i: known[f"C_{i}"] for i in eps},
-        {i: known.get(f"alpha_{i}", alpha[i]) for i in eps},
-        names,
-        covariance,
-        found.chi2,
-        dof,
-    )
+    covariance = found.covariance
+    if sigma is None:
+        covariance = covariance * (found.chi2 / dof if dof else np.nan)
+    known = law(found.x.tolist())
+    C, exponents = ({i: known[f"{kind}_{i}"] for i in eps} for kind in ("C", "alpha"))
+    return TfcFit(known["limit"], C, exponents, names, covariance, found.chi2, dof)
 
 
 def _enough(value: np.ndarray, eps: dict, free: list, names: tuple) -> None:
     """Raise SceneError where there are fewer runs than parameters, or fewer values of a ratio than
     its term needs."""
     for i, values in eps.items():
-        needed, found = 3 if i in free else 2, np.unique(values).size
+        needed, found = 3 if f"alpha_{i}" in free else 2, np.unique(values).size
         if found < needed:
             raise SceneError(
                 f"eps_{i}: found {found} different values, allowed: at least {needed} to fit "
-                f"{'C and alpha' if i in free else 'C'}, or leave the term {i} out"
+                f"{'C and alpha' if needed == 3 else 'C'}, or leave the term {i} out"
             )
     if value.size < len(names):
         raise SceneError(

@@ -15,7 +15,7 @@ from .items.tables import our_table
 from .rows import Rows, as_csv, read_csv, table
 from .study import Study
 
-SAYS = {"paper": "paper says", "ours": "we find", "why": "why"}
+SAYS = {"paper": "claim", "ours": "we find", "why": "remark"}
 PAGE = """# {title}
 
 {about}
@@ -34,14 +34,14 @@ What is printed, what is right, and what shows it: a small computation, or the r
 
 {found}
 
-Made by `python scripts/paper all --level {level}`.
+Made by `python scripts/paper all`.
 """
 HEAD = """# The paper, reproduced, checked and extended
 
 N. Prodanov, W. B. Dapp, M. H. Müser, *On the contact area and mean gap of rough, elastic contacts*, Tribol. Lett. 53 (2014) 433,
 [doi:10.1007/s11249-013-0282-z](https://doi.org/10.1007/s11249-013-0282-z): every figure and table, and its [errata](errata.md).
 
-{loads} loads on grids from {low}² to {high}² points, {minutes:.0f} minutes of solving, accuracy {accuracy:g}; {poor} failed it.
+{loads} loads, {minutes:.0f} minutes of solving, accuracy {accuracy:g}; {poor} failed it.
 All numbers follow from the kept runs: `python scripts/paper all --level {level}`.
 
 - "As counted": grid points in contact. "Edge-corrected": less (π - 1 + ln 2)/24 of a point for every segment of the contact
@@ -76,38 +76,33 @@ def publish(study: Study, store: Store, level: str, redraw: bool = False) -> Row
 def _page(study, rows, level):
     text = TEXTS[study.name]
     lines = list(study.compare(rows))
-    said = [key for key in SAYS if any(line[key] for line in lines)]
-    titles = SAYS | ({"paper": "what", "why": "beside"} if "question" in text else {})
-    columns = {titles[key]: f"{{{key}}}" for key in said}
+    columns = {says: f"{{{key}}}" for key, says in SAYS.items() if any(line[key] for line in lines)}
     about = text.get("question") or f"The paper: {text['paper']}."
-    found = table(lines, columns) if lines else ""
-    return PAGE.format(name=study.name, **text | {"about": about}, found=found, level=level)
+    found = lines and table(lines, columns)
+    return PAGE.format(**text, name=study.name, about=about, found=found or "", level=level)
 
 
 def report(store: Store, level: str, tables: dict[str, Rows]) -> Path:
     """Write README.md, which leads to the pages of all items, and errata.md; {item: rows} are the
     paper's. Returns the path of the first."""
     runs = list(store.stored().values())
-    sizes = [run["n"] for run in runs] or [0]
     items = [
         text | {"link": f"[{name}]({name}.md)" if (store.folder / f"{name}.md").is_file() else name}
         for name, text in TEXTS.items()
     ]
-    path = store.folder / "README.md"
     head = HEAD.format(
         level=level,
         loads=len(runs),
-        low=min(sizes),
-        high=max(sizes),
         minutes=sum(run["wall_seconds"] for run in runs) / 60,
         accuracy=max((run["accuracy"] for run in runs), default=0),
         poor=sum(run["status"] != "converged" for run in runs),
         found=table(items, {"page": "{link}", "what": "{title}", "paper, literature": "{paper}"}),
     )
+    path = store.folder / "README.md"
     write_whole(path, head)
     columns = {"": "{number}", "printed": "{printed}", "right": "{right}", "shown by": "{shown}"}
-    found = table(errata_rows(tables), columns)
-    write_whole(store.folder / "errata.md", ERRATA.format(found=found, level=level))
+    errata = ERRATA.format(found=table(errata_rows(tables), columns))
+    write_whole(path.with_name("errata.md"), errata)
     return path
 
 

@@ -135,8 +135,8 @@ def table(rows: Rows, columns: dict[str, str]) -> str:
 
 
 def _broken(cell):
-    whole = re.sub(r"\([^()]*\)", lambda part: part[0].replace(" ", "\0"), cell)
-    glued = re.sub(r"(?<![,;:.]) ", "\0", whole)  # it breaks at what spaces are left
+    # it breaks after a comma and the like that is not in brackets
+    glued = re.sub(r" (?=[^()]*\))|(?<![,;:.]) ", "\0", cell)
     parts = textwrap.wrap(glued, CELL, break_long_words=False, break_on_hyphens=False)
     return [part.replace("\0", " ") for part in parts] or [""]
 

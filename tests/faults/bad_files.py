@@ -126,12 +126,12 @@ HEIGHT_MAPS = {
     "pickle as .npy": (
         ".npy",
         lambda p: p.write_bytes(pickle.dumps(Trap(p.with_name("trapped")))),
-        "does not begin as a .npy file",
+        "the magic string is not correct",
     ),
     "zip as .npy": (
         ".npy",
         lambda p: zipfile.ZipFile(p, "w").writestr("a.npy", b"x"),
-        "does not begin as a .npy file",
+        "the magic string is not correct",
     ),
     ".npy claiming 1e12 points": (".npy", lambda p: claims(p, (10**6, 10**6)), "cannot be read"),
     ".npy claiming negative size": (".npy", lambda p: claims(p, (-8, 6)), "npy"),

@@ -1,8 +1,10 @@
 """One machine as if it were several: ranks on other nodes have no memory in common, and send each
-other everything."""
+other everything. What they send is counted."""
+
+import numpy as np
 
 from hpc_gfmd.parallel import comm as communicators
-from hpc_gfmd.parallel.comm import MpiComm
+from hpc_gfmd.parallel.comm import MpiComm, stages
 
 NODES = {
     "one": lambda rank: 0,
@@ -17,12 +19,42 @@ PER_NODE = {
 }  # ranks of a node, None: all, where they are dealt out in their order
 
 
+class CountingComm(MpiComm):
+    """sent: bytes and messages to other ranks, those of parts of it counted, too; a reduction is
+    log2(ranks) messages, as in a tree."""
+
+    def __init__(self, mpi, parent=None):
+        super().__init__(mpi, parent)
+        self.sent = parent.sent if parent else np.zeros(2, int)
+
+    def _allreduce(self, values, op):
+        self.sent += np.array([8 * np.size(values), 1]) * stages(self.size)
+        return super()._allreduce(values, op)
+
+    def exchange(self, send, receive):
+        self.sent += sum(a.nbytes for a in send.values()), len(send)
+        super().exchange(send, receive)
+
+    def alltoall_bytes(self, send, receive):
+        to_others = np.delete(send[1], self.rank)
+        self.sent += to_others.sum(), np.count_nonzero(to_others)
+        super().alltoall_bytes(send, receive)
+
+
+def sent_in_a_step(sweep):
+    """(bytes, messages) of this rank in one more iteration of a sweep on a CountingComm."""
+    sent = sweep.surface.grid.comm.sent
+    before = sent.copy()
+    sweep.solver.step()
+    return tuple((sent - before).tolist())
+
+
 def on_pretended_nodes(comm, node_of, monkeypatch):
     """The communicator of all ranks, each on the node that node_of(rank) says. Collective."""
     monkeypatch.setattr(
         communicators, "same_machine", lambda mpi: mpi.Split(node_of(comm.rank), mpi.Get_rank())
     )
-    made = MpiComm(comm.mpi)
+    made = CountingComm(comm.mpi)
     assert list(made.node_ranks) == [
         rank for rank in range(comm.size) if node_of(rank) == node_of(comm.rank)
     ]

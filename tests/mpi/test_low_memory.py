@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from contacts import rough
 
-from hpc_gfmd.driver import lowmemory
+from hpc_gfmd.driver import start
 from hpc_gfmd.driver.lowmemory import LowMemorySweep
 from hpc_gfmd.parallel import grid
 from hpc_gfmd.parallel.comm import SerialComm
@@ -51,8 +51,8 @@ def test_small_loads(comm):
 
 
 def test_single_precision_alone_does_not_get_there(monkeypatch):
-    blind = replace(lowmemory.CALIBRATION, noise_in_turn=np.inf)
-    monkeypatch.setattr(lowmemory, "CALIBRATION", blind)
+    blind = replace(start.CALIBRATION, noise=np.inf)
+    monkeypatch.setattr(start, "CALIBRATION", blind)
     _, step = solved(SerialComm())
     assert step.status != "converged"
     assert step.certificate.residual > RESIDUAL

@@ -30,10 +30,10 @@ def prepared(comm):
             np.save("z.npy", z)
         comm.barrier()
         spec = File(kind="file", path="z.npy", physical_sizes=SIZES, **keys)
-        found, done, _ = prepare(open_topography(spec), spec, comm)
+        found = prepare(open_topography(spec), spec, comm)
         starts = row_starts(found.n[0], comm.size)
         mine = found.rows(int(starts[comm.rank]), int(starts[comm.rank + 1]))
-        return np.concatenate(comm.allgather(mine)), found, done
+        return np.concatenate(comm.allgather(mine)), found, found.done
 
     return call
 
@@ -150,7 +150,7 @@ def test_all_of_it_on_any_number_of_ranks(prepared, comm):
     }
     together = prepared(z, **keys)[0]
     spec = File(kind="file", path="z.npy", physical_sizes=SIZES, **keys)
-    alone, *_ = prepare(open_topography(spec), spec, SerialComm())
+    alone = prepare(open_topography(spec), spec, SerialComm())
     assert np.allclose(together, alone.rows(0, alone.n[0]), atol=1e-13)
     surface = build_surface(spec, comm, np.float64)
     assert surface.grid.n == (32, 20)

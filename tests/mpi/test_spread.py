@@ -9,7 +9,7 @@ from contacts import EXACT, field, rough, sweep_of
 
 from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver import nested
-from hpc_gfmd.operators import multilevel
+from hpc_gfmd.operators import hierarchy
 from hpc_gfmd.parallel.comm import SerialComm
 
 pytestmark = pytest.mark.mpi
@@ -59,8 +59,8 @@ def test_large_grid(comm):
 )
 def test_small_limits(comm, surface, monkeypatch):
     """The same paths on small grids, where answers can be exact."""
-    monkeypatch.setattr(multilevel, "COARSEST_POINTS", 16)
-    monkeypatch.setattr(multilevel, "RANK_POINTS", 64)
+    monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 16)
+    monkeypatch.setattr(hierarchy, "RANK_POINTS", 64)
     small = replace(nested.CALIBRATION, rank_points=64, coarsest=8)
     monkeypatch.setattr(nested, "CALIBRATION", small)
     sweep = compare(comm, surface, [0.02, 0.3], 1e-9, **EXACT)

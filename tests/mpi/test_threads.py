@@ -9,7 +9,7 @@ from contacts import field, rough
 
 from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver import nested
-from hpc_gfmd.operators import multilevel
+from hpc_gfmd.operators import hierarchy
 from hpc_gfmd.parallel import layout
 from hpc_gfmd.parallel import threads as pieces
 from hpc_gfmd.runs.loads import sweep_of
@@ -56,8 +56,8 @@ def small(monkeypatch):
     """Limits so low that small grids have several passes, blocks, and levels and grids on some of
     the ranks."""
     for module, name, value in (
-        (multilevel, "COARSEST_POINTS", 64),
-        (multilevel, "RANK_POINTS", 1024),
+        (hierarchy, "COARSEST_POINTS", 64),
+        (hierarchy, "RANK_POINTS", 1024),
         (pieces, "PIECE_POINTS", 2**9),
         (nested, "CALIBRATION", replace(nested.CALIBRATION, rank_points=1024, coarsest=8)),
         (layout, "ROW_BYTES", 2**12),

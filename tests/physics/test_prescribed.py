@@ -453,6 +453,6 @@ def test_an_area_far_from_those_before():
         {"x": x, "a_r": area, "gap_mean": 1.0, "approach": 1.0}
         for x, area in ((0.40, 0.9990), (0.44, 0.9991))
     ]
-    known = 1e-3, True, sweep._heights
+    known = 1e-3, True, sweep.heights
     search = search_for(LoadTarget("a_r", 4e-5), sweep.surface, known, near)
     assert abs(search.x - np.log(2e-5)) < 3

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from contacts import EXACT, field, rough, sweep_of
-from mpi.nodes import on_pretended_nodes
+from mpi.nodes import on_pretended_nodes, sent_in_a_step
 
 from hpc_gfmd.parallel.world import world
 from hpc_gfmd.runs.decomposition import share_of
@@ -49,9 +49,7 @@ def main(lam_l_over_lam_s, per_node, folder):
 
 def messages(sweep, comm, per_node):
     """[bytes, messages] counted, and planned for so many ranks on a node, of every rank."""
-    before = comm.sent.bytes, comm.sent.messages
-    sweep.solver.step()
-    counted = comm.sent.bytes - before[0], comm.sent.messages - before[1]
+    counted = sent_in_a_step(sweep)
     planned = share_of(sweep.surface.grid.n, sweep.dtype, comm.size, comm.rank, per_node=per_node)
     return comm.allgather([counted, planned.traffic])
 

@@ -57,7 +57,7 @@ def test_a_reader_gets_to_the_end(path):
     assert [line for line in lines if len(line) > 100] == []
 
 
-@pytest.mark.parametrize("page", ["scene", "observables"])
+@pytest.mark.parametrize("page", ["scene", "observables", "gallery"])
 def test_the_reference_reads_as_well(page):
     said = plain(_pages.made()[page])
     assert [cell for cell in cells(said) if len(cell) > 120] == []

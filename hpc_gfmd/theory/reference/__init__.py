@@ -68,8 +68,6 @@ def mean_gap(
     from .. import persson
 
     gap, sigma = load().at("gap_over_h_rms", p_star, hurst, eps_f)
-    if unit == "h_rms":
-        return gap, sigma
-    persson.mean_gap(1.0, hurst, eps_f, unit=unit)  # refuses other units
-    length = persson.g_rms_lam_s_over_h_rms(hurst, eps_f)
-    return gap / length, sigma / length
+    theory = [persson.mean_gap(1.0, hurst, eps_f, unit=name) for name in (unit, "h_rms")]
+    scale = float(theory[0] / theory[1])
+    return gap * scale, sigma * scale

@@ -3,8 +3,6 @@
 import json
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...util.errors import SceneError
+from ..checks import within
 
 FORMAT = "hpc-gfmd reference 2"
 QUANTITIES = ("a_r", "gap_over_h_rms")
@@ -94,10 +93,7 @@ class Reference:
 
 def _within(name: str, wanted: ArrayLike, known: np.ndarray) -> np.ndarray:
     low, high = float(known.min()), float(known.max())
-    wanted = np.asarray(wanted, dtype=np.float64)
-    if not np.all((wanted >= low * (1 - ROUNDING)) & (wanted <= high * (1 + ROUNDING))):
-        raise SceneError(f"{name}: found {wanted.tolist()}, allowed: from {low:g} to {high:g}")
-    return np.clip(wanted, low, high)
+    return np.clip(within(name, wanted, low * (1 - ROUNDING), high * (1 + ROUNDING)), low, high)
 
 
 def _weights(x: float, known: np.ndarray) -> np.ndarray:
@@ -137,10 +133,10 @@ def load(path: str | Path | None = None) -> Reference:
 
 @cache
 def _shipped() -> Reference:
-    return _read(files(__package__) / "data/contact.json")
+    return _read(Path(__file__).parent / "data/contact.json")
 
 
-def _read(path: Path | Traversable) -> Reference:
+def _read(path: Path) -> Reference:
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["format"] != FORMAT:

@@ -412,7 +412,7 @@ def test_one_touching_point_of_many_shows_on_its_ground(monkeypatch):
     pressure = np.zeros((400, 300))
     pressure[201, 33] = 1e-3
     found = survey.survey({"pressure": Whole(pressure)}, 20)
-    assert np.count_nonzero(found.contact) == 1
+    assert np.count_nonzero(found.means["contact"]) == 1
     assert found.means["pressure"].max() == 1e-3  # not thinned by what does not touch
     ground = matplotlib.colors.to_rgb(style.GROUND)
     for colours, behind in ((style.PRESSURE_MAP, ground), (style.CONTACT_MAP, (1, 1, 1))):
@@ -472,8 +472,8 @@ def test_survey_reads_slabs_and_keeps_means(monkeypatch):
     pressure, gap = Whole(np.maximum(noise, 0)), Whole(np.maximum(-noise, 0))
     found = survey.survey({"pressure": pressure, "gap": gap}, 16)
     assert pressure.most <= 10
-    assert found.contact.shape == (15, 16)
-    assert found.contact[0, 0] == (noise[:7, :3] > 0).mean()
+    assert found.means["contact"].shape == (15, 16)
+    assert found.means["contact"][0, 0] == (noise[:7, :3] > 0).mean()
     block = noise[98:, 45:]
     assert found.means["pressure"][-1, -1] == pytest.approx(block[block > 0].mean())
     assert found.means["gap"][3, 5] == pytest.approx(np.maximum(-noise[21:28, 15:18], 0).mean())

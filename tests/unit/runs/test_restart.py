@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pieces import Pieces, scene
 
-from hpc_gfmd.driver import sweep
+from hpc_gfmd.driver import start
 from hpc_gfmd.operators import deflation as gapmode
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.comm import SerialComm
@@ -69,7 +69,7 @@ def test_with_a_gap_mode(pieces, monkeypatch):
 def test_precision_given_up_in_the_middle(pieces, monkeypatch):
     """A load that stagnates in single precision is solved again in double; stopped there, it does
     not begin in single again."""
-    monkeypatch.setattr(sweep, "first_precision", lambda _: np.dtype(np.float32))
+    monkeypatch.setattr(start, "first_precision", lambda _: np.dtype(np.float32))
     asked = scene("bpx", [0.3, 0.35], precision="auto", accuracy=None, residual=1e-8)
     stop_everywhere(pieces, asked)
     assert read_result(pieces.whole).steps[0]["fft_pairs"] > 40  # of both attempts

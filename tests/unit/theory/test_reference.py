@@ -82,10 +82,10 @@ def test_interpolation(written):
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        (("a_r", 3.0, 0.8, 0.25), r"p_star: found 3\.0, allowed: from 0\.0001 to 2"),
+        (("a_r", 3.0, 0.8, 0.25), r"p_star: found 3, allowed: \[0\.0001, 2\]"),
         (("a_r", [0.1, 1e-5], 0.8, 0.25), "p_star: found"),
-        (("gap_over_h_rms", 1.5, 0.8, 0.25), "allowed: from 0.0001 to 1"),
-        (("a_r", 0.1, 0.2, 0.25), r"hurst: found 0\.2, allowed: from 0\.3 to 0\.8"),
+        (("gap_over_h_rms", 1.5, 0.8, 0.25), r"allowed: \[0\.0001, 1\]"),
+        (("a_r", 0.1, 0.2, 0.25), r"hurst: found 0\.2, allowed: \[0\.3, 0\.8\]"),
         (("a_r", 0.1, 0.5, 0.1), "eps_f: found 0.1"),
         (("a_r", 0.1, float("nan"), 0.25), "hurst"),
         (("gap", 0.1, 0.5, 0.25), "quantity"),
