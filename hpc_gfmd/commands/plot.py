@@ -90,10 +90,10 @@ def main(args: Namespace) -> int:
     left = [index for index in result.indices if index not in shown]
     if left and shown and names != ["heights"]:
         said.append(f"shown: step {_list(sorted(shown))}; left out: {_list(left)} (--step chooses)")
-    steps = list(zip(result.indices, result.steps, strict=True))
-    if doubtful := [index for index, step in steps if not converged(step)]:
+    steps = result.numbered
+    if doubtful := [index for index, step in steps.items() if not converged(step)]:
         said.append(f"! not converged: step {_list(doubtful)} (marked in the pictures)")
-    said += [f"step {index}: {step['note']}" for index, step in steps if step.get("note")]
+    said += [f"step {index}: {step['note']}" for index, step in steps.items() if step.get("note")]
     for line in said + result.remarks:
         print(line)
     return 0

@@ -74,8 +74,6 @@ def as_text(result: Result) -> str:
     if surface_line(result.surface):
         lines.append(surface_line(result.surface))
     lines.append(
-        table(result.steps, result.indices, result.surface)
-        if result.steps
-        else "no finished load step yet"
+        table(result.numbered, result.surface) if result.steps else "no finished load step yet"
     )
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])

@@ -64,9 +64,23 @@ class Result:
         return [f"note: {note}" for note in self.notes] + [unfinished] * (self.folder is not None)
 
     @property
+    def numbered(self) -> dict[int, dict]:
+        """The attributes of the load steps, by their numbers."""
+        return dict(zip(self.indices, self.steps, strict=True))
+
+    @property
     def groups(self) -> dict[str, dict]:
         """The attributes of the load steps, by their groups in a file."""
-        return {group_of(index): step for index, step in zip(self.indices, self.steps)}
+        return {group_of(index): step for index, step in self.numbered.items()}
+
+    def places(self, numbers: Sequence[int]) -> list[int]:
+        """Where load steps of these numbers are in `steps`. Raises SceneError for those that are
+        not there."""
+        for number in numbers:
+            if number not in self.indices:
+                allowed = ", ".join(map(str, self.indices)) or "none"
+                raise SceneError(f"step: found {number}, allowed: {allowed}")
+        return [self.indices.index(number) for number in numbers]
 
     @property
     def datasets(self) -> dict[str, Any]:
@@ -97,18 +111,14 @@ class Result:
     ) -> "Result":
         """The same of the steps of these numbers and with these fields alone (None: all). Raises
         SceneError for those that are not there."""
-        there = {name for each in self.fields for name in each}
-        for what, asked, known in (
-            ("step", indices, self.indices),
-            ("fields", fields, sorted(there)),
-        ):
-            for one in asked or ():
-                if one not in known:
-                    allowed = ", ".join(map(str, known)) or "none"
-                    raise SceneError(f"{what}: found {one}, allowed: {allowed}")
-        some = self if indices is None else self.some([self.indices.index(k) for k in indices])
-        wanted = there if fields is None else set(fields)
-        kept = [{name: each[name] for name in each if name in wanted} for each in some.fields]
+        some = self if indices is None else self.some(self.places(indices))
+        if fields is None:
+            return some
+        there = sorted({name for each in self.fields for name in each})
+        for name in fields:
+            if name not in there:
+                raise SceneError(f"fields: found {name}, allowed: {', '.join(there) or 'none'}")
+        kept = [{name: each[name] for name in each if name in fields} for each in some.fields]
         return replace(some, fields=kept)
 
     @property

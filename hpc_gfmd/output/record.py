@@ -72,7 +72,7 @@ class RunFile(AbstractContextManager):
                 f"opening {self.path}",
                 lambda: self._claim(head.get("identity"), resume, force),
             )
-            self.finished = dict(zip(left.indices, left.steps))
+            self.finished = left.numbered
             self._fields = left.datasets
             self.earlier = {
                 name: left.head[name] for name in ("start_time", "heights") if name in left.head

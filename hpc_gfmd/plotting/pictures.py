@@ -168,13 +168,7 @@ def chosen_steps(result: Result, what: Any, step: Any = None) -> list[int]:
     """Places in result.steps of the load steps that a picture shows. Raises SceneError for numbers
     that it does not have."""
     if step is not None:
-        numbers = [int(number) for number in np.atleast_1d(step)]
-        unknown = [number for number in numbers if number not in result.indices]
-        if unknown:
-            raise SceneError(
-                f"step: found {unknown[0]}, allowed: {', '.join(map(str, result.indices))}"
-            )
-        return [result.indices.index(number) for number in numbers]
+        return result.places([int(number) for number in np.atleast_1d(step)])
     able = _steps(result, what)
     if what == "heights":
         return able[:1]  # the same under all loads

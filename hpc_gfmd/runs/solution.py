@@ -210,7 +210,7 @@ class Solution(Solved):
         return f"<Solution: {summary(self._step, self.result.surface)}>"
 
     def _repr_html_(self) -> str:
-        return html_table(self.result.steps, self.result.surface, across=False)
+        return html_table(self.result, across=False)
 
     def __reduce__(self) -> tuple:
         return Solution, (in_memory(self.result), None, self.rows)
@@ -309,12 +309,12 @@ class Solutions(Solved, Sequence):
         ]
         lines += [
             f"  {k}: {summary(step, self.result.surface)}"
-            for k, step in zip(self.result.indices, self.result.steps)
+            for k, step in self.result.numbered.items()
         ]
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)]) + ">"
 
     def _repr_html_(self) -> str:
-        return html_table(self.result.steps, self.result.surface, self.result.indices, self.notes)
+        return html_table(self.result)
 
     def __reduce__(self) -> tuple:
         return Solutions, (in_memory(self.result), (), self.rows)

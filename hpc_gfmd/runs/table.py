@@ -1,11 +1,12 @@
 """The result table: one line per load step, plain ASCII for terminals and batch logs, or HTML for
 notebooks."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from html import escape
 from typing import Any
 
 from ..contact import all_numbers
+from ..output.read import Result
 from ..output.summary import converged, is_number, surface_line, with_error
 from ..util.quantities import in_units, prefixed
 
@@ -52,16 +53,15 @@ DIGITS = {
 PER_CENT = {"a_r": "% +- solver", "a_r_discretisation": "%", "pressure_error": "%"}
 
 
-def table(steps: list[dict], indices: list[int] | None = None, surface: dict | None = None) -> str:
-    """Text for the steps, given as dicts of the attributes of the result file; surface: those of
-    its surface, which know the units.
+def table(steps: Mapping[int, dict], surface: dict | None = None) -> str:
+    """Text for the steps, by number the attributes of the result file; surface: those of its
+    surface, which know the units.
 
     Errors stand behind +- in the unit of their column: those of the solver. What the size of a grid
     point adds to that of a_r has a column of its own. A step that did not converge has a ! before
     its number and a line of its own below the table, as has a step with a `note`.
     """
-    indices = list(range(len(steps))) if indices is None else indices
-    return "\n".join([*_lines(cells(steps, indices, surface)), *remarks(indices, steps)])
+    return "\n".join([*_lines(cells(steps, surface)), *remarks(steps)])
 
 
 class GrowingTable:
@@ -75,14 +75,14 @@ class GrowingTable:
         """Rows of more steps, by their numbers; above them the headings where these are not the
         last ones any more, as in other units."""
         self._steps |= steps
-        rows = cells([*self._steps.values()], [*self._steps], self._surface)
+        rows = cells(self._steps, self._surface)
         lines, same = _lines(rows, ROOM), rows[:2] == self._heading
         self._heading = rows[:2]
         return "\n".join([*(() if same else lines[:2]), *lines[-len(steps) :]])
 
     def end(self) -> list[str]:
         """What is said below the rows, a line each."""
-        return remarks([*self._steps], [*self._steps.values()])
+        return remarks(self._steps)
 
 
 def _lines(rows: list[list[str]], least: int = 0) -> list[str]:
@@ -92,35 +92,31 @@ def _lines(rows: list[list[str]], least: int = 0) -> list[str]:
     return [line.rstrip() for line in lines]
 
 
-def html_table(
-    steps: list[dict],
-    surface: dict,
-    indices: list[int] | None = None,
-    notes: Sequence[str] = (),
-    across: bool = True,
-) -> str:
+def html_table(result: Result, across: bool = True) -> str:
     """HTML of what `table` says; across: a row for each step, otherwise a column."""
     from pandas import DataFrame
 
-    indices = list(range(len(steps))) if indices is None else indices
-    rows = DataFrame(cells(steps, indices, surface))
+    steps, surface = result.numbered, result.surface
+    rows = DataFrame(cells(steps, surface))
     shown = (rows if across else rows.T[1:]).to_html(header=False, index=False, border=0)
-    below = [surface_line(surface), *remarks(indices, steps), *(f"note: {note}" for note in notes)]
+    notes = (f"note: {note}" for note in result.notes)
+    below = [surface_line(surface), *remarks(steps), *notes]
     return f"{shown}\n<small>{'<br>'.join(map(escape, below))}</small>"
 
 
-def cells(steps: list[dict], indices: list[int], surface: dict | None = None) -> list[list[str]]:
+def cells(steps: Mapping[int, dict], surface: dict | None = None) -> list[list[str]]:
     """The same as rows of texts: headings, units, and one row per step."""
-    marked = zip(indices, steps, strict=True)
-    columns = [["step", "", *(f"{'! ' * (not converged(step))}{k}" for k, step in marked)]]
+    marked = (f"{'! ' * (not converged(step))}{k}" for k, step in steps.items())
+    columns = [["step", "", *marked]]
     for key, name in COLUMNS.items():
         # of any file
         values = [
-            x if isinstance(x := step.get(key), int | float | str) else None for step in steps
+            x if isinstance(x := step.get(key), int | float | str) else None
+            for step in steps.values()
         ]
         if any(value is not None for value in values):
             scale, heading = _scale(key, list(filter(is_number, values)), surface or {})
-            shown = (_cell(key, value, scale, step) for value, step in zip(values, steps))
+            shown = (_cell(key, value, scale, step) for value, step in zip(values, steps.values()))
             columns.append([name, heading, *shown])
     return [list(row) for row in zip(*columns)]
 
@@ -150,11 +146,11 @@ def _cell(key: str, value: Any, scale: float, step: dict) -> str:
     return with_error(value, error) if isinstance(value, float) or error else str(value)
 
 
-def remarks(indices: list[int], steps: list[dict]) -> list[str]:
+def remarks(steps: Mapping[int, dict]) -> list[str]:
     """What to say below the table, a line each."""
-    remarks = [LEGEND] if any("a_r_discretisation" in step for step in steps) else []
+    remarks = [LEGEND] if any("a_r_discretisation" in step for step in steps.values()) else []
     said: dict[str, list[str]] = {}
-    for index, step in zip(indices, steps, strict=True):
+    for index, step in steps.items():
         if not converged(step):
             status = step.get("status", "unknown")
             remarks.append(f"! step {index}: NOT CONVERGED ({status}), less accurate than asked")

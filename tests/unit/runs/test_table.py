@@ -10,7 +10,9 @@ from hpc_gfmd.runs.table import GrowingTable, table
 
 
 def test_table_marks_what_did_not_converge():
-    text = table([STEP, STEP | {"status": "stagnated", "note": "fewer than 100 points touch"}])
+    text = table(
+        {0: STEP, 1: STEP | {"status": "stagnated", "note": "fewer than 100 points touch"}}
+    )
     header, units, first, second, *remarks = text.splitlines()
     assert header.split() == ["step", "p*", "p", "a_r", "iter.", "status"]
     assert "[E*]" in units
@@ -25,12 +27,12 @@ def test_table_marks_what_did_not_converge():
 def test_rows_come_as_steps_finish():
     """Those of the whole table; headings once, and again where a unit has become another."""
     surface, growing = SURFACE | {"unit": "m"}, GrowingTable(SURFACE | {"unit": "m"})
-    steps = [STEP | {"gap_mean": x} for x in (1e-6, 2e-6, 3e-3)]
-    lines = [growing.add({k: step}).splitlines() for k, step in enumerate(steps)]
+    steps = {k: STEP | {"gap_mean": x} for k, x in enumerate((1e-6, 2e-6, 3e-3))}
+    lines = [growing.add({k: step}).splitlines() for k, step in steps.items()]
     assert list(map(len, lines)) == [3, 1, 3]
-    whole = [line.split() for line in table(steps, surface=surface).splitlines()]
+    whole = [line.split() for line in table(steps, surface).splitlines()]
     assert [line.split() for line in lines[2]] == [*whole[:2], whole[4]]
-    assert growing.end() == table(steps, surface=surface).splitlines()[5:]
+    assert growing.end() == table(steps, surface).splitlines()[5:]
 
 
 def test_one_line_has_both_errors_as_the_table_has():
