@@ -122,6 +122,8 @@ def _table(path: str | Path, layout: Layout, spec: Any) -> Any:
 
 def _on_grid(points: Any, units: tuple[str, ...]) -> tuple[np.ndarray, Metadata]:
     """The same of columns x, y, z; points of the grid that are not among them have no height."""
+    if points.duplicated([0, 1]).any():
+        raise ValueError("it has a point twice")
     table = points.pivot(index=0, columns=1, values=2)
     steps = [np.diff(axis) for axis in table.axes]
     if not all(step.size and np.ptp(step) <= UNEVEN * step.mean() for step in steps):

@@ -233,6 +233,16 @@ def test_text_of_instruments(text, keys, missing, tmp_path):
     assert bool(found.prepared) == bool(missing)
 
 
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [("\n0 0 7", "has a point twice"), ("\n0.52 0 8", "not those of a regular grid")],
+)
+def test_points_that_are_no_grid(lines, words):
+    Path("z.txt").write_text(points() + lines)
+    with pytest.raises(SceneError, match=f"cannot be read as text: .*{words}"):
+        open_topography(spec("z.txt", **BY_HAND))
+
+
 STEPS = np.round(65535 * (Z - Z.min()) / np.ptp(Z)).astype(np.uint16)
 RANGE = {"height_range": [f"{1e9 * z!r} nm" for z in (float(Z.min()), float(Z.max()))]}
 
