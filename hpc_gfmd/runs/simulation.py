@@ -23,7 +23,7 @@ from ..output.record import RunFile
 from ..output.summary import surface_line
 from ..parallel import wisdom
 from ..parallel.comm import Comm
-from ..parallel.guard import collective_errors, on_rank_0
+from ..parallel.guard import on_rank_0
 from ..parallel.interrupt import Interrupt, Stopped
 from ..parallel.world import threads_of, world
 from ..scene import Scene, load_scene, with_overrides
@@ -308,24 +308,21 @@ def restart(
     overrides: "machine.key=value" texts; nothing else of the scene can be changed.
     """
     comm = comm or world()
-    with collective_errors(comm, "reading the interrupted run"):
-        if comm.rank == 0:
-            folder = partial_folder(path)
-            if not ((folder / HEAD).exists() or is_held(folder)):
-                clear(folder)  # what a run that died after it had finished the file left
-            if not folder.is_dir():
-                there = (
-                    "is complete already"
-                    if Path(path).is_file()
-                    else "has no interrupted run beside it"
-                )
-                if Path(path).suffix == ".partial":
-                    there = f"is the folder of a run: hpc-gfmd restart {Path(path).with_suffix('')}"
-                raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
-        scene = with_overrides(
-            Scene.from_toml(read_partial(path).scene_toml, str(path)), overrides, "machine"
-        )
-    return run_scene(scene, out=path, quiet=quiet, comm=comm)
+    scene = on_rank_0(comm, "reading the interrupted run", lambda: _left_scene(Path(path)))
+    return run_scene(with_overrides(scene, overrides, "machine"), out=path, quiet=quiet, comm=comm)
+
+
+def _left_scene(path: Path) -> Scene:
+    """The scene of the interrupted run that writes `path`."""
+    folder = partial_folder(path)
+    if not ((folder / HEAD).exists() or is_held(folder)):
+        clear(folder)  # what a run that died after it had finished the file left
+    if not folder.is_dir():
+        there = "is complete already" if path.is_file() else "has no interrupted run beside it"
+        if path.suffix == ".partial":
+            there = f"is the folder of a run: hpc-gfmd restart {path.with_suffix('')}"
+        raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
+    return Scene.from_toml(read_partial(path).scene_toml, str(path))
 
 
 def _read_scene(
