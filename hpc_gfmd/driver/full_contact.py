@@ -37,11 +37,16 @@ def closing_load(problem: Problem) -> tuple[float, float]:
     """The least p0 at which u = -h is the solution, and the FFT pairs that it took: the largest
     tension without any. Collective."""
     _, p, certificate = closed_contact(problem)
+    return float(problem.p0 + sum(tension_of(problem, p))), certificate.pairs
+
+
+def tension_of(problem: Problem, p: np.ndarray) -> tuple[float, float]:
+    """The largest tension of a closed contact (below 0: there is none), and the rounding error of
+    its pressure p. Collective."""
     tension, largest = problem.grid.comm.max(
         [-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))]
     )
-    rounding = CLOSED * float(np.finfo(p.dtype).eps) * largest
-    return float(problem.p0 + tension + rounding), certificate.pairs
+    return float(tension), CLOSED * float(np.finfo(p.dtype).eps) * float(largest)
 
 
 class FullContact(GivenLoad):

@@ -14,7 +14,7 @@ from ..contact.contact import Contact
 from ..parallel import interrupt
 from ..util.errors import SceneError
 from .drive import drive
-from .full_contact import FullContact, closed_contact, closing_load
+from .full_contact import FullContact, closed_contact, closing_load, tension_of
 from .load import GivenLoad
 from .load_quantities import OpeningSearch, restored, search_for
 from .load_search import x_of
@@ -264,6 +264,11 @@ class Sweep(Start):
                 return None
         g, p, certificate = closed_contact(problem, dual=self.target.duality)
         self._spent += certificate.pairs
+        tension, rounding = tension_of(problem, p)
+        if 0 <= tension <= rounding:  # the least load that closes the gap, but for rounding errors
+            problem = self._problem(p0 + tension + rounding)
+            g, p, certificate = closed_contact(problem, dual=self.target.duality)
+            self._spent += certificate.pairs
         if certificate.contact - certificate.yielded < problem.grid.N:
             return None
         exact = replace(certificate, errors=(0.0, 0.0, full_contact_error(problem)))

@@ -26,6 +26,16 @@ def test_full_contact(n):
     )
 
 
+@pytest.mark.parametrize("ulps", [-2, -1, 0, 1, 2])
+def test_the_load_that_just_closes_a_wave(ulps):
+    """E* g_rms, but for rounding errors, which open no gap."""
+    x, y = (2 * np.pi * k * np.arange(16) / 16 for k in (1, 2))
+    p_star = 1 + ulps * 2.0**-52
+    found = hpc_gfmd.solve(np.cos(x)[:, None] * np.cos(y), p_star=p_star, accuracy=1e-3)
+    assert (found.status, found.a_r, found.gap_mean) == ("converged", 1.0, 0.0)
+    assert found.p_star == p_star
+
+
 @pytest.mark.parametrize("n", [(6, 6), (1, 1), (1, 5), (7, 4)], ids=str)
 def test_flat(n):
     found = hpc_gfmd.solve(np.full(n, 3.0), 0.7)
