@@ -265,7 +265,8 @@ class Sweep(Start):
         g, p, certificate = closed_contact(problem, dual=self.target.duality)
         self._spent += certificate.pairs
         tension, rounding = tension_of(problem, p)
-        if 0 <= tension <= rounding:  # the least load that closes the gap, but for rounding errors
+        # the least load that closes the gap, but for rounding errors
+        if problem.dtype == np.float64 and 0 <= tension <= max(rounding, problem.rounding):
             problem = self._problem(p0 + tension + rounding)
             g, p, certificate = closed_contact(problem, dual=self.target.duality)
             self._spent += certificate.pairs

@@ -266,10 +266,17 @@ def fit_observable(runs: Rows, observable: str, level: str, printed: bool = Fals
     if not (POWER_LAW[0] < alpha_c < POWER_LAW[1] and sigma < alpha_c):
         raise SceneError(f"alpha_c: found {alpha_c:.2f} ± {sigma:.2f}, allowed: a power law")
     best, step = fit_at(alpha_c), 0.1 * sigma
-    moved = fit_at(alpha_c + step).values - fit_at(alpha_c - step).values
+    more, less = (values_of(fit_at(alpha_c + by)) for by in (step, -step))
+    moved = more - less
     direction = np.append(moved / 0.2, sigma)  # when alpha_c is larger by its error
     covariance = np.pad(best.covariance, (0, 1)) + np.outer(direction, direction)
     return replace(best, names=(*best.names, "alpha_c"), covariance=covariance)
+
+
+def values_of(fit: TfcFit) -> np.ndarray:
+    """The fitted parameters in the order of names."""
+    row = fit.row(0.0)
+    return np.array([row[name] for name in fit.names])
 
 
 def local_exponents(runs: Rows, observable: str, level: str) -> Rows:

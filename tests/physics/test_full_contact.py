@@ -26,12 +26,13 @@ def test_full_contact(n):
     )
 
 
-@pytest.mark.parametrize("ulps", [-2, -1, 0, 1, 2])
-def test_the_load_that_just_closes_a_wave(ulps):
-    """E* g_rms, but for rounding errors, which open no gap."""
-    x, y = (2 * np.pi * k * np.arange(16) / 16 for k in (1, 2))
-    p_star = 1 + ulps * 2.0**-52
-    found = hpc_gfmd.solve(np.cos(x)[:, None] * np.cos(y), p_star=p_star, accuracy=1e-3)
+@pytest.mark.parametrize(("n", "ulps"), [(16, -2), (16, 0), (16, 1), (102, 0), (250, 0)])
+@pytest.mark.parametrize("unit", [1.0, 1e-12])
+def test_the_load_that_just_closes_a_wave(n, ulps, unit):
+    """E* g_rms, but for rounding errors, which open no gap; "auto" goes to double there."""
+    x, y = (2 * np.pi * k * np.arange(n) / n for k in (1, 2))
+    p_star, z = 1 + ulps * 2.0**-52, unit * np.cos(x)[:, None] * np.cos(y)
+    found = hpc_gfmd.solve(z, p_star=p_star, accuracy=1e-3)
     assert (found.status, found.a_r, found.gap_mean) == ("converged", 1.0, 0.0)
     assert found.p_star == pytest.approx(p_star, rel=1e-15)
 

@@ -97,7 +97,7 @@ def test_update(random, n, hardness, s):
     for longest in (n[0], 2):
         grid = Grid(n)
         levels_of = Multilevel(grid, HalfSpace(), np.float64, longest)
-        if levels_of.levels[0].n == levels_of.levels[1].n:
+        if levels_of.hierarchy.levels[0].n == levels_of.hierarchy.levels[1].n:
             return
         g, p, d = state(random, n, hardness)
         x = random.standard_normal(n)
@@ -127,7 +127,7 @@ def test_update(random, n, hardness, s):
             -new_g[yields].sum(),
         ]
         assert np.sum(sums, axis=0) == pytest.approx(np.array(wanted), rel=1e-11, abs=1e-11)
-        m = levels_of.levels[1].n
+        m = levels_of.hierarchy.levels[1].n
         found = np.zeros((3, *m))
         for row in range(levels_of.fields[0].shape[1]):
             found[:, (row - 1) % m[0]] += levels_of.fields[0][:, row]
