@@ -14,7 +14,7 @@ from ..contact.contact import Contact
 from ..parallel import interrupt
 from ..util.errors import SceneError
 from .drive import drive
-from .full_contact import FullContact, closed_contact, closing_load, tension_of
+from .full_contact import CLOSED, FullContact, closed_contact, closing_load, tension_of
 from .load import GivenLoad
 from .load_quantities import OpeningSearch, restored, search_for
 from .load_search import x_of
@@ -266,7 +266,7 @@ class Sweep(Start):
         self._spent += certificate.pairs
         tension, rounding = tension_of(problem, p)
         # the least load that closes the gap, but for rounding errors
-        if problem.dtype == np.float64 and 0 <= tension <= max(rounding, problem.rounding):
+        if problem.dtype == np.float64 and 0 <= tension <= CLOSED * problem.rounding:
             problem = self._problem(p0 + tension + rounding)
             g, p, certificate = closed_contact(problem, dual=self.target.duality)
             self._spent += certificate.pairs
