@@ -225,12 +225,13 @@ def _lay_out(
             numbers = n[0] * n[1] * dtype.itemsize
             space += numbers + compressed * (numbers // 500 + _PER_CHUNK * n[0])
         describe(file)
+    space += image.getbuffer().nbytes
     with open(path, "wb") as file:
-        space += file.write(image.getbuffer())
-        file.flush()
         try:
             if hasattr(os, "posix_fallocate"):
                 os.posix_fallocate(file.fileno(), 0, space)
+            file.write(image.getbuffer())
+            file.flush()
         except OSError as error:
             raise OSError(error.errno, f"{error.strerror} ({space / 1e6:.4g} MB needed)") from None
 

@@ -46,7 +46,8 @@ def on_threads(
     try:
         work_on(0)
     finally:
-        wait(others)
+        if others:  # asking takes longer than a coarse grid
+            wait(others)
     for other in others:
         other.result()
     return found

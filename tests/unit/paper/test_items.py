@@ -66,7 +66,8 @@ def test_one_command_makes_all(quick):
 def test_one_limit_everywhere(quick):
     """Table 5, the errata and the page of the limit give one kappa."""
     limit, table5 = (read_csv((quick / f"{name}.csv").read_text()) for name in ("limit", "table5"))
-    assert limit == table5
+    for one, other in zip(limit, table5, strict=True):  # fitted twice
+        assert one == pytest.approx(other, rel=1e-5)
     ours = [row for row in limit if row["area"] == "ours"]
     assert len(ours) == 8
     text = (quick / "errata.md").read_text()
