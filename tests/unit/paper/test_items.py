@@ -67,7 +67,10 @@ def test_one_limit_everywhere(quick):
     """Table 5, the errata and the page of the limit give one kappa."""
     limit, table5 = (read_csv((quick / f"{name}.csv").read_text()) for name in ("limit", "table5"))
     for one, other in zip(limit, table5, strict=True):  # fitted twice
-        assert one == pytest.approx(other, rel=1e-5)
+        for name, value in one.items():
+            assert other[name] == (
+                pytest.approx(value, rel=1e-5) if isinstance(value, float) else value
+            )
     ours = [row for row in limit if row["area"] == "ours"]
     assert len(ours) == 8
     text = (quick / "errata.md").read_text()
