@@ -19,7 +19,7 @@ from ..driver.precision import (
 )
 from ..operators.problem import TRANSFORMED
 from ..parallel.comm import Comm
-from ..parallel.grid import Grid
+from ..parallel.grid import SMALL, Grid
 from ..parallel.guard import raise_on_all
 from ..scene import Scene
 from ..surface import cell_of
@@ -56,7 +56,7 @@ class Needs:
     tangent: float = 4.0
     piece_gib: float = 1 / 16
     modes_gib: float = 0.025
-    process_gib: float = 0.2
+    process_gib: float = 0.21
     threads_gib: float = 0.01
     thread_gib: float = 0.0015
     longest_axis: int = 2**26
@@ -133,7 +133,8 @@ def memory_of(
     def scratch(precision: DTypeLike, grids: Iterable[Grid]) -> float:
         return threads * sum(share.layout_of(grid, precision).scratch_bytes for grid in grids) / GIB
 
-    grids = [share.grid, *([] if low else share.grids)]
+    kept_grids = [g for g in share.grids if not low or share.layout_of(g, dtype).bytes <= SMALL]
+    grids = [share.grid, *kept_grids]
     with_table = 1 + body_of(scene.material, free).table_share
     transforms = spectra(dtype, grids[:1]) * with_table + spectra(dtype, grids[1:])
     transforms += sum(

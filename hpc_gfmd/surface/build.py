@@ -187,9 +187,12 @@ def build_surface(
     if spec.kind == "self-affine":
         kept = np.dtype(np.float64) if spec.radius else dtype
         grid = grid_of(spec.n, spec.physical_sizes, comm, threads, spec.free)
+        nominal = _nominal(grid)
         h, h_over_g, add_spectrum = self_affine_gap(
-            spec, _nominal(grid), kept, kept if low_memory else np.float64
+            spec, nominal, kept, kept if low_memory else np.float64
         )
+        if grid.padded:  # what is solved on has transforms of its own
+            nominal.forget_fft(kept if low_memory else np.float64)
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
         known = None if grid.padded else add_spectrum
         made = Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.nominal_rows, known)

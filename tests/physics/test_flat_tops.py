@@ -1,0 +1,19 @@
+"""Flat tops all touch at light loads, which deform hardly anything; a seam does not spoil that."""
+
+import numpy as np
+import pytest
+
+import hpc_gfmd
+
+
+@pytest.mark.parametrize("n", [64, 65, 205])
+@pytest.mark.parametrize("p_star", [1e-7, 1.8e-6, 1e-5])
+def test_a_checkerboard(n, p_star):
+    """Along one row and one column of an odd number of squares two of a kind meet."""
+    squares = np.indices((n, n)).sum(axis=0) % 2.0
+    solution = hpc_gfmd.solve(
+        squares, p_star=p_star, boundary="periodic", fields=("pressure", "gap")
+    )
+    assert solution.status == "converged"
+    assert np.array_equal(solution.pressure > 0, squares == 1)
+    assert solution.gap.max() == pytest.approx(1, abs=100 * p_star)
