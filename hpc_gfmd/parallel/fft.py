@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from ..kernels.spectral import from_blocks, to_blocks, transpose, transpose_back
-from ..util.aligned import zeros_aligned
+from ..util.aligned import empty_aligned, zeros_aligned
 from .layout import Layout
 from .plans import Plans
 from .shared import common_memory
@@ -98,7 +98,7 @@ class SlabFFT(Layout):
         of each begins in it, and that of this rank, which holds its rows of the blocks."""
         node, length = self.comm.node, self.n_loc * self.n_c
         if node.size == 1:
-            blocks = zeros_aligned((length,), dtype)
+            blocks = empty_aligned((length,), dtype)  # a pass writes all of them
             return blocks, np.zeros(1, int), blocks
         memory, offsets = common_memory(node, length * dtype.itemsize)
         memory, first = memory.view(dtype), offsets // dtype.itemsize
