@@ -38,8 +38,11 @@ def table(columns, found, note=""):
     cells = [columns, ["---"] * len(columns)]
     cells += [[cell.format_map(row) for cell in columns.values()] for row in found]
     text = "\n".join(f"| {' | '.join(line)} |" for line in cells)
-    where = "{cpu} (cores: {cores}), commit {commit}"
-    places = dict.fromkeys(where.format_map(r["provenance"]) for r in found if "provenance" in r)
+    measured = [row["provenance"] for row in found if "provenance" in row]
+    places = [
+        f"{cpu} (cores: {cores}), commit {', '.join(dict.fromkeys(p['commit'] for p in of))}"
+        for (cpu, cores), of in grouped(measured, "cpu", "cores")
+    ]
     said = f"Measured on {'; '.join(places)}." if places else ""
     return "\n\n".join(filter(None, [text, " ".join(filter(None, [note, said]))]))
 
