@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 # a load up to so much larger or smaller starts from the one before, others from coarser grids
 # (not round numbers, nor the next one: p* has rounding errors)
 WARM_UP, WARM_DOWN = 1.45, 1.26
-# a start with so many times the energy of an undeformed body is worse (rough strips: up to 400
-# times, and better than undeformed; flat tops at loads that come to no end: from 80,000 times)
+# a start with about so many times the energy of an undeformed body is worse (rough strips have up
+# to 400 times, and start better; flat tops at loads that come to no end have 80,000 times and more)
 WORSE = 1e4
 OTHER_VERSION = "a state of another version of hpc_gfmd, allowed: of this one"
 
@@ -110,14 +110,11 @@ class Start:
 
     def _is_worse_than_undeformed(self) -> bool:
         """Whether the start has far more energy than a flat body that just touches: at light loads
-        on flat tops what coarse grids make of edges is larger than what the load does.
-        Collective."""
-        solver, grid = self.solver, self.surface.grid
-        if grid.padded or not self.solver_class.takes_gap:
+        on flat tops what coarse grids make of edges is larger than what the load does."""
+        solver = self.solver
+        if self.surface.grid.padded or not self.solver_class.takes_gap:
             return False
-        gap = self.surface.gap
-        sums = grid.by_rows(lambda i0, i1: gap[i0:i1].sum(dtype=np.float64))
-        undeformed = solver.p_cell * float(grid.comm.sum([sum(sums)])[0])
+        undeformed = solver.p_cell * solver.N * solver.problem.root_mean_square
         return bool(0.5 * solver.uKu > WORSE * undeformed)
 
     def _go_back(self, p0: float, arrays: Slabs, numbers: dict[str, Any]) -> None:
