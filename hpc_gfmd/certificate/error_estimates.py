@@ -70,7 +70,8 @@ class Calibration:
         seen).
     reach : float
         Points change sides if that takes less than so many times the rms error of the pressure,
-        where that error is: 0.5 for random roughness, 1.3 for lattices of alike points.
+        where that error is: 0.5 for random roughness, 1.3 for lattices of alike points. One half of
+        this range counts, the one with more points: random roughness has as many in both.
     farthest, few : float
         So many points change sides if that takes less than `farthest` times that rms.
     rounding : float
@@ -198,12 +199,10 @@ def misclassified_points(
     counts = np.sum([np.zeros((2, BINS)), *grid.by_rows(count, grid.inside[0])], axis=0)
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
-    wrong = 0.0
+    wrong, reach = 0.0, CALIBRATION.reach
     for points in np.reshape(grid.comm.sum(counts.ravel()), (2, BINS)):
-        likely = max(
-            points[takes < mean_square * CALIBRATION.reach**2].sum(),
-            min(points.sum(), CALIBRATION.few),
-        )
+        near, far = (points[takes < mean_square * x**2].sum() for x in (reach / 2, reach))
+        likely = max(near, far - near, min(points.sum(), CALIBRATION.few))
         spent, easiest = np.cumsum((points * takes)[::-1]), np.cumsum(points[::-1])
         wrong = max(wrong, min(likely, np.floor(np.interp(squares, spent, easiest))))
     return float(wrong)

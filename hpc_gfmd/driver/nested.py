@@ -143,7 +143,13 @@ class Decimation:
             h = owned
         if self.coarse is None:
             return None
-        return replace(problem, grid=self.coarse, h=h / h.dtype.type(self.coarse.a / self.fine.a))
+        scale, heights = h.dtype.type(self.coarse.a / self.fine.a), np.empty(h.shape, h.dtype)
+
+        def divide(i0: int, i1: int) -> None:
+            np.divide(h[i0:i1], scale, out=heights[i0:i1])
+
+        self.coarse.by_rows(divide, len(h))
+        return replace(problem, grid=self.coarse, h=heights)
 
     def around(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The rows of a coarse field beside this rank's fine rows: HALO before, these, and HALO

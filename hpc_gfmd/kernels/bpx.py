@@ -53,8 +53,7 @@ class UpdateSums(NamedTuple):
 @kernel
 def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside, scratch):
     """Write the next step to d and x: d = max(g - a z - b d, 0) - g on F, 0 on A. Returns <p, d>
-    and
-    by how much dents become deeper, in all.
+    and by how much dents become deeper, in all.
 
     With a hardness a point may go through contact and yield, or come out of it (yielding.py); <p,
     d> then has the work of dents.

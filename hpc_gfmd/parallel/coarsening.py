@@ -8,6 +8,7 @@ more than its own share and twice what is worth a message.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -172,16 +173,12 @@ class Transfer:
     def passes(self, longest: int) -> list[tuple[int, int]]:
         """Row ranges of at most `longest` rows (or one coarse row's) that begin where a coarse row
         begins."""
-        out, n_loc = [], len(self.k0)
-        firsts = np.flatnonzero(np.diff(self.k0, prepend=-2))  # rows that open a coarse row
-        begin = 0
+        out, begin, n_loc = [], 0, len(self.k0)
+        firsts = np.flatnonzero(np.diff(self.k0, prepend=-2)).tolist()  # that open a coarse row
         while begin < n_loc:
-            ends = firsts[(firsts > begin) & (firsts <= begin + longest)]
-            end = (
-                n_loc
-                if begin + longest >= n_loc
-                else (int(ends[-1]) if len(ends) else begin + longest)
-            )
+            end = min(begin + longest, n_loc)
+            opens = firsts[bisect_right(firsts, end) - 1]
+            end = opens if begin < opens and end < n_loc else end
             out.append((begin, end))
             begin = end
         return out

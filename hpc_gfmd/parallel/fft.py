@@ -123,7 +123,7 @@ class SlabFFT(Layout):
     def forward_rows(
         self, fill: Callable[[int, int, np.ndarray], T], passes: Passes | None = None
     ) -> list[T]:
-        """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill recolumns,
+        """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill returned,
         in the order of the passes."""
 
         def one(i0: int, i1: int, scratch: Scratch) -> T:
@@ -139,7 +139,7 @@ class SlabFFT(Layout):
         self, use: Callable[[int, int, np.ndarray], T], passes: Passes | None = None
     ) -> list[T]:
         """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use
-        recolumns, in order."""
+        returned, in order."""
 
         def one(i0: int, i1: int, scratch: Scratch) -> T:
             real, half = scratch[:2]
