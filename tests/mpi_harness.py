@@ -88,10 +88,8 @@ def start(ranks, args, output, env=None, cwd=None):
 
 def end(process):
     """End a process and all that it started."""
-    for sign in (
-        signal.SIGTERM,
-        signal.SIGKILL,
-    ):  # mpirun kills its ranks, which have groups of their own, on SIGTERM
+    # on SIGTERM mpirun kills its ranks, which have groups of their own
+    for sign in (signal.SIGTERM, signal.SIGKILL):
         if process.poll() is None:
             os.killpg(process.pid, sign)
             try:
@@ -110,6 +108,13 @@ def found(ranks, args, **how):
     done = python(ranks, args, **how)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
+
+
+def printed(*args, cwd=None, **variables):
+    """What `python args` prints that works; variables: further ones of its environment."""
+    done = python(None, args, environment(**variables), cwd)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 def python(ranks, args, env=None, cwd=None, timeout=None):
@@ -144,7 +149,6 @@ def python(ranks, args, env=None, cwd=None, timeout=None):
 
 
 # ---- the parent
-# -----------------------------------------------------------------------------
 
 
 def run(root, ranks, names):
@@ -227,7 +231,6 @@ def _read(path):
 
 
 # ---- the children
-# -----------------------------------------------------------------------------
 
 
 class Child:

@@ -2,13 +2,12 @@
 distribution, as the README says."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.text import Text
+from mpi_harness import printed
 
 import hpc_gfmd
 from hpc_gfmd.util.libraries import surface_topography
@@ -43,15 +42,9 @@ def folder(tmp_path_factory):
     return folder
 
 
-def run(folder, *arguments):
-    done = subprocess.run([sys.executable, *arguments], cwd=folder, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 def test_six_lines_of_python(folder):
     (folder / "six.py").write_text(PYTHON)
-    (first,) = run(folder, "six.py").splitlines()
+    (first,) = printed("six.py", cwd=folder).splitlines()
     scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
     solution = hpc_gfmd.solve(scan, LOAD, MODULUS)
     area = float(re.fullmatch(r"a_r = ([\d.]+) %", first)[1]) / 100
@@ -65,8 +58,9 @@ def test_six_lines_of_python(folder):
 
 def test_a_scene_of_eight_lines(folder):
     (folder / "scene.toml").write_text(TOML)
-    told = run(folder, "-m", "hpc_gfmd", "run", "scene.toml")
-    pictures = re.findall(r"^\S+\.png$", run(folder, "-m", "hpc_gfmd", "plot", "contact.h5"), re.M)
+    told = printed("-m", "hpc_gfmd", "run", "scene.toml", cwd=folder)
+    plotted = printed("-m", "hpc_gfmd", "plot", "contact.h5", cwd=folder)
+    pictures = re.findall(r"^\S+\.png$", plotted, re.M)
     assert len(pictures) == 2
     assert all((folder / name).is_file() for name in pictures)
     (solution,) = hpc_gfmd.load(folder / "contact.h5")
@@ -112,7 +106,7 @@ def test_twelve_lines_from_scans_with_outliers_and_holes(folder):
             str(folder / f"{name}.nc")
         )
     (folder / "twelve.py").write_text(SCRIPT)
-    run(folder, "twelve.py")
+    printed("twelve.py", cwd=folder)
     table = np.genfromtxt(folder / "numbers.csv", delimiter=",", names=True)
     wanted = hpc_gfmd.solve(scan, ["5 MPa", "20 MPa"], "2 GPa")  # with the plane of least squares
     assert table["p"] == pytest.approx([5e6, 20e6])

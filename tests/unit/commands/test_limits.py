@@ -5,12 +5,12 @@ import json
 from pathlib import Path
 
 import pytest
+from refusal import refused
 
 from hpc_gfmd.commands import show
 from hpc_gfmd.commands.limits import limits_text, to_limits
 from hpc_gfmd.output.read import Result
 from hpc_gfmd.theory import tfc
-from hpc_gfmd.util.errors import SceneError
 
 SURFACE = {"kind": "self-affine", "hurst": 0.8, "eps_t": 0.5, "eps_f": 1 / 1024, "eps_c": 0.5}
 
@@ -76,7 +76,7 @@ def test_a_step_that_did_not_converge_says_so():
 
 
 def test_other_surfaces_have_no_limits():
-    with pytest.raises(SceneError, match="'wave'"):
+    with refused("'wave'"):
         to_limits(
             result_of(
                 {

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scene_tables import rows
 
 from hpc_gfmd.theory import persson
 
@@ -57,19 +58,19 @@ def test_tfc_fits(cli, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (f"{PERSSON} --hurst 2", "hurst: found"),
-        (f"{PERSSON} --eps-f nan", "eps_f: found"),
-        (f"{PERSSON} --p-star 0", "p_star: found"),
-        (f"{PERSSON} --gamma 9", "gamma: found"),
-        (f"{TFC} --value nan", "value: found nan"),
-        (TFC, "--value"),
-        (f"{TFC} --value 2 --hurst 0.1", "hurst"),
-        (f"{TFC} --fit /nowhere.csv", "runs: found"),
-        (f"{TFC} --fit /nowhere.csv --free x", "free: found"),
-        (f"{TFC} --value 2 --sigma -1", "sigma"),
-    ],
+    ("command", "options", "says"),
+    rows("""
+persson | --hurst 2 | hurst: found
+persson | --eps-f nan | eps_f: found
+persson | --p-star 0 | p_star: found
+persson | --gamma 9 | gamma: found
+tfc |  | --value
+tfc | --value nan | value: found nan
+tfc | --value 2 --hurst 0.1 | hurst
+tfc | --fit /nowhere.csv | runs: found
+tfc | --fit /nowhere.csv --free x | free: found
+tfc | --value 2 --sigma -1 | sigma
+"""),
 )
-def test_refused_in_one_line(words, says, cli):
-    assert says in cli.refused(words)
+def test_refused_in_one_line(command, options, says, cli):
+    assert says in cli.refused(f"{PERSSON if command == 'persson' else TFC} {options}")

@@ -13,6 +13,8 @@ from paper import __main__ as command
 from paper import solve
 from paper.cases import CATALOGUE, LEVELS, Case, Store, cases_of, merged, series, share
 from paper.items import STUDIES, TEXTS
+from refusal import refused
+from scene_tables import rows
 
 import hpc_gfmd
 from hpc_gfmd import GfmdError
@@ -85,7 +87,7 @@ def test_exit_codes(tmp_path, monkeypatch):
     assert any(text.startswith("FAILED") and "lam_s_over_a" in text for text in said)
     assert solved([replace(SMALL, accuracy=1e-300)], Store(tmp_path / "poor"))[0] == 3
     (tmp_path / "file").write_text("")
-    with pytest.raises(GfmdError, match=r"making .*file"):
+    with refused(r"making .*file", GfmdError):
         solved([SMALL], Store(tmp_path / "file"))
 
     def full(self, runs):
@@ -93,7 +95,7 @@ def test_exit_codes(tmp_path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(Store, "append", full)
-        with pytest.raises(GfmdError, match=r"runs\.jsonl: No space"):
+        with refused(r"runs\.jsonl: No space", GfmdError):
             solved(CASES, Store(tmp_path / "full"))
     stopped = hpc_gfmd.RunResult(tmp_path, [], "interrupted", 143)
     monkeypatch.setattr(hpc_gfmd, "run", lambda *args, **how: stopped)
@@ -154,16 +156,16 @@ def paper(cli):
 
 @pytest.mark.parametrize(
     ("args", "said"),
-    [
-        ("fig14", "ITEM: found fig14"),
-        ("", "ITEM: not given"),
-        ("fig1 --level big", "desk"),
-        ("fig1 --part 3/2 --only-run", "--part: found '3/2'"),
-        ("fig1 --part 1/2", "with --only-run"),
-        ("fig1 --threads 0", "--threads: found '0'"),
-        ("fig1 --only-run --no-run", "not allowed"),
-        ("fig1 --only-run --report", "--only-run: found with"),
-    ],
+    rows("""
+fig14 | ITEM: found fig14
+ | ITEM: not given
+fig1 --level big | desk
+fig1 --part 3/2 --only-run | --part: found '3/2'
+fig1 --part 1/2 | with --only-run
+fig1 --threads 0 | --threads: found '0'
+fig1 --only-run --no-run | not allowed
+fig1 --only-run --report | --only-run: found with
+"""),
 )
 def test_wrong_arguments(paper, args, said):
     assert said in paper.refused(args)

@@ -17,10 +17,6 @@ SIZES = [2**k for k in range(12, 18)]
 RANKS = [1, 2, 3, 7, 16, 60, 64, 96, 256, 1000, 1024, 4096, 16384, 65536]
 
 
-def cases():
-    return [(n, ranks) for n in SIZES for ranks in RANKS if ranks <= n]
-
-
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("n", SIZES)
 def test_no_rank_has_more_than_its_share(n, dtype):

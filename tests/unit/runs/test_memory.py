@@ -5,6 +5,7 @@ import resource
 
 import pytest
 from contacts import rough
+from refusal import refused
 
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import memory
@@ -12,7 +13,6 @@ from hpc_gfmd.runs.plan import duration, plan_of
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.util import machine
-from hpc_gfmd.util.errors import SceneError
 
 GIB = machine.GIB
 SCENE = Scene.from_dict(
@@ -61,7 +61,7 @@ def test_the_tightest_control_group_counts(tmp_path, monkeypatch, version, top, 
     assert not any("elsewhere" in str(folder) for folder in folders)
     monkeypatch.setattr(machine, "control_groups", lambda: folders)
     assert machine.available_gib() == pytest.approx(0.375)
-    with pytest.raises(SceneError, match=r"has 0\.38 GiB"):
+    with refused(r"has 0\.38 GiB"):
         memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
 
 
@@ -74,7 +74,7 @@ def test_the_limit_of_the_process(monkeypatch):
     assert machine.limit_gib() > 1
     monkeypatch.setattr(resource, "getrlimit", lambda _: (2 * GIB, 2 * GIB))
     assert 0 < machine.limit_gib() < 2
-    with pytest.raises(SceneError, match="ulimit -v"):
+    with refused("ulimit -v"):
         memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
 
 
@@ -109,10 +109,7 @@ def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
         "solver": {"precision": "single", "low_memory": True},
     }
     assert memory.memory_of(Scene.from_dict(table), (32, 32), (1.0, 1.0), 1).total > 0
-    with pytest.raises(
-        SceneError,
-        match=r"solver.low_memory: found true, allowed: with surface.kind = \"self-affine\"",
-    ):
+    with refused(r"solver.low_memory: found true, allowed: with surface.kind = \"self-affine\""):
         run_scene(Scene.from_dict(table), comm=SerialComm(), quiet=True)
 
 
