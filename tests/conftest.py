@@ -5,6 +5,7 @@ mpirun:  a function that runs the command line on that many ranks and returns it
 and stderr.
 """
 
+import json
 import os
 import shlex
 import shutil
@@ -134,8 +135,9 @@ def cli(capfd):
     """cli("a command as in a shell", *args): it in this process (a new one takes seconds): its exit
     code `code`, `out` and `err`.
 
-    cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with
-    which one is refused; cli.script: makes the parser of a script whose command line is meant.
+    cli.prints(*args): what one prints that works; cli.data(*args): what it prints with --json;
+    cli.refused(*args, code=2): the one line with which one is refused; cli.script: makes the parser
+    of a script whose command line is meant.
     """
 
     def run(words="", *others):
@@ -148,13 +150,16 @@ def cli(capfd):
         assert done.code == 0, done.err
         return done.out
 
+    def data(*args):
+        return json.loads(prints(*args, "--json"))
+
     def refused(*args, code=2):
         done = run(*args)
         assert (done.code, done.err.count("\n")) == (code, 1), done.err
         assert done.err.strip().isprintable()
         return done.err
 
-    run.prints, run.refused, run.script = prints, refused, None
+    run.prints, run.data, run.refused, run.script = prints, data, refused, None
     return run
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from contacts import rough
 from matplotlib.text import Text
 from mpi_harness import printed
 
@@ -25,16 +26,8 @@ def folder(tmp_path_factory):
     """With a scan as microscopes make them: a part of a rough surface, not periodic, tilted, in the
     instrument's format."""
     folder = tmp_path_factory.mktemp("stranger")
-    wall = hpc_gfmd.make_surface(
-        "self-affine",
-        hurst=0.8,
-        L_over_lam_l=2,
-        lam_l_over_lam_s=16,
-        lam_s_over_a=4,
-        seed=3,
-        g_rms=0.1,
-        physical_sizes=(2 * SIZE, 2 * SIZE),
-    )
+    shape = rough((2, 16, 4), seed=3, g_rms=0.1, physical_sizes=(2 * SIZE, 2 * SIZE))
+    wall = hpc_gfmd.make_surface(**shape)
     heights = wall.heights[:64, :64] + 1e-7 * np.arange(64)[:, None]
     surface_topography().Topography(1e9 * heights, (1e9 * SIZE, 1e9 * SIZE), unit="nm").to_x3p(
         str(folder / "scan.x3p")

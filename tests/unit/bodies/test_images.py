@@ -107,8 +107,8 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
     here[:, 0], there[:, 0] = np.array(inside) / 2, -np.array(inside) / 2
     found_c = np.zeros(30)
     for parity in found.T:
-        modes = (products(found, parity, *at, cell).reshape(30, -1) for at in (here, there))
-        found_c += np.einsum("pi,ij,pj->p", next(modes), matrix(found, parity), next(modes))
+        one, other = (products(found, parity, *at, cell).reshape(30, -1) for at in (here, there))
+        found_c += np.sum(one @ matrix(found, parity) * other, axis=1)
     if all(free):
         wanted = np.array([kernel(abs(x[:1]), abs(x[1:]), *cell)[0, 0] for x in (here - there).T])
     else:

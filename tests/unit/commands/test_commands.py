@@ -1,7 +1,6 @@
 """The command line as a user or a job script sees it: exit codes, names, messages."""
 
 import errno
-import json
 import re
 
 import h5py
@@ -66,7 +65,7 @@ def test_run(solved):
 def test_show(cli, solved):
     path = solved[0] / "out.h5"
     assert "converged" in cli.prints("show", path)
-    shown = json.loads(cli.prints("show --json", path))
+    shown = cli.data("show", path)
     assert set(shown) == {"surface", "steps", "status"}
     assert set(shown["surface"]) >= SURFACE
     assert shown["surface"]["n"] == [32, 32]
@@ -77,7 +76,7 @@ def test_show(cli, solved):
     assert len(papers) > 4
     assert all(re.search(r"\(\d{4}\).*, doi:10\.\d+/\S+$", paper) for paper in papers)
     assert cli.prints("show --references", path).endswith("\n".join(["", program, *papers, ""]))
-    assert json.loads(cli.prints("show --json --references", path))["references"][1:] == papers
+    assert cli.data("show --references", path)["references"][1:] == papers
 
 
 @pytest.mark.parametrize(
@@ -107,7 +106,7 @@ def test_interrupted(cli, folder, monkeypatch):
         run = cli(in_no_time)
         assert run.code == 143
         assert "restart" in run.out + run.err
-        assert json.loads(cli.prints("show --json contact.h5"))["status"] == "interrupted"
+        assert cli.data("show contact.h5")["status"] == "interrupted"
         assert cli("restart contact.h5").code == 143  # the limit is part of the stored scene
     assert "machine.wall_seconds" in cli.refused("restart contact.h5")
     assert (folder / "contact.h5.partial" / "checkpoint.h5").exists()
@@ -144,7 +143,7 @@ def test_wrong_input(cli, folder, args, named):
 
 
 def test_plan(cli, folder):
-    plan = json.loads(cli.prints("plan scene.toml --ranks 3 --json"))
+    plan = cli.data("plan scene.toml --ranks 3")
     assert (plan["n"], plan["ranks"], plan["idle_ranks"]) == ([32, 32], 3, 0)
     assert plan["gib_per_rank"] > 0
     assert plan["seconds"] > 0
@@ -163,7 +162,7 @@ def test_plan_of_a_map_that_ends(cli, tmp_path, keys):
         " 0.1\n"
     )
     (tmp_path / "scene.toml").write_text(scene)
-    plan = json.loads(cli.prints("plan scene.toml --json"))
+    plan = cli.data("plan scene.toml")
     made = build_surface(load_scene("scene.toml").surface, SerialComm(), np.float64)
     assert (plan["n"], plan["cell"]) == (list(made.n), list(made.grid.n))
 

@@ -29,15 +29,8 @@ def test_a_scene_of_every_kind_runs(tmp_path, kind, cli):
 @pytest.mark.parametrize("kind", ANALYTIC)
 def test_every_key_stands_in_it_and_is_one(kind):
     lines = compose(kind, Path("scene.toml"))[0].splitlines()
-    table, known = (
-        "",
-        {
-            path
-            for s in sections()
-            if s.kind in ("", kind)
-            for path in (f"{s.table}.{k.name}" for k in s.keys)
-        },
-    )
+    of_kind = [section for section in sections() if section.kind in ("", kind)]
+    table, known = "", {f"{s.table}.{key.name}" for s in of_kind for key in s.keys}
     for line in lines[1:]:
         table = (re.match(r"\[(\w+)\]", line) or [None, table])[1]
         if found := re.match(r"(?:# )?(\w+) = .*  # \S", line):

@@ -91,10 +91,10 @@ def test_other_surfaces_have_no_limits():
 
 def test_command(monkeypatch, cli):
     monkeypatch.setattr(show, "read_result", lambda path: result_of())
-    tables = json.loads(cli.prints("show x.h5 --json --tfc paper"))
+    tables = cli.data("show x.h5 --tfc paper")
     assert tables["tfc"]["table"] == "paper"
     assert set(tables) == {"surface", "steps", "status", "tfc"}
-    assert "tfc" not in json.loads(cli.prints("show x.h5 --json"))
+    assert "tfc" not in cli.data("show x.h5")
     assert "coefficients of: ours" in cli.prints("show x.h5 --tfc")
     assert "table: found 'nowhere.json'" in cli.refused("show x.h5 --tfc nowhere.json")
 

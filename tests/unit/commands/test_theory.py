@@ -1,7 +1,5 @@
 """`hpc-gfmd persson` and `hpc-gfmd tfc` as a user sees them."""
 
-import json
-
 import numpy as np
 import pytest
 from scene_tables import rows
@@ -13,22 +11,19 @@ TFC = "tfc --hurst 0.8 --p-star 0.007 --eps-t 0.5 --eps-f 1/1024 --eps-c 0.5"
 
 
 def test_persson(cli):
-    out = json.loads(cli.prints(f"{PERSSON} --json"))
+    out = cli.data(PERSSON)
     assert out["a_r"] == pytest.approx(0.0111700190)
     assert out["gap_over_h_rms"] == pytest.approx(persson.mean_gap(0.007, 0.8, 2**-10))
     assert out["gap_over_g_rms_lam_s"] == pytest.approx(31.5614069)
     assert out["gamma"] == 0.42
-    assert (
-        json.loads(cli.prints(f"{PERSSON} --json --printed"))["gap_over_h_rms"]
-        < out["gap_over_h_rms"]
-    )
-    assert len(json.loads(cli.prints(f"{PERSSON} 0.1 40 --json"))["points"]) == 3
+    assert cli.data(f"{PERSSON} --printed")["gap_over_h_rms"] < out["gap_over_h_rms"]
+    assert len(cli.data(f"{PERSSON} 0.1 40")["points"]) == 3
     text = cli.prints("persson --hurst 0 --eps-f 1/1024 --p-star-range 0.001 1 7")
     assert len(text.splitlines()) == 9
 
 
 def test_tfc(cli):
-    out = json.loads(cli.prints(f"{TFC} --observable kappa --value 2.2 --json"))
+    out = cli.data(f"{TFC} --observable kappa --value 2.2")
     assert out["extrapolated"] == pytest.approx(2.0160, abs=5e-5)
     assert out["sigma"] is None
     assert "extrapolated: 2.0160 +- 0.0200" in cli.prints(f"{TFC} --value 2.2 --sigma 0.02")
@@ -50,7 +45,7 @@ def test_tfc_fits(cli, tmp_path):
         comments="",
         header="eps_t,eps_f,eps_c,value",
     )
-    out = json.loads(cli.prints("tfc --fit", str(path), "--free", "fc", "--json"))
+    out = cli.data("tfc --fit", str(path), "--free", "fc")
     assert out["limit"] == pytest.approx(1.95, abs=4 * out["sigma"]["limit"])
     assert out["alpha_f"] == pytest.approx(0.7, abs=4 * out["sigma"]["alpha_f"])
     assert out["sigma"]["limit"] < 0.02

@@ -27,30 +27,15 @@ def test_a_finished_file_holds_everything(path):
 
 
 def test_attributes_of_all_kinds_survive(path):
-    step = {
-        "p": 1,
-        "flag": True,
-        "text": "mu \u03bc",
-        "list": [1.0, 2.0],
-        "nothing": None,
-        "nan": float("nan"),
-        "numpy": np.float32(0.5),
-        "words": ["a", "b"],
-    }
+    known = {"p": 1, "flag": True, "text": "mu \u03bc", "words": ["a", "b"]}
+    known |= {"list": [1.0, 2.0], "numpy": np.float32(0.5)}
     with begin(path) as run:
-        run.write_step(0, step | {"escape": "a\x1b[31m\nb"})
+        run.write_step(0, known | {"nothing": None, "nan": np.nan, "escape": "a\x1b[31m\nb"})
         run.finish("x")
     (found,) = read_result(path).steps
     assert found.pop("escape").isprintable()
     assert np.isnan(found.pop("nan"))
-    assert found == {
-        "p": 1,
-        "flag": True,
-        "text": "mu \u03bc",
-        "list": [1.0, 2.0],
-        "numpy": 0.5,
-        "words": ["a", "b"],
-    }
+    assert found == known
     assert type(found["flag"]) is bool
 
 

@@ -1,7 +1,6 @@
 """What ranks have and send, for any number of them: nobody has more than its share, and nothing is
 padded."""
 
-import json
 import os
 import tracemalloc
 
@@ -68,7 +67,7 @@ def test_everything_has_one_owner(n, ranks):
 
 def test_plan_says_it(tmp_path, cli, monkeypatch):
     def planned(*args):
-        return json.loads(cli.prints("plan scene.toml", *args, "--json"))
+        return cli.data("plan scene.toml", *args)
 
     scene = {
         "surface": rough((2, 4096, 8)),

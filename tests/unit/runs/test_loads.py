@@ -1,6 +1,5 @@
 """Loads that are given by what they do: in scenes, in calls, in results."""
 
-import json
 import re
 
 import numpy as np
@@ -38,9 +37,9 @@ def test_run_plan_and_show(tmp_path, cli):
     with one line and exit code 2."""
     scene = Scene.from_dict({"surface": rough((2, 8, 2)), "load": {"gap_over_h_rms": [0.4, 0.3]}})
     (tmp_path / "scene.toml").write_text(scene.to_toml())
-    assert json.loads(cli.prints("plan scene.toml --json"))["loads"] == 2
+    assert cli.data("plan scene.toml")["loads"] == 2
     cli.prints("run scene.toml -q")
-    steps = json.loads(cli.prints("show contact.h5 --json"))["steps"]
+    steps = cli.data("show contact.h5")["steps"]
     for step, wanted in zip(steps, (0.4, 0.3), strict=True):
         assert step["target_gap_over_h_rms"] == wanted
         assert step["gap_over_h_rms"] == pytest.approx(wanted, rel=1e-3)

@@ -6,6 +6,7 @@ import resource
 import pytest
 from contacts import rough
 from refusal import refused
+from scene_tables import scene_of
 
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import memory
@@ -15,13 +16,12 @@ from hpc_gfmd.scene import Scene
 from hpc_gfmd.util import machine
 
 GIB = machine.GIB
-SCENE = Scene.from_dict(
-    {
-        "surface": {"kind": "wave", "amplitude": 0.1, "n": [8192, 8192]},
-        "load": {"pressure": 0.1},
-        "solver": {"precision": "double"},
-    }
-)
+SCENE = scene_of("""
+surface = {kind = "wave", amplitude = 0.1, n = [8192, 8192]}
+load = {pressure = 0.1}
+solver.precision = "double"
+""")
+LOW = 'load = {pressure = 0.1} ; solver = {precision = "single", low_memory = true}'
 
 
 def group(folder, limit, used, cached=0, version=2):
@@ -82,13 +82,8 @@ def test_the_limit_of_the_process(monkeypatch):
 def test_heights_of_a_surface_that_ends_are_on_some_ranks_only(ranks):
     """Rows beyond it have none: rank 0 may hold all heights, and a machine with all ranks no more
     than these."""
-    scene = Scene.from_dict(
-        {
-            "surface": {"kind": "wave", "amplitude": 0.1, "n": [2048, 2048], "boundary": "free"},
-            "load": {"pressure": 0.1},
-            "solver": {"precision": "single", "low_memory": True},
-        }
-    )
+    surface = '{kind = "wave", amplitude = 0.1, n = [2048, 2048], boundary = "free"}'
+    scene = scene_of(f"surface = {surface} ; {LOW}")
     shares = [
         memory.memory_of(scene, (2048, 2048), (1.0, 1.0), ranks, rank=rank) for rank in range(ranks)
     ]
@@ -103,14 +98,10 @@ def test_heights_of_a_surface_that_ends_are_on_some_ranks_only(ranks):
 
 def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
     """By the run, in one line; the plan knows nothing of it."""
-    table = {
-        "surface": {"kind": "wave", "amplitude": 0.01, "n": [32, 32]},
-        "load": {"pressure": 0.1},
-        "solver": {"precision": "single", "low_memory": True},
-    }
-    assert memory.memory_of(Scene.from_dict(table), (32, 32), (1.0, 1.0), 1).total > 0
-    with refused(r"solver.low_memory: found true, allowed: with surface.kind = \"self-affine\""):
-        run_scene(Scene.from_dict(table), comm=SerialComm(), quiet=True)
+    scene = scene_of(f'surface = {{kind = "wave", amplitude = 0.01, n = [32, 32]}} ; {LOW}')
+    assert memory.memory_of(scene, (32, 32), (1.0, 1.0), 1).total > 0
+    with refused('solver.low_memory: found true, allowed: with surface.kind = "self-affine"'):
+        run_scene(scene, comm=SerialComm(), quiet=True)
 
 
 SPHERE = {"kind": "sphere", "radius": 2.0, "n": [4096, 4096], "boundary": "free"}

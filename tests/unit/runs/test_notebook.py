@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from contacts import random_heights
+from contacts import random_heights, rough
 from mpi_harness import printed
 from refusal import refused
 
@@ -33,15 +33,7 @@ from hpc_gfmd.scene import Scene
 N, SIZES = (24, 20), ("12 um", "10 um")
 Z = 2e-8 * random_heights(N, 3)
 LOADS = ["10 MPa", "30 MPa", "200 MPa"]
-ROUGH = {
-    "hurst": 0.8,
-    "L_over_lam_l": 2,
-    "lam_l_over_lam_s": 8,
-    "lam_s_over_a": 4,
-    "seed": 1,
-    "physical_sizes": ["1 um", "1 um"],
-    "g_rms": 0.1,
-}
+ROUGH = rough((2, 8, 4), physical_sizes=["1 um", "1 um"], g_rms=0.1)
 
 
 @pytest.fixture(scope="module")
@@ -127,10 +119,10 @@ def test_ctrl_c_before_anything_is_finished(monkeypatch):
 
 def test_it_is_what_a_run_writes():
     """The same scene by its file and in memory: one result."""
-    wall = hpc_gfmd.make_surface("self-affine", **ROUGH)
+    wall = hpc_gfmd.make_surface(**ROUGH)
     fields = ["pressure", "gap", "heights"]
     scene = {
-        "surface": {"kind": "self-affine"} | ROUGH,
+        "surface": ROUGH,
         "load": {"p_star": [0.02, 0.3]},
         "material": {"E_star": "5 GPa"},
         "output": {"fields": fields, "observables": ["perimeter"]},
@@ -297,7 +289,7 @@ def test_it_says_what_it_is(sweep):
     assert all(f"p = {load}" in repr(sweep) for load in LOADS)
     assert all(word in sweep._repr_html_() for word in ("<table", "a_r", "[MPa]", "24 x 20 points"))
     assert "<table" in sweep[0]._repr_html_()
-    assert repr(hpc_gfmd.make_surface("self-affine", **ROUGH)).startswith(
+    assert repr(hpc_gfmd.make_surface(**ROUGH)).startswith(
         "<surface: 64 x 64 points, L = 1 x 1 um, h_rms = "
     )
 

@@ -1,7 +1,5 @@
 """The result table, and `show`."""
 
-import json
-
 import pytest
 from result_files import STEP, SURFACE, begin
 from scene_tables import rows
@@ -66,7 +64,7 @@ def test_show_prints_table_and_json(path, cli):
     text = cli.prints("show", path)
     assert "6 x 5 points, L = 1 x 2, h_rms = 0.5" in text
     assert "NOT CONVERGED (max_iterations)" in text
-    found = json.loads(cli.prints("show", path, "--json"))
+    found = cli.data("show", path)
     assert set(found) == {"surface", "steps", "status"}
     assert found["steps"][0]["gap_mean"] is None
     assert found["surface"] == SURFACE

@@ -118,15 +118,8 @@ def test_the_same_numbers_in_every_unit(unit, tmp_path):
 
     def numbers(one):
         patches = (one.observable(name) for name in ("patches", "patch_largest", "patch_mean"))
-        return [
-            one.a_r,
-            one.gap_mean,
-            one.g_rms,
-            one.h_rms,
-            *one.sizes,
-            one.pressure.max(),
-            *patches,
-        ]
+        own = (one.a_r, one.gap_mean, one.g_rms, one.h_rms, one.pressure.max())
+        return [*own, *one.sizes, *patches]
 
     plain = hpc_gfmd.solve(Z, 1e9, 5e10, SIZES)
     assert 0 < plain.a_r < 1
@@ -163,25 +156,23 @@ def test_the_scene_may_say_otherwise(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("make", "words"),
+    ("content", "words"),
     [
-        (lambda p: np.savez(p, z=Z, physical_sizes=[1, 2]), r"^surface.unit: not given"),
+        ({"z": Z, "physical_sizes": [1, 2]}, r"^surface.unit: not given"),
         (
-            lambda p: np.savez(p, z=Z, physical_sizes=[1, 2], unit="V"),
+            {"z": Z, "physical_sizes": [1, 2], "unit": "V"},
             r"^surface.unit: in .* 'V' is no unit of length",
         ),
         (
-            lambda p: np.savez(p, z=Z, physical_sizes=[1, -2], unit="m"),
+            {"z": Z, "physical_sizes": [1, -2], "unit": "m"},
             r"^surface.physical_sizes: found \[1.0, -2.0\]",
         ),
-        (
-            lambda p: np.savez(p, a=Z, b=Z),
-            r"^surface.dataset: found 'surface', allowed in .*: a, b",
-        ),
+        ({"a": Z, "b": Z}, r"^surface.dataset: found 'surface', allowed in .*: a, b"),
     ],
+    ids=["no unit", "volts", "negative", "two"],
 )
-def test_what_a_file_may_not_say(make, words, tmp_path):
-    make(tmp_path / "z.npz")
+def test_what_a_file_may_not_say(content, words):
+    np.savez("z.npz", **content)
     with refused(words):
         hpc_gfmd.read_surface("z.npz")
 
@@ -220,7 +211,7 @@ HOLES = [(1, "***"), (2, ""), (3, "BAD")]
         (written("\t", holes=HOLES), BY_HAND, 3),
         (written(" ", holes=[(4, "9999"), (5, "off")]), BY_HAND | {"missing": ["9999", "off"]}, 2),
         (points("x [um];y [um];z [nm]\n", ",", ";"), {}, 1),
-        (points(), {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm"}, 1),
+        (points(), BY_HAND, 1),
     ],
     ids=lambda value: repr(value)[:20] if isinstance(value, str) else "",
 )
@@ -233,13 +224,21 @@ def test_text_of_instruments(text, keys, missing, tmp_path):
     assert bool(found.prepared) == bool(missing)
 
 
+NO_TEXT = "cannot be read as text: .*"
+
+
 @pytest.mark.parametrize(
-    ("lines", "words"),
-    [("\n0 0 7", "has a point twice"), ("\n0.52 0 8", "not those of a regular grid")],
+    ("text", "words"),
+    [
+        (points() + "\n0 0 7", NO_TEXT + "has a point twice"),
+        (points() + "\n0.52 0 8", NO_TEXT + "not those of a regular grid"),
+        (written(",", holes=[(3, "x")]), "line 4 is not like those .*surface.missing names"),
+    ],
+    ids=["twice", "beside the grid", "no header"],
 )
-def test_points_that_are_no_grid(lines, words):
-    Path("z.txt").write_text(points() + lines)
-    with refused(f"cannot be read as text: .*{words}"):
+def test_text_that_is_no_map(text, words):
+    Path("z.txt").write_text(text)
+    with refused(words):
         open_topography(spec("z.txt", **BY_HAND))
 
 
@@ -284,12 +283,6 @@ def test_where_the_instrument_is_seen(capsys):
     assert re.search(f"^# downsample = 4 .*{said}", text, re.M)
     assert re.search('^# crop = ."0 m", "0 m", "1.2 um", "0.4 um".', text, re.M)
     assert said in hpc_gfmd.prepare_surface(scan).notes[-1]
-
-
-def test_a_line_that_is_not_like_the_others_is_no_header(tmp_path):
-    (tmp_path / "z.txt").write_text(written(",", holes=[(3, "x")]))
-    with refused(r"line 4 is not like those .*surface.missing names"):
-        open_topography(spec("z.txt", **BY_HAND))
 
 
 def test_a_format_that_is_not_known(tmp_path, capfd):
@@ -342,7 +335,7 @@ MASKED = np.ma.masked_greater(Z, 0.9 * Z.max())
         (topography("nm"), {}),
         (topography("um").to_unit("nm").detrend("center"), {}),
         (Z, {"physical_sizes": SIZES, "boundary": "periodic"}),
-        (1e9 * Z, {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm", "boundary": "periodic"}),
+        (1e9 * Z, BY_HAND | {"boundary": "periodic"}),
     ],
     ids=["Topography", "its pipelines", "array", "array with units"],
 )

@@ -5,7 +5,7 @@ import h5py
 import numpy as np
 import pytest
 from refusal import refused
-from scene_tables import SURFACE
+from scene_tables import scene_of
 
 import hpc_gfmd
 from hpc_gfmd.runs.simulation import run_scene
@@ -65,20 +65,20 @@ def test_prefixes():
     assert factor("um") == 1e-6
 
 
-UNITS = {
-    "surface": SURFACE | {"physical_sizes": ["100 um", "0.1 mm"], "h_rms": "200 nm"},
-    "material": {"E1": "50 GPa", "nu1": 0.3, "E2": "200 GPa", "nu2": 0.25},
-    "load": {"pressure": ["20 MPa", "0.1 GPa"]},
-}
-PLAIN = {
-    "surface": SURFACE | {"physical_sizes": [1e-4, 1e-4], "h_rms": 2e-7},
-    "material": {"E1": 5e10, "nu1": 0.3, "E2": 2e11, "nu2": 0.25},
-    "load": {"pressure": [2e7, 1e8]},
-}
+UNITS = """
+surface = {physical_sizes = ["100 um", "0.1 mm"], h_rms = "200 nm"}
+material = {E1 = "50 GPa", nu1 = 0.3, E2 = "200 GPa", nu2 = 0.25}
+load = {pressure = ["20 MPa", "0.1 GPa"]}
+"""
+PLAIN = """
+surface = {physical_sizes = [1e-4, 1e-4], h_rms = 2e-7}
+material = {E1 = 5e10, nu1 = 0.3, E2 = 2e11, nu2 = 0.25}
+load = {pressure = [2e7, 1e8]}
+"""
 
 
 def test_the_same_answer(cli):
-    named, plain = Scene.from_dict(UNITS), Scene.from_dict(PLAIN)
+    named, plain = scene_of(UNITS), scene_of(PLAIN)
     assert Scene.from_toml(named.to_toml()) == named
     assert '"50 GPa"' in named.to_toml()
     runs = [run_scene(scene, out=f"{k}.h5", quiet=True) for k, scene in enumerate((named, plain))]
