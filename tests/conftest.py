@@ -23,9 +23,8 @@ from hpc_gfmd.commands.cli import main
 from hpc_gfmd.parallel.grid import _kept
 from hpc_gfmd.util.caches import cache_folder
 
-settings.register_profile(
-    "repeatable", derandomize=True
-)  # what fails, fails for everybody; HYPOTHESIS_PROFILE=default looks further
+# what fails, fails for everybody; HYPOTHESIS_PROFILE=default looks further
+settings.register_profile("repeatable", derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 _results = {}  # ranks: {child's node id: (outcome, text)}
@@ -35,9 +34,8 @@ def pytest_configure(config):
     if mpi_harness.is_child():
         config.pluginmanager.register(mpi_harness.Child())
         return
-    signal.signal(
-        signal.SIGTERM, signal.default_int_handler
-    )  # so that what tests have started is ended, too
+    # so that what tests have started is ended, too
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         import mpi4py
     except ImportError:

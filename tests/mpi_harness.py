@@ -60,12 +60,10 @@ def environment(**extra):
         "PYTHONPATH": os.pathsep.join(filter(None, paths)),
         "OMP_NUM_THREADS": "1",
         "OMPI_MCA_orte_execute_quiet": "1",
-    }
-    env |= {
         "OMPI_MCA_rmaps_base_oversubscribe": "1",
         "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+        "OMPI_MCA_mpi_yield_when_idle": "1",  # more ranks than cores: do not spin
     }
-    env |= {"OMPI_MCA_mpi_yield_when_idle": "1"}  # more ranks than cores: do not spin
     if os.getuid() == 0:
         env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     return env | extra

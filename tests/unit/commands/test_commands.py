@@ -107,6 +107,9 @@ def test_interrupted(cli, folder, monkeypatch):
         assert run.code == 143
         assert "restart" in run.out + run.err
         assert cli.data("show contact.h5")["status"] == "interrupted"
+        shown = cli.prints("show contact.h5")
+        assert "interrupted" in shown
+        assert "no finished load step yet" in shown
         assert cli("restart contact.h5").code == 143  # the limit is part of the stored scene
     assert "machine.wall_seconds" in cli.refused("restart contact.h5")
     assert (folder / "contact.h5.partial" / "checkpoint.h5").exists()

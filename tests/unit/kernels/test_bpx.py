@@ -57,9 +57,8 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     assert np.allclose(x, wanted, rtol=rough, atol=rounding)
     clipped = (wanted == -g) & ~closed
     assert np.array_equal(x[clipped], -g[clipped])  # to the bit
-    assert np.array_equal(
-        np.where(np.isinf(Decoded(d)[:]), -g, Decoded(d)[:]), x
-    )  # what `update_state` takes it for
+    # what `update_state` takes it for
+    assert np.array_equal(np.where(np.isinf(Decoded(d)[:]), -g, Decoded(d)[:]), x)
     assert hardness or np.all(g + x >= 0)
     grown = np.sum(np.maximum(-(g + x), 0) - np.maximum(-g, 0), dtype=float)
     work_done = np.vdot(p.astype(float), x) + (hardness or 0) * grown

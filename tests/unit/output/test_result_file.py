@@ -54,14 +54,11 @@ def test_a_damaged_field_is_neither_read_nor_copied_nor_drawn(path, tmp_path, cl
     content = bytearray(complete(path, 1).read_bytes())
     content[content.index(FIELD.tobytes()) + 13] ^= 1
     path.write_bytes(content)
-    stored, damaged = (
-        read_result(path).fields[0]["gap"],
-        "the numbers of steps/0000/gap are damaged",
-    )
+    stored = read_result(path).fields[0]["gap"]
+    damaged = "the numbers of steps/0000/gap are damaged"
     for _ in range(2):
-        assert np.array_equal(
-            stored.read(3, 6), FIELD[3:]
-        )  # not all of them, so that nobody can tell
+        # not all of them, so that nobody can tell
+        assert np.array_equal(stored.read(3, 6), FIELD[3:])
         for start in (0, 2):
             assert stored.read(start, start + 2).shape == (2, 5)
         with refused(damaged, GfmdError):

@@ -4,15 +4,13 @@ process."""
 import resource
 
 import pytest
-from contacts import rough
 from refusal import refused
-from scene_tables import scene_of
+from scene_tables import rows, scene_of
 
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import memory
 from hpc_gfmd.runs.plan import duration, plan_of
 from hpc_gfmd.runs.simulation import run_scene
-from hpc_gfmd.scene import Scene
 from hpc_gfmd.util import machine
 
 GIB = machine.GIB
@@ -104,27 +102,31 @@ def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
         run_scene(scene, comm=SerialComm(), quiet=True)
 
 
-SPHERE = {"kind": "sphere", "radius": 2.0, "n": [4096, 4096], "boundary": "free"}
-ROUGH = rough((2, 256, 2))
+SURFACES = {
+    "rough": "{lam_l_over_lam_s = 256}",
+    "sphere": '{kind = "sphere", radius = 2.0, n = [4096, 4096], boundary = "free"}',
+    "wave": '{kind = "wave", amplitude = 0.1, n = [512, 512]}',
+}
 
 
 @pytest.mark.parametrize(
     ("surface", "load", "precision"),
-    [
-        (ROUGH, {"p_star": [0.1, 1e-4, 0.1]}, ["float32", "float64", "float64"]),
-        (ROUGH, {"gap_over_h_rms": 3.0}, ["unknown"]),
-        (ROUGH, {"a_r": 1e-4}, ["float64"]),
-        (SPHERE, {"force": [1e-9, 1.0]}, ["float64", "float64"]),
-        (SPHERE, {"force": 1e-3}, ["unknown"]),  # rounding errors count: it depends
-        (SPHERE, {"force": 1.0}, ["float32"]),
-        ({"kind": "wave", "amplitude": 0.1, "n": [512, 512]}, {"pressure": 0.1}, ["float32"]),
-    ],
+    rows("""
+rough | p_star = [0.1, 1e-4, 0.1] | float32 float64 float64
+rough | gap_over_h_rms = 3.0 | unknown
+rough | a_r = 1e-4 | float64
+sphere | force = [1e-9, 1.0] | float64 float64
+sphere | force = 1e-3 | unknown
+sphere | force = 1.0 | float32
+wave | pressure = 0.1 | float32
+"""),
 )
 def test_precision_of_a_plan(surface, load, precision):
-    """What "auto" will do, as far as it is known; where it is not the plan has both."""
-    scene = Scene.from_dict({"surface": surface, "load": load})
+    """What "auto" will do, as far as it is known; where it is not, as where rounding errors count,
+    the plan has both."""
+    scene = scene_of(f"surface = {SURFACES[surface]} ; load = {{{load}}}")
     plan = plan_of(scene, scene.surface.n, (1.0, 1.0), 4, 2, 1, 2)
-    assert plan["precision"] == precision
+    assert plan["precision"] == precision.split()
     assert ("gib_in_double" in plan) == ("unknown" in precision)
     if "unknown" in precision:
         assert plan["gib_in_double"] > plan["gib"]

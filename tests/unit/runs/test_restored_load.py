@@ -35,7 +35,7 @@ def test_the_state_of_another_load_is_refused():
     asked = p * (1 + 1e-13)  # as with another number of ranks
     again.restore(lambda _: held, numbers, asked)
     assert again.solver.p0 == asked / again.surface.g_rms != numbers["p0"]
-    found, wanted = (again.solve(asked, midway=True), sweep().solve(p))
+    found, wanted = again.solve(asked, midway=True), sweep().solve(p)
     assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-10)
     assert found.iterations == wanted.iterations
 
