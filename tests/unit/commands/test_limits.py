@@ -76,17 +76,9 @@ def test_a_step_that_did_not_converge_says_so():
 
 
 def test_other_surfaces_have_no_limits():
+    ratios = dict.fromkeys(("eps_t", "eps_f", "eps_c"), float("nan"))
     with refused("'wave'"):
-        to_limits(
-            result_of(
-                {
-                    "kind": "wave",
-                    "eps_t": float("nan"),
-                    "eps_f": float("nan"),
-                    "eps_c": float("nan"),
-                }
-            )
-        )
+        to_limits(result_of({"kind": "wave"} | ratios))
 
 
 def test_command(monkeypatch, cli):

@@ -36,11 +36,13 @@ LOADS = ["10 MPa", "30 MPa", "200 MPa"]
 ROUGH = rough((2, 8, 4), physical_sizes=["1 um", "1 um"], g_rms=0.1)
 
 
+def solve(loads, z=Z, **how):
+    return hpc_gfmd.solve(z, loads, "5 GPa", SIZES, **how)
+
+
 @pytest.fixture(scope="module")
 def sweep():
-    return hpc_gfmd.solve(
-        Z, LOADS, "5 GPa", SIZES, distributions=["pressure"], observables=["perimeter"]
-    )
+    return solve(LOADS, distributions=["pressure"], observables=["perimeter"])
 
 
 @pytest.fixture
@@ -73,7 +75,7 @@ def test_a_list_is_a_sweep_and_nothing_is_left_out(sweep):
         assert one.gap.mean() == pytest.approx(one.gap_mean)
         assert np.allclose(one.displacement, one.gap + one.heights, atol=1e-15)
         assert np.allclose(one.heights, Z - Z.max(), atol=1e-14)
-    alone = hpc_gfmd.solve(Z, LOADS[1], "5 GPa", SIZES)
+    alone = solve(LOADS[1])
     assert isinstance(alone, hpc_gfmd.Solution)
     assert alone.a_r == sweep[1].a_r
     assert len(hpc_gfmd.solve(Z, np.array([1e7]), 5e9, (12e-6, 10e-6))) == 1
@@ -81,13 +83,13 @@ def test_a_list_is_a_sweep_and_nothing_is_left_out(sweep):
 
 def stop_at(monkeypatch, number):
     """Ctrl-C in the middle of a load."""
-    solve, calls = Sweep.solve, []
+    usual, calls = Sweep.solve, []
 
     def stopping(self, *arguments):
         calls.append(1)
         if len(calls) == number:
             raise KeyboardInterrupt
-        return solve(self, *arguments)
+        return usual(self, *arguments)
 
     monkeypatch.setattr(Sweep, "solve", stopping)
 
@@ -96,7 +98,7 @@ def stop_at(monkeypatch, number):
 def test_what_was_finished_before_ctrl_c_is_kept(monkeypatch, sweep, fields):
     stop_at(monkeypatch, 3)
     with pytest.raises(KeyboardInterrupt) as caught:
-        hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, fields=fields)
+        solve(LOADS, fields=fields)
     assert isinstance(caught.value, hpc_gfmd.Interrupted)
     kept = caught.value.solutions
     assert [one.a_r for one in kept] == [one.a_r for one in sweep[:2]]
@@ -112,7 +114,7 @@ def test_ctrl_c_before_anything_is_finished(monkeypatch):
     for loads in (LOADS, LOADS[0]):
         stop_at(monkeypatch, 1)
         with pytest.raises(KeyboardInterrupt) as caught:
-            hpc_gfmd.solve(Z, loads, "5 GPa", SIZES)
+            solve(loads)
         assert type(caught.value) is KeyboardInterrupt
         monkeypatch.undo()
 
@@ -168,7 +170,7 @@ def test_more_is_asked_later(sweep, saved, of_file):
     """As if it had been asked for with the load."""
     names = sorted(observable_names() - {"error_bounds", *duality.OBSERVABLES})
     spreads = sorted(distribution_names())
-    asked = hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, observables=names, distributions=spreads)
+    asked = solve(LOADS, observables=names, distributions=spreads)
     for one, known in zip(saved if of_file else sweep, asked, strict=True):
         for name, value in known.observables.items():
             if not (of_file and name in LOST and value is None):
@@ -194,9 +196,7 @@ def test_more_is_asked_later(sweep, saved, of_file):
 def test_the_patches_as_a_table(boundary):
     """They add up to what the observables say; a square on the corner of the cell is one patch,
     whose centre is the corner."""
-    solution = hpc_gfmd.solve(
-        Z, "30 MPa", "5 GPa", SIZES, boundary=boundary, observables=["patches", "perimeter"]
-    )
+    solution = solve("30 MPa", boundary=boundary, observables=["patches", "perimeter"])
     table, known = solution.patch_table(), solution.observables
     assert len(table) == known["patches"]
     assert table.area[0] == known["patch_largest"] == table.area.max()
@@ -212,7 +212,7 @@ def test_the_patches_as_a_table(boundary):
 
 
 def test_what_is_not_there_is_said():
-    bare = hpc_gfmd.solve(Z, LOADS, "5 GPa", SIZES, fields=())
+    bare = solve(LOADS, fields=())
     assert all(one.a_r > 0 and one.a_r_corrected > 0 for one in bare)
     with refused(r'^pressure: not kept, allowed: fields = \["pressure", ...\]'):
         _ = bare[0].pressure
@@ -261,9 +261,7 @@ def test_another_file_is_not_overwritten(sweep, tmp_path):
     ) as caught:
         sweep.save(path)
     assert [one.filename for one in caught] == [__file__]
-    other = hpc_gfmd.solve(
-        2 * Z, LOADS, "5 GPa", SIZES, distributions=["pressure"], observables=["perimeter"]
-    )
+    other = solve(LOADS, 2 * Z, distributions=["pressure"], observables=["perimeter"])
     with refused(r"another scene"):
         other.save(path)
     same(hpc_gfmd.load(path)[0], sweep[0])
@@ -346,12 +344,12 @@ def test_plot(sweep, saved):
 def test_progress(capsys):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        hpc_gfmd.solve(Z, LOADS[:2], "5 GPa", SIZES, progress=True)
+        solve(LOADS[:2], progress=True)
     shown = capsys.readouterr()
     assert "load 2/2" in shown.err
     assert "(wanted 1e-03)" in shown.err
     rows = [line.split() for line in shown.err.splitlines() if line.endswith("converged")]
     assert [row[:1] + row[2:3] for row in rows] == [["0", "10"], ["1", "30"]]
     assert not shown.out
-    hpc_gfmd.solve(Z, LOADS[0], "5 GPa", SIZES)
+    solve(LOADS[0])
     assert capsys.readouterr() == ("", "")

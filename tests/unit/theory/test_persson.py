@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from refusal import refused
 from scene_tables import rows
 from scipy.integrate import quad, trapezoid
@@ -56,14 +57,12 @@ def test_energy_gap_and_stiffness_belong_together(gamma):
         return (f(p * (1 + d)) - f(p * (1 - d))) / (2 * d * p)
 
     slope = change(lambda p: persson.mean_gap(p, 0.6, 1e-3, gamma))
-    np.testing.assert_allclose(
+    assert_allclose(
         change(lambda p: persson.elastic_energy(p, 0.6, 1e-3, gamma)), -p * slope, rtol=1e-5
     )
-    np.testing.assert_allclose(persson.stiffness(p, 0.6, 1e-3, gamma), -1 / slope, rtol=1e-6)
+    assert_allclose(persson.stiffness(p, 0.6, 1e-3, gamma), -1 / slope, rtol=1e-6)
     printed = change(lambda p: persson.mean_gap(p, 0.6, 1e-3, gamma, printed=True))
-    np.testing.assert_allclose(
-        persson.stiffness(p, 0.6, 1e-3, gamma, printed=True), -1 / printed, rtol=1e-6
-    )
+    assert_allclose(persson.stiffness(p, 0.6, 1e-3, gamma, printed=True), -1 / printed, rtol=1e-6)
     for hurst, eps_f in ((0.6, 1e-3), (0, 1 / 16), (1, 1e-3)):
         assert persson.elastic_energy(0.1, hurst, eps_f, gamma) == pytest.approx(
             energy_sum(0.1, hurst, eps_f, gamma), rel=1e-9
@@ -76,7 +75,7 @@ def test_hurst_limits_are_continuous():
         for eps_f in (1.0, 0.1, 1e-3, 1e-20):
             for f in (persson.mean_gap, persson.stiffness):
                 for end, near in ((0, 1e-9), (1, 1 - 1e-9)):
-                    np.testing.assert_allclose(
+                    assert_allclose(
                         f(p, end, eps_f, unit=unit), f(p, near, eps_f, unit=unit), rtol=1e-6
                     )
 
@@ -99,11 +98,11 @@ def test_fractal_limit():
 def test_low_pressure():
     """kappa -> sqrt(8/pi), gap ~ -ln p (gamma > 0), stiffness ~ p; nothing overflows."""
     p = np.array([1e-300, 1e-100, 1e-12, 1e-9])
-    np.testing.assert_allclose(persson.kappa(np.append(p, 0)), np.sqrt(8 / np.pi), rtol=1e-12)
+    assert_allclose(persson.kappa(np.append(p, 0)), np.sqrt(8 / np.pi), rtol=1e-12)
     gap = persson.mean_gap(p, 0.8, 1e-3)
     decay = np.diff(gap) / -np.diff(np.log(p))
-    np.testing.assert_allclose(decay, decay[0], rtol=1e-6)
-    np.testing.assert_allclose(persson.stiffness(p, 0.8, 1e-3)[1:], p[1:] / decay[0], rtol=1e-6)
+    assert_allclose(decay, decay[0], rtol=1e-6)
+    assert_allclose(persson.stiffness(p, 0.8, 1e-3)[1:], p[1:] / decay[0], rtol=1e-6)
     assert persson.mean_gap(0.0, 0.8, 1e-3) == np.inf
     assert persson.stiffness(0.0, 0.8, 1e-3) == 0
     assert persson.elastic_energy(0.0, 0.8, 1e-3) == 0
@@ -117,7 +116,7 @@ def test_high_pressure():
     assert np.all(np.diff(gap[:4]) < 0)
     assert np.all(gap[4:] == 0)
     assert persson.stiffness(1e200, 0.5, 1e-3) == np.inf
-    np.testing.assert_allclose(energy[2:], energy_sum(1e3, 0.5, 1e-3, 0.42), rtol=1e-10)
+    assert_allclose(energy[2:], energy_sum(1e3, 0.5, 1e-3, 0.42), rtol=1e-10)
     assert persson.noncontact_area(4.0) == pytest.approx(1.5417e-15, rel=1e-3)
 
 
@@ -153,13 +152,11 @@ def test_spectrum_reproduces_the_self_affine_surface(hurst):
     profile = SlopeProfile.from_spectrum(q, spectrum, area=2.5)
     p0 = p * 5 * profile.g_rms
     gap = persson.mean_gap(p, hurst, eps_f) * profile.h_rms
-    np.testing.assert_allclose(
-        persson.mean_gap_spectrum(q, spectrum, p0, 5, area=2.5), gap, rtol=1e-11
-    )
+    assert_allclose(persson.mean_gap_spectrum(q, spectrum, p0, 5, area=2.5), gap, rtol=1e-11)
     function = persson.mean_gap_spectrum(
         q[[0, -1]], lambda q: 0.7 * q ** (-2 - 2 * hurst), p0, 5, area=2.5
     )
-    np.testing.assert_allclose(function, gap, rtol=1e-10)
+    assert_allclose(function, gap, rtol=1e-10)
 
 
 def test_spectrum_rms_values_and_rolloff():
@@ -175,7 +172,7 @@ def test_spectrum_rms_values_and_rolloff():
     assert (profile.h_rms, profile.g_rms) == pytest.approx((np.sqrt(h2), np.sqrt(g2)), rel=1e-10)
     q = np.geomspace(1, 400, 8000)
     p0 = np.geomspace(0.01, 1, 4) * profile.g_rms
-    np.testing.assert_allclose(
+    assert_allclose(
         persson.mean_gap_spectrum(q, spectrum(q), p0),
         persson.mean_gap_spectrum([1, 400], spectrum, p0),
         rtol=1e-7,
