@@ -89,7 +89,7 @@ BARE = {
     "b.npz": lambda p, z: np.savez(p, z=z),
     "b.txt": np.savetxt,
     "b.asc": np.savetxt,
-    "b.csv": lambda p, z: np.savetxt(p, z, delimiter=","),
+    "b.CSV": lambda p, z: np.savetxt(p, z, delimiter=","),
     "b.dat": lambda p, z: np.savetxt(p, z, delimiter=";"),
     "commented.txt": lambda p, z: np.savetxt(p, z, header="my heights"),
 }
