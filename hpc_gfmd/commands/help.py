@@ -52,8 +52,8 @@ def main(args: Namespace) -> int:
 
 
 def _numbers(row: str) -> str:
-    """List all numbers of a load, each by `row`: name, unit, by what name it is asked
-    for, meaning."""
+    """List all numbers of a load, each by `row`: name, unit, the name it is asked for by,
+    meaning."""
     from ..contact import all_numbers, default_observables, observable_names, observables_named
 
     groups = {name: observables_named([name]) for name in observable_names()}

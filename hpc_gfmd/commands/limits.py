@@ -9,7 +9,7 @@ from ..output.summary import converged
 from ..theory import tfc
 from ..util.errors import SceneError
 
-# and the estimated relative error of each
+# which are corrected, and the name of the estimated relative error of each
 OBSERVABLES = {"kappa": "a_r_error", "gap_over_h_rms": "gap_error"}
 SCATTER = (
     "+- holds the estimated error of this run and of the coefficients if known, not the scatter"

@@ -31,14 +31,16 @@ def by_attributes(*places: Mapping[str, Any]) -> Metadata:
     """Read attributes physical_sizes, unit or units, and periodic, each in the first of these
     dictionaries that has it (HDF5, .npz). Sizes are in the unit beside them, or else in that of the
     heights."""
-    found = {name: place for place in reversed(places) for name in NAMES if name in place}
-    unit = next(filter(None, map(_unit, places)), None)
-    place = found.get("physical_sizes", {})
-    sizes = np.asarray(place.get("physical_sizes", ()), dtype=float).reshape(-1)
-    periodic = "periodic" in found and bool(np.all(found["periodic"]["periodic"]))
+
+    def first(name: str) -> Mapping[str, Any]:
+        return next((place for place in places if name in place), {})
+
+    sized, unit = first("physical_sizes"), next(filter(None, map(_unit, places)), None)
+    sizes = np.asarray(sized.get("physical_sizes", ()), dtype=float).reshape(-1)
+    periodic = bool(np.all(first("periodic").get("periodic", False)))
     return Metadata(
         tuple(map(float, sizes)) if len(sizes) == 2 else None,
-        _unit(place) or unit,
+        _unit(sized) or unit,
         unit,
         periodic or None,
     )
