@@ -70,7 +70,12 @@ def _by_heights(
 ) -> None:
     """Suggest what the heights themselves show."""
     values, why = found.values, found.why
-    plain = {"boundary": "periodic", "radius": None, "refine": 1, "downsample": 1}
+    plain: dict[str, object] = {
+        "boundary": "periodic",
+        "radius": None,
+        "refine": 1,
+        "downsample": 1,
+    }
     if found.missing:
         plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
 
