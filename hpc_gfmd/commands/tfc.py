@@ -53,7 +53,8 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Extrapolate or fit. Raises SceneError for what is missing or out of range."""
+    """Extrapolate a value or fit coefficients. Raises SceneError for what is missing or out of
+    range."""
     report, text = _fit(args) if args.fit else _extrapolate(args)
     print(json.dumps(report) if args.json else text)
     return 0
