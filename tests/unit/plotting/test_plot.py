@@ -431,11 +431,14 @@ def test_what_is_left_out_is_said(cli):
 def test_what_there_is_not_is_refused():
     with refused("nothing to draw"):
         plot_result(write("empty.h5", steps=0))
+    with refused("result: found none, allowed: a result or several"):
+        hpc_gfmd.plot([])
     file = write("run.h5", n=(8, 6), fields=())
     for how, words in (
         ({"what": "map"}, "what: found 'map', allowed: curves"),
         ({"what": "maps"}, "need output.fields"),
         ({"what": "curves", "step": 7}, "step: found 7, allowed: 0, 1"),
+        ({"what": "curves", "step": 0.5}, r"step: found 0\.5, allowed: 0, 1"),
     ):
         with refused(words):
             plot(file, **how)

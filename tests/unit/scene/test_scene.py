@@ -91,21 +91,6 @@ def test_grid_points(surface, n):
     assert str(scene_of(f"surface = {surface}").surface.n) == n
 
 
-@pytest.mark.parametrize(
-    ("name", "kind"),
-    rows("""
-a.npy | npy
-a.H5 | hdf5
-a.hdf5 | hdf5
-a.nc | netcdf
-a.sdf | other
-npy | other
-"""),
-)
-def test_file_format_by_extension(name, kind):
-    assert scene_of(f'surface = {{kind = "file", path = "{name}"}}').surface.format == kind
-
-
 def test_a_scene_cannot_be_changed():
     scene = scene_of()
     with pytest.raises(ValueError, match="frozen"):
