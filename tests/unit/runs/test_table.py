@@ -67,10 +67,3 @@ def test_show_prints_table_and_json(path, cli):
     found = cli.data("show", path)
     assert found["steps"][0]["gap_mean"] is None
     assert found["surface"] == SURFACE
-
-
-def test_show_tells_an_interrupted_run(path, cli):
-    begin(path).close()
-    text = cli.prints("show", path)
-    assert "interrupted" in text
-    assert "no finished load step yet" in text
