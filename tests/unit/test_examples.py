@@ -2,14 +2,13 @@
 
 import ast
 import runpy
-import subprocess
 import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from mpi_harness import environment
+from mpi_harness import printed
 from scipy import ndimage
 
 FOLDER = Path(__file__).parents[2] / "examples"
@@ -29,21 +28,9 @@ def run(path, monkeypatch):
     return found
 
 
-def alone(tmp_path, script, *arguments):
-    """What a script prints that runs in a process of its own."""
-    done = subprocess.run(
-        [sys.executable, "-W", "error:::__main__", script, *arguments],
-        cwd=tmp_path,
-        env=environment(MPLBACKEND="Agg"),
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 def test_in_a_process_of_its_own(tmp_path):
-    assert "a_r = " in alone(tmp_path, FOLDER / f"{ALONE}.py", str(SMALL[ALONE]))
+    script = FOLDER / f"{ALONE}.py"
+    assert "a_r = " in printed("-W", "error:::__main__", script, SMALL[ALONE], MPLBACKEND="Agg")
     for name in ("measured.png", "measured_patches.png", "measured.h5"):
         assert (tmp_path / name).stat().st_size > 10_000
 

@@ -10,8 +10,8 @@ from paper.estimates import Scatter, average, continuum, fit_observable
 from paper.items import curves, distributions, percolation, stiffness, tables
 from paper.rows import PRESSURES, as_csv, filled, quoted, read_csv, table
 from paper_runs import EDGE, GAP, LAW, runs_of
-from refusal import refused
 
+from hpc_gfmd import SceneError
 from hpc_gfmd.theory import tfc
 
 LOW = PRESSURES["low"]
@@ -44,7 +44,7 @@ def test_scatter_is_found_and_shared():
     sigma = np.sqrt(np.diag(covariance))
     assert covariance[0, 1] / sigma[0] / sigma[1] > 0.99
     assert covariance[0, 2] == 0
-    with refused("one realisation"):
+    with pytest.raises(SceneError, match="one realisation"):
         fit_observable([run for run in runs if run["seed"] == 1], "kappa", "desk")
 
 
@@ -194,7 +194,7 @@ def test_continuum_refuses_what_it_cannot_tell():
         ([run for run in runs if run["seed"] == 1], "kappa_edge", "two of some"),
         ([run | {"gap_over_h_rms": 0.0} for run in runs], "gap_over_h_rms", "zeros"),
     ):
-        with refused(said):
+        with pytest.raises(SceneError, match=said):
             continuum(some, observable)
 
 
