@@ -17,7 +17,7 @@ PIECE_POINTS, PIECE_ROWS = 2**17, 8
 
 
 def piece_rows(n_y: int) -> int:
-    """Rows of a field, of n_y points each, that a thread works on at a time."""
+    """Return how many rows of a field, of n_y points each, that a thread works on at a time."""
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
 
 
@@ -55,7 +55,7 @@ def on_threads(
 
 @cache
 def _pool() -> ThreadPoolExecutor:
-    """The threads of this process, made as they are needed."""
+    """Make the threads of this process, as they are needed."""
     return ThreadPoolExecutor(2**16, "hpc-gfmd")
 
 

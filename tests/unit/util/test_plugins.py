@@ -45,6 +45,10 @@ def test_the_examples_of_the_developers_page_as_a_package(tmp_path):
     observed, highest, bodies = json.loads(done.stdout)
     assert observed == highest > 0
     assert bodies[0] == "graded"
-    (package / "calm.py").write_text("import nothing_of_this_name")
-    done = subprocess.run([sys.executable, "-c", SCRIPT], env=env, capture_output=True, text=True)
-    assert "hpc_gfmd.solvers: calm = gfmd_extra.calm does not load: No module" in done.stderr
+    for code, error in (
+        ("import nothing_of_this_name", "calm = gfmd_extra.calm does not load: No module"),
+        ("", 'calm has no class with name = "calm"'),
+    ):
+        (package / "calm.py").write_text(code)
+        done = subprocess.run([sys.executable, "-c", SCRIPT], env=env, stderr=-1, text=True)
+        assert f"hpc_gfmd.solvers: {error}" in done.stderr
