@@ -110,9 +110,10 @@ class _Joiner:
         lines = labels[0], labels[-1], labels[:, 0], labels[:, -1]
         for line, side in zip(lines, (first_row, last_row, FIRST_COLUMN, LAST_COLUMN)):
             sides[line] |= side
+        # of a point outside the mask the label is NOTHING
         first, last, left, right = (
             np.stack([line.astype(np.int64) - 1, 0 * line, 0 * line]) for line in lines
-        )  # of a point outside the mask the label is NOTHING
+        )
         pairs = self._pairs(right, left, (0, 1), False) if self.around else []
         sizes = np.bincount(labels.ravel(), minlength=found + 1)[1:]
         return self._joined(pairs, sizes, sides[1:], np.zeros(2, np.bool_), first, last)

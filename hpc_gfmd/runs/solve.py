@@ -295,8 +295,8 @@ def _warn(comm: Comm, steps: Sequence[dict]) -> None:
                 f"{which}not converged ({step['status']}): estimated errors of area, mean gap,"
                 f" pressure: {errors}",
                 NotConverged,
-                stacklevel=3,
-            )  # where the caller of solve is
+                stacklevel=3,  # where the caller of solve is
+            )
 
 
 def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:

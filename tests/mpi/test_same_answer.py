@@ -28,9 +28,8 @@ def assert_same(comm, step, serial, tolerance=TOLERANCE):
         assert found is None or found == pytest.approx(wanted, rel=tolerance), name
     assert step.status == serial.status
     mine = slice(*step.surface.rows)
-    for name in ("pressure", "gap", "displacement")[
-        : 2 if serial.surface.h is None else 3
-    ]:  # in low memory there is none
+    # in low memory there is none
+    for name in ("pressure", "gap", "displacement")[: 2 if serial.surface.h is None else 3]:
         found, wanted = field(step, name), field(serial, name)
         assert found.shape == wanted[mine].shape
         assert np.abs(found - wanted[mine]).max(initial=0) <= tolerance * np.abs(wanted).max()
@@ -136,9 +135,8 @@ def test_surfaces_that_end(comm, surface, boundary):
     ids=str,
 )
 def test_ways_to_solve_a_surface_that_ends(comm, solver):
-    surface = rough(
-        (2, 32, 4), boundary="free"
-    )  # large enough for coarse grids that are spread over the ranks
+    # large enough for coarse grids that are spread over the ranks
+    surface = rough((2, 32, 4), boundary="free")
     found, wanted = (
         solve_scene(surface, 0.1, comm=world, accuracy=1e-3, **solver)
         for world in (comm, SerialComm())

@@ -63,9 +63,8 @@ def test_solve_takes_them():
         found = hpc_gfmd.solve(z, boundary="free", E_star=2.0, **{name: [value]})
         assert len(found) == 1
         if name == "a_r":
-            assert found[0].a_r == pytest.approx(
-                value, abs=1.001 / z.size
-            )  # 13 points: many a pressure gives them
+            # 13 points: many a pressure gives them
+            assert found[0].a_r == pytest.approx(value, abs=1.001 / z.size)
         else:
             assert found[0].pressure.mean() == pytest.approx(0.3, rel=2e-2)
     layer = hpc_gfmd.solve(z, a_r=0.4, thickness=0.1, base="frictionless", nu=0.5)
