@@ -25,7 +25,7 @@ from ..parallel import wisdom
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0
 from ..parallel.interrupt import Interrupt, Stopped
-from ..parallel.world import threads_of, world
+from ..parallel.world import comm_of, threads_of, world
 from ..scene import Scene, load_scene, with_overrides
 from ..surface import build_surface, grid_of, surface_size
 from ..surface.units import field_dtype
@@ -78,7 +78,7 @@ def run_scene(
     quiet
         Print nothing.
     comm
-        A communicator of parallel.comm; default: all processes that the MPI launcher started.
+        A communicator of mpi4py; default: all processes that the MPI launcher started.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def run_scene(
         For what failed while running.
     """
     begun = time.monotonic()
-    comm = comm or world()
+    comm = world() if comm is None else comm_of(comm)
     scene = on_rank_0(comm, "reading the scene", lambda: _read_scene(scene, overrides, out))
     check(scene)
     n, sizes = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
