@@ -24,7 +24,7 @@ from ..kernels.prolong import HALO, SWEEPS, prolong_gap
 from ..parallel import interrupt
 from ..parallel.coarsening import agglomerated, halved
 from ..parallel.grid import Grid
-from ..parallel.halo import Windows, neighbours, rows_of
+from ..parallel.halo import neighbours, rows_of
 from ..parallel.threads import on_threads
 from .full_contact import closed_contact
 
@@ -84,7 +84,7 @@ def cold_gap(problem: Problem) -> np.ndarray:
     mean = s1 / N
     level = h.dtype.type(max(mean - np.sqrt(max(s2 / N - mean * mean, 0.0)), 0.0))
     rows, points = problem.grid.inside
-    g = np.empty(problem.grid.shape, h.dtype) if problem.grid.padded else np.empty_like(h)
+    g = np.empty(problem.grid.shape, h.dtype)
     g[rows:], g[:rows, points:] = -level, -level
     np.maximum(h - level, 0, out=g[:rows, :points])
     return g
@@ -136,11 +136,7 @@ class Decimation:
         h = problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
         beside, starts = (np.minimum(rows, self.nominal[0]) for rows in (self.beside, self.starts))
         if not np.array_equal(beside, starts):
-            rank = self.fine.comm.rank
-            windows = Windows(rank, starts, beside[:-1], beside[1:])
-            owned = np.zeros((starts[rank + 1] - starts[rank], h.shape[1]), h.dtype)
-            windows.add(self.fine.comm, h, owned)
-            h = owned
+            h = rows_of(self.fine.comm, h, beside, starts[:-1], starts[1:])
         if self.coarse is None:
             return None
         scale, heights = h.dtype.type(self.coarse.a / self.fine.a), np.empty(h.shape, h.dtype)
@@ -277,7 +273,9 @@ def _prolong(
 
         grid.by_rows(displacement)
     heights, pieces = problem.heights, fine.pieces()
-    before, after = _heights_around(problem)
+    # beyond the surface there are no heights: what stands for them does not count
+    owned = np.minimum(fine.starts, fine.nominal[0])
+    before, after = neighbours(fine.comm, heights, fine.starts, SWEEPS, owned)
     # copies: where `out` is the memory of the heights, other threads write to it
     borders = [heights[i - SWEEPS : i + SWEEPS].copy() for i, _ in pieces[1:]]
     befores = [before, *(rows[:SWEEPS] for rows in borders)]
@@ -296,12 +294,3 @@ def _prolong(
     each = [(*rows, *around) for rows, *around in zip(pieces, befores, afters)]
     on_threads(fine.threads, prolong, each)
     return out
-
-
-def _heights_around(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    """Return the rows of h before and after this rank's rows of the grid; beyond the surface, where
-    there are none, they do not count."""
-    grid = problem.grid
-    return neighbours(
-        grid.comm, problem.heights, grid.starts, SWEEPS, np.minimum(grid.starts, grid.nominal[0])
-    )

@@ -10,7 +10,9 @@ from numpy.typing import DTypeLike
 
 from ..driver.precision import first_precision, precisions
 from ..driver.sweep import Sweep
+from ..parallel.comm import SerialComm
 from ..scene import Scene
+from ..surface import build_surface
 from ..util.caches import cache_folder, keep
 
 SAMPLE = {
@@ -100,9 +102,6 @@ def seconds_per_work(dtype: DTypeLike) -> float:
 
 
 def _measure(dtype: DTypeLike) -> float:
-    from ..parallel.comm import SerialComm
-    from ..surface import build_surface
-
     precision = "single" if np.dtype(dtype) == np.float32 else "double"
     scene = Scene.from_dict(
         {"surface": SAMPLE, "load": {"p_star": 0.05}, "solver": {"precision": precision}}
