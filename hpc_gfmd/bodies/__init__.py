@@ -17,13 +17,13 @@ COMMON = ("base", "images")  # files that are no body
 
 
 def body_classes() -> dict[str, type[Body]]:
-    """{name: class} of all elastic bodies."""
+    """Return {name: class} of all elastic bodies."""
     return {name: class_in(__name__, name) for name in names_in(__name__, COMMON)}
 
 
 def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
-    """The elastic body that a material (scene.Material) means; free: whether the surface ends along
-    x, along y.
+    """Return the elastic body that a material (scene.Material) means; free: whether the surface
+    ends along x, along y.
 
     Raises SceneError if there is none.
     """

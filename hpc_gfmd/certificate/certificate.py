@@ -70,7 +70,7 @@ class Certificate:
     precision: str = "float64"
 
     def attributes(self) -> dict[str, Any]:
-        """The violations, by name, and the precision in which they were found."""
+        """Return the violations, by name, and the precision in which they were found."""
         names = ("penetration", "tension", "complementarity", "load_balance")
         return {name: getattr(self, name) for name in names} | {
             "certificate_precision": self.precision
@@ -156,8 +156,8 @@ def certify(
 
 
 def _admissible(problem: Problem, closed_p: float, sums: KktSums) -> tuple[float, float]:
-    """The scale of p in elastic contact, and what is added to it, that give a pressure of the right
-    mean between 0 and the hardness: a scale below 0 where there is none."""
+    """Return the scale of p in elastic contact, and what is added to it, that give a pressure of
+    the right mean between 0 and the hardness: a scale below 0 where there is none."""
     load = problem.grid.N * problem.p0
     if problem.hardness is None:
         return (load / closed_p if closed_p > 0 else -1.0), 0.0
@@ -172,8 +172,8 @@ def _admissible(problem: Problem, closed_p: float, sums: KktSums) -> tuple[float
 def _errors(
     problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, sums: KktSums, uKu: float
 ) -> tuple[tuple[float, float, float], tuple[float, float]]:
-    """Relative errors of area, mean gap and pressure field, and what no iteration makes smaller of
-    the last two; sums: KktSums of all ranks."""
+    """Return the relative errors of area, mean gap and pressure field, and what no iteration makes
+    smaller of the last two; sums: KktSums of all ranks."""
     grid, contact = problem.grid, sums.contact
     levels.restrict(g, p, problem.limit)
     rr, tt, rt, _, ts, rs = grid.comm.sum(levels.sweep()[2:])

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 def duality_gap(contact: Contact) -> float | None:
-    """G/(p0 gap_mean): bounds the error of the energy from above (see certificate/certificate.py);
-    None where it was not asked for."""
+    """Return G/(p0 gap_mean), which bounds the error of the energy from above (see
+    certificate/certificate.py); None where it was not asked for."""
     return contact.certificate.duality_gap
 
 
@@ -51,7 +51,7 @@ def gap_bound(contact: Contact) -> float | None:
 
 
 def _energy_norm(contact: Contact) -> float | None:
-    """|e|_K at most; None where it is not known."""
+    """Return |e|_K at most; None where it is not known."""
     found = contact.certificate
     if found.duality_gap is None or not np.isfinite(found.duality_gap):
         return None
@@ -60,7 +60,7 @@ def _energy_norm(contact: Contact) -> float | None:
 
 
 def _relative(wrong: float, value: float) -> float | None:
-    """What is wrong over the true value, at most."""
+    """Return what is wrong over the true value, at most."""
     if wrong == 0:
         return 0.0
     return float(wrong / (value - wrong)) if wrong < value else None

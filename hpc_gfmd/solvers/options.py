@@ -9,7 +9,7 @@ from ..util.errors import SceneError
 def read_options(
     solver: str, options: Mapping[str, float], allowed: Mapping[str, tuple[float, float]]
 ) -> dict[str, float]:
-    """The given options as floats. allowed: {name: (smallest, largest value)}.
+    """Return the given options as floats. allowed: {name: (smallest, largest value)}.
 
     Raises SceneError for an unknown name or a value out of bounds.
     """

@@ -1,4 +1,4 @@
-"""What every distribution promises. A new one in hpc_gfmd/observables is tested by being there."""
+"""What every distribution promises. A new one in hpc_gfmd/contact is tested by being there."""
 
 import numpy as np
 import pytest

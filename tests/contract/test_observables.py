@@ -1,4 +1,4 @@
-"""What every observable promises. A new file in hpc_gfmd/observables is tested by being there."""
+"""What every observable promises. A new file in hpc_gfmd/contact is tested by being there."""
 
 from math import isfinite
 
