@@ -199,7 +199,7 @@ class Contact:
 
         surface = self.surface
         fields: dict[str, Callable[[int, int], np.ndarray]] = {
-            "gap": lambda i0, i1: self._gap(slice(i0, i1)),
+            "gap": lambda i0, i1: self.gap_rows(slice(i0, i1)),
             "pressure": lambda i0, i1: self.pressure_rows(slice(i0, i1)),
         }
         if (h := surface.h) is not None:
@@ -237,7 +237,9 @@ class Contact:
             p = np.where(g < 0, most, np.minimum(p, most))
         return p
 
-    def _gap(self, take: slice) -> np.ndarray:
+    def gap_rows(self, take: slice) -> np.ndarray:
+        """Return the gap in rows of this rank's part of the surface, in the problem's unit: 0 where
+        there is a dent."""
         g = self.g[take, : self.surface.grid.nominal[1]]
         return g if self.hardness is None else np.maximum(g, 0)
 
@@ -328,7 +330,7 @@ class Contact:
         def values(take: slice) -> np.ndarray:
             if name == "pressure":
                 return self.pressure_rows(take) * real(self.pressure_unit)
-            g = self._gap(take)
+            g = self.gap_rows(take)
             if name == "displacement":
                 assert self.surface.h is not None  # refused beforehand with solver.low_memory
                 g = g - self.surface.h[take]

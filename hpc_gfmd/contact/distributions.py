@@ -50,13 +50,14 @@ def gap(contact: Contact) -> Arrays | None:
 
     edges: gaps; density: per gap. None where all points touch.
     """
-    surface, points = contact.surface, contact.surface.grid.inside[1]
+    surface = contact.surface
     if surface.h_rms == 0:
         return None
     unit, lowest = surface.height_unit / surface.h_rms, -GAP_BINS * GAP_OCTAVES - 1
 
     def bins(i0: int, i1: int) -> np.ndarray:
-        gaps = contact.g[i0:i1, :points][~contact.touching(i0, i1)].astype(np.float64) * unit
+        g = contact.gap_rows(slice(i0, i1)).astype(np.float64) * unit
+        gaps = g[~contact.touching(i0, i1) & np.isfinite(g)]
         with np.errstate(divide="ignore"):
             return np.maximum(np.floor(GAP_BINS * np.log2(gaps)), lowest).astype(np.int64)
 
