@@ -27,11 +27,11 @@ def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Bod
 
     Raises SceneError if there is none.
     """
-    bodies_ = [body for cls in body_classes().values() if (body := cls.of(material, free))]
-    if not bodies_:
-        thickness = format_quantity(material.thickness or 0.0)
-        raise SceneError(
-            f"material.thickness: found {thickness} with a free boundary, allowed: with periodic"
-            " boundaries"
-        )
-    return bodies_[0]
+    for cls in body_classes().values():
+        if body := cls.of(material, free):
+            return body
+    thickness = format_quantity(material.thickness or 0.0)
+    raise SceneError(
+        f"material.thickness: found {thickness} with a free boundary, allowed: with periodic"
+        " boundaries"
+    )

@@ -144,13 +144,10 @@ class Problem:
     def noise(self, h_rms: float) -> float:
         """Return the rms error of the pressure from transforms in the working precision, at most;
         h_rms: of the heights."""
-        varies = (
-            h_rms
-            if self.stored is None
-            else self.sunk
-            if self.grid.padded
-            else min(h_rms, self.sunk)
-        )
+        if self.stored is None:
+            varies = h_rms
+        else:
+            varies = self.sunk if self.grid.padded else min(h_rms, self.sunk)
         return TRANSFORMED * float(np.finfo(self.dtype).eps) * varies
 
     def level(self, g: np.ndarray) -> float:

@@ -88,11 +88,7 @@ class Spectra:
             for n, spacing in zip(self.grid.n, self.grid.spacings)
         )
         x = x[slice(*self.grid.rows)]
-        nearest = (
-            min(a for a, n in zip(self.grid.spacings, self.grid.n) if n > 1)
-            if self.grid.N > 1
-            else 1.0
-        )
+        nearest = min((a for a, n in zip(self.grid.spacings, self.grid.n) if n > 1), default=1.0)
 
         def sums(i0: int, i1: int, values: np.ndarray) -> np.ndarray:
             r = np.hypot(x[i0:i1, None], y)

@@ -8,12 +8,12 @@ import pytest
 from contacts import (
     EXACT,
     field,
+    problem_of,
     random_heights,
     relative,
     rough,
     solve_scene,
     surface_over,
-    sweep_of,
 )
 
 from hpc_gfmd.certificate.certificate import certify
@@ -26,11 +26,6 @@ from hpc_gfmd.util.errors import SceneError
 
 SURFACE = rough((2, 8, 3), seed=2)
 every_solver = pytest.mark.parametrize("name", solver_names())
-
-
-def problem_of(p0=0.1, surface=SURFACE, dtype=np.float64):
-    made = sweep_of(surface).surface
-    return Problem(made.grid, made.h.astype(dtype), p0)
 
 
 def started(name, problem):
@@ -76,7 +71,7 @@ def test_accuracy(name):
 def test_state_goes_on_bit_by_bit(name, hardness):
     """state -> load_state of a new solver continues with exactly the numbers of the one that was
     never stopped."""
-    problem = replace(problem_of(), hardness=hardness if solver_class(name).dents else None)
+    problem = replace(problem_of(SURFACE), hardness=hardness if solver_class(name).dents else None)
     one = started(name, problem)
     for _ in range(7):
         one.step()
@@ -98,7 +93,7 @@ def test_state_goes_on_bit_by_bit(name, hardness):
 def test_progress_and_pairs(name):
     """Progress tells what the state is; an iteration costs at least one FFT pair, and all are
     counted."""
-    solver = started(name, problem_of())
+    solver = started(name, problem_of(SURFACE))
     for _ in range(20):
         before = solver.pairs
         solver.step()
@@ -118,7 +113,7 @@ def test_progress_and_pairs(name):
 @every_solver
 def test_the_pressure_is_that_of_the_gap(name):
     """After many steps p still is p0 + K (g - h)."""
-    solver = started(name, problem_of())
+    solver = started(name, problem_of(SURFACE))
     for _ in range(50):
         solver.step()
     kept, fresh = solver.p.copy(), np.empty_like(solver.p)
@@ -128,7 +123,7 @@ def test_the_pressure_is_that_of_the_gap(name):
 
 @every_solver
 def test_another_load(name):
-    solver = started(name, problem_of(0.1))
+    solver = started(name, problem_of(SURFACE))
     target = Target(residual=1e-8)
     assert drive(solver, target)[0] == "converged"
     solver.continue_at(0.12)
@@ -154,7 +149,7 @@ def test_any_grid(name, n):
 @every_solver
 def test_stops(name):
     """At max_iterations, when told to, and with NaN: never as converged."""
-    problem = problem_of()
+    problem = problem_of(SURFACE)
     solver = started(name, problem)
     assert drive(solver, Target(residual=1e-13, max_iterations=3))[0] == "max_iterations"
     assert solver.iterations == 3
@@ -181,4 +176,4 @@ def test_beyond_the_precision_it_stagnates(name):
 @every_solver
 def test_unknown_option(name):
     with pytest.raises(SceneError, match="bogus"):
-        solver_class(name)(problem_of(), {"bogus": 1.0})
+        solver_class(name)(problem_of(SURFACE), {"bogus": 1.0})

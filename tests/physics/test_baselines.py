@@ -3,11 +3,10 @@ what they cost."""
 
 import numpy as np
 import pytest
-from contacts import rough, sweep_of
+from contacts import problem_of, rough
 
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.driver.nested import cold_gap
-from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.solvers import solver_class
 from hpc_gfmd.util.errors import SceneError
 
@@ -20,11 +19,6 @@ KINDS = {
 }
 every_kind = pytest.mark.parametrize("kind", KINDS)
 ROUGH = {"64": rough(seed=3), "128": rough((2, 16, 4), hurst=0.3, seed=4)}
-
-
-def problem_of(surface, p0, dtype=np.float64):
-    made = sweep_of(surface).surface
-    return Problem(made.grid, made.h.astype(dtype), p0)
 
 
 def solved(problem, name, options=None, residual=1e-9, most=4000):
