@@ -97,8 +97,8 @@ class State(NamedTuple):
     """Sums over all points, and all ranks, of a state at the mean pressure p0.
 
     open_p, open_pp: of p and p^2 out of contact, less the hardness where a point yields; closed_pp:
-    of p^2 in contact; contact: points; yielded: of these; uKu: <u, K u>; rr, tt, rt, ts, rs: what
-    Multilevel.sweep returns of p out of contact.
+    of p^2 in contact; contact: points; yielded: of these; gap: of gaps; uKu: <u, K u>; rr, tt,
+    rt, ts, rs: what Multilevel.sweep returns of p out of contact.
     """
 
     p0: float
