@@ -90,6 +90,7 @@ def test_no_faster_than_stable():
         ("gfmd", {"damping": -1}, "0 to"),
         ("fire", {"damping": 1.0}, "'fire': dt"),
         ("ccg", {"dt": 1.0}, "preconditioned"),
+        ("ccg", {"preconditioned": 0.5}, "a whole number from 0 to 1"),
         ("gfmd", {"dt": float("nan")}, "0.01 to 1"),
     ],
 )
