@@ -30,7 +30,7 @@ from numpy.typing import DTypeLike
 from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
-from .error_estimates import State, estimate, misclassified_points, relative_area, spread_of
+from .error_estimates import State, estimate, misclassified_points, relative_error, spread_of
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -202,4 +202,4 @@ def _errors(
     wrong = misclassified_points(problem, g, p, found.squares, spread)
     # the one point that may be open is a gap that is not known
     gap = found.gap if wrong == 0 or contact < grid.N else np.inf
-    return (relative_area(wrong, contact), gap, found.pressure), found.attainable
+    return (relative_error(wrong, contact), gap, found.pressure), found.attainable

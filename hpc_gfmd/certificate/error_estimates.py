@@ -165,12 +165,16 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
     loaded = CALIBRATION.loaded * (response**2 + compliance * N)
     least = body.error * p0 * min(loaded, last)
     least += eps * (p0 * response**2 + gap) + problem.rounding * (N - contact)
-    attainable = _relative(least, gap) if wrong < least else 0.0, floor
-    return Estimate(_relative(wrong + least, gap), pressure, attainable, squares, opened * shift)
+    attainable = relative_error(least, gap) if wrong < least else 0.0, floor
+    return Estimate(
+        relative_error(wrong + least, gap), pressure, attainable, squares, opened * shift
+    )
 
 
-def _relative(shift: float, gap: float) -> float:
-    return float(shift / (gap - shift)) if shift < gap else (0.0 if shift == 0 else np.inf)
+def relative_error(wrong: float, value: float) -> float:
+    """Return the error of a number relative to the true one, from which it is `wrong` away at
+    most."""
+    return float(wrong / (value - wrong)) if wrong < value else (0.0 if wrong == 0 else np.inf)
 
 
 def misclassified_points(
@@ -232,9 +236,3 @@ def full_contact_error(problem: Problem) -> float:
     heights and pressures in the working precision."""
     eps = ROUNDING * float(np.finfo(problem.dtype).eps)
     return float(np.linalg.norm([problem.rounding / problem.p0, eps, problem.body.error]))
-
-
-def relative_area(wrong: float, contact: float) -> float:
-    """Return the relative error of the area if `wrong` of the points in contact may be too many, or
-    too few."""
-    return float(wrong / (contact - wrong)) if wrong < contact else np.inf

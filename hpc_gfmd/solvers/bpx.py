@@ -22,7 +22,7 @@ from ..certificate.error_estimates import (
     estimate,
     misclassified_points,
     moments_of_open,
-    relative_area,
+    relative_error,
     spread_of,
 )
 from ..kernels.bfloat16 import Decoded, encoded, stored_dtype
@@ -296,4 +296,4 @@ class Bpx(Solver):
         open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
         wrong = misclassified_points(self.problem, self.g, self.p, squares, spread)
-        return relative_area(max(wrong, self.changing), self.contact)
+        return relative_error(max(wrong, self.changing), self.contact)
