@@ -7,6 +7,7 @@ A table stands in its page between `<!-- rows: NAME -->` and `<!-- end -->`. Row
 
 import json
 import re
+import sys
 from itertools import groupby
 from pathlib import Path
 
@@ -189,6 +190,32 @@ def peers():
     return table(columns, lines)
 
 
+def duration(error=1e-3):
+    """Return {p*: rows of program, n and time} of what was compared at this error, periodic."""
+    found = {}
+    for ours, best in contests():
+        if (ours["kind"], ours["asked"]) == ("periodic", error):
+            for name, row in ({"hpc-gfmd": ours} | best).items():
+                if row:
+                    point = {"program": name, "n": str(row["n"]), "seconds_min": row["seconds_min"]}
+                    found.setdefault(row["p_star"], []).append(point)
+    return found
+
+
+def draw(path):
+    """Draw the time that each program takes against the points along an axis."""
+    sys.path.append(str(DOCS.parent / "scripts"))
+    from bench.pictures import Panel, picture
+
+    picture(
+        path,
+        [
+            Panel(points, ("program",), "n", "seconds_min", f"p* = {p_star:g}")
+            for p_star, points in sorted(duration().items())
+        ],
+    )
+
+
 def campaign():
     """Counts of the campaign's records."""
     found = rows("campaign", DOCS)
@@ -269,7 +296,7 @@ def numbers():
     ]
     if ratios:
         found["Beside it the fastest other program, at equal true error, takes"] = (
-            f"{span(ratios, '.2g')} times as long"
+            f"{span(ratios, '.3g')} times as long"
         )
     found["A billion points, two loads, on two cores"] = whole()
     records = rows("campaign", DOCS)
@@ -299,3 +326,4 @@ TABLES = {
 if __name__ == "__main__":
     for page in PAGES:
         page.write_text(filled(page.read_text(encoding="utf-8")), encoding="utf-8")
+    draw(DOCS / "bench" / "peers.png")
