@@ -24,7 +24,7 @@ class Page(HTMLParser):
 
 
 def dead_links(folder):
-    """[(page, link)] of all links that lead nowhere."""
+    """Find [(page, link)] of all links that lead nowhere."""
     pages = {path: Page(path) for path in folder.rglob("*.html")}
     dead = []
     for path, page in pages.items():

@@ -32,7 +32,7 @@ MODULES = (  # beside hpc_gfmd.__all__: title, name, what it is
 
 
 def made():
-    """All of them, by name."""
+    """Make all pages: {name: text}."""
     return {
         "scene": scene(),
         "observables": _printed("help", "observables", "--markdown"),
@@ -43,7 +43,7 @@ def made():
 
 
 def write(folder):
-    """All of them into a folder; pages that have not changed keep their date."""
+    """Write all pages into a folder; those that have not changed keep their date."""
     folder.mkdir(exist_ok=True)
     for name, text in made().items():
         path = folder / f"{name}.md"
@@ -52,12 +52,12 @@ def write(folder):
 
 
 def scene():
-    """What `hpc-gfmd help scene --markdown` prints."""
+    """Take what `hpc-gfmd help scene --markdown` prints."""
     return _printed("help", "scene", "--markdown")
 
 
 def commands():
-    """`--help` of every command."""
+    """Take what `--help` of every command prints."""
     sections = [
         f"## hpc-gfmd {name}\n\n```text\n{_printed(name, '--help').strip()}\n```\n"
         for name in (*COMMANDS, "restart")
@@ -77,7 +77,7 @@ def _printed(*argv):
 
 
 def api():
-    """Everything in hpc_gfmd.__all__, and the modules beside it that are meant for users."""
+    """List everything in hpc_gfmd.__all__, and the modules beside it that are meant for users."""
     found = {name: getattr(hpc_gfmd, name) for name in hpc_gfmd.__all__}
     groups = {"Functions": "autofunction", "Results": "autoclass", "Errors": "autoexception"}
     lines = ["# Python", "", "`import hpc_gfmd` neither starts MPI nor compiles anything.", ""]
@@ -109,8 +109,8 @@ def _directive(value):
 
 
 def gallery():
-    """Every script in examples/: its pictures (docs/gallery/SCRIPT*.png), its docstring as their
-    caption, all of it."""
+    """Show every script in examples/: its pictures (docs/gallery/SCRIPT*.png), its docstring as
+    their caption, all of it."""
     lines = [
         "# Gallery",
         "",

@@ -52,8 +52,8 @@ def _plain_bars(app, what, name, thing, options, lines):
 
 
 def setup(app):
-    """Formulas are MathML, which browsers draw themselves: the site needs no network. Docstrings
-    are read in a terminal, too."""
+    """Write formulas as MathML, which browsers draw themselves: the site needs no network.
+    Docstrings are read in a terminal, too."""
     app.add_html_math_renderer("mathml", (_inline, None), (_display, None))
     app.connect("autodoc-process-docstring", _plain_bars, priority=100)
     _pages.write(HERE / "generated")

@@ -74,7 +74,7 @@ _PLACES = {
 
 
 def __getattr__(name: str) -> object:
-    """What is public, imported when it is first asked for."""
+    """Import what is public when it is first asked for."""
     from importlib import import_module
 
     if name == "reference":

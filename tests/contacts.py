@@ -5,7 +5,6 @@ import tomli_w
 
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.sweep import Sweep
-from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import loads
 from hpc_gfmd.scene import Material, Scene, Solver
@@ -70,12 +69,6 @@ def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):
     """The Step of one load p* on a [surface] table."""
     sweep = sweep_of(surface, E_star, comm, **solver)
     return sweep.solve(p_star * E_star * sweep.surface.g_rms)
-
-
-def problem_of(surface, p0=0.1):
-    """The Problem of a [surface] table at a load, in double precision."""
-    made = sweep_of(surface).surface
-    return Problem(made.grid, made.h, p0)
 
 
 def field(step, name):

@@ -2,8 +2,10 @@
 matrices, and the sizes that they are tried on."""
 
 import numpy as np
+import pytest
 
-from hpc_gfmd.operators.elastic import reader
+from hpc_gfmd.bodies.halfspace import HALF_SPACE
+from hpc_gfmd.operators.elastic import Elastic, reader
 from hpc_gfmd.parallel.coarsening import Transfer, levels
 from hpc_gfmd.parallel.grid import Grid
 
@@ -50,6 +52,32 @@ def stiffness_times(elastic, u, out):
 def compliance_times(elastic, p, out):
     """out = S p with zero mean, local slabs; returns this rank's share of <p, S p>."""
     return _through(elastic, p, elastic.displacement_columns, out)
+
+
+def assert_same_on_slabs(comm, n, dtype=np.float64, tolerance=1e-12, body=HALF_SPACE, threads=1):
+    """K and S on the slabs of all ranks are what they are on one, and so are their energies."""
+    whole, grid = Grid(n, (1.0, 1.7)), Grid(n, (1.0, 1.7), comm, threads=threads)
+    mine, u = slice(*grid.rows), np.random.default_rng(1).standard_normal(n).astype(dtype)
+    for apply in (stiffness_times, compliance_times):
+        wanted, out = whole.empty(dtype), grid.empty(dtype)
+        energy = apply(Elastic(whole, body, dtype), u, wanted)
+        elastic = Elastic(grid, body, dtype)
+        found = comm.sum([apply(elastic, u[mine], out)])[0]
+        assert found == pytest.approx(energy, rel=10 * tolerance, abs=1e-25)
+        least = tolerance * max(np.abs(wanted).max(), 1e-20)
+        assert np.abs(out - wanted[mine]).max(initial=0) <= least
+        assert elastic.pairs == 1
+
+
+def matrix(body, grid):
+    """K as the operator applies it, column by column."""
+    elastic, out = Elastic(grid, body, np.float64), np.empty((grid.N, grid.N))
+    for k in range(grid.N):
+        u, x = np.zeros(grid.N), grid.empty(np.float64)
+        u[k] = 1
+        stiffness_times(elastic, u.reshape(grid.n), x)
+        out[:, k] = x.ravel()
+    return out
 
 
 def _through(elastic, field, columns, out):

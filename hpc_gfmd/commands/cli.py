@@ -31,7 +31,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def build_parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
-    """The parser with these commands."""
+    """Make the parser with these commands."""
     parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {__version__}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
@@ -62,7 +62,7 @@ def main(
 def _run(
     argv: Sequence[str], script: Callable[[], argparse.ArgumentParser] | None
 ) -> tuple[int, bool]:
-    """(exit code, whether the result is what was printed)."""
+    """Run one command; returns (exit code, whether the result is what was printed)."""
     from ..parallel.world import collective_exit
 
     # The restart command lives with run; what is not asked for is not imported.
@@ -100,7 +100,7 @@ def _complain(error: object, before: str = "") -> None:
 
 
 def _where() -> str:
-    """Which of several ranks this is."""
+    """Name this rank, where there are several."""
     from ..parallel.launcher import launched, launcher_rank
 
     return f" on rank {launcher_rank()}" if launched()[0] else ""

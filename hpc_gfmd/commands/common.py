@@ -12,7 +12,7 @@ def add_set(parser: ArgumentParser, what: str) -> None:
 
 
 def number(text: str) -> float:
-    """A float from a decimal number or a ratio of two; ValueError otherwise."""
+    """Read a decimal number or a ratio of two; ValueError otherwise."""
     top, slash, bottom = text.partition("/")
     try:
         return float(top) / float(bottom) if slash else float(top)
@@ -21,7 +21,8 @@ def number(text: str) -> float:
 
 
 def finite(value: Any) -> Any:
-    """The same with null for what JSON does not know: infinity, NaN and complex numbers."""
+    """Replace what JSON does not know, infinity and NaN, by null, and what is no number, text or
+    list by its text."""
     if isinstance(value, dict):
         return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

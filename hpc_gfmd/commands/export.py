@@ -29,8 +29,8 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Write it and print its name; raises SceneError if the result cannot be read or the file
-    cannot go there."""
+    """Write the export and print its name; raises SceneError if the result cannot be read or the
+    file cannot go there."""
     result = read_result(args.file).only(args.step, args.fields)
     print(export(result, args.to, args.output, all_numbers()))
     print(*result.remarks, sep="\n", end="\n" * bool(result.remarks))

@@ -30,7 +30,9 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Print; raises SceneError for a topic or a key that there is not."""
+    """Print the help; raises SceneError for a topic or a key that there is not."""
+    if args.key is not None and (args.topic != "scene" or args.markdown):
+        raise SceneError(f"help: found {args.key}, allowed: a key after scene, without --markdown")
     if args.topic == "observables":
         print(_numbers("| `{}` | {} | {} | {} |" if args.markdown else "{:<24} {:<18} {:<14} {}"))
         return 0
@@ -50,7 +52,8 @@ def main(args: Namespace) -> int:
 
 
 def _numbers(row: str) -> str:
-    """All numbers of a load, each by `row`: name, unit, by what name it is asked for, meaning."""
+    """List all numbers of a load, each by `row`: name, unit, the name it is asked for by,
+    meaning."""
     from ..contact import all_numbers, default_observables, observable_names, observables_named
 
     groups = {name: observables_named([name]) for name in observable_names()}

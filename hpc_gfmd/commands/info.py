@@ -16,7 +16,7 @@ def main(args: Namespace) -> int:
 
 
 def facts() -> dict[str, str]:
-    """{name: text} of everything that speed or results may depend on."""
+    """Collect {name: text} of everything that speed or results may depend on."""
     import h5py
     import numba
 
@@ -39,7 +39,7 @@ def facts() -> dict[str, str]:
 
 
 def _io() -> str:
-    """How several ranks write a file; as the attribute `io` of results says."""
+    """Say how several ranks write a file, as the attribute `io` of results does."""
     import h5py
 
     return (

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ..util.atomic import atomic_write
 from ..util.errors import SceneError, one_line
 from .common import add_set
 
@@ -43,8 +44,8 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Write it and say what is still to be filled in; raises SceneError if it cannot be written or
-    the map cannot be read."""
+    """Write the scene and say what is still to be filled in; raises SceneError if it cannot be
+    written or the map cannot be read."""
     path = Path(args.output)
     if path.exists() and not args.force:
         raise SceneError(
@@ -54,7 +55,8 @@ def main(args: Namespace) -> int:
         raise SceneError(f"-o: the folder {path.parent} does not exist")
     text, missing, about = compose(args.what, path, args.set)
     try:
-        path.write_text(text, encoding="utf-8")
+        with atomic_write(path) as tmp:
+            tmp.write_text(text, encoding="utf-8")
     except OSError as error:
         raise SceneError(f"-o: cannot write {path}: {one_line(str(error))}") from None
     print(*about, sep="\n", end="\n" * bool(about))
@@ -72,8 +74,11 @@ def main(args: Namespace) -> int:
 def compose(
     what: str, path: Path, overrides: Sequence[str] = ()
 ) -> tuple[str, list[str], list[str]]:
-    """(TOML text of a scene that will lie at `path`, keys of [surface] that have to be filled in,
-    what a height map shows, a line each). Raises SceneError."""
+    """Compose a scene that will lie at `path`.
+
+    Returns its TOML text, the keys of [surface] that have to be filled in, and what a height map
+    shows, a line each. Raises SceneError.
+    """
     from ..scene import Scene
     from ..scene.load import apply_override
     from ..scene.surface import KINDS
@@ -106,7 +111,7 @@ def compose(
 
 
 def _of_map(what: str, path: Path, tables: dict[str, Any]) -> Any:
-    """The Suggestion for a height map; its path counts from the folder of the scene."""
+    """Make the Suggestion for a height map; its path counts from the folder of the scene."""
     from ..scene import Scene
     from ..surface.quality import NO_MODULUS
     from ..surface.suggest import suggestion

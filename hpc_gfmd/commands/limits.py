@@ -9,10 +9,8 @@ from ..output.summary import converged
 from ..theory import tfc
 from ..util.errors import SceneError
 
-OBSERVABLES = {
-    "kappa": "a_r_error",
-    "gap_over_h_rms": "gap_error",
-}  # and the estimated relative error of each
+# which are corrected, and the name of the estimated relative error of each
+OBSERVABLES = {"kappa": "a_r_error", "gap_over_h_rms": "gap_error"}
 SCATTER = (
     "+- holds the estimated error of this run and of the coefficients if known, not the scatter"
     " between realisations"
@@ -20,12 +18,14 @@ SCATTER = (
 
 
 def to_limits(result: Result, table_name: str = "") -> dict:
-    """{"table": its name, "steps": one dict per load step}: observable -> value, sigma, the
+    """Take the steps of a result to the limits.
+
+    Returns {"table": its name, "steps": one dict per load step}: observable -> value, sigma, the
     corrections t, f, c and their sum, "extrapolated" with its sigma (of the value and, where the
     table has it, of the coefficients), notes; or "refused" with the reason.
 
-    table_name: as of theory.tfc.table_of; "": ours. Raises
-    SceneError for a surface that is not self-affine.
+    table_name: as of theory.tfc.table_of; "": ours. Raises SceneError for a surface that is not
+    self-affine.
     """
     surface = result.surface
     missing = [
@@ -40,21 +40,21 @@ def to_limits(result: Result, table_name: str = "") -> dict:
     table = tfc.table_of(name)
     where = {key: float(surface[key]) for key in ("hurst", *tfc.RATIOS)}
     steps = [
-        {"p_star": step["p_star"]}
+        {"step": index, "p_star": step["p_star"]}
         | {o: _limit(step, o, error, where, table) for o, error in OBSERVABLES.items() if o in step}
-        for step in result.steps
+        for index, step in result.numbered.items()
     ]
     return {"table": name, "steps": steps}
 
 
 def limits_text(limits: dict) -> str:
-    """One line per observable and step, and the notes once."""
+    """Write one line per observable and step, and the notes once."""
     lines = [
         "taken to the thermodynamic, fractal and continuum limits with the coefficients of:"
         f" {limits['table']}"
     ]
     notes = [SCATTER]
-    for index, step in enumerate(limits["steps"]):
+    for step in limits["steps"]:
         for name, found in ((o, step[o]) for o in OBSERVABLES if o in step):
             head = f"  p* = {step['p_star']:.4g}, {name} = {_shown(found['value'], found['sigma'])}"
             if "refused" in found:
@@ -64,7 +64,7 @@ def limits_text(limits: dict) -> str:
             lines.append(
                 f"{head}; {terms} -> {_shown(found['extrapolated'], found['extrapolated_sigma'])}"
             )
-            notes += [f"step {index}: NOT CONVERGED"] if not found["converged"] else []
+            notes += [f"step {step['step']}: NOT CONVERGED"] if not found["converged"] else []
             notes += found["notes"]
     return "\n".join([*lines, *(f"note: {note}" for note in dict.fromkeys(notes))])
 

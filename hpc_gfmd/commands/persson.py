@@ -56,7 +56,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Print the curve. Raises SceneError for numbers out of range."""
+    """Print the theory's curve. Raises SceneError for numbers out of range."""
     curve = persson.curve(_pressures(args), args.hurst, args.eps_f, args.gamma, args.printed)
     formula = "printed" if args.printed else "corrected"
     if args.json:

@@ -64,8 +64,8 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Draw and print the names of the pictures; raises SceneError if the file, the folder or what
-    is asked for is unusable."""
+    """Draw the pictures and print their names; raises SceneError if the file, the folder or what is
+    asked for is unusable."""
     result = read_result(args.file)
     if args.dpi is not None and not 20 <= args.dpi <= 2400:
         raise SceneError(f"--dpi: found {args.dpi}, allowed: 20 to 2400")

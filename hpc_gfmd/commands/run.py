@@ -41,7 +41,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Solve; the exit code tells whether every step converged."""
+    """Solve a scene; the exit code tells whether every step converged."""
     from ..runs.simulation import run_scene
 
     return run_scene(
@@ -50,7 +50,7 @@ def main(args: Namespace) -> int:
 
 
 def main_restart(args: Namespace) -> int:
-    """Continue; the exit code is that of the whole run."""
+    """Continue a run; the exit code is that of the whole run."""
     from ..runs.simulation import restart
 
     return restart(args.file, args.set, quiet=args.quiet).exit_code

@@ -30,8 +30,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
         const="",
         help=(
             "take kappa and gap/h_rms to the thermodynamic, fractal and continuum limits, with the"
-            " coefficients of TABLE: paper, ours or a JSON file (default: ours where they are"
-            " installed, otherwise the paper's)"
+            " coefficients of TABLE: paper, ours (default) or a JSON file"
         ),
     )
     parser.add_argument(
@@ -41,7 +40,7 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Print; raises SceneError if the file is missing, damaged, foreign or too new."""
+    """Print a result; raises SceneError if the file is missing, damaged, foreign or too new."""
     result = read_result(args.file)
     shown, text = as_dict(result), as_text(result)
     if args.tfc is not None:
@@ -61,13 +60,13 @@ def main(args: Namespace) -> int:
 
 
 def as_dict(result: Result) -> dict:
-    """Surface, steps and status with the names of the file; null for what is not a finite
+    """Return surface, steps and status with the names of the file; null for what is not a finite
     number."""
     return finite({"surface": result.surface, "steps": result.steps, "status": result.status})
 
 
 def as_text(result: Result) -> str:
-    """Head, table and remarks."""
+    """Write head, table and remarks."""
     lines = [f"{result.path}: {result.status}"]
     if result.folder is not None:
         lines.append(f"the finished load steps of an unfinished run, from {result.folder}")

@@ -53,7 +53,8 @@ def add_parser(subparsers: Any) -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Extrapolate or fit. Raises SceneError for what is missing or out of range."""
+    """Extrapolate a value or fit coefficients. Raises SceneError for what is missing or out of
+    range."""
     report, text = _fit(args) if args.fit else _extrapolate(args)
     print(json.dumps(report) if args.json else text)
     return 0
@@ -66,8 +67,6 @@ def _extrapolate(args: Namespace) -> Any:
         raise SceneError(
             f"tfc: found no {', '.join(missing)}, allowed: all of them, or --fit RUNS.csv"
         )
-    if args.sigma is not None and not (math.isfinite(args.sigma) and args.sigma >= 0):
-        raise SceneError(f"sigma: found {args.sigma:g}, allowed: [0, inf)")
     extrapolated, sigma, terms = tfc.extrapolate(
         observable=args.observable, sigma=args.sigma, table=tfc.table_of(args.table), **given
     )
@@ -94,8 +93,6 @@ def _extrapolate(args: Namespace) -> Any:
 
 
 def _fit(args: Namespace) -> Any:
-    if set(args.terms) - set("tfc"):
-        raise SceneError(f"terms: found {args.terms!r}, allowed: letters of tfc")
     if set(args.free) - set(args.terms):
         raise SceneError(
             f"free: found {args.free!r}, allowed: letters of the fitted terms, {args.terms}"

@@ -71,8 +71,8 @@ def name_it(dataset: Any, surface: Attributes, about: About, scales: Sequence = 
 
 
 def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, about: About) -> None:
-    """VTKHDF's ImageData with views of the fields that all steps have: (load, x, y), or (x, y) of
-    one load.
+    """Add VTKHDF's ImageData with views of the fields that all steps have: (load, x, y), or (x, y)
+    of one load.
 
     VTK's first axis is the last one of an array, our y; Direction turns it back, so that x is x.
     """

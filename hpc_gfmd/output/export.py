@@ -176,7 +176,7 @@ def _fields(result: Result) -> dict[str, np.dtype]:
 
 
 def _channels(result: Result) -> Iterator[tuple[int, str]]:
-    """(step, field) of all of them, heights once."""
+    """Yield (step, field) of all of them, heights once."""
     for k in range(len(result.steps)):
         yield from ((k, name) for name in _fields(result) if k == 0 or name != HEIGHTS)
 
@@ -186,7 +186,7 @@ def _shape(result: Result, name: str) -> tuple[int, ...]:
 
 
 def _pieces(result: Result, name: str) -> Iterator[tuple[tuple, np.ndarray]]:
-    """(place in an array of `_shape`, rows) of a field, a piece of memory at a time; raises
+    """Yield (place in an array of `_shape`, rows) of a field, a piece of memory at a time; raises
     GfmdError where it is damaged."""
     for k, fields in enumerate(result.fields[: 1 if name == HEIGHTS else None]):
         for start, rows in fields[name].pieces():

@@ -51,10 +51,12 @@ class Slab:
         return np.dtype(self.data.dtype)
 
     def pieces(self) -> Iterator[tuple[int, np.ndarray]]:
-        """All of it, as `Stored.pieces` gives a field of a file: (start, rows from there on)."""
+        """Yield all of it, as `Stored.pieces` gives a field of a file: (start, rows from
+        there on)."""
         yield self.start, self.read()
 
     def read(self, start: int | None = None, stop: int | None = None) -> np.ndarray:
-        """Rows start <= i < stop, which must be among those of this rank (default: all of them)."""
+        """Return rows start <= i < stop, which must be among those of this rank (default: all of
+        them)."""
         first, last = (None if i is None else i - self.start for i in (start, stop))
         return np.ascontiguousarray(self.data[first:last])

@@ -15,17 +15,18 @@ _OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?|wisdom-\w+")
 
 
 def followed(path: str | os.PathLike) -> Path:
-    """The file that a path stands for: a link is not replaced by a result, what it names is."""
+    """Return the file that a path stands for: a link is not replaced by a result, what it
+    names is."""
     return Path(os.path.realpath(path)) if os.path.islink(path) else Path(path)
 
 
 def partial_folder(path: str | os.PathLike) -> Path:
-    """Where a run that writes `path` keeps its finished steps and checkpoints."""
+    """Return the folder where a run that writes `path` keeps its finished steps and checkpoints."""
     return Path(f"{followed(path)}.partial")
 
 
 def step_files(folder: Path) -> dict[int, Path]:
-    """Finished steps by index."""
+    """Find the files of the finished steps, by index."""
     return dict(
         sorted((int(p.stem[5:]), p) for p in folder.glob("step-*.h5") if p.stem[5:].isdigit())
     )
@@ -56,7 +57,7 @@ def acquire(folder: Path) -> int:
 
 
 def is_held(folder: Path) -> bool:
-    """True while a run holds the lock of `folder`."""
+    """Tell whether a run holds the lock of `folder`."""
     with suppress(OSError), open(folder / LOCK, "rb") as file:
         return _taken(file.fileno(), alone=False)
     return False

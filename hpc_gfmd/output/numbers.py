@@ -11,7 +11,7 @@ from ..util.quantities import in_units
 Attributes = Mapping[str, Any]
 About = Mapping[str, tuple[str, str]]  # {name: (meaning, unit)}, as contact.all_numbers gives
 
-FIELDS = {
+MEANINGS = {
     "pressure": ("contact pressure, 0 where the gap is open", "pressure"),
     "gap": (
         "gap between the deformed surface and the rigid one, displacement + initial gap",
@@ -56,5 +56,5 @@ def axes(surface: Attributes) -> dict[str, np.ndarray]:
 def said_of(name: str, surface: Attributes, about: About) -> dict[str, str]:
     """Return the attributes `units` and `long_name` of a number or a field; "length" and "pressure"
     where nobody named the unit."""
-    meaning, unit = FIELDS.get(name) or about.get(name, (name, ""))
+    meaning, unit = MEANINGS.get(name) or about.get(name, (name, ""))
     return {"units": in_units(unit, surface) or unit, "long_name": meaning}

@@ -74,8 +74,8 @@ class Result:
         return {group_of(index): step for index, step in self.numbered.items()}
 
     def places(self, numbers: Sequence[int]) -> list[int]:
-        """Where load steps of these numbers are in `steps`. Raises SceneError for those that are
-        not there."""
+        """Return where load steps of these numbers are in `steps`. Raises SceneError for those that
+        are not there."""
         for number in numbers:
             if number not in self.indices:
                 allowed = ", ".join(map(str, self.indices)) or "none"
@@ -100,7 +100,7 @@ class Result:
         }
 
     def some(self, steps: slice | list[int], **other: Any) -> "Result":
-        """The same of some of its load steps, by their places; other: what is said otherwise."""
+        """Keep some load steps alone, by their places; other: what is said otherwise."""
         at = range(len(self.steps))[steps] if isinstance(steps, slice) else steps
         names = "steps", "indices", "fields"
         picked: dict[str, Any] = {name: [getattr(self, name)[k] for k in at] for name in names}
@@ -109,8 +109,8 @@ class Result:
     def only(
         self, indices: Sequence[int] | None = None, fields: Sequence[str] | None = None
     ) -> "Result":
-        """The same of the steps of these numbers and with these fields alone (None: all). Raises
-        SceneError for those that are not there."""
+        """Keep the steps of these numbers and these fields alone (None: all). Raises SceneError for
+        those that are not there."""
         some = self if indices is None else self.some(self.places(indices))
         if fields is None:
             return some
@@ -138,12 +138,12 @@ class Result:
 
 
 def group_of(index: int) -> str:
-    """Where a file has a load step."""
+    """Return the group of a load step in a file."""
     return f"steps/{index:04d}"
 
 
 def read_result(path: str | os.PathLike) -> Result:
-    """The result file, or, if there is none, what an interrupted run left beside it. Raises
+    """Read a result file, or, if there is none, what an interrupted run left beside it. Raises
     SceneError (one line) if there is nothing, or the file is no HDF5, damaged, foreign or of
     another version."""
     path, folder = Path(path), partial_folder(path)
@@ -160,7 +160,7 @@ def read_result(path: str | os.PathLike) -> Result:
 
 
 def read_partial(path: str | os.PathLike) -> Result:
-    """The finished steps of a run that has not written `path` yet, status "interrupted" (or
+    """Read the finished steps of a run that has not written `path` yet, status "interrupted" (or
     "running").
 
     Every file in the folder is a result file of its own, with one load step or none, so that one
@@ -201,8 +201,8 @@ def read_partial(path: str | os.PathLike) -> Result:
 
 
 def read_checkpoint(path: Path, solver: str, identity: str) -> Result | None:
-    """A file of the same layout with the state of a solver in the place of a load step; None if
-    there is none. Raises SceneError as read_result, and for another solver or scene."""
+    """Read a file of the same layout with the state of a solver in the place of a load step; None
+    if there is none. Raises SceneError as read_result, and for another solver or scene."""
     found = _read(path, CHECKPOINT) if path.exists() else None
     if found and (found.head.get("solver"), found.head.get("identity")) != (solver, identity):
         of = "another scene" if found.head.get("solver") == solver else found.head.get("solver")
@@ -211,8 +211,8 @@ def read_checkpoint(path: Path, solver: str, identity: str) -> Result | None:
 
 
 def _read(path: Path, kind: str = FORMAT) -> Result:
-    """All that one file says, its load steps in the order of their numbers; whatever goes wrong is
-    one SceneError."""
+    """Read all that one file says, its load steps in the order of their numbers; whatever goes
+    wrong is one SceneError."""
     _require_hdf5(path)
     try:
         with reading(path) as file:
@@ -274,8 +274,8 @@ def _require_hdf5(path: Path) -> None:
 
 
 def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
-    """The fields in a group of an open file, to be read slab by slab later. Raises ValueError if
-    one does not fit the surface."""
+    """Find the fields in a group of an open file, to be read slab by slab later. Raises ValueError
+    if one does not fit the surface."""
     found = {}
     for name in group:
         data = inside(group, name)
@@ -296,7 +296,8 @@ def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
 
 
 def _attributes(group: Any) -> dict:
-    """As Python numbers, texts and lists, in the order in which they were written."""
+    """Return attributes as Python numbers, texts and lists, in the order in which they were
+    written."""
     texts = json.loads(group.attrs[RECORD])
     return {
         name: group.attrs[name].tolist()
@@ -309,7 +310,8 @@ def _attributes(group: Any) -> dict:
 
 
 def _printable(text: Any) -> Any:
-    """A text, or a list of them, in one line each: a terminal would obey control characters."""
+    """Put a text, or each of a list of them, in one line: a terminal would obey control
+    characters."""
     return (
         one_line(text, len(text) + 1)
         if isinstance(text, str)

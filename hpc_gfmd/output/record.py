@@ -106,8 +106,8 @@ class RunFile(AbstractContextManager):
     def write_step(
         self, index: int, attributes: dict, fields: dict[str, Any] | None = None
     ) -> None:
-        """One finished load step: numbers and {name: local slab, shape (rows, n_y)} of the fields
-        asked for.
+        """Write one finished load step: numbers and {name: local slab, shape (rows, n_y)} of the
+        fields asked for.
 
         Raises GfmdError on every rank if it cannot be written; steps written before stay as they
         are.
@@ -128,9 +128,11 @@ class RunFile(AbstractContextManager):
         state: tuple[dict, dict],
         seconds: float | None = None,
     ) -> None:
-        """Where the run can go on: solver: its name; step: index of the load; state: (arrays,
-        numbers) of Sweep.state on `grid`; seconds: spent on the load so far, None at its
-        beginning."""
+        """Write where the run can go on.
+
+        solver: its name; step: index of the load; state: (arrays, numbers) of Sweep.state on
+        `grid`; seconds: spent on the load so far, None at its beginning.
+        """
         name, (arrays, numbers) = group_of(step), state
         groups = {
             "/": {
@@ -153,14 +155,14 @@ class RunFile(AbstractContextManager):
         )
 
     def checkpoint(self, solver: str) -> Result | None:
-        """The last one, None if there is none. Raises SceneError as read_checkpoint."""
+        """Read the last checkpoint, None if there is none. Raises SceneError as read_checkpoint."""
         wanted = self.partial / STATE, solver, self._head["identity"]
         return on_rank_0(
             self.comm, f"reading {self.partial / STATE}", lambda: read_checkpoint(*wanted)
         )
 
     def take(self, result: Result) -> None:
-        """All load steps of a result, which `finish` writes, numbered anew."""
+        """Take all load steps of a result, numbered anew, which `finish` writes."""
         result = replace(result, indices=[*range(len(result.steps))])
         self.finished, self._fields = dict(enumerate(result.steps)), result.datasets
 
@@ -198,8 +200,8 @@ class RunFile(AbstractContextManager):
     def _claim(
         self, identity: str | None, resume: bool, force: bool
     ) -> tuple[Result, bool, list[str]]:
-        """Rank 0: folder and lock; what an earlier run left, whether this one goes on with it, and
-        notes."""
+        """Make and lock the folder, on rank 0; returns what an earlier run left, whether this one
+        goes on with it, and notes."""
         if not self.path.parent.is_dir():
             raise SceneError(f"output.path: the folder {self.path.parent} does not exist")
         if self.path.is_dir():
@@ -232,7 +234,7 @@ class RunFile(AbstractContextManager):
         return Result(None, {}, [], [], "running", {}, []), False, notes
 
     def _replaced(self, identity: str | None, force: bool) -> str:
-        """What is said of the file that will be replaced; raises SceneError if it may not be."""
+        """Say what file will be replaced; raises SceneError if it may not be."""
         try:
             same = read_result(self.path).head.get("identity") == identity
             what = (

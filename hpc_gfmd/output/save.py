@@ -13,7 +13,7 @@ from .record import RunFile
 
 
 def in_memory(result: Result) -> Result:
-    """The Result without what refers to a solver or to a file."""
+    """Copy a Result without what refers to a solver or to a file."""
 
     def copy(field: Any) -> Slab:
         return Slab(field.read(), getattr(field, "start", 0), field.shape)

@@ -10,7 +10,7 @@ MAX_DIGITS = 6
 
 
 def summary(step: dict, surface: dict) -> str:
-    """What matters most of a step, in one line with units."""
+    """Say what matters most of a step, in one line with units."""
     parts = []
     if step.get("a_r") is not None:
         grid = step.get("a_r_discretisation")
@@ -34,7 +34,7 @@ def summary(step: dict, surface: dict) -> str:
 
 
 def surface_line(surface: dict) -> str:
-    """One line about the surface: points, size, roughness and the three ratios of lengths."""
+    """Describe a surface in one line: points, size, roughness and the three ratios of lengths."""
     unit = surface["unit"] if isinstance(surface.get("unit"), str) else ""
 
     def lengths(values: list[float], digits: int) -> str:
@@ -59,12 +59,12 @@ def surface_line(surface: dict) -> str:
 
 
 def converged(step: dict) -> bool:
-    """Whether the step reached the accuracy that the scene asks for."""
+    """Tell whether the step reached the accuracy that the scene asks for."""
     return step.get("status") == "converged"
 
 
 def with_error(value: float, relative: float | None) -> str:
-    """ "0.0160 +- 0.0002" for a value and its relative error: digits as far as they mean
+    """Write a value and its relative error as "0.0160 +- 0.0002": digits as far as they mean
     something."""
     if not isfinite(value):
         return str(value)
@@ -88,12 +88,13 @@ def with_error(value: float, relative: float | None) -> str:
 
 
 def is_number(found: object) -> TypeGuard[float]:
-    """Whether something found in a file is a number."""
+    """Tell whether something found in a file is a number."""
     return isinstance(found, int | float)
 
 
 def _numbers(found: object) -> list[float]:
-    """A list of finite numbers as it is, anything else as none: files may hold what they like."""
+    """Return a list of finite numbers as it is, anything else as none: files may hold what they
+    like."""
     if isinstance(found, list | tuple) and all(is_number(x) and isfinite(x) for x in found):
         return list(found)
     return []

@@ -40,7 +40,7 @@ class FigureContext:
 
     @property
     def steps(self) -> list[dict]:
-        """The chosen steps."""
+        """Return the chosen steps."""
         return [self.result.steps[k] for k in self.chosen]
 
     def fields(self, k: int) -> dict:

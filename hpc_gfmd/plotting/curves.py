@@ -40,8 +40,8 @@ QUANTITIES = {
 
 
 def curves(contexts: Sequence[FigureContext], names: Sequence[str]) -> Page:
-    """A panel for each quantity that the loads have, of one result or of several together. Raises
-    SceneError where they are not measured in the same units."""
+    """Make a panel for each quantity that the loads have, of one result or of several together.
+    Raises SceneError where they are not measured in the same units."""
     units = {(one.units.pressures([1.0]).name, one.units.heights([1.0]).name) for one in contexts}
     if len(units) > 1:
         raise SceneError(
@@ -109,7 +109,8 @@ def _points(
 
 
 def _theory(theory: Theory, p_star: float | None, key: str) -> Callable | None:
-    """What theory says of a quantity, as a function of the pressure; p_star: the unit of p*."""
+    """Return what theory says of a quantity, as a function of the pressure; p_star: that of p* =
+    1."""
     area = theory.area
     if key == "kappa":
         return (lambda p: p_star * area(p) / p) if area and p_star else None

@@ -22,7 +22,7 @@ NAMES = {  # symbol, density, title; how many of the smallest count a bin has at
 
 
 def distributions(context: FigureContext) -> Page:
-    """A panel for each of them that the result has, stored or in its fields."""
+    """Make a panel for each distribution that the result has, stored or in its fields."""
     names = [
         name
         for name in NAMES
@@ -32,7 +32,7 @@ def distributions(context: FigureContext) -> Page:
 
 
 def has_distribution(result: Any, k: int, name: str) -> bool:
-    """Whether the k-th load step has a distribution of this name, or the field for it."""
+    """Tell whether the k-th load step has a distribution of this name, or the field for it."""
     return f"{name}_edges" in result.steps[k] or name in result.fields[k]
 
 
@@ -78,8 +78,8 @@ def _theory(ax: Any, context: FigureContext, found: list[Any], unit: float) -> N
 
 
 def _density(context: FigureContext, k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """(edges, density), which integrates to the share of the area, that of patches to 1; empty
-    where there is none."""
+    """Return (edges, density), which integrates to the share of the area, that of patches to 1;
+    empty where there is none."""
     step, fewest = context.steps[k], NAMES[name][-1]
     if f"{name}_edges" in step:
         edges, density = (np.array(step[f"{name}_{x}"], float) for x in ("edges", "density"))
@@ -91,14 +91,14 @@ def _density(context: FigureContext, k: int, name: str) -> tuple[np.ndarray, np.
 
 
 def _share(step: Mapping[str, Any], name: str, edges: np.ndarray, density: np.ndarray) -> float:
-    """The share of the area that a stored distribution is of: the mean over the whole area over its
-    own mean."""
+    """Return the share of the area that a stored distribution is of: the mean over the whole area
+    over its own mean."""
     whole = step.get({"pressure": "p", "gap": "gap_mean"}.get(name, ""))
     return whole / (density * np.diff(edges**2) / 2).sum() if good(whole) else 1.0
 
 
 def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:
-    """(edges, density) of the same histogram without empty ends, in bins that are joined until each
+    """Return (edges, density) of a histogram without empty ends, in bins that are joined until each
     has `fewest` times the smallest count of all."""
     filled = np.flatnonzero(shares)
     if not len(filled):

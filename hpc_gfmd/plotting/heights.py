@@ -18,8 +18,8 @@ def height_map(
     window: Any = None,
     dpi: float | None = None,
 ) -> Picture:
-    """The picture of heights (n_x, n_y), peaks up, on a cell of these sizes; unit: "m" where both
-    are in it; window, dpi: see plot. Returns a matplotlib Figure."""
+    """Draw heights (n_x, n_y), peaks up, on a cell of these sizes; unit: "m" where both are in it;
+    window, dpi: see plot. Returns a matplotlib Figure."""
     surface = {
         "n": list(heights.shape),
         "physical_sizes": list(sizes),

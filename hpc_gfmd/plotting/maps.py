@@ -31,7 +31,7 @@ SPIKY = 1.25
 
 
 def maps(context: FigureContext, names: list[str]) -> Page:
-    """A row for each load, a column for each of `names`: "contact" or a field."""
+    """Make a row for each load, a column for each of `names`: "contact" or a field."""
     x0, x1, y0, y1 = context.window
     loads, single = range(len(context.chosen)), len(names) == 1
     columns = min(2, len(loads)) if single else len(names)

@@ -19,12 +19,12 @@ class Page:
 
     @property
     def panels(self) -> list[Panel]:
-        """All of them."""
+        """List all panels."""
         return [panel for row in self.rows for panel in row]
 
     @property
     def layout(self) -> Literal["compressed", "constrained"]:
-        """The layout engine that a figure of it needs."""
+        """Name the layout engine that a figure of this page needs."""
         return "compressed" if self.images else "constrained"
 
     def draw(self, fig: Any) -> None:

@@ -74,6 +74,8 @@ def plot(
         Where its fields cannot be read.
     """
     results = _results(result)
+    if not results:
+        raise SceneError("result: found none, allowed: a result or several")
     there = [name for name in WHAT if all(_steps(one, name) for one in results.values())]
     if len(results) > 1:
         there = [name for name in there if name in ("curves", *QUANTITIES)]
@@ -110,7 +112,7 @@ def plot(
 
 
 def _results(given: Any) -> dict[str, Result]:
-    """{name: Result} of what plot is given."""
+    """Return {name: Result} of what plot is given."""
     if isinstance(given, Mapping):
         return {str(name): _result(one) for name, one in given.items()}
     if not isinstance(given, list | tuple):
@@ -125,8 +127,8 @@ def _result(given: Any) -> Result:
 
 
 def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
-    """{name: picture} of the maps, distributions, spectra and curves that there are, or of `what`
-    (names); how: see plot."""
+    """Draw {name: picture} of the maps, distributions, spectra and curves that there are, or of
+    `what` (names); how: see plot."""
     result = _result(result)
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
@@ -165,10 +167,10 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
 
 
 def chosen_steps(result: Result, what: Any, step: Any = None) -> list[int]:
-    """Places in result.steps of the load steps that a picture shows. Raises SceneError for numbers
-    that it does not have."""
+    """List the places in result.steps of the load steps that a picture shows. Raises SceneError for
+    numbers that it does not have."""
     if step is not None:
-        return result.places([int(number) for number in np.atleast_1d(step)])
+        return result.places(np.atleast_1d(step).tolist())
     able = _steps(result, what)
     if what == "heights":
         return able[:1]  # the same under all loads
@@ -178,7 +180,7 @@ def chosen_steps(result: Result, what: Any, step: Any = None) -> list[int]:
 
 
 def _steps(result: Result, what: str) -> list[int]:
-    """Places of the load steps that a picture can show."""
+    """List the places of the load steps that a picture can show."""
     return [k for k in range(len(result.steps)) if _shows(result, k, what)]
 
 
@@ -209,7 +211,7 @@ def _page(contexts: list[FigureContext], what: str, there: list[str]) -> Page:
 
 
 def _name(result: Result) -> str:
-    """The title of its scene, or the name of its file."""
+    """Return the title of its scene, or the name of its file."""
     title = ""
     with suppress(tomllib.TOMLDecodeError):
         title = tomllib.loads(result.scene_toml).get("title", "")
@@ -217,7 +219,7 @@ def _name(result: Result) -> str:
 
 
 def _title(context: FigureContext, what: str, width: float) -> str:
-    """What a picture of this width, in inches, shows, and what it leaves out."""
+    """Say what a picture of this width, in inches, shows, and what it leaves out."""
     result = context.result
     left = len(result.steps) - len(context.chosen) if what != "heights" else 0
     out = f"; {left} of {len(result.steps)} loads not shown" if left else ""

@@ -16,7 +16,8 @@ ROUNDING = 1e-12  # relative, of a power
 
 
 def spectra(context: FigureContext) -> Page:
-    """A column for each field, spectra above autocorrelations, as far as the result has them."""
+    """Make a column for each field, spectra above autocorrelations, as far as the result has
+    them."""
     rows = [
         [
             partial(panel, context=context, name=name)
@@ -29,14 +30,14 @@ def spectra(context: FigureContext) -> Page:
 
 
 def has_spectra(step: Mapping[str, Any]) -> bool:
-    """Whether a load step has any."""
+    """Tell whether a load step has any spectrum or autocorrelation."""
     return any(
         f"{name}_{rest}" in step for name in FIELDS for rest in ("spectrum_q", "autocorrelation_r")
     )
 
 
 def _lines(context: FigureContext, name: str, x: str, y: str) -> Iterator[Any]:
-    """(x, y, how it is drawn) of every load; the heights are the same under all."""
+    """Yield (x, y, how it is drawn) of every load; the heights are the same under all."""
     for k, step in enumerate(context.steps):
         if f"{name}_{x}" in step:
             same = name == "heights"

@@ -24,7 +24,7 @@ WIDTH = 7.2  # inches across two columns
 
 
 def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
-    """A colour map without its ends."""
+    """Cut the ends off a colour map."""
     whole = matplotlib.colormaps[name]
     return LinearSegmentedColormap.from_list(
         f"{name}_part", whole([low + (high - low) * k / 255 for k in range(256)])
@@ -57,12 +57,12 @@ class Picture(Figure):
 
 
 def colour(k: int) -> str:
-    """The k-th of several."""
+    """Choose the colour of the k-th of several things."""
     return COLOURS[k % len(COLOURS)]
 
 
 def shade(x: float) -> Any:
-    """A colour between dark blue (0) and yellow (1), for what varies evenly."""
+    """Choose a colour between dark blue (0) and yellow (1), for what varies evenly."""
     return matplotlib.colormaps["viridis"](x)
 
 
@@ -99,7 +99,7 @@ def log_axis(ax: Any, which: str) -> None:
 
 
 def legend(fig: Any, loc: str, columns: int = 1) -> None:
-    """One legend of all panels, each label once; columns: at most."""
+    """Draw one legend of all panels, each label once; columns: at most."""
     handles: dict[str, Any] = {}
     for ax in fig.axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
@@ -110,14 +110,14 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Block in which everything drawn looks like this."""
+    """Make everything that is drawn in this block look alike."""
     with matplotlib.rc_context(RC):
         yield
 
 
 @contextmanager
 def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """`with figure(path, width, height) as fig`: drawn by Agg and saved under path; inches."""
+    """Yield a figure of this width and height in inches, which is saved under path at the end."""
     with styled():
         fig = Picture(figsize=(width, height), layout="constrained")
         yield fig
@@ -125,6 +125,6 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
 
 
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:
-    """Under path in one move, in the format that its suffix names; dpi: default that of RC."""
+    """Save under path in one move, in the format that its suffix names; dpi: default that of RC."""
     with atomic_write(path) as tmp:
         fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi or RC["savefig.dpi"])

@@ -45,8 +45,9 @@ def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
 
 
 def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """(edges, shares of all points) of "pressure" over the points that touch, in even bins from 0,
-    or of "gap" over the others, in logarithmic bins with all that is smaller in the first one."""
+    """Count (edges, shares of all points) of "pressure" over the points that touch, in even bins
+    from 0, or of "gap" over the others, in logarithmic bins with all that is smaller in the first
+    one."""
     points = fields[name].shape[0] * fields[name].shape[1]
 
     def values() -> Iterator[np.ndarray]:
@@ -64,8 +65,8 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Iterator[Any]:
-    """Rows i0 <= i < i1 of all fields, a few at a time, a multiple of `multiple`; "contact": the
-    points that touch, where pressure or gap tells."""
+    """Yield rows i0 <= i < i1 of all fields, a few at a time, a multiple of `multiple`; "contact":
+    the points that touch, where pressure or gap tells."""
     shape = next(iter(fields.values())).shape
     rows = max(1, SLAB_BYTES // (8 * shape[1]) // multiple) * multiple
     for start in range(i0, i1, rows):
@@ -82,6 +83,6 @@ def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Ite
 
 
 def _pixel_sums(values: Any, f_x: int, f_y: int) -> np.ndarray:
-    """Sums over blocks of f_x times f_y points; the last blocks may be smaller."""
+    """Sum over blocks of f_x times f_y points; the last blocks may be smaller."""
     sums = np.add.reduceat(values.astype(np.float64), np.arange(0, values.shape[0], f_x), axis=0)
     return np.add.reduceat(sums, np.arange(0, values.shape[1], f_y), axis=1)

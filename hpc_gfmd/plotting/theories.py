@@ -143,9 +143,8 @@ def _westergaard(surface: Any, E_star: float, _: object) -> Theory | None:
 
     def density(x: Any, p: Any) -> np.ndarray:
         solved = contact(p)
-        where = np.linspace(
-            0, length / 2 * float(solved.a_r), 2001
-        )  # p falls from the crest to the edge
+        # p falls from the crest to the edge
+        where = np.linspace(0, length / 2 * float(solved.a_r), 2001)
         pressures = solved.pressure(where)
         slope = np.abs(np.gradient(where, pressures, edge_order=1))
         return np.interp(x, pressures[::-1], 2 / length * slope[::-1], right=np.nan)

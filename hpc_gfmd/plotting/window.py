@@ -9,8 +9,8 @@ from ..util.quantities import parse
 
 
 def window_of(surface: Any, window: Any = None) -> tuple:
-    """((x0, x1, y0, y1) in the unit of the sizes, at the edges of grid points; the same as points,
-    or None for all of them).
+    """Return ((x0, x1, y0, y1) in the unit of the sizes, at the edges of grid points; the same as
+    points, or None for all of them).
 
     surface: attributes of a result; window: four numbers, or texts such as "2um". Raises
     SceneError.

@@ -33,7 +33,7 @@ MEANT = {  # other words for keys of a scene
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """The entry of `known` that `name` means or is most like."""
+    """Return the entry of `known` that `name` means or is most like."""
     known = list(known)
     if MEANT.get(name) in known:
         return MEANT[name]
@@ -49,7 +49,7 @@ def require_known(key: str, name: str, known: Iterable[str]) -> None:
 
 
 def shown(value: object) -> str:
-    """`value` in a few printable characters of one line, as TOML would have it where that is
+    """Write a value in a few printable characters of one line, as TOML would have it where that is
     short."""
     if isinstance(value, bool):
         return str(value).lower()
@@ -62,7 +62,7 @@ def shown(value: object) -> str:
 
 
 def printable(key: str) -> str:
-    """A key or a path as it may stand in a message."""
+    """Return a key or a path as it may stand in a message."""
     return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
 
 
@@ -70,8 +70,8 @@ Model = type[BaseModel]
 
 
 def explain(error: ValidationError, scene: Model, kinds: Mapping[str, Model], data: dict) -> str:
-    """The first eight errors in one line. `kinds` are the models of
-    [surface] by their kind."""
+    """Put the first eight errors in one line. kinds: the models of [surface] by their kind; data:
+    what was validated."""
     # several errors of one key (alternatives of a type, entries of a list) are one; a misspelt key
     # first: it explains the "missing" that comes with it
     lines: dict[tuple, str] = {}
@@ -118,7 +118,8 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
 
 
 def _why(item: Any) -> str:
-    """What is wrong with a value, where that is more than what is allowed says."""
+    """Say what is wrong with a value, where that is more than what is allowed says; ""
+    otherwise."""
     value = item["input"]
     if item["type"] == "value_error":
         return f"{item['ctx']['error']}, "
@@ -128,7 +129,7 @@ def _why(item: Any) -> str:
 
 
 def _limits(item: Any) -> str:
-    """Of all numbers, where one that makes sense is beyond them."""
+    """Name the limits of all numbers, where one that makes sense is beyond them; "" otherwise."""
     beyond = {"greater_than_equal": "ge", "less_than_equal": "le"}.get(item["type"])
     return (
         f", from {SMALLEST:g} to {LARGEST:g}"
@@ -152,8 +153,8 @@ def _unknown(
     kinds: Mapping[str, Model],
     inner: Iterable[str],
 ) -> str:
-    """An unknown key: the most similar one of the same table, and where the same name is a key of
-    another one, that, too. inner: its own keys, if it is a table."""
+    """Describe an unknown key: the most similar one of the same table, and where the same name is a
+    key of another one, that, too. inner: its own keys, if it is a table."""
     here = list((model or scene).model_fields)
     tables = {key: _model(scene, key) for key in scene.model_fields}
     elsewhere = {

@@ -29,7 +29,7 @@ def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
 
 
 def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
-    """The scene with overrides "table.key=value" of that one table. Raises SceneError for
+    """Return the scene with overrides "table.key=value" of that one table. Raises SceneError for
     others."""
     data = scene.model_dump(exclude_none=True)
     for override in overrides:

@@ -119,12 +119,11 @@ class Scene(Table):
         return cls.from_dict(parse_toml(text, origin), origin)
 
     def to_toml(self) -> str:
-        """The scene as TOML with every default written out; `from_toml` gives back an equal
-        scene."""
+        """Write the scene as TOML with every default; `from_toml` gives back an equal scene."""
         return tomli_w.dumps(self.model_dump(exclude_none=True))
 
     def identity(self) -> str:
-        """SHA-256 (hex) of all that changes the answer or what is kept of it.
+        """Compute the SHA-256 (hex) of all that changes the answer or what is kept of it.
 
         [machine], the title, the path of the result and its (lossless) compression do not count,
         nor does the order of fields, observables and distributions. A height map counts by its
@@ -138,7 +137,7 @@ class Scene(Table):
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
     def warnings(self) -> list[str]:
-        """What is legal but may not mean what the user thinks, one line each."""
+        """List what is legal but may not mean what the user thinks, one line each."""
         surface, found = self.surface, []
         if isinstance(surface, Wave):
             found += [
@@ -189,8 +188,8 @@ class ArrayScene(Scene):
 
 
 def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:
-    """TOML text as a dictionary. Raises SceneError with the line number where the parser knows
-    it."""
+    """Return TOML text as a dictionary. Raises SceneError with the line number where the parser
+    knows it."""
     try:
         return tomllib.loads(text)
     except RecursionError:

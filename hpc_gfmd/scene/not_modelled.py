@@ -17,7 +17,7 @@ INSTEAD = f'{ONLY}; output.observables = ["conductance"] is the conductance of t
 
 
 def not_modelled(*names: str) -> str:
-    """What is said of keys or names where one stands for physics that is left out, else "".
+    """Return what is said of keys or names where one stands for physics that is left out, else "".
 
     A word that ends in "less" stands for none.
     """

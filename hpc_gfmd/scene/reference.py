@@ -62,8 +62,8 @@ class Section:
 
 
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
-    """All of them; names: those that a key takes, which the scene does not know:
-    {"output.observables": [...]}."""
+    """List all tables and kinds of surface; names: those that a key takes, which the scene does not
+    know: {"output.observables": [...]}."""
     fields = dict(Scene.model_fields)
     title = _key("title", fields.pop("title"))
     found = [Section("", "title", "the scene", "A key before the first table.", (title,))]
@@ -85,12 +85,21 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
 
 
 def toml(value: Any) -> str:
-    """A value as a scene has it."""
-    return json.dumps(value, ensure_ascii=False)
+    """Write a value as a line of a scene has it."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{toml(key)} = {toml(one)}' for key, one in value.items())}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(toml, value))}]"
+    # as JSON has it, but for infinity; dates, which no key takes, become texts
+    return (
+        repr(value)
+        if isinstance(value, float)
+        else json.dumps(value, ensure_ascii=False, default=str)
+    )
 
 
 def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
-    """The keys for a terminal: all, or those of a table, or those of one name ("accuracy",
+    """Write the keys for a terminal: all, or those of a table, or those of one name ("accuracy",
     "solver.accuracy"). Raises SceneError."""
     lines, indent = [], " " * 22
     for section in _chosen(key, sections(names)):
@@ -102,7 +111,7 @@ def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
 
 
 def markdown(names: Mapping[str, Any] | None = None) -> str:
-    """The same as a page."""
+    """Write all keys as a page in Markdown."""
     lines = [
         "# The keys of a scene",
         "",

@@ -13,18 +13,16 @@ from .table import (
     POSITIVE,
     POSITIVES,
     SWITCH,
-    Areas,
-    Forces,
+    Coordinate,
+    Force,
     Fraction,
-    Gaps,
     Length,
-    Lengths,
     Loads,
+    NotNegative,
     Path,
     Positive,
     Pressure,
-    Pressures,
-    RelativeGaps,
+    Share,
     Table,
     Text,
     Whole,
@@ -45,8 +43,8 @@ NAMES = "a list of names, each once"
 
 
 def effective_modulus(E1: float, nu1: float, E2: float = float("inf"), nu2: float = 0.0) -> float:
-    """E* of two linear elastic solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod); the
-    second one is rigid by default."""
+    """Return E* of two linear elastic solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod);
+    the second one is rigid by default."""
     return 1 / ((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
 
 
@@ -172,40 +170,40 @@ class Load(Table):
     """The loads of a sweep, in order: mean pressures, or what the mean pressure has to give, which
     is then found."""
 
-    p_star: Loads | None = key(
+    p_star: Loads[Positive] | None = key(
         "mean pressures p0/(E* g_rms), solved in this order", POSITIVES, None, example=[0.01, 0.1]
     )
-    pressure: Pressures | None = key(
+    pressure: Loads[Pressure] | None = key(
         "mean pressures instead of p_star; they push, so that they are positive",
         'a number greater than 0, plain or as "20 MPa", or a list of them',
         None,
         unit="pressure",
         example=["2 MPa", "20 MPa"],
     )
-    gap_mean: Gaps | None = key(
+    gap_mean: Loads[Coordinate] | None = key(
         "mean gaps, whose pressures are found; 0: full contact",
         'a number from 0, plain or as "50 nm", or a list of them',
         None,
         unit="length",
         example="50 nm",
     )
-    gap_over_h_rms: RelativeGaps | None = key(
+    gap_over_h_rms: Loads[NotNegative] | None = key(
         "the same, over the rms height", "a number from 0, or a list of them", None, example=0.5
     )
-    a_r: Areas | None = key(
+    a_r: Loads[Share] | None = key(
         "relative contact areas, whose pressures are found; met to the accuracy or to one point",
         "a number above 0 and up to 1, or a list of them",
         None,
         example=[0.01, 0.1],
     )
-    force: Forces | None = key(
+    force: Loads[Force] | None = key(
         "forces on a surface with free edges",
         'a number greater than 0, plain or as "5 mN", or a list of them',
         None,
         unit="force",
         example="5 mN",
     )
-    approach: Lengths | None = key(
+    approach: Loads[Length] | None = key(
         "how far the bodies come together after they touch (free boundaries along both axes, or a"
         " layer)",
         'a number greater than 0, plain or as "10 nm", or a list of them',
@@ -234,8 +232,8 @@ class Load(Table):
         return not (self.p_star or self.pressure or self.force)
 
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
-        """The mean pressures, in the unit of E_star, on a surface of realised g_rms and an area;
-        none where they have to be found."""
+        """Return the mean pressures, in the unit of E_star, on a surface of realised g_rms and an
+        area; none where they have to be found."""
         _, values = self.given
         scale = E_star * g_rms if self.p_star else 1 / area if self.force else 1.0
         return () if self.found else tuple(float(value) * scale for value in values)

@@ -17,16 +17,15 @@ from .table import (
     Boundary,
     Corners,
     Height,
-    HeightRange,
     Length,
     LengthUnit,
     Modes,
+    Pair,
     Paths,
     Points,
     Positive,
     Radii,
     Ratio,
-    Sizes,
     Table,
     Text,
     alike,
@@ -42,13 +41,13 @@ Factor = Annotated[int, Field(ge=1, le=1024)]
 FACTOR = "a whole number from 1 to 1024"
 RATIO = "a number from 1"
 RADIUS = 'a length greater than 0, plain or as "5 mm", or [R_x, R_y], of which one may be inf'
-ANY = "surface"  # the data set where the scene names none
+ANY = "surface"  # the data set or channel where the scene names none
 
 
 class Surface(Table):
     """The rigid rough surface. What every kind has: the cell, in the unit of the heights."""
 
-    physical_sizes: Sizes = key("lengths of the cell", SIZES, (1.0, 1.0), unit="length")
+    physical_sizes: Pair[Length] = key("lengths of the cell", SIZES, (1.0, 1.0), unit="length")
     boundary: Boundary = key("whether the cell repeats, or has free edges", SIDES, "periodic")
     radius: Radii | None = key(
         "of a ball under the roughness, or [R_x, R_y]; inf: a cylinder",
@@ -204,8 +203,8 @@ class Wave(Surface):
         unit="length",
         example=0.01,
     )
-    n: Points = key("grid points", POINTS, example=[256, 256])
-    periods: Modes = key(
+    n: Pair[Points] = key("grid points", POINTS, example=[256, 256])
+    periods: Pair[Modes] = key(
         "waves along x and y", "two whole numbers [k_x, k_y] from 0, not both 0", (1, 0)
     )
 
@@ -233,7 +232,7 @@ class Sphere(Surface):
         unit="length",
         example=1.0,
     )
-    n: Points = key("grid points", POINTS, example=[256, 256])
+    n: Pair[Points] = key("grid points", POINTS, example=[256, 256])
 
 
 class File(Surface):
@@ -269,7 +268,7 @@ class File(Surface):
         (),
         example=["9999"],
     )
-    height_range: HeightRange | None = key(
+    height_range: Pair[Height] | None = key(
         "of a TIFF or PNG of whole numbers: heights of the lowest and the highest possible",
         'two heights, plain or as ["0 nm", "500 nm"]',
         None,
@@ -277,7 +276,7 @@ class File(Surface):
         example=["0 nm", "500 nm"],
     )
     # None, other than in a surface that is made: as the file says
-    physical_sizes: Sizes | None = key(  # type: ignore[assignment]
+    physical_sizes: Pair[Length] | None = key(  # type: ignore[assignment]
         "lengths of the map",
         f"{SIZES}; plain ones are in surface.unit",
         None,

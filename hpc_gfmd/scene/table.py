@@ -3,7 +3,7 @@ rule "exactly one of"."""
 
 import os
 from math import inf
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -39,12 +39,12 @@ def _tuple(value: Any) -> Any:
 
 
 def each(value: Any) -> tuple:
-    """The values of a list, or the only one."""
+    """Return the values of a list, or the only one, as a tuple."""
     return tuple(value) if isinstance(value, list | tuple) else (value,)
 
 
 def _in(dimension: str) -> WrapValidator:
-    """Of a number: plain, or as a text with a unit."""
+    """Let a number be plain, or a text with a unit of this dimension."""
 
     def read(value: Any, check: Any) -> float:
         if not isinstance(value, str | Quantity):
@@ -57,7 +57,7 @@ def _in(dimension: str) -> WrapValidator:
 
 
 def _from_folder(path: str, scene: ValidationInfo) -> str:
-    """A relative path counts from the folder of the scene file, where there is one."""
+    """Count a relative path from the folder of the scene file, where there is one."""
     return os.path.join(scene.context, path) if scene.context else path
 
 
@@ -86,8 +86,6 @@ def _bent(radii: Any) -> Any:
 
 AS_GIVEN = PlainSerializer(lambda value: getattr(value, "text", value))  # with its unit
 LIST = BeforeValidator(_tuple)
-ONE_OR_MANY = BeforeValidator(each)
-SOME = Field(min_length=1)
 DISTINCT = AfterValidator(_distinct)
 
 NotNegative = Annotated[float, Field(ge=0, le=LARGEST)]
@@ -95,7 +93,6 @@ Fraction = Annotated[float, Field(gt=0, lt=1)]
 Share = Annotated[float, Field(gt=0, le=1)]
 Ratio = Annotated[float, Field(ge=1, le=LARGEST)]
 Height = Annotated[float, Field(ge=-LARGEST, le=LARGEST), _in("length"), AS_GIVEN]
-HeightRange = Annotated[tuple[Height, Height], LIST]
 Length = Annotated[Positive, _in("length"), AS_GIVEN]
 Radius = Annotated[float, Field(ge=SMALLEST, allow_inf_nan=True), _in("length"), AS_GIVEN]
 Radii = Annotated[Radius | tuple[Radius, Radius], LIST, AfterValidator(_bent)]
@@ -109,18 +106,11 @@ Path = Annotated[Text, Field(min_length=1)]
 MapPath = Annotated[Path, AfterValidator(_from_folder)]
 Paths = Annotated[MapPath | tuple[MapPath, MapPath], LIST]
 Corners = Annotated[tuple[Coordinate, Coordinate, Coordinate, Coordinate], LIST]
-Sizes = Annotated[tuple[Length, Length], LIST]
-PointsOfAxis = Annotated[int, Field(ge=1, le=MAX_N)]
-Points = Annotated[tuple[PointsOfAxis, PointsOfAxis], LIST]
-ModesOfAxis = Annotated[int, Field(ge=0, le=MAX_N)]
-Modes = Annotated[tuple[ModesOfAxis, ModesOfAxis], LIST]
-Loads = Annotated[tuple[Positive, ...], SOME, ONE_OR_MANY]
-Pressures = Annotated[tuple[Pressure, ...], SOME, ONE_OR_MANY]
-Forces = Annotated[tuple[Force, ...], SOME, ONE_OR_MANY]
-Lengths = Annotated[tuple[Length, ...], SOME, ONE_OR_MANY]
-Gaps = Annotated[tuple[Coordinate, ...], SOME, ONE_OR_MANY]
-RelativeGaps = Annotated[tuple[NotNegative, ...], SOME, ONE_OR_MANY]
-Areas = Annotated[tuple[Share, ...], SOME, ONE_OR_MANY]
+Points = Annotated[int, Field(ge=1, le=MAX_N)]
+Modes = Annotated[int, Field(ge=0, le=MAX_N)]
+T = TypeVar("T")
+Pair = Annotated[tuple[T, T], LIST]  # of x and y, or of the lowest and the highest
+Loads = Annotated[tuple[T, ...], Field(min_length=1), BeforeValidator(each)]  # one, or a list
 
 Side = Literal["periodic", "free"]
 Boundary = Annotated[Side | tuple[Side, Side], LIST]
@@ -142,10 +132,12 @@ def key(
     said: str = "",
     **more: Any,
 ) -> Any:
-    """A field of a table, and all that is said of it: `meaning` and `unit` by `hpc-gfmd help scene`
-    and in the scenes of `hpc-gfmd init`, `allowed` there and in error messages. example: a value
-    where there is no default, or none that says how it is written; said: what stands for the
-    default where that depends on other keys; more: of pydantic.Field."""
+    """Make a field of a table, with all that is said of it: `meaning` and `unit` by `hpc-gfmd help
+    scene` and in the scenes of `hpc-gfmd init`, `allowed` there and in error messages.
+
+    example: a value where there is no default, or none that says how it is written; said: what
+    stands for the default where that depends on other keys; more: of pydantic.Field.
+    """
     default = {} if "default_factory" in more else {"default": default}
     return Field(
         description=meaning,
@@ -156,7 +148,7 @@ def key(
 
 
 def allowed(field: Any) -> str:
-    """What a field made by `key` may be."""
+    """Say what a field made by `key` may be."""
     return field.json_schema_extra["allowed"]
 
 
@@ -169,7 +161,7 @@ def one_of(table: BaseModel, *keys: str) -> None:
 
 
 def has_unit(value: Any) -> bool:
-    """Whether a number, or the numbers of a tuple, were given with a unit."""
+    """Tell whether a number, or one of a tuple, was given with a unit."""
     return any(isinstance(item, Quantity) for item in each(value))
 
 

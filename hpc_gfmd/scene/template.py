@@ -33,8 +33,8 @@ class Suggestion:
 
 
 def template(kind: str, tables: Mapping[str, Any], found: Suggestion, head: str) -> str:
-    """TOML of a scene with this kind of surface; tables: what is set, beside CHOSEN and what must
-    be given; found: of a height map; head: the first line."""
+    """Write TOML of a scene with this kind of surface; tables: what is set, beside CHOSEN and what
+    must be given; found: of a height map; head: the first line."""
     surface = {"kind": kind} | tables.get("surface", {}) | found.values
     values = dict(CHOSEN) | {"": {"title": kind} | dict(tables), "surface": surface}
     for table in tables.keys() - {"surface", "title"}:

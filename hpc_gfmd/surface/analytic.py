@@ -10,7 +10,7 @@ Rows = Callable[[int, int], np.ndarray]  # (start, stop) -> heights, float64 (st
 
 
 def wave_rows(spec: Any) -> Rows:
-    """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y)."""
+    """Return the rows of z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y)."""
     x, y = (_cosine(k, n) for k, n in zip(spec.periods, spec.n))
     return lambda start, stop: spec.amplitude * np.outer(x[start:stop], y)
 
@@ -23,8 +23,8 @@ def _cosine(k: int, n: int) -> np.ndarray:
 def on_form(
     rows: Rows, radii: tuple[float, float], n: tuple[int, ...], sizes: tuple[float, ...]
 ) -> Rows:
-    """Heights on the form z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell, as they are
-    where both radii are inf."""
+    """Put heights on the form z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell; where
+    both radii are inf they stay as they are."""
     R = min(radii)
     if R == inf:
         return rows
@@ -36,5 +36,5 @@ def on_form(
 
 
 def flat_rows(start: int, stop: int) -> np.ndarray:
-    """z = 0."""
+    """Return rows of z = 0."""
     return np.zeros((stop - start, 1))

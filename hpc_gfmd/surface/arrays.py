@@ -13,12 +13,13 @@ ALLOWED = "a real array with two axes, not empty"
 
 
 def is_topography(found: Any) -> bool:
-    """Whether this is a Topography of SurfaceTopography, which is not imported for that."""
+    """Tell whether an object is a Topography of SurfaceTopography, which is not imported
+    for that."""
     return callable(getattr(found, "heights", None)) and hasattr(found, "physical_sizes")
 
 
 def of_topography(found: Any) -> tuple[np.ma.MaskedArray, Metadata]:
-    """Heights of a Topography, masked where there are none, and what it says of them."""
+    """Return the heights of a Topography, masked where there are none, and what it says of them."""
     named = found
     while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's
         named = named.parent_topography
@@ -31,7 +32,7 @@ def of_topography(found: Any) -> tuple[np.ma.MaskedArray, Metadata]:
 
 
 def unreliable(found: Any) -> tuple[float, str] | None:
-    """The wave length in m below which a Topography shows the tip or the resolution of the
+    """Return the wave length in m below which a Topography shows the tip or the resolution of the
     instrument rather than the surface, and what to say of it; None where it does not know."""
     named = isinstance(found.unit, str)
     cutoff = found.short_reliability_cutoff() if named else None
@@ -46,7 +47,7 @@ def unreliable(found: Any) -> tuple[float, str] | None:
 
 
 def checked_array(heights: Any) -> np.ndarray:
-    """The array as it is. Raises SceneError for what is no height map."""
+    """Return the heights as an array. Raises SceneError for what is no height map."""
     if isinstance(heights, str | PathLike):
         path = repr(str(heights))
         raise SceneError(

@@ -110,8 +110,8 @@ class Surface:
 
 
 def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tuple:
-    """The points along each axis that a surface of n points and these sizes is solved on: more
-    along the axes where it ends."""
+    """Return the points along each axis that a surface of n points and these sizes is solved on:
+    more along the axes where it ends."""
     from scipy.fft import next_fast_len
 
     space, axes = FREE_SPACE, list(zip(n, sizes, free))
@@ -142,14 +142,14 @@ def grid_of(
     threads: int = 1,
     free: tuple[bool, bool] = (False, False),
 ) -> Grid:
-    """The grid on which a surface of n points is solved."""
+    """Make the grid on which a surface of n points is solved."""
     cell = cell_of(n, free, sizes)
     whole = tuple(size * m / k for size, m, k in zip(sizes, cell, n))
     return Grid.kept(cell, whole, comm, threads, nominal=n)
 
 
 def _nominal(grid: Grid) -> Grid:
-    """The grid of the nominal area alone, its rows with the same ranks."""
+    """Return the grid of the nominal area alone, whose rows lie on the same ranks."""
     if not grid.padded:
         return grid
     sizes = [size * m / k for size, m, k in zip(grid.sizes, grid.nominal, grid.n)]
@@ -159,7 +159,7 @@ def _nominal(grid: Grid) -> Grid:
 
 
 def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """(n_x, n_y) and (L_x, L_y) of a surface; opens the file where only that knows. Raises
+    """Return (n_x, n_y) and (L_x, L_y) of a surface; opens the file where only that knows. Raises
     SceneError."""
     if spec.n is not None:
         return tuple(spec.n), spec.physical_sizes
@@ -213,11 +213,11 @@ def surface_of(
     free: tuple[bool, bool] = (False, False),
     known: bool = True,
 ) -> Surface:
-    """The surface with the heights of a Topography; free: whether it ends along x, along y.
+    """Make the surface with the heights of a Topography; free: whether it ends along x, along y.
 
     The gradient of a surface that ends is that between neighbouring points, otherwise that of the
-    Fourier series. known: whether the scene says all about them, so that they need no checksum.
-    Raises SceneError on all ranks.
+    Fourier series. known: whether the scene says all about the heights, so that they need no
+    checksum. Raises SceneError on all ranks.
     """
     n, sizes = found.n, found.sizes
     cell = grid_of(n, sizes, comm, threads, free)
@@ -240,7 +240,7 @@ def surface_of(
         quality_notes=found.notes,
     )
     top = _largest(grid, np.max, z)
-    _by_rows(grid, lambda z: np.subtract(top, z, out=z), z)  # now the gap, exact where it is small
+    _by_rows(grid, lambda z: np.subtract(top, z, out=z), z)  # the gap, exact where it is small
     if not cell.padded:
         grid, z = _leave_out_constant_axis(grid, z)
         cell = grid
@@ -271,18 +271,18 @@ def surface_of(
 
 
 def _by_rows(grid: Grid, function: Callable[..., Any], *fields: np.ndarray) -> list:
-    """function(rows of each field) for all pieces of this rank's part, on all threads."""
+    """Call function(rows of each field) for all pieces of this rank's part, on all threads."""
     return grid.by_rows(lambda i0, i1: function(*(field[i0:i1] for field in fields)))
 
 
 def _largest(grid: Grid, function: Callable[..., Any], z: np.ndarray) -> float:
-    """The largest of what a function gives of pieces of a field. Collective."""
+    """Return the largest of what a function gives of pieces of a field. Collective."""
     return float(grid.comm.max([max([-np.inf, *_by_rows(grid, function, z)])])[0])
 
 
 def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:
-    """Where heights vary along one axis only, the grid and the heights (on every rank) of that axis
-    alone."""
+    """Return the grid and the heights; where these vary along one axis only, of that axis alone,
+    and on every rank."""
     comm, n = grid.comm, grid.n
     if 1 in n:
         return grid, z

@@ -12,12 +12,12 @@ from zipfile import ZipFile
 import numpy as np
 
 from ..parallel.h5 import inside
+from ..scene.surface import ANY
 from ..util.errors import SceneError, one_line
 from . import instruments, pictures, text
 from .metadata import NAMES, Metadata, by_attributes, by_axes, ends
 from .packed import unpacker
 
-ANY = "surface"  # the data set of a scene that names none
 MASK = "mask"  # where it is not 0 there is no height (SurfaceTopography)
 SMALL = 4096  # bytes of what an archive says of sizes and units
 
@@ -58,7 +58,7 @@ class HeightMap:
         self.shape = shape[::-1] if metadata.transposed else shape
 
     def rows(self, start: int, stop: int) -> np.ndarray:
-        """Rows start <= i < stop as float64. Raises SceneError if they cannot be read."""
+        """Read rows start <= i < stop as float64. Raises SceneError if they cannot be read."""
         try:
             turned = self.metadata.transposed
             with np.errstate(over="ignore"):  # of long double; infinity is seen below
@@ -71,7 +71,8 @@ class HeightMap:
 
 
 def open_map(spec: Any) -> HeightMap:
-    """The height map of a scene.File, of one path. Raises SceneError for anything unreadable."""
+    """Open the height map of a scene.File, of one path. Raises SceneError for anything
+    unreadable."""
     path = Path(spec.path)
     if not path.is_file():
         raise SceneError(
@@ -111,7 +112,7 @@ def _npz(path: Path, spec: Any) -> tuple[Stored, Metadata]:
 
 
 def _npz_head(archive: ZipFile, name: str) -> tuple[tuple[int, ...], np.dtype]:
-    """Shape and type of an array, of which nothing is unpacked."""
+    """Read shape and type of an array in an archive, of which nothing is unpacked."""
     with archive.open(f"{name}.npy") as file:
         version = np.lib.format.read_magic(file)
         read = np.lib.format.read_array_header_1_0
@@ -128,11 +129,9 @@ def _hdf5(path: Path, spec: Any) -> tuple[Stored, Metadata]:
             lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None
         )
         maps = [name for name in names if len(file[name].shape or ()) == 2]
-        name = spec.dataset if spec.dataset in file else _one_of(maps, spec)
+        named = isinstance(file.get(spec.dataset), h5py.Dataset)
+        name = spec.dataset if named else _one_of(maps, spec)
         data = inside(file, name)
-        if not isinstance(data, h5py.Dataset):  # a group
-            name = _one_of(maps, spec)
-            data = inside(file, name)
         if data.ndim != 2:
             return Stored(data.shape, data.dtype, lambda part: data), Metadata()
         axes = [
@@ -172,8 +171,7 @@ def _netcdf(path: Path, spec: Any) -> tuple[Stored, Metadata]:
     del variable
 
     def read(part: Any) -> np.ndarray:
-        # asked anew for each piece: the file may be closed only when nothing refers to its
-        # memory any more
+        # asked anew for each piece: the file may be closed only when nothing refers to its memory
         z = unpacked(np.array(file.variables[name].data[part]))
         return np.where(file.variables[MASK].data[part], np.nan, z) if masked else z
 
@@ -181,7 +179,8 @@ def _netcdf(path: Path, spec: Any) -> tuple[Stored, Metadata]:
 
 
 def _one_of(names: list[str], spec: Any) -> str:
-    """The data set that the scene names, or the only one that may be meant. Raises SceneError."""
+    """Choose the data set that the scene names, or the only one that may be meant. Raises
+    SceneError."""
     maps = [name for name in names if name != MASK]
     name = maps[0] if len(maps) == 1 and spec.dataset == ANY else spec.dataset
     if name not in names:

@@ -14,7 +14,7 @@ NEIGHBOURS = ((-1, 0), (1, 0), (0, -1), (0, 1))
 
 
 def filled(found: Topography, how: str, comm: Any) -> Topography:
-    """The Topography without holes. Collective.
+    """Return the Topography without holes. Collective.
 
     Raises SceneError where holes are not to be filled.
     """
@@ -35,8 +35,8 @@ def filled(found: Topography, how: str, comm: Any) -> Topography:
 
 
 def _holes(found: Topography, comm: Any) -> tuple[np.ndarray, np.ndarray]:
-    """This rank's points without a height by their numbers, and what is on the four sides of each:
-    a height, nan where there is none, inf beyond the map."""
+    """Number this rank's points without a height, and return what is on the four sides of each: a
+    height, nan where there is none, inf beyond the map."""
     parts = [(np.zeros(0, np.int64), np.zeros((0, len(NEIGHBOURS))))]
     for start, stop in own_slabs(found.n[0], comm):
         if np.isnan(found.rows(start, stop)).any():
@@ -49,7 +49,8 @@ def _holes(found: Topography, comm: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _heights(found: Topography, how: str, parts: list) -> tuple[np.ndarray, np.ndarray]:
-    """The points of all ranks without a height and the heights that they get."""
+    """Return the points of all ranks without a height, by their numbers, and the heights that they
+    get."""
     points, beside = map(np.concatenate, zip(*parts))
     n_y = found.n[1]
     if not len(points):

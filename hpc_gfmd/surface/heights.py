@@ -14,8 +14,8 @@ from ..util.errors import SceneError
 def checked(
     z: np.ndarray, start: int, where: str, of: str = "", missing: bool = False
 ) -> np.ndarray:
-    """The heights z (float64, rows from `start`) where all are finite, and so are squares of them;
-    missing: some may be nan.
+    """Return the heights z (float64, rows from `start`) if all are finite, and so are squares of
+    them; missing: some may be nan.
 
     Raises SceneError for others, which begins with `where` and names the file, `of`: what
     instruments write for points that they could not measure is often nan or the largest number.
@@ -38,8 +38,9 @@ def checked(
 def checksum(
     grid: Any, z: np.ndarray, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = ""
 ) -> str:
-    """BLAKE2 of the heights of all ranks, row by row, with the shape, the physical sizes and their
-    unit: the same for any number of ranks. z: this rank's slab of the grid, float64. Collective.
+    """Compute BLAKE2 of the heights of all ranks, row by row, with the shape, the physical sizes
+    and their unit: the same for any number of ranks. z: this rank's slab of the grid, float64.
+    Collective.
 
     Synthetic surfaces have none: the scene says all about them, and a billion points are made
     faster than they are summed.

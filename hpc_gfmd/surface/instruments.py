@@ -8,25 +8,25 @@ from typing import Any
 
 import numpy as np
 
+from ..scene.surface import ANY
 from ..util.errors import SceneError
 from ..util.libraries import surface_topography
 from .arrays import of_topography
 from .metadata import Metadata
 
-ANY_CHANNEL = "surface"  # the name that nobody gave
 Read = tuple[np.ndarray, Metadata]
 
 
 def read(path: str | Path, spec: Any) -> Read:
-    """(heights (n_x, n_y), masked where they are missing; Metadata) of one channel of a file; spec:
-    scene.File. Raises whatever is wrong with it."""
+    """Read one channel of a file: (heights (n_x, n_y), masked where they are missing; Metadata);
+    spec: scene.File. Raises whatever is wrong with the file."""
     topography, sized = opened(path, spec.dataset)
     heights, said = of_topography(topography)
     return heights, said if sized else replace(said, sizes=None)
 
 
 def recognised(path: str | Path, spec: Any) -> Read | None:
-    """The same of a file that says something of its sizes or units; None of others."""
+    """Read a file as `read` does if it says something of its sizes or units; None for others."""
     with suppress(Exception):
         found = read(path, spec)
         return found if found[1].sizes or found[1].unit else None
@@ -34,7 +34,7 @@ def recognised(path: str | Path, spec: Any) -> Read | None:
 
 
 def opened(path: str | Path, channel: str) -> tuple[Any, bool]:
-    """The Topography of one channel of a file, and whether the file knows its sizes."""
+    """Open the Topography of one channel of a file, and tell whether the file knows its sizes."""
     io = surface_topography().IO
     quiet = StringIO()  # some readers print what they miss
     try:
@@ -48,7 +48,7 @@ def opened(path: str | Path, channel: str) -> tuple[Any, bool]:
         ) from None
     maps = [found for found in reader.channels if found.dim == 2]
     wanted = [found for found in maps if found.name == channel]
-    if not maps or (not wanted and channel != ANY_CHANNEL):
+    if not maps or (not wanted and channel != ANY):
         raise ValueError(
             f"surface.dataset = {channel!r}: it has the maps"
             f" {', '.join(str(found.name) for found in maps) or '(none)'}"

@@ -28,23 +28,30 @@ NAMES = ("physical_sizes", "unit", "units", "periodic")
 
 
 def by_attributes(*places: Mapping[str, Any]) -> Metadata:
-    """Of attributes physical_sizes, unit and periodic, in the first of these dictionaries that has
-    them (HDF5, .npz)."""
-    found = {name: place[name] for place in reversed(places) for name in NAMES if name in place}
-    sizes = np.asarray(found.get("physical_sizes", ()), dtype=float).reshape(-1)
-    unit = _unit(found)
-    periodic = bool(np.all(found.get("periodic", False)))
+    """Read attributes physical_sizes, unit or units, and periodic, each in the first of these
+    dictionaries that has it (HDF5, .npz). Sizes are in the unit beside them, or else in that of the
+    heights."""
+
+    def first(name: str) -> Mapping[str, Any]:
+        return next((place for place in places if name in place), {})
+
+    sized, unit = first("physical_sizes"), next(filter(None, map(_unit, places)), None)
+    sizes = np.asarray(sized.get("physical_sizes", ()), dtype=float).reshape(-1)
+    periodic = bool(np.all(first("periodic").get("periodic", False)))
     return Metadata(
-        tuple(map(float, sizes)) if len(sizes) == 2 else None, unit, unit, periodic or None
+        tuple(map(float, sizes)) if len(sizes) == 2 else None,
+        _unit(sized) or unit,
+        unit,
+        periodic or None,
     )
 
 
 def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
-    """Of a NetCDF variable's attributes and its axes [(name, attributes, `ends` of its coordinates
-    or None, points), ...].
+    """Read what a NetCDF variable's attributes say, and its axes [(name, attributes, `ends` of its
+    coordinates or None, points), ...].
 
-    Both conventions: `length` and `unit` of the axes (SurfaceTopography), coordinates of the points
-    and `units` (CF).
+    Both conventions hold: `length` and `unit` of the axes (SurfaceTopography), coordinates of the
+    points and `units` (CF).
     """
     transposed = [name.lower() for name, *_ in axes] == ["y", "x"]
     axes = axes[::-1] if transposed else axes
@@ -73,7 +80,7 @@ def _length(attributes: Mapping[str, Any], x: np.ndarray | None, n: int) -> floa
 
 
 def ends(coordinates: Any) -> np.ndarray:
-    """The first two and the last two of any number of coordinates, at least two."""
+    """Return the first two and the last two of any number of coordinates, at least two."""
     return np.concatenate(
         [np.asarray(coordinates[k], dtype=float) for k in (slice(2), slice(-2, None))]
     )

@@ -10,8 +10,8 @@ MISSING = ("_FillValue", "missing_value")
 
 
 def unpacker(attributes: Mapping[str, Any]) -> Callable[[np.ndarray], np.ndarray]:
-    """What makes heights of the values of a variable, not a number where there is none; attributes:
-    of the variable. Raises ValueError where they are no numbers."""
+    """Return a function that makes heights of the values of a variable, nan where there is none;
+    attributes: of the variable. Raises ValueError where they are no numbers."""
     names = ("scale_factor", "add_offset", *MISSING)
     said = {name: _number(attributes, name) for name in names if name in attributes}
     missing = [said[name] for name in MISSING if name in said]

@@ -14,8 +14,9 @@ GREY = ("L", "I", "I;16", "I;16B")  # modes of Pillow that have one number a poi
 
 
 def read(path: str | Path, spec: Any) -> tuple[np.ndarray, Metadata]:
-    """(heights (n_x, n_y), Metadata): x to the right, y down; spec: scene.File. What an instrument
-    wrote as a TIFF is read as such. Raises ValueError for colours, and without a range."""
+    """Read a picture: (heights (n_x, n_y), Metadata), x to the right, y down; spec: scene.File.
+    What an instrument wrote as a TIFF is read as such. Raises ValueError for colours, and for whole
+    numbers without a range."""
     is_png = Path(path).suffix.lower() == ".png"
     if found := None if is_png else instruments.recognised(path, spec):
         return found

@@ -29,8 +29,8 @@ POWERS = {
 
 
 def prepared_size(found: Topography, spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """(n_x, n_y) and (L_x, L_y) of what `prepare` makes of a Topography, without reading it. Raises
-    SceneError."""
+    """Return (n_x, n_y) and (L_x, L_y) of what `prepare` makes of a Topography, without reading it.
+    Raises SceneError."""
     found = _cropped(found, spec) if spec.crop else found
     times = 2 if spec.mirror else 1
     n = tuple(k * times * spec.refine for k in found.n)
@@ -45,9 +45,9 @@ def prepared_size(found: Topography, spec: Any) -> tuple[tuple[int, int], tuple[
 
 
 def prepare(found: Topography, spec: Any, comm: Any) -> Topography:
-    """The Topography as the scene wants it, with what has been `done` to it and its `notes`.
+    """Return the Topography as the scene wants it, with what has been `done` to it and its `notes`.
 
-    Raises SceneError on all ranks, which tells at once all that the scene has to say.
+    Raises one SceneError on all ranks for everything that the scene still has to say.
     """
     lacks = list(found.lacks.values())
     if lacks:  # only to see what else is
@@ -114,7 +114,7 @@ def _cropped(found: Topography, spec: Any) -> Topography:
 
 
 def _detrended(found: Topography, what: str, comm: Any) -> Topography:
-    """Less the polynomial that fits the measured points best."""
+    """Subtract the polynomial that fits the measured points best."""
     powers = POWERS[what]
     x, y = (2 * np.arange(n) / max(n - 1, 1) - 1 for n in found.n)
 
@@ -143,7 +143,7 @@ def _detrended(found: Topography, what: str, comm: Any) -> Topography:
 
 
 def _mirrored(found: Topography) -> Topography:
-    """Twice as long along both axes, and periodic."""
+    """Append the mirror images, so that the map is twice as long along both axes, and periodic."""
     n = found.n[0]
 
     def rows(start: int, stop: int) -> np.ndarray:
@@ -163,7 +163,7 @@ def _mirrored(found: Topography) -> Topography:
 
 
 def _windowed(found: Topography, name: str) -> Topography:
-    """Falls to the mean height, 0, at the edges; what is in the middle stays."""
+    """Fade the heights out to their mean, 0, at the edges; what is in the middle stays."""
     from scipy.signal.windows import get_window
 
     w_x, w_y = (get_window(name, n) for n in found.n)

@@ -70,8 +70,8 @@ class MapQuality:
             self.unresolved = np.where(two > 0, (2 * one / two) ** 2, 0.0).max()
 
     def notes(self, meet: Sequence[bool]) -> list[str]:
-        """One line for each doubt; meet: whether the opposite edges as they are will be neighbours,
-        along x, along y."""
+        """Return one line for each doubt; meet: whether the opposite edges as they are will be
+        neighbours, along x, along y."""
         found = [
             f"opposite edges along {axis} differ by {jump:.3g} times what neighbouring points"
             " differ by: the jump is pressed, too"
@@ -92,7 +92,7 @@ class MapQuality:
 
 
 def notes_on(found: Topography, spec: Any, comm: Any) -> tuple[str, ...]:
-    """Notes on a Topography. Collective.
+    """Return the notes on a Topography. Collective.
 
     Raises SceneError where nobody says what its boundary is and it does not look periodic.
     """
@@ -115,7 +115,8 @@ def notes_on(found: Topography, spec: Any, comm: Any) -> tuple[str, ...]:
 
 
 def slope_notes(g_rms: float, measured: bool) -> list[str]:
-    """Of any surface; measured: it is no formula, of which any slope may be asked."""
+    """Return what is doubtful about the slope of a surface; measured: it is no formula, of which
+    any slope may be asked."""
     low, high = DOUBT.slopes
     if g_rms > high or (measured and 0 < g_rms < low):
         return [f"g_rms = {g_rms:.2g}: heights and sizes {DIFFERENT_UNITS}"]
@@ -139,8 +140,8 @@ def outliers(found: Topography, typical: float) -> int:
 
 
 def load_notes(p_mean: float, E_star: float, g_rms: float, unit: str) -> list[str]:
-    """Notes on a mean pressure p_mean beside the modulus E_star, on a surface of slope g_rms; unit:
-    of a measured one."""
+    """Return what is doubtful about a mean pressure p_mean beside the modulus E_star, on a surface
+    of slope g_rms; unit: of a measured one."""
     found = [NO_MODULUS] if unit and E_star == 1 else []
     if p_mean > DOUBT.overload * E_star * max(g_rms, 1.0):
         found.append(f"p = {p_mean / E_star:.2g} E*: loads and moduli {DIFFERENT_UNITS}")
@@ -148,9 +149,12 @@ def load_notes(p_mean: float, E_star: float, g_rms: float, unit: str) -> list[st
 
 
 def _looked_at(found: Topography) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Of some rows: their places; for each the means of z, z^2 and y z; medians over rows of how
-    much neighbours and every second point differ, and of the slope, along x, and then along y, and
-    of the jump from a row's end to its beginning; and this jump from the last row to the first."""
+    """Look at some rows.
+
+    Returns their places; for each the means of z, z^2 and y z; medians over rows of how much
+    neighbours and every second point differ, and of the slope, along x, and then along y, and of
+    the jump from a row's end to its beginning; and this jump from the last row to the first.
+    """
     n_x, n_y = found.n
     lags = [min(DOUBT.lag, max(n // 8, 1)) for n in found.n]
 
@@ -176,7 +180,8 @@ def _centred(n: int) -> np.ndarray:
 
 
 def _typical(differences: np.ndarray) -> float:
-    """Their median without sign, of those that are not 0, as many of rounded heights are."""
+    """Return the median of differences without sign. It leaves out those that are 0, as many of
+    rounded heights are."""
     return _median(np.abs(differences[differences != 0]))
 
 

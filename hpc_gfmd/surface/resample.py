@@ -13,8 +13,8 @@ from .topography import Topography
 def resampled(
     found: Topography, n: tuple[int, int], free: tuple[bool, bool], comm: Any
 ) -> Topography:
-    """A Topography of n points; only this rank's rows of it can be read. free: whether it ends
-    along x, along y. Collective."""
+    """Return a Topography of n points, of which only this rank's rows can be read. free: whether it
+    ends along x, along y. Collective."""
 
     def along_y() -> np.ndarray:
         slabs = own_slabs(found.n[0], comm)
@@ -37,7 +37,8 @@ def resampled(
 
 
 def _exchanged(parts: list, shapes: list, comm: Any) -> list[np.ndarray]:
-    """What every rank has for this one, of these shapes; parts: what it has for every rank."""
+    """Give each rank its part; returns what all ranks have for this one, of these shapes.
+    Collective."""
     found, others = [np.empty(shape) for shape in shapes], {*range(comm.size)} - {comm.rank}
     found[comm.rank] = parts[comm.rank]
     send = {rank: np.ascontiguousarray(parts[rank]) for rank in others}

@@ -16,8 +16,8 @@ from .statistics import rms_of_columns
 def self_affine_gap(
     spec: Any, grid: Grid, dtype: DTypeLike, made_in: DTypeLike
 ) -> tuple[np.ndarray, float, Callable]:
-    """z_max - z (local slab, dtype) with g_rms = 1 per grid spacing, its rms, and `add_spectrum`;
-    spec: scene.SelfAffine.
+    """Make z_max - z (local slab, dtype) with g_rms = 1 per grid spacing; returns it, its rms, and
+    `add_spectrum`; spec: scene.SelfAffine.
 
     made_in: precision of the transforms; errors of single ones are several times those of storing
     the gap. add_spectrum(fft) returns a function (block, m) that adds the transform of minus that

@@ -11,10 +11,10 @@ from ..parallel.threads import added
 
 
 def rms(grid: Grid, fill: Any) -> tuple[float, float]:
-    """(h_rms, g_rms) of the field whose rows fill(i0, i1, x) makes; in its unit, and per grid
-    spacing a. Half an FFT pair.
+    """Return (h_rms, g_rms) of the field whose rows fill(i0, i1, x) makes: in its unit, and per
+    grid spacing a. Costs half an FFT pair.
 
-    h_rms^2 = sum_{q != 0} |h_q|^2,  g_rms^2 = sum_q q^2 |h_q|^2.
+    h_rms^2 = sum_{q != 0} |h_q|^2, g_rms^2 = sum_q q^2 |h_q|^2.
     """
     fft = grid.fft(np.float64)
     fft.forward_rows(fill)
@@ -22,8 +22,8 @@ def rms(grid: Grid, fill: Any) -> tuple[float, float]:
 
 
 def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tuple[float, float]:
-    """As `rms`, for fields that end along the axes that are free: from differences between
-    neighbouring points within the field."""
+    """Return (h_rms, g_rms) as `rms` does, for fields that end along the axes that are free: from
+    differences between neighbouring points within the field."""
     x = np.empty(grid.shape)
     fill(0, len(x), x)
     below = halo.next_row(grid.comm, x[:1], grid.starts)[None]
@@ -40,8 +40,8 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
 
 
 def rms_of_columns(grid: Grid, fft: Any, make: Any, backward: bool = False) -> tuple[float, float]:
-    """As `rms`, of spectra made by make(block, m) (or of the rows transformed before), with h_q in
-    the normalisation of the grid."""
+    """Return (h_rms, g_rms) as `rms` does, of spectra made by make(block, m) (None: of the rows
+    transformed before), with h_q in the normalisation of the grid."""
     q_x = grid.q_x.astype(fft.dtype)
     q_y, weight = grid.column_tables(fft)
 

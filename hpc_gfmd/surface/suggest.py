@@ -18,8 +18,8 @@ NEEDED = "TO BE GIVEN, the file does not say it"
 
 
 def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
-    """For the map of make({}); make(values): scene.File with these values; given: what the user has
-    said already.
+    """Read the map of make({}) and suggest what a scene says of it; make(values): scene.File with
+    these values; given: what the user has said already.
 
     Raises SceneError for a file that cannot be read.
     """
@@ -46,7 +46,7 @@ def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
 
 
 def _by_instrument(found: Suggestion, opened: Topography, spec: File) -> None:
-    """Where to cut off waves that the instrument made, as far as it says."""
+    """Suggest where to cut off waves that the instrument made, as far as it says."""
     with suppress(Exception):  # of a file that SurfaceTopography does not read
         topography, _ = instruments.opened(str(spec.path), spec.dataset)
         cutoff, why = unreliable(topography) or (0.0, "")
@@ -59,7 +59,7 @@ def _by_instrument(found: Suggestion, opened: Topography, spec: File) -> None:
 
 
 def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
-    """Lengths as ["10 um", "8 um"]."""
+    """Write lengths as ["10 um", "8 um"]."""
     lengths = [size * factor(unit) for size in sizes]
     scale, name = prefixed(lengths, "m")
     return [f"{length / scale:.10g} {name}" for length in lengths]
@@ -68,9 +68,14 @@ def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
 def _by_heights(
     found: Suggestion, make: Callable[[dict], File], given: dict, periodic: bool | None
 ) -> None:
-    """What the heights themselves show."""
+    """Suggest what the heights themselves show."""
     values, why = found.values, found.why
-    plain = {"boundary": "periodic", "refine": 1, "downsample": 1}
+    plain: dict[str, object] = {
+        "boundary": "periodic",
+        "radius": None,
+        "refine": 1,
+        "downsample": 1,
+    }
     if found.missing:
         plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
 

@@ -30,33 +30,39 @@ MISSING = (
 @dataclass(frozen=True)
 class Layout:
     """Of a text: lines before the numbers, what is between them, their decimal mark, how many there
-    are in a line; units of x, y, z that the last line before them names in brackets."""
+    are in a line; units of x, y, z that the last line before them names in brackets; whether each
+    line ends with what is between numbers."""
 
     skip: int
     mark: str | None
     decimal: str
     columns: int
     units: tuple[str, ...] = ()
+    ended: bool = False
 
 
 def read(path: str | Path, spec: Any) -> tuple[np.ndarray, Metadata]:
-    """(heights (n_x, n_y), nan where they are missing; Metadata); spec: scene.File.
+    """Read a text: (heights (n_x, n_y), nan where they are missing; Metadata); spec: scene.File.
 
     A bare matrix is the array that numpy.savetxt wrote: the first index, the line, is x. With a
     header that tells sizes or units it is an instrument's: each line is a scan along x.
     """
     with open(path, encoding="utf-8-sig", errors="replace") as file:
-        layout = layout_of(list(islice(file, LOOKED_AT)), spec)
+        layout = layout_of(list(islice(file, (spec.skip_lines or 0) + LOOKED_AT)), spec)
     if layout is None or layout.columns < 3:
         return instruments.read(path, spec)
-    if layout.skip and spec.skip_lines is None and (found := instruments.recognised(path, spec)):
+    points = len(layout.units) == 3  # of x, y and z, which other readers leave out
+    header = layout.skip and spec.skip_lines is None and not points
+    if header and (found := instruments.recognised(path, spec)):
         return found
     table = _table(path, layout, spec)
-    return _on_grid(table, layout.units) if layout.columns == 3 else (table.to_numpy(), Metadata())
+    matrix = table.shape[1] != 3
+    return (table.to_numpy(), Metadata()) if matrix else _on_grid(table, layout.units)
 
 
 def layout_of(lines: list[str], spec: Any) -> Layout | None:
-    """The layout with the most columns that lines have to their end; None: there are no numbers.
+    """Find the layout with the most columns that lines have to their end; None: there are no
+    numbers.
 
     Raises ValueError where some of the lines before them look like numbers, too.
     """
@@ -86,13 +92,14 @@ def _layout(lines: list[str], spec: Any, mark: str | None, decimal: str) -> Layo
         return None
     first = max((k + 1 for k in filled if counts[k] != columns), default=filled[0])
     first = first if spec.skip_lines is None else spec.skip_lines
-    units = re.findall(r"[\[(]\s*([^\W\d_]+)\s*[\])]", lines[first - 1] if first else "")
-    return Layout(first, mark, decimal, columns, tuple(units))
+    units = re.findall(r"[\[(]\s*([^\W\d_]+)\s*[\])]", "".join(lines[:first][-1:]))
+    ended = all(lines[k].rstrip("\r\n ").endswith(mark or "\n") for k in filled if k >= first)
+    return Layout(first, mark, decimal, columns, tuple(units), ended)
 
 
 def _columns(line: str, mark: str | None, decimal: str, missing: tuple[str, ...]) -> int:
-    """How many numbers a line holds; 0 where it holds anything else."""
-    fields = [field.strip() for field in line.strip("\n\r").split(mark)]
+    """Count the numbers of a line; 0 where it holds anything else."""
+    fields = [field.strip() for field in line.partition("#")[0].strip("\n\r").split(mark)]
     known = [field for field in fields if field not in (*MISSING, *missing)]
     try:
         return len(fields) if [float(field.replace(decimal, ".")) for field in known] else 0
@@ -116,12 +123,13 @@ def _table(path: str | Path, layout: Layout, spec: Any) -> Any:
         encoding="utf-8-sig",
         encoding_errors="replace",
     )
-    # a mark that ends each line makes an empty last column
-    return table.iloc[:, :-1] if table.iloc[:, -1].isna().all() else table
+    empty_column = layout.ended and table.iloc[:, -1].isna().all()
+    return table.iloc[:, :-1] if empty_column else table
 
 
 def _on_grid(points: Any, units: tuple[str, ...]) -> tuple[np.ndarray, Metadata]:
-    """The same of columns x, y, z; points of the grid that are not among them have no height."""
+    """Put columns x, y, z on a grid: (heights, Metadata); points of the grid that are not among
+    them have no height. Raises ValueError if they are on none."""
     if points.duplicated([0, 1]).any():
         raise ValueError("it has a point twice")
     table = points.pivot(index=0, columns=1, values=2)
@@ -129,5 +137,7 @@ def _on_grid(points: Any, units: tuple[str, ...]) -> tuple[np.ndarray, Metadata]
     if not all(step.size and np.ptp(step) <= UNEVEN * step.mean() for step in steps):
         raise ValueError("its points are not those of a regular grid")
     sizes = tuple(float(step.mean() * (step.size + 1)) for step in steps)
-    sizes_unit, unit = (units[0], units[-1]) if len(units) == 3 else (None, None)
+    sizes_unit, other, unit = units if len(units) == 3 else (None, None, None)
+    if sizes_unit != other:
+        raise ValueError(f"its axes are in different units, {sizes_unit} and {other}")
     return table.to_numpy(), Metadata(sizes, sizes_unit, unit)

@@ -25,9 +25,9 @@ class Topography:
 
     Sizes and heights are in m where `unit` is "m", otherwise ("") in a unit that nobody named.
     periodic: True where the file says so. filled: points that had no height. plain: what a plain
-    length of the scene stands for, in plain_unit, that of the sizes. said: by the file
-    itself. lacks: {key of [surface]: why it has to be given}; `prepare` refuses a Topography that
-    lacks anything. done: to the heights, notes: what to know of them, a line each.
+    length of the scene stands for, in plain_unit, that of the sizes. said: by the file itself.
+    lacks: {key of [surface]: why it has to be given}; `prepare` refuses a Topography that lacks
+    anything. done: to the heights, notes: what to know of them, a line each.
     """
 
     n: tuple[int, ...]
@@ -45,12 +45,13 @@ class Topography:
     notes: tuple[str, ...] = ()
 
     def after(self, done: str, **changed: Any) -> Self:
-        """What it is after something has been done to the heights."""
+        """Return the Topography changed, with one line more of what has been done to its
+        heights."""
         return replace(self, done=(*self.done, done), **changed)
 
     def length(self, key: str, given: float) -> float:
-        """A length of the scene in the unit of `sizes`. Raises SceneError where it has a unit and
-        the map none."""
+        """Return a length of the scene in the unit of `sizes`. Raises SceneError where it has a
+        unit and the map none."""
         if isinstance(given, Quantity) and not self.unit:
             raise SceneError(
                 f"surface.{key}: found {given.text}, allowed: a plain number, as the sizes are, or"
@@ -60,8 +61,8 @@ class Topography:
 
 
 def open_topography(spec: Any) -> Topography:
-    """The Topography of a scene's height map, or of the sum of two, of which no height is read yet.
-    Raises SceneError."""
+    """Open the Topography of a scene's height map, or of the sum of two, of which no height is read
+    yet. Raises SceneError."""
     paths = [spec.path] if isinstance(spec.path, str) else spec.path
     files = [open_map(spec.model_copy(update={"path": path})) for path in paths]
     first, *others = (topography_of(file, spec) for file in files)
@@ -93,7 +94,7 @@ def _sum(one: Topography, two: Topography) -> Topography:
 
 
 def topography_of(found: HeightMap, spec: Any) -> Topography:
-    """The Topography of a height map, with what a scene.File says of it. Raises SceneError."""
+    """Make the Topography of a height map, with what a scene.File says of it. Raises SceneError."""
     said, given = found.metadata, spec.physical_sizes
     unit = spec.unit or said.unit
     sizes_unit = said.sizes_unit or unit if given is None else unit

@@ -19,19 +19,20 @@ if TYPE_CHECKING:
     from . import Surface
 
 # of what the program multiplies: units of pressure and height, their product, mean pressures
-SMALLEST, LARGEST = 1e-250, 1e250
+FACTORS = 1e-250, 1e250
 P_STAR = 1e-100, 1e100
 
 
 def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
-    """Whether normal numbers of this precision reach from `smallest` to `largest`, magnitudes."""
+    """Tell whether normal numbers of this precision reach from `smallest` to `largest`,
+    magnitudes."""
     info = np.finfo(dtype)
     return float(info.tiny) < smallest and largest < float(info.max)
 
 
 def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) -> np.dtype:
-    """The precision for a field in the scene's units, solved in `dtype` at mean pressure p_mean,
-    without looking at it; surface: surface.Surface.
+    """Choose the precision for a field in the scene's units, solved in `dtype` at mean pressure
+    p_mean, without looking at it; surface: surface.Surface.
 
     No point carries more than all N p_mean, and heights that have rms slope 1 per point rise by
     less than N; a displacement is less than N times that. What is smaller than the rounding errors
@@ -45,13 +46,13 @@ def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) ->
 
 
 def single_solves(p_star: float, N: int) -> bool:
-    """Whether single precision holds the pressures of a contact of N points at p* and, the larger
-    ones, their squares."""
+    """Tell whether single precision holds the pressures of a contact of N points at p* and, the
+    larger ones, their squares."""
     return fits(np.float32, float(np.finfo(np.float32).eps) * p_star, (N * max(p_star, 1.0)) ** 2)
 
 
 def require_range(E_star: float, surface: Surface, pressures: Iterable[float]) -> None:
-    """Raises SceneError where a number of the contacts is beyond double precision; surface:
+    """Raise SceneError where a number of the contacts is beyond double precision; surface:
     surface.Surface."""
     unit = E_star * surface.g_rms if surface.g_rms > 0 else 1.0
     for what, value in [
@@ -60,10 +61,11 @@ def require_range(E_star: float, surface: Surface, pressures: Iterable[float]) -
         ("E_star*g_rms^2*a (energy)", unit * surface.height_unit),
         *(("a mean pressure", p_mean) for p_mean in pressures),
     ]:
-        if not SMALLEST <= value <= LARGEST:
+        smallest, largest = FACTORS
+        if not smallest <= value <= largest:
             raise SceneError(
-                f"surface, material, load: found {what} = {value:g}, allowed: {SMALLEST:g} to"
-                f" {LARGEST:g}, in other units"
+                f"surface, material, load: found {what} = {value:g}, allowed: {smallest:g} to"
+                f" {largest:g}, in other units"
             )
     smallest, largest = P_STAR
     # full contact is not uniform there; coarse levels, which all points may add to, are in single

@@ -9,7 +9,7 @@ from ..util.errors import SceneError
 def within(
     name: str, value: ArrayLike, low: float, high: float, open_low: bool = False
 ) -> np.ndarray:
-    """`value` as a float array, all of it finite and in [low, high] (or (low, high]). Raises
+    """Return `value` as a float array, all of it finite and in [low, high] (or (low, high]). Raises
     SceneError."""
     try:
         x = np.asarray(value, dtype=float)

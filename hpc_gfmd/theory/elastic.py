@@ -37,7 +37,7 @@ class Hertz:
         self.approach = self.a**2 / R
 
     def pressure(self, r: ArrayLike) -> np.ndarray:
-        """p(r) at the distance r from the axis."""
+        """Compute p(r) at the distance r from the axis."""
         return self.peak_pressure * np.sqrt(np.maximum(1 - (np.asarray(r) / self.a) ** 2, 0))
 
 
@@ -72,7 +72,7 @@ class Westergaard:
         self.compliance = np.where(x > 0, -A / self.p_full * log, np.inf) + 0.0
 
     def pressure(self, x: ArrayLike) -> np.ndarray:
-        """p(x); the peak of the surface is at x = 0. For scalar p0."""
+        """Compute p(x); the peak of the surface is at x = 0. For scalar p0."""
         phase = np.pi * np.asarray(x) / self.L
         if self._ratio >= 1:
             return self.p0 + self.p_full * np.cos(2 * phase)

@@ -17,13 +17,14 @@ _SECOND_TERM = {False: 6.0, True: 3.0}  # corrected, as printed
 
 
 def energy_fraction(x: np.ndarray, gamma: float) -> np.ndarray:
-    """W(erf x), the share of the full-contact energy that is stored (eq. gamma of the paper)."""
+    """Compute W(erf x), the share of the full-contact energy that is stored (eq. gamma of the
+    paper)."""
     a = erf(x)
     return a * (gamma + (1 - gamma) * a * a)
 
 
 def gap_kernel(x: np.ndarray, gamma: float, printed: bool = False) -> np.ndarray:
-    """F(x) = gamma E1(x^2) + c (1-gamma) int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t, for x > 0.
+    """Compute F(x) = gamma E1(x^2) + c (1-gamma) int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t, x > 0.
 
     c = 6; the published equation has 3, because E1(x^2) = 2 int_1^inf exp(-t^2 x^2) dt/t was used
     in its first term only (printed=True). Relative error below 1e-12.
@@ -32,21 +33,24 @@ def gap_kernel(x: np.ndarray, gamma: float, printed: bool = False) -> np.ndarray
 
 
 def compliance_kernel(x: np.ndarray, gamma: float, printed: bool = False) -> np.ndarray:
-    """-x dF/dx = exp(-x^2) (2 gamma + c (1-gamma) erf(x)^2), which makes -dp * d(gap)/dp."""
+    """Compute -x dF/dx = exp(-x^2) (2 gamma + c (1-gamma) erf(x)^2), of which -p d(gap)/dp is
+    made."""
     x = np.minimum(x, X_ZERO)
     return np.exp(-x * x) * (2 * gamma + _SECOND_TERM[printed] * (1 - gamma) * erf(x) ** 2)
 
 
 def exp1_of_square(x: np.ndarray) -> np.ndarray:
-    """E1(x^2), also where x^2 underflows."""
+    """Compute E1(x^2), also where x^2 underflows."""
     x = np.minimum(x, X_ZERO)
     small = x < 1e-9
     return np.where(small, -np.euler_gamma - 2 * np.log(x), exp1(np.where(small, 1.0, x * x)))
 
 
 def erf2_integral(x: np.ndarray) -> np.ndarray:
-    """I(x) = int_x^inf erf(v)^2 exp(-v^2) dv/v (= int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t), x >=
-    0."""
+    """Compute I(x) = int_x^inf erf(v)^2 exp(-v^2) dv/v, x >= 0.
+
+    It is int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t, too.
+    """
     x = np.minimum(x, X_ZERO)
     low = np.exp(-x * x) * _scaled()(np.minimum(x, _X_ONE))
     return np.where(x < _X_ONE, low, exp1(np.maximum(x, _X_ONE) ** 2) / 2)
@@ -54,7 +58,7 @@ def erf2_integral(x: np.ndarray) -> np.ndarray:
 
 @cache
 def _scaled() -> Chebyshev:
-    """exp(x^2) I(x) on [0, 6].
+    """Interpolate exp(x^2) I(x) on [0, 6].
 
     erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2)) ds/(1+s^2) turns I(x) into a smooth integral
     over E1.

@@ -1,5 +1,5 @@
-"""Least squares with known errors, that refuse to determine what the data do not:
-scipy.optimize.curve_fit and a check."""
+"""Least squares with known errors (scipy.optimize.curve_fit), and a check that the data determine
+every parameter."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,8 +18,8 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Solution:
-    """x: parameters, shape (k,); covariance: of them, shape (k, k), for errors of the data as given
-    (1 if none are); chi2: weighted sum of squares."""
+    """x: parameters, shape (k,); covariance: of them, shape (k, k), by the errors of the data as
+    they are given (1 if none are); chi2: weighted sum of squares."""
 
     x: np.ndarray
     covariance: np.ndarray
@@ -34,7 +34,7 @@ def least_squares(
     sigma: Any = None,
     bounds: Any = (-np.inf, np.inf),
 ) -> Solution:
-    """The best fit of model(x), shape (runs,), to value over several starts.
+    """Find the best fit of model(x), shape (runs,), to value from several starts.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ KAPPA_LOW_LOAD = np.sqrt(8 / np.pi)  # lim a_r/p_star for p_star -> 0
 
 
 def contact_area(p_star: ArrayLike) -> np.ndarray:
-    """Relative contact area, eq. contAreaExact; independent of H and eps_f.
+    """Compute the relative contact area, eq. contAreaExact; independent of H and eps_f.
 
     Parameters
     ----------
@@ -48,12 +48,12 @@ def contact_area(p_star: ArrayLike) -> np.ndarray:
 
 
 def noncontact_area(p_star: ArrayLike) -> np.ndarray:
-    """1 - a_r, without cancellation at large p_star; as `contact_area`."""
+    """Compute 1 - a_r, without cancellation at large p_star; as `contact_area`."""
     return erfc(np.sqrt(2) * _pressure(p_star))
 
 
 def kappa(p_star: ArrayLike) -> np.ndarray:
-    """a_r/p_star, sqrt(8/pi) at p_star = 0; as `contact_area`."""
+    """Compute a_r/p_star, sqrt(8/pi) at p_star = 0; as `contact_area`."""
     p_star = _pressure(p_star)
     tiny = p_star < 1e-12
     return np.where(tiny, KAPPA_LOW_LOAD, contact_area(p_star) / np.where(tiny, 1.0, p_star))[()]
@@ -62,7 +62,7 @@ def kappa(p_star: ArrayLike) -> np.ndarray:
 def pressure_distribution(
     p: ArrayLike, p0: ArrayLike, g_rms: float = 1.0, E_star: float = 1.0
 ) -> np.ndarray:
-    """Probability density of the local pressure, eq. pressDist.
+    """Compute the probability density of the local pressure, eq. pressDist.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def pressure_distribution(
 
 
 def g_rms_lam_s_over_h_rms(hurst: float, eps_f: float) -> float:
-    """g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs; hurst, eps_f: as of
+    """Compute g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs; hurst, eps_f: as of
     `mean_gap`."""
     return 2 * np.pi * float(eps_f) / SlopeProfile.self_affine(hurst, eps_f).h_rms
 
@@ -101,7 +101,7 @@ def mean_gap(
     printed: bool = False,
     unit: str = "h_rms",
 ) -> np.ndarray:
-    """Mean gap of a self-affine wall, eq. gapFinal.
+    """Compute the mean gap of a self-affine wall, eq. gapFinal.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def stiffness(
     printed: bool = False,
     unit: str = "h_rms",
 ) -> np.ndarray:
-    """Contact stiffness -dp_star/d(gap/unit).
+    """Compute the contact stiffness -dp_star/d(gap/unit).
 
     Parameters
     ----------
@@ -163,16 +163,15 @@ def stiffness(
         p_star, lambda x: kernels.compliance_kernel(x, gamma, printed), power=1
     )
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        compliance = np.where(p_star > 0, slope / np.sqrt(2 * np.pi) / p_star, np.inf)[
-            ()
-        ]  # in units of g_rms/q_min
+        # in units of g_rms/q_min
+        compliance = np.where(p_star > 0, slope / np.sqrt(2 * np.pi) / p_star, np.inf)[()]
         return _length(profile, eps_f, unit) / compliance
 
 
 def elastic_energy(
     p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA
 ) -> np.ndarray:
-    """Elastic energy per nominal area, eq. elasticEnergy.
+    """Compute the elastic energy per nominal area, eq. elasticEnergy.
 
     Parameters
     ----------
@@ -201,8 +200,7 @@ def mean_gap_spectrum(
     printed: bool = False,
     area: float = 1.0,
 ) -> np.ndarray:
-    """Mean gap, in the unit of 1/q, of a surface with an arbitrary isotropic spectrum under the
-    pressure p0.
+    """Compute the mean gap of a surface with any isotropic spectrum under the pressure p0.
 
     Parameters
     ----------
@@ -212,18 +210,17 @@ def mean_gap_spectrum(
         The spectrum, power laws in between.
     p0, E_star : float or array, float
         Mean pressure and effective modulus in one unit.
+    gamma, printed
+        As of `mean_gap`.
     area : float
         Of the normalisation h_rms^2 = area/(2 pi)^2 int C d^2q: 1 for the two-dimensional power
         spectral density of surface metrology, A0 for C = |h_q|^2 of one period of nominal area A0
         (the paper), (2 pi)^2 for Persson's C.
 
-    gamma, printed
-        As of `mean_gap`.
-
     Returns
     -------
     float or array
-        In the shape of p0.
+        In the unit of 1/q and the shape of p0.
 
     Raises
     ------
@@ -238,7 +235,7 @@ def mean_gap_spectrum(
 def curve(
     p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False
 ) -> dict[str, np.ndarray]:
-    """All of the above at once, under the names that the command line prints.
+    """Compute area, mean gap and stiffness at once, under the names that the command line prints.
 
     Parameters
     ----------
@@ -263,7 +260,7 @@ def curve(
 
 
 def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
-    """Gap in units of g_rms/q_min."""
+    """Compute the gap in units of g_rms/q_min."""
     gamma = _gamma(gamma)
     gap = profile.integrate(
         p_star, lambda x: kernels.gap_kernel(x, gamma, printed), power=1

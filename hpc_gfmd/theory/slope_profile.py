@@ -17,12 +17,10 @@ from scipy.special import exprel
 from ..util.errors import SceneError
 from .checks import within
 
-_STEP = (
-    0.25  # panel width in ln g: the sharpest features of the integrands have a width of about 0.05
-)
-_TAIL = (
-    42.0  # the integrand falls at least like g towards small g: exp(-42) is below double precision
-)
+# panel width in ln g: the sharpest features of the integrands have a width of about 0.05
+_STEP = 0.25
+# the integrand falls at least like g towards small g: exp(-42) is below double precision
+_TAIL = 42.0
 _FINEST = 14  # halvings of the last panel, for large pressures where only g -> g_rms contributes
 _SAMPLES = 1000  # of a spectrum that is a function
 Function = Callable[[np.ndarray], np.ndarray]
@@ -53,7 +51,7 @@ class SlopeProfile:
 
     @classmethod
     def self_affine(cls, hurst: float, eps_f: float) -> Self:
-        """C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
+        """Make that of C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
 
         hurst in [0, 1], eps_f = q_l/q_s in [1e-100, 1]; SceneError otherwise.
         """
@@ -74,7 +72,7 @@ class SlopeProfile:
 
     @classmethod
     def from_spectrum(cls, q: ArrayLike, C: Any, area: float = 1.0) -> Self:
-        """Any isotropic C(q), normalised by h_rms^2 = area/(2 pi)^2 int C d^2q.
+        """Make that of any isotropic C(q), normalised by h_rms^2 = area/(2 pi)^2 int C d^2q.
 
         q: increasing wave vectors, at least two. C: their spectrum (power laws in between), or a
         function, which is then cut into about _SAMPLES pieces (error of order 1/_SAMPLES^4). Raises
@@ -100,7 +98,7 @@ class SlopeProfile:
         steepness = np.diff(np.log(C)) / width  # C ~ q^steepness in a piece
 
         def moment(power: int) -> np.ndarray:
-            """Of every piece, area/(2 pi) int q^power C dy."""
+            """Integrate area/(2 pi) q^power C dy over every piece."""
             if function:
                 found = _piece_integral(function, power, q, width)
             else:
@@ -121,10 +119,10 @@ class SlopeProfile:
         )
 
     def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:
-        """int (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g; the shape
-        of p_star.
+        """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g, for
+        every p_star.
 
-        A kernel that vanishes beyond x = 28 and power = 1, or a bounded one and power = 2.
+        kernel: vanishes beyond x = 28 where power = 1, is bounded where power = 2.
         """
         loads = np.clip(np.asarray(p_star, dtype=float), 1e-300, 1e200)
         log_g, y, weight = self._nodes
@@ -140,8 +138,9 @@ class SlopeProfile:
 
     @cached_property
     def _nodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Gauss-Legendre points ln g, the ln(q/q_0) there, and weights, on panels that end at 0 and
-        begin where the integrand, which falls at least like g, is below double precision."""
+        """Choose Gauss-Legendre points ln g, the ln(q/q_0) there, and weights, on panels that end
+        at 0 and begin where the integrand, which falls at least like g, is below double
+        precision."""
         low = self._log_g_at(min(1.0, self.y[-1])) - _TAIL
         with np.errstate(divide="ignore"):
             corners = 0.5 * np.log(self.g2)
@@ -160,7 +159,7 @@ class SlopeProfile:
 
 
 def _piece_integral(C: Function, power: int, q: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """int q^power C dy over every piece, y = ln q."""
+    """Integrate q^power C dy over every piece, y = ln q."""
     s, w = np.polynomial.legendre.leggauss(4)
     inside = q[:-1, None] * np.exp(width[:, None] * (s + 1) / 2)
     return (inside**power * C(inside) @ w) * width / 2

@@ -90,33 +90,35 @@ class Correction:
 
     @property
     def total(self) -> float:
-        """The sum of the terms."""
+        """Add up the terms."""
         return self.t + self.f + self.c
 
     @property
     def numbers(self) -> dict[str, float]:
-        """The terms and their sum, by the names of the command line."""
+        """Return the terms and their sum, by the names of the command line."""
         terms = {f"correction_{i}": getattr(self, i) for i in TERMS}
         return terms | {"correction": self.total}
 
 
 def paper_table() -> Table:
-    """The paper's four tables, as the dict of the data file."""
+    """Return the paper's four tables, as the dict of the data file."""
     return table_of("paper")
 
 
 def our_table() -> Table:
-    """The same tables fitted to our own runs, with uncertainties."""
+    """Return the tables of `paper_table` as fitted to our own runs, with uncertainties."""
     return table_of("ours")
 
 
 def table_of(name: str) -> Table:
-    """The table of a name: "paper", "ours", or the path of a JSON file. Raises SceneError."""
+    """Return the table of a name: "paper", "ours", or the path of a JSON file. Raises
+    SceneError."""
     return read_table(SHIPPED.get(name, name))
 
 
 def read_table(path: str | Path) -> Table:
-    """A table of the same form from the JSON file at path; SceneError if it is not one."""
+    """Read a table like that of `paper_table` from the JSON file at path. Raises SceneError if it
+    is none."""
     try:
         table = json.loads(Path(path).read_text(encoding="utf-8"))
         _Table.model_validate(table)
@@ -139,7 +141,7 @@ def correction(
     eps_c: float,
     table: Table | None = None,
 ) -> Correction:
-    """The terms to subtract from a simulated value.
+    """Compute the terms to subtract from a simulated value.
 
     Parameters
     ----------
@@ -200,7 +202,7 @@ def extrapolate(
     sigma: float | None = None,
     table: Table | None = None,
 ) -> tuple[float, float | None, Correction]:
-    """A simulated value taken to the TFC limit.
+    """Take a simulated value to the TFC limit.
 
     Parameters
     ----------
@@ -225,7 +227,7 @@ def extrapolate(
     """
     value = float(within("value", value, -np.inf, np.inf))
     terms = correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table)
-    known = [x for x in (sigma, terms.sigma) if x is not None]
+    known = [within("sigma", x, 0, np.inf) for x in (sigma, terms.sigma) if x is not None]
     return value - terms.total, float(np.hypot.reduce(known)) if known else None, terms
 
 

@@ -50,21 +50,21 @@ class TfcFit:
 
     @cached_property
     def sigma(self) -> dict:
-        """Standard errors of the fitted parameters by name."""
+        """Return the standard errors of the fitted parameters by name."""
         return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
 
     def correction(
         self, eps_t: float = 0.0, eps_f: float = 0.0, eps_c: float = 0.0
     ) -> tuple[float, float]:
-        """(sum of the terms, its uncertainty) at the given ratios; a term that was not fitted is
-        zero."""
+        """Compute (sum of the terms, its uncertainty) at these ratios; a term that was not fitted
+        is zero."""
         eps = ratios(eps_t, eps_f, eps_c)
         row = self.row(0.0)
         return sum(term(row, i, eps[i]) for i in TERMS), sigma_of_terms(row, eps)
 
     def row(self, hurst: float) -> dict:
-        """The fit as a row of a coefficient table (see data/paper_tfc.json); terms that were not
-        fitted get C = 0."""
+        """Write the fit as a row of a coefficient table (see data/paper_tfc.json); terms that were
+        not fitted get C = 0."""
         numbers = {f"C_{i}": self.C.get(i, 0.0) for i in TERMS} | {
             f"alpha_{i}": self.alpha.get(i, 1.0) for i in TERMS
         }
@@ -79,18 +79,18 @@ class TfcFit:
 
 
 def ratios(eps_t: float, eps_f: float, eps_c: float) -> dict[str, float]:
-    """{term: its ratio}. Raises SceneError for what is not from 0 to 1."""
+    """Return {term: its ratio}. Raises SceneError for what is not from 0 to 1."""
     given = zip(TERMS, (eps_t, eps_f, eps_c))
     return {i: float(within(f"eps_{i}", value, 0, 1)) for i, value in given}
 
 
 def term(row: Mapping[str, Any], i: str, eps: Any) -> Any:
-    """C_i eps^alpha_i by a row of a coefficient table; eps: number or array."""
+    """Compute C_i eps^alpha_i by a row of a coefficient table; eps: number or array."""
     return row[f"C_{i}"] * eps ** row[f"alpha_{i}"]
 
 
 def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
-    """The derivatives of eq. tfc by each of its numbers."""
+    """Differentiate eq. tfc by each of its numbers."""
     found: dict[str, Any] = {"limit": 1.0}
     for i, ratio in eps.items():
         found[f"C_{i}"] = ratio ** row[f"alpha_{i}"]
@@ -99,8 +99,8 @@ def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
-    """Uncertainty of the sum of the terms, from the "covariance" of the row (order "names") if
-    given, else from its "sigma"."""
+    """Compute the uncertainty of the sum of the terms, from the "covariance" of the row (order
+    "names") if given, else from its "sigma"."""
     names = row.get("names", COEFFICIENTS)
     known = slopes(row, eps) | {"limit": 0.0}
     gradient = np.array([known.get(name, 0.0) for name in names])
@@ -120,7 +120,7 @@ def fit_tfc(
     terms: Iterable[str] = TERMS,
     limit: float | None = None,
 ) -> TfcFit:
-    """Least-squares fit of eq. tfc to runs.
+    """Fit eq. tfc to runs by least squares.
 
     Parameters
     ----------
@@ -145,7 +145,11 @@ def fit_tfc(
     ------
     SceneError
         When the runs cannot determine what is asked: too few, or a ratio that does not vary enough.
+        For terms that there are not.
     """
+    terms = tuple(terms)
+    if set(terms) - set(TERMS):
+        raise SceneError(f"terms: found {''.join(terms)!r}, allowed: letters of tfc")
     value = np.atleast_1d(within("value", value, -np.inf, np.inf))
     eps = {
         i: np.broadcast_to(within(f"eps_{i}", e, 0, 1, open_low=True), value.shape)
@@ -211,8 +215,8 @@ def _enough(value: np.ndarray, eps: dict, free: list, names: tuple) -> None:
 
 
 def read_runs(path: str | Path) -> dict:
-    """Columns eps_t, eps_f, eps_c, value and, if there, sigma of the CSV file at path, with a
-    header, as arrays for fit_tfc.
+    """Read the columns eps_t, eps_f, eps_c, value and, if there, sigma of the CSV file at path,
+    with a header, as arrays for fit_tfc.
 
     Raises SceneError if it is not one.
     """

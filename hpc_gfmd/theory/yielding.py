@@ -19,7 +19,7 @@ FAR = 6.5  # standard deviations beyond which an image has no weight in double p
 def pressure_distribution(
     p: ArrayLike, p0: float, hardness: float, g_rms: float = 1.0, E_star: float = 1.0
 ) -> np.ndarray:
-    """Probability density of the pressure in elastic contact, 0 < p < hardness.
+    """Compute the probability density of the pressure in elastic contact, 0 < p < hardness.
 
     Parameters
     ----------
@@ -47,8 +47,8 @@ def pressure_distribution(
 def areas(
     p0: float, hardness: float, g_rms: float = 1.0, E_star: float = 1.0
 ) -> tuple[float, float]:
-    """(a_r, a_plastic): the share of the area that touches, and of it what yields; parameters as of
-    `pressure_distribution`."""
+    """Compute (a_r, a_plastic): the shares of the area that touch and that yield; p0, hardness,
+    g_rms, E_star: as of `pressure_distribution`."""
     width, images = _images(p0, hardness, g_rms, E_star)
     ends = 2 * hardness * images[images >= 0]
 
@@ -61,7 +61,7 @@ def areas(
 
 
 def _images(p0: float, hardness: float, g_rms: float, E_star: float) -> tuple[float, np.ndarray]:
-    """The standard deviation of the pressure in full contact, and the numbers of the images."""
+    """Return the standard deviation of the pressure in full contact, and the numbers of images."""
     for name, value in (("hardness", hardness), ("g_rms", g_rms), ("E_star", E_star)):
         within(name, value, 0, np.inf, open_low=True)
     within("p0", p0, 0, np.inf)

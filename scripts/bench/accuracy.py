@@ -5,6 +5,7 @@ for accuracies, the others, which have no estimates of their own, for residuals.
 takes longer than the budget, or that does not converge, no tighter ones are tried.
 """
 
+from functools import partial
 from itertools import product, starmap
 
 from hpc_gfmd import GfmdError
@@ -24,8 +25,8 @@ def run(args):
     if report.path:
         rows = [row for row in report.rows if row["n"] == max(args.n)]
         keys = "solver", "start", "precision"
-        pictures = {"accuracy": "seconds_min", "accuracy-pairs": "fft_pairs"}
-        for name, cost in pictures.items():  # error: the worst of area, gap, pressure
+        # error: the worst of area, gap, pressure
+        for name, cost in (("accuracy", "seconds_min"), ("accuracy-pairs", "fft_pairs")):
             panels = [
                 Panel(members, keys, cost, "error", f"H = {hurst}, p* = {p_star:.3g}")
                 for (hurst, p_star), members in group(rows, "hurst", "p_star").items()
@@ -39,28 +40,26 @@ def _one_case(case, args, report):
     except GfmdError as error:
         report.note(str(error))
         return
-    settings = {}
-    errors = {}
-    taken = {}
+    found = []  # (what is reported, what solves again, rows of all solves)
     for precision, solver, start in product(args.precision, args.solvers, args.start):
         case.press(precision=precision, accuracy=0.1)  # compiles and plans
         for asked in sorted(args.accuracy, reverse=True):
-            key = precision, solver, start, asked
-            settings[key] = {
-                "precision": precision,
-                "name": solver,
-                "nested": start == "nested",
-                "max_iterations": args.max_iterations,
-                "accuracy" if solver == "bpx" else "residual": asked,
-            }
-            row, pressure = case.press(**settings[key])
-            taken[key], errors[key] = [row], case.errors(row, pressure)
+            press = partial(
+                case.press,
+                precision=precision,
+                name=solver,
+                nested=start == "nested",
+                max_iterations=args.max_iterations,
+                **{"accuracy" if solver == "bpx" else "residual": asked},
+            )
+            row, pressure = press()
+            head = {"n": case.n, "hurst": case.hurst, "precision": precision, "solver": solver}
+            head |= {"start": start, "asked": asked} | case.errors(row, pressure)
+            found.append((head, press, [row]))
             if row["seconds"] > args.budget or row["status"] != "converged":
                 break
-    quick = [key for key, rows in taken.items() if rows[0]["seconds"] < args.budget]
-    for key in in_turn(quick, args.repeats - 1):
-        taken[key].append(case.press(**settings[key])[0])
-    names = ("precision", "solver", "start", "asked")
-    for key, rows in taken.items():
-        head = {"n": case.n, "hurst": case.hurst} | dict(zip(names, key, strict=True))
-        report.add(**head, **errors[key], **summary(rows))
+    quick = [one for one in found if one[-1][0]["seconds"] < args.budget]
+    for _, press, rows in in_turn(quick, args.repeats - 1):
+        rows.append(press()[0])
+    for head, _, rows in found:
+        report.add(**head, **summary(rows))

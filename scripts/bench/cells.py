@@ -6,10 +6,8 @@ of the band-limited Green's function of bodies/free.py. For comparisons on equal
 rank, with both axes free.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import product
 
 import numpy as np
@@ -19,17 +17,15 @@ from hpc_gfmd.bodies.free import Coupled, Free, added
 from hpc_gfmd.bodies.images import images, kernel
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.scene import Scene, Solver
-from hpc_gfmd.surface import build_surface
+from hpc_gfmd.scene import Solver
 
 
 @lru_cache(1)
 def by_cells(case):
     """Return the pressure of the contact by this discretisation, far more accurate than any that is
     measured."""
-    spec = Scene.from_dict({"surface": case.table, "load": {"pressure": 1.0}}).surface
     sweep = Sweep(
-        lambda dtype: build_surface(spec, SerialComm(), dtype),
+        partial(case.build, SerialComm()),
         Solver(precision="double", residual=1e-9),
         body=Cells((True, True)),
     )
@@ -53,7 +49,7 @@ class Cells(Free):
 
 
 def _table(grid, fft):
-    """K of the periodic cell: S less what `Coupled` adds to it."""
+    """Make K of the periodic cell: S less what `Coupled` adds to it."""
     out = np.zeros((fft.K, fft.W, grid.n[0] // 2 + 1), fft.dtype)
     cell = [k * s / grid.a for k, s in zip(grid.n, grid.spacings)]
     half = [s / grid.a / 2 for s in grid.spacings]
@@ -72,12 +68,12 @@ def _table(grid, fft):
 
 
 def love(x, y, a, b):
-    """S at distances x, y from the middle of a cell of 2a x 2b under pressure 1, all over the root
-    of its area."""
+    """Compute S at distances x, y from the middle of a cell of 2a x 2b under pressure 1, all over
+    the root of its area."""
     signs = product((1, -1), repeat=2)
     return sum(s * t * _corner(x[:, None] + s * a, y + t * b) for s, t in signs) / np.pi
 
 
 def _corner(x, y):
-    """Integral of 1/r over the rectangle between the origin and (x, y)."""
+    """Integrate 1/r over the rectangle between the origin and (x, y)."""
     return x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))

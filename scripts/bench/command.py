@@ -11,7 +11,7 @@ ITEMS = tomllib.loads(Path(__file__).with_name("items.toml").read_text())
 
 
 def make_parser():
-    """The parser of all measurements."""
+    """Make the parser of all measurements."""
     parser = Parser(
         prog="bench",
         description="Measure speed: alternating, warmed up. Compare numbers of one call only.",

@@ -9,15 +9,16 @@ from functools import cached_property
 import numpy as np
 
 import hpc_gfmd
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.surface import build_surface
 
 WORST = 1e-6  # estimated error of the pressure that a reference may have
 
 
 @dataclass(frozen=True)
 class Case:
-    """n x n points, p* = p/(E* g_rms); E* = 1, g_rms = 1 (where the surface ends,
-    of what it is cut out of), a cell of size 1 x 1. hardness: the largest pressure over
-    E* g_rms; 0: none."""
+    """n x n points, p* = p/(E* g_rms); E* = 1, g_rms = 1 (where the surface ends, of what it is cut
+    out of), a cell of size 1 x 1. hardness: the largest pressure over E* g_rms; 0: none."""
 
     n: int
     p_star: float
@@ -28,7 +29,7 @@ class Case:
 
     @property
     def table(self):
-        """[surface] of a scene."""
+        """Return [surface] of a scene."""
         return {
             "kind": "self-affine",
             "hurst": self.hurst,
@@ -40,21 +41,24 @@ class Case:
             "boundary": self.boundary,
         }
 
+    def build(self, comm, dtype, threads=1):
+        """Make the wall as solvers take it, each rank its rows."""
+        scene = Scene.from_dict({"surface": self.table, "load": {"p_star": self.p_star}})
+        return build_surface(scene.surface, comm, dtype, threads)
+
     @cached_property
     def surface(self):
-        """The wall, peaks up."""
+        """Make the wall, peaks up."""
         return hpc_gfmd.make_surface(**self.table)
 
     def press(self, **settings):
         """Return numbers of hpc_gfmd.solve, all of the call timed, and the pressure; settings: of
         solve."""
-        loads = {"pressure": self.p_star, "fields": ["pressure"]} | settings
-        if self.hardness:
-            loads["hardness"] = self.hardness
+        usual = {"pressure": self.p_star, "hardness": self.hardness or None}
         begun, cpu = time.perf_counter(), time.process_time()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", hpc_gfmd.NotConverged)
-            solution = hpc_gfmd.solve(self.surface, **loads)
+            solution = hpc_gfmd.solve(self.surface, fields=["pressure"], **usual | settings)
         pressure = np.asarray(solution.pressure)
         row = {
             "seconds": time.perf_counter() - begun,
@@ -76,7 +80,7 @@ class Case:
 
     @cached_property
     def reference(self):
-        """The solution far tighter than any that is measured. Raises GfmdError without one."""
+        """Solve far tighter than any that is measured. Raises GfmdError where that fails."""
         row, pressure = self.press(precision="double", residual=1e-9)
         if not row["estimates"][2] < WORST:
             raise hpc_gfmd.GfmdError(

@@ -18,15 +18,12 @@ from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.coarsening import levels
 from hpc_gfmd.parallel.grid import Grid
-from hpc_gfmd.scene import Scene
 from hpc_gfmd.solvers import solver_class
-from hpc_gfmd.surface import build_surface
 
 from .contacts import Case
 from .report import Report
 from .timing import Stopwatch, measured, ratio, seconds, serve
 
-DTYPES = {name: np.dtype(name) for name in ("single", "double")}
 ITERATIONS = 16  # after which the contact is begun anew: what is iterated is not a solution
 
 
@@ -54,7 +51,7 @@ def _add(report, series, of):
             "iteration_over_this": ratio(series["iteration"], taken),
         }
         if what in moved:
-            nbytes = DTYPES[of["precision"]].itemsize * moved[what]
+            nbytes = np.dtype(of["precision"]).itemsize * moved[what]
             share = moved[what] / moved["copy"] * ratio(series["copy"], taken)
             row |= {"bytes_per_point": nbytes, "gb_per_s": nbytes / ns, "share_of_copy": share}
         report.add(**of, what=what, repeats=len(taken), **row)
@@ -91,14 +88,13 @@ def watch_passes(now=time.perf_counter):
 
 def worker(comm, n, precision, p_star, clock):
     """Return what measures the seconds of everything on the slowest rank."""
-    dtype, now = DTYPES[precision], getattr(time, clock)
-    scene = Scene.from_dict({"surface": Case(n, p_star).table, "load": {"p_star": p_star}})
-    surface = build_surface(scene.surface, comm, dtype)
+    dtype, now = np.dtype(precision), getattr(time, clock)
+    surface = Case(n, p_star).build(comm, dtype)
     h = surface.h
     solver = solver_class("auto")(Problem(surface.grid, h, p_star), {})
     watch = watch_passes(now)
     # not zeros: those have no memory of their own yet
-    source, target = np.ones(h.shape, dtype), np.ones(h.shape, dtype)
+    source, target = np.ones((2, *h.shape), dtype)
     others = {"copy": lambda: np.copyto(target, source)} | bare_pairs((n, n), dtype, comm)
     left = 0
 

@@ -18,8 +18,6 @@ contention in the network, and ranks that wait for each other. It is too fast: o
 took 1.1 to 1.6 times what it says (docs/clusters.md).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 
@@ -67,7 +65,8 @@ class Machine:
 
     @classmethod
     def of(cls, row, small):
-        """From rows of scaling.py on one rank; small: of a grid whose points take no time."""
+        """Make it of a row of scaling.py on one rank; small: a row of a grid whose points take no
+        time."""
         call = small["seconds_min"] / _pairs(small)[1].sum()
         points, pairs = _pairs(row)
         work = (row["seconds_min"] - call * pairs.sum()) / (points * np.log2(points) * pairs).sum()
@@ -78,12 +77,12 @@ class Machine:
 
     @property
     def bytes_per_point(self):
-        """Bytes that an FFT pair moves between memory and caches for each point."""
+        """Count the bytes that an FFT pair moves between memory and caches for each point."""
         return self.itemsize * sum(field_passes([(2**k, 2**k) for k in range(14, -1, -1)]).values())
 
 
 def _pairs(row):
-    """Points of every grid, and the FFT pairs on it."""
+    """Count the points of every grid, and the FFT pairs on it."""
     points = np.array([share.points for share in _shares(row["n"], 1)], float)
     pairs = min(row["iterations"] + START_AND_END, row["fft_pairs"])
     coarse = (row["fft_pairs"] - pairs) * points[0] / max(points[1:].sum(), 1)
@@ -92,13 +91,14 @@ def _pairs(row):
 
 @cache
 def _shares(n, ranks, itemsize=4, per_node=1):
-    """What rank 0 has of a grid and of all coarser ones of the nested start."""
+    """Find what rank 0 has of a grid and of all coarser ones of the nested start."""
     finest = share_of((n, n), np.float32 if itemsize == 4 else np.float64, ranks, per_node=per_node)
     return [finest, *(Share(grid, finest.dtype) for grid in finest.grids)]
 
 
 def _pair(share, machine):
-    """Seconds of the parts of an FFT pair on a grid: compute, transpose, levels and reductions."""
+    """Predict the seconds of the parts of an FFT pair on a grid: compute; transpose; levels and
+    reductions."""
     here = len(share.grid.comm.node_ranks)  # ranks of its node with a part in the grid
     alone = machine.work * np.log2(share.grid.cell_points)
     memory = machine.bytes_per_point / machine.bandwidth_alone
@@ -115,9 +115,9 @@ def _pair(share, machine):
     return np.array([compute, transpose, others])
 
 
-def _solve(n, ranks, per_node, machine):
-    """Seconds of the parts of a solve."""
-    shares = _shares(n, ranks, machine.itemsize, per_node)
+def _solve(n, ranks, machine):
+    """Predict the seconds of the same parts of a solve."""
+    shares = _shares(n, ranks, machine.itemsize, machine.cores)
     finest, *coarser = (_pair(share, machine) for share in shares)
     return machine.pairs * finest + machine.coarse_pairs * sum(coarser, np.zeros(3))
 
@@ -128,8 +128,8 @@ def predict(n, nodes, machine):
     nodes' memory that is used; None beyond the slab limit of one row for each rank."""
     if nodes * machine.cores > n:
         return None
-    parts = _solve(n, nodes * machine.cores, machine.cores, machine)
-    one_node = _solve(n, machine.cores, machine.cores, machine)
+    parts = _solve(n, nodes * machine.cores, machine)
+    one_node = _solve(n, machine.cores, machine)
     moved = n * n * machine.bytes_per_point * (machine.pairs + machine.coarse_pairs / 3)
     return {
         "n": n,

@@ -18,7 +18,7 @@ def run(args):
             f"--surfaces: found {len(args.surfaces)} numbers, allowed: one for each of --n"
         )
     report = Report("pairs", args.out)
-    for (n, surfaces), accuracy in product(zip(args.n, args.surfaces, strict=True), args.accuracy):
+    for (n, surfaces), accuracy in product(zip(args.n, args.surfaces), args.accuracy):
         found = [
             Case(n, p_star, args.hurst, seed=seed).press(precision="single", accuracy=accuracy)[0]
             for seed in range(1, surfaces + 1)

@@ -18,16 +18,13 @@ import time
 from functools import partial
 from importlib.metadata import distributions
 from pathlib import Path
-from typing import Any
 
-for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ[_name] = "1"
+os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
-import numpy as np  # noqa: E402 (reads the variables above)
-from peak import peak_mib  # noqa: E402 (beside this file)
+import numpy as np  # reads the variables above
+from peak import peak_mib  # beside this file
 
 MAX_ITERATIONS = 20000
-Solved = tuple[Any, int | None, str]  # what `pressure` takes, iterations, status
 
 
 class Ours:

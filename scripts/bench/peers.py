@@ -16,7 +16,7 @@ import tempfile
 import time
 import tomllib
 from contextlib import ExitStack, closing
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import product
 from pathlib import Path
 
@@ -34,8 +34,8 @@ TRIES = 25
 
 
 def peers_python():
-    """The interpreter of the environment that scripts/bench-peers-setup makes. Raises SceneError
-    where there is none."""
+    """Find the interpreter of the environment that scripts/bench-peers-setup makes. Raises
+    SceneError where there is none."""
     root = os.environ.get("HPC_GFMD_PEERS") or Path(__file__).resolve().parents[2] / ".venv-peers"
     python = Path(root) / "bin" / "python"
     if not python.exists():
@@ -63,6 +63,8 @@ class Code(Process):
 def run(args):
     """Compare all codes on all surfaces; args: of command.py. Raises SceneError for a code that is
     not known or not there."""
+    if args.boundary not in ("periodic", "free"):
+        raise SceneError(f"--boundary: found {args.boundary!r}, allowed: periodic, free")
     free = args.boundary == "free"
     if free and args.hardness:
         raise SceneError("--hardness: with free edges no other code is known, allowed: 0")
@@ -89,10 +91,8 @@ def run(args):
 
 def _one_case(case, others, error, args, report):
     row, known = case.reference
-    head = vars(replace(case)) | {"a_r": row["a_r"], "asked": error}
-    boundary = {"boundary": case.boundary}
-    about = {}
-    taken = {}
+    head = asdict(case) | {"a_r": row["a_r"], "asked": error}
+    found = []  # (Code, what is reported, rows of all solves)
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         np.save(folder / "heights.npy", case.surface.heights)
@@ -103,27 +103,27 @@ def _one_case(case, others, error, args, report):
             ours = name in CODES["ours"]
             exact = known if ours or case.boundary != "free" else by_cells(case)
             code = stack.enter_context(closing(Code(name, folder, exact)))
-            options = its | boundary if ours else its
+            options = its | {"boundary": case.boundary} if ours else its
             of = {"code": name, "options": options}
             try:
                 of |= code.ask(**surface, **options)
                 of["version"] = next(iter(of["code_versions"].values()))
-                of["tolerance"], taken[code] = _loosest(code.solve, error, args.budget)
-                about[code] = of
+                of["tolerance"], rows = _loosest(code.solve, error, args.budget)
+                found.append((code, of, rows))
             except GfmdError as failure:
                 report.note(str(failure))
                 report.add(**head, **of, status="not reached")
-        quick = [code for code in taken if taken[code][0]["seconds"] < args.budget / 2]
-        for code in in_turn(quick, args.repeats):
-            taken[code].append(code.solve(about[code]["tolerance"]))
-    ours = [runs for code, runs in taken.items() if code.ours]
-    for code, runs in taken.items():
+        quick = [one for one in found if one[-1][0]["seconds"] < args.budget / 2]
+        for code, of, rows in in_turn(quick, args.repeats):
+            rows.append(code.solve(of["tolerance"]))
+    ours = [rows for code, _, rows in found if code.ours]
+    for _, of, rows in found:
         slower = {}
         for key in ("seconds", "cpu_seconds") if ours else ():
-            times = [[run[key] for run in all_runs] for all_runs in (runs, *ours)]
+            times = [[row[key] for row in some] for some in (rows, *ours)]
             slower[f"{key}_over_ours"] = ratio(times[0], min(times[1:], key=np.median))
-        worst = {"error": max(run["error"] for run in runs)}
-        report.add(**head, **about[code], **summary(runs) | worst | slower)
+        worst = {"error": max(row["error"] for row in rows)}
+        report.add(**head, **of, **summary(rows) | worst | slower)
 
 
 def _loosest(solve, target, budget):

@@ -5,9 +5,6 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
-from .timing import Row
-
-Rows = Sequence[Row]
 LABELS = {
     "error": "true relative error",
     "fft_pairs": "FFT pairs",
@@ -20,7 +17,7 @@ class Panel(NamedTuple):
     """y over x of some rows, a line for those that share the values of the keys; scale: of both
     axes."""
 
-    rows: Rows
+    rows: Sequence[dict]
     keys: Sequence[str]
     x: str
     y: str
@@ -38,8 +35,8 @@ def picture(path, panels):
         for name, rows in group(panel.rows, *panel.keys).items():
             points = [row[panel.x] for row in rows], [row[panel.y] for row in rows]
             ax.plot(*points, ".-", label=", ".join(map(str, name)))
-        names = (LABELS.get(name, name) for name in (panel.x, panel.y))
-        ax.set(**dict(zip(("xlabel", "ylabel"), names)), title=panel.title, yscale=panel.scale)
+        x, y = (LABELS.get(name, name) for name in (panel.x, panel.y))
+        ax.set(xlabel=x, ylabel=y, title=panel.title, yscale=panel.scale)
         if not isinstance(panel.rows[0][panel.x], str):
             ax.set_xscale(panel.scale)
     if len({panel.keys for panel in panels}) == 1:  # all have the same lines

@@ -26,6 +26,8 @@ def run(args):
             report.add(release=release, scene=name, n=n, **SCENES[name], **summary(rows))
     report.finish()
     if report.path:
-        what = "seconds_min", "fft_pairs", "peak_mib"
-        panels = [Panel(report.rows, ("scene", "n"), "release", name) for name in what]
+        panels = [
+            Panel(report.rows, ("scene", "n"), "release", what)
+            for what in ("seconds_min", "fft_pairs", "peak_mib")
+        ]
         picture(report.path.with_suffix(".png"), panels)

@@ -59,8 +59,8 @@ def table(rows):
         key for row in rows for key in row if not isinstance(row[key], dict | list)
     )
     cells = [list(keys)] + [[_shown(row.get(key, "-")) for key in keys] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    return ["  ".join(f"{c:>{w}}" for c, w in zip(line, widths, strict=True)) for line in cells]
+    widths = [max(map(len, column)) for column in zip(*cells)]
+    return ["  ".join(f"{c:>{w}}" for c, w in zip(line, widths)) for line in cells]
 
 
 def _shown(value):

@@ -3,6 +3,7 @@ makes of it on a cluster."""
 
 import time
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -12,8 +13,7 @@ from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.driver.warmup import compile_once
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.comm import MpiComm
-from hpc_gfmd.scene import Scene, Solver
-from hpc_gfmd.surface import build_surface
+from hpc_gfmd.scene import Solver
 
 from .contacts import Case
 from .model import CLUSTERS, Machine, predict
@@ -61,8 +61,8 @@ def _add(report, kind, sizes, precision, args):
 
 
 def _grown(n, ranks):
-    """The multiple of 4 nearest above n sqrt(ranks) that has small prime factors: others are slow
-    to transform."""
+    """Find the multiple of 4 nearest above n sqrt(ranks) that has small prime factors: others are
+    slow to transform."""
     return 4 * next_fast_len(round(n * ranks**0.5 / 4), real=True)
 
 
@@ -70,9 +70,9 @@ def _predict(report, args):
     """Report what the model makes of one core of this machine on clusters."""
     of = {"precision": args.precision[0], "p_star": args.p_star, "threads": 1, "n": SMALL}
     small = summary(measured("scaling", {1: (1, of)}, args.repeats, WARM_UP)[1])
-    rows = [row for row in report.rows if row["kind"] == "strong" and row["threads"] == 1]
-    rows = [row for row in rows if row["precision"] == args.precision[0]]
-    serial = max((row for row in rows if row["ranks"] == 1), key=lambda row: int(row["n"]))
+    alone = {"kind": "strong", "ranks": 1, "threads": 1, "precision": args.precision[0]}
+    rows = [row for row in report.rows if alone.items() <= row.items()]
+    serial = max(rows, key=lambda row: row["n"])
     machine = Machine.of(serial, small)
     model = Report("scaling-model", args.out)
     model.note(str(machine))
@@ -94,9 +94,8 @@ def worker(comm, n, precision, p_star, threads):
     """Return what solves once."""
     settings = Solver(precision=precision, accuracy=ACCURACY)
     compile_once(comm, settings)
-    scene = Scene.from_dict({"surface": Case(n, p_star).table, "load": {"p_star": p_star}})
-    sweep = Sweep(lambda dtype: build_surface(scene.surface, comm, dtype, threads), settings)
-    source, target = np.ones(COPIED // 4, np.float32), np.ones(COPIED // 4, np.float32)
+    sweep = Sweep(partial(Case(n, p_star).build, comm, threads=threads), settings)
+    source, target = np.ones((2, COPIED // 4), np.float32)
     watch = Stopwatch()
     watch.watch(Multilevel, "sweep", "levels")
     for method in ("_allreduce", "bcast", "exchange", "alltoall_bytes", "barrier"):
@@ -111,6 +110,8 @@ def worker(comm, n, precision, p_star, threads):
         comm.barrier()
         spent = time.perf_counter() - begun
         parts = watch.take()
+        shares = comm.sum([parts["levels"], parts["messages"]]) / comm.size / spent
+        levels, messages = shares.tolist()
         return {
             "n": n,
             "ranks": comm.size,
@@ -121,8 +122,8 @@ def worker(comm, n, precision, p_star, threads):
             "seconds": spent,
             "cpu_seconds": time.process_time() - cpu,
             "copy_bandwidth": 2 * COPIED / seconds(lambda: np.copyto(target, source), comm),
-            "share_levels": float(comm.sum([parts["levels"]])[0]) / comm.size / spent,
-            "share_messages": float(comm.sum([parts["messages"]])[0]) / comm.size / spent,
+            "share_levels": levels,
+            "share_messages": messages,
             "iterations": step.iterations,
             "fft_pairs": step.fft_pairs,
         }

@@ -41,7 +41,7 @@ def run(args):
 
 def _measure(comm, place, n, repeats):
     """Return {way: seconds} of one size."""
-    start, stop = (int(k) for k in row_starts(n, comm.size)[comm.rank : comm.rank + 2])
+    start, stop = row_starts(n, comm.size)[comm.rank : comm.rank + 2].tolist()
     data = np.random.default_rng(comm.rank).standard_normal((stop - start, n), dtype=np.float32)
     own, one, result = place / f"raw-{comm.rank}", place / "raw", place / "result.h5"
 

@@ -8,15 +8,12 @@ import tempfile
 import time
 from contextlib import ExitStack, closing
 from pathlib import Path
-from typing import Any, TypeVar
 
 import numpy as np
 
 from hpc_gfmd.parallel.world import world
 from hpc_gfmd.util.errors import GfmdError
 
-K = TypeVar("K")
-Row = dict[str, Any]
 SCRIPTS = str(Path(__file__).resolve().parents[1])
 # seconds between two looks of a rank that waits: those that measure need the core that it takes
 PAUSE = 2e-2
@@ -31,7 +28,7 @@ def in_turn(names, repeats):
 
 def ratio(a, b):
     """Return the median of a/b, of two series that were taken in turn."""
-    return float(np.median([x / y for x, y in zip(a, b, strict=False)]))
+    return float(np.median([x / y for x, y in zip(a, b)]))
 
 
 def summary(rows):
@@ -118,7 +115,8 @@ class Process:
         self._process.communicate()
 
     def _last_words(self):
-        """The end of what the program itself says: mpirun adds advice between lines of dashes."""
+        """Return the end of what the program itself says: mpirun adds advice between lines of
+        dashes."""
         self._process.wait()
         self._errors.seek(0)
         said = self._errors.read()

@@ -1,5 +1,5 @@
-"""What the calibrated numbers have to be: each is moved alone until the campaign
-fails, and what it costs in FFT pairs is said.
+"""What the calibrated numbers have to be: each is moved alone until the campaign fails, and what it
+costs in FFT pairs is said.
 
 A number is a field of a frozen dataclass whose name ends with Calibration, of which the package
 has an instance; a field whose metadata says that something else than the campaign `measured` it is
@@ -28,6 +28,10 @@ STEPS = 4  # of the bisection between
 def calibrate(given):
     """Print every number in use beside the smallest and the largest with which no more loads fail,
     and the mean FFT pairs with these; `-`: no wall of `given` asks for more."""
+    if given.jobs > 1:
+        sys.exit(
+            f"calibrate: --jobs: found {given.jobs}, allowed: 1, as other processes know no moves"
+        )
     where = numbers()
     base = outcome(given)
     print(f"in use: {json.dumps(base)}")
@@ -43,7 +47,8 @@ def calibrate(given):
 
 
 def numbers():
-    """{name: (value in use, change)} of all calibrated numbers; `with change(value)`: another."""
+    """Find {name: (value in use, change)} of all calibrated numbers; `with change(value)` moves
+    one."""
     for module in pkgutil.walk_packages(hpc_gfmd.__path__, "hpc_gfmd."):
         if not module.name.endswith("__main__"):
             importlib.import_module(module.name)
@@ -70,7 +75,7 @@ def _with_field(modules, owner, name, value):
 
 @contextmanager
 def _replaced(modules, old, new):
-    """Every name in these modules for one thing means another."""
+    """Let every name in these modules that means one thing mean another."""
     places = [(m, name) for m in modules for name, value in vars(m).items() if value is old]
     for module, name in places:
         setattr(module, name, new)
@@ -82,18 +87,19 @@ def _replaced(modules, old, new):
 
 
 def outcome(given):
-    """Counts of the campaign as the numbers are."""
+    """Count what comes of the campaign as the numbers are."""
     return count([row for new in campaign(given) for row in new])
 
 
 def fails(found, base):
-    """Whether more loads are wrong than are allowed, beyond those that are as the numbers are."""
+    """Tell whether more loads are wrong than are allowed, beyond those that are so with the numbers
+    in use."""
     most = max(base["above_estimate"][0], ALLOWED * found["converged"])
     return found["less_accurate"][0] > base["less_accurate"][0] or found["above_estimate"][0] > most
 
 
 def refit(given, in_use, change, base):
-    """How far a number may go either way; the end at which loads fail, by bisection of factors."""
+    """Find how far a number may go either way before loads fail, by bisection of factors."""
     row = {}
     for what, power in (("smallest", -1), ("largest", 1)):
         good, bad, pairs = 0.0, None, base["mean_pairs"]

@@ -11,7 +11,7 @@ from .truth import Contact
 
 
 def nearly_closed(rng, z):
-    """A wall at a load a little below that of full contact."""
+    """Make a wall at a load a little below that of full contact."""
     contact = Contact(z, square_pixels(z.shape))
     closing = contact.times(contact.K, contact.h).max()
     return Wall(z, square_pixels(z.shape), (closing * (1 - log_uniform(rng, 1e-6, 0.3)),))
@@ -57,7 +57,7 @@ def rough_with_a_pit(rng):
 
 
 def hexagonal_heights(rng, n, count, jitter, unlike):
-    """Round bumps on a hexagonal lattice, `count` along x; jitter: of their places over their
+    """Make round bumps on a hexagonal lattice, `count` along x; jitter: of their places over their
     distance; unlike: of their heights."""
     rows = 2 * round(count / np.sqrt(3))
     x, z = np.arange(n) / n, np.full((n, n), -np.inf)

@@ -30,14 +30,14 @@ BOTH = (True, True)
 
 
 def ending(rng, z, sizes=None, free=None, **loads):
-    """A wall with one load; both axes end, or one of them."""
+    """Make a wall with one load; both axes end, or one of them."""
     free = free or (BOTH if rng.random() < 0.75 else choice(rng, ONE_AXIS))
     return single(rng, z, sizes, free=free, **loads)
 
 
 def scan(rng, n, crown=0.0):
-    """A part of a larger rough surface, so that its edges are those of a cut, on a crown of so many
-    of its rms heights."""
+    """Make a part of a larger rough surface, so that its edges are those of a cut, on a crown of so
+    many of its rms heights."""
     m = tuple(k + int(rng.integers(k // 4, k + 1)) for k in n)
     z = rough(rng, m)[: n[0], : n[1]]
     x, y = coordinates(n, (1.0, n[1] / n[0]))

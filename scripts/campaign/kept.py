@@ -14,16 +14,16 @@ MORE = 1.1
 
 
 def cache_folder():
-    """HPC_GFMD_TRUTHS, or a folder for temporary files."""
+    """Return HPC_GFMD_TRUTHS, or a folder for temporary files."""
     return Path(
         os.environ.get("HPC_GFMD_TRUTHS") or Path(tempfile.gettempdir()) / "hpc-gfmd-truths"
     )
 
 
 def truths(z, sizes, loads, free=(False, False), hardness=None):
-    """(Contact, [Truth], the hardness in units of p*) of the loads p*, each Truth from the cache if
-    it is there. hardness: over the largest pressure of the loads without one, but MORE than they
-    are."""
+    """Find (Contact, [Truth], the hardness in units of p*) of the loads p*, each Truth from the
+    cache if it is there. hardness: over the largest pressure of the loads without one, but MORE
+    than they are."""
     contact = Contact(z, sizes, free)
     found = _truths(contact, sizes, loads)
     if hardness is None:

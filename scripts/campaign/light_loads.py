@@ -64,19 +64,13 @@ def change_of_sides(rng):
 @family
 def extreme_units(rng):
     wall = FAMILIES[choice(rng, ("self_affine", "sphere", "wave", "near_full"))](rng)
-    heights, E_star = (10.0 ** rng.uniform(-45, 45) for _ in range(2))
-    sizes = tuple(s * 10.0 ** rng.uniform(-45, 45) for s in (1.0,)) * 2
-    return Wall(
-        wall.heights * heights,
-        (sizes[0] * wall.physical_sizes[0], sizes[0] * wall.physical_sizes[1]),
-        wall.loads,
-        E_star,
-        units=False,
-    )
+    heights, E_star, size = (10.0 ** rng.uniform(-45, 45) for _ in range(3))
+    sizes = tuple(size * s for s in wall.physical_sizes)
+    return Wall(wall.heights * heights, sizes, wall.loads, E_star, units=False)
 
 
 def scene_surface(rng, lam_s_over_a=(2, 8)):
-    """A [surface] table of 32 to 160 points along x."""
+    """Make a [surface] table of 64 to 160 points along x."""
     n_x = choice(rng, (64, 72, 96, 100, 128, 160, 97))
     n_y = n_x if rng.random() < 0.7 else choice(rng, (32, 64, 128))
     L_over_lam_l, lam_s_over_a = rng.uniform(1, 3), rng.uniform(*lam_s_over_a)

@@ -18,8 +18,8 @@ FAMILIES = {}
 class Wall:
     """heights (peaks up); physical_sizes; loads: p* in the order of solving; E_star; surface: table
     [surface] of a scene that has these heights, where one does; units: whether the campaign may
-    choose others; free: whether the wall ends along x, along y; hardness: over the
-    largest pressure of the loads without one."""
+    choose others; free: whether the wall ends along x, along y; hardness: over the largest pressure
+    of the loads without one."""
 
     heights: np.ndarray
     physical_sizes: tuple[float, float]
@@ -37,7 +37,7 @@ def family(function):
 
 
 def make(name, seed, index):
-    """Wall number `index` of a family."""
+    """Make wall number `index` of a family."""
     rng = np.random.default_rng([seed, index, zlib.crc32(name.encode())])
     wall = FAMILIES[name](rng)
     if wall.units and rng.random() < 0.5:
@@ -52,12 +52,12 @@ def make(name, seed, index):
 
 
 def single(rng, z, sizes=None, low=1e-3, high=1.0, **others):
-    """A wall with one load, log-uniform between low and high."""
+    """Make a wall with one load, log-uniform between low and high."""
     return Wall(z, tuple(sizes or square_pixels(z.shape)), (log_uniform(rng, low, high),), **others)
 
 
 def load_of_area(z, a_r, sizes=None):
-    """The p* that gives about this share of points in contact, by bisection."""
+    """Find the p* that gives about this share of points in contact, by bisection."""
     contact = Contact(z, sizes or square_pixels(z.shape))
     low, high = 1e-7, 50.0
     for _ in range(18):
@@ -70,7 +70,7 @@ def load_of_area(z, a_r, sizes=None):
 
 
 def change_of_sides_near(rng, z, sizes, p_star):
-    """A load near p* at which the number of points changes, off by a random small share."""
+    """Find a load near p* at which the number of points changes, off by a random small share."""
     contact = Contact(z, sizes)
     low, high = p_star, p_star * 1.2
     n_low, n_high = contact.solve(low).contact, contact.solve(high).contact
@@ -84,6 +84,6 @@ def change_of_sides_near(rng, z, sizes, p_star):
 
 
 def scene_wall(surface, loads):
-    """A Wall with the heights that the program makes of a table [surface]."""
+    """Make a Wall with the heights that the program makes of a table [surface]."""
     made = hpc_gfmd.make_surface(**surface)
     return Wall(made.heights, made.sizes, tuple(loads), 1.0, surface, units=False, free=made.free)

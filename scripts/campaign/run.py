@@ -21,8 +21,8 @@ SINGLE_FINEST = 1e-4  # the finest accuracy that is asked for in single precisio
 
 
 def ways(solvers, precisions, accuracies, low_memory):
-    """(solver, precision, accuracy, low_memory) of all solves of a wall. low_memory: "yes", "no" or
-    "only"."""
+    """List (solver, precision, accuracy, low_memory) of all solves of a wall. low_memory: "yes",
+    "no" or "only"."""
     plain = [
         (s, p, e, False)
         for s, p, e in product(solvers, precisions, accuracies)
@@ -33,7 +33,7 @@ def ways(solvers, precisions, accuracies, low_memory):
 
 
 def parser():
-    """What the campaign and `calibrate` take."""
+    """Make the parser of the campaign and of `calibrate`."""
     found = argparse.ArgumentParser(
         prog="campaign",
         description="Press walls that nobody tuned to, and compare with exact solutions.",
@@ -78,18 +78,18 @@ def main(given):
         if given.out:
             with open(given.out, "a") as file:
                 file.writelines(json.dumps(row, default=float) + "\n" for row in new)
+    print(report(rows, given.worst))
     if given.record:
         command = shlex.join(["scripts/campaign", *sys.argv[1:]])
         commit = provenance(SerialComm())["commit"]
         found = {"command": command, "commit": commit}
         with open(given.record, "a") as file:
             file.write(json.dumps(found | count(rows) | {"families": grouped(rows)}) + "\n")
-    print(report(rows, given.worst))
 
 
 def names(wanted, without=()):
-    """Names of families: of `all`, `single` (periodic, one load each), `free` (with free edges),
-    `sweeps`, or themselves."""
+    """List names of families: those of `all`, `single` (periodic, one load each), `free` (with free
+    edges), `sweeps`, or single ones."""
     from .families import FAMILIES
 
     groups = {"all": list(FAMILIES), "single": [], "free": [], "sweeps": []}
@@ -104,7 +104,7 @@ def names(wanted, without=()):
 
 
 def campaign(given):
-    """Rows of wall after wall, as they come; given: arguments of the command line."""
+    """Yield the rows of wall after wall, as they come; given: arguments of the command line."""
     all_ways = ways(given.solvers, given.precision, given.accuracy, given.low_memory)
     end = time.monotonic() + given.seconds
     walls = product(given.index or range(given.count), names(given.families, given.without))

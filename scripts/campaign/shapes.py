@@ -18,7 +18,7 @@ def choice(rng, items):
 
 
 def grid(rng):
-    """(n_x, n_y): square or not, 32 to 160 points along an axis."""
+    """Choose (n_x, n_y): square or not, 32 to 160 points along an axis."""
     if rng.random() < 0.25:
         return choice(rng, RECTANGLES)
     n = choice(rng, SQUARES)
@@ -26,25 +26,25 @@ def grid(rng):
 
 
 def square_pixels(n):
-    """Physical sizes of a cell with n_x x n_y square pixels."""
+    """Return the physical sizes of a cell with n_x x n_y square pixels."""
     return 1.0, n[1] / n[0]
 
 
 def pixels(rng, n):
-    """Physical sizes of a cell: mostly square pixels, some up to 1:16."""
+    """Choose the physical sizes of a cell: mostly square pixels, some up to 1:16."""
     ratio = choice(rng, (1 / 16, 1 / 4, 2, 4, 16)) if rng.random() < 0.25 else 1
     return 1.0, n[1] / n[0] * ratio
 
 
 def frequencies(n, sizes):
-    """|q| L_x / 2 pi of all modes."""
+    """Compute |q| L_x / 2 pi of all modes."""
     return np.hypot(
         (np.fft.fftfreq(n[0]) * n[0])[:, None], np.fft.fftfreq(n[1]) * n[1] * sizes[0] / sizes[1]
     )
 
 
 def coordinates(n, sizes):
-    """x (n_x, 1) and y (1, n_y) about the centre of the cell."""
+    """Compute x (n_x, 1) and y (1, n_y) about the centre of the cell."""
     return [
         (((np.arange(m) - m // 2) / m) * size).reshape(shape)
         for m, size, shape in zip(n, sizes, ((-1, 1), (1, -1)))
@@ -52,7 +52,7 @@ def coordinates(n, sizes):
 
 
 def rough(rng, n, sizes=None, hurst=None, modes=None, roll_off=1.0, stretch=1.0):
-    """Self-affine heights of rms 1. modes: (lowest, highest) |q| L_x/2 pi; stretch: of the
+    """Make self-affine heights of rms 1. modes: (lowest, highest) |q| L_x/2 pi; stretch: of the
     wavelengths along y over those along x."""
     sizes = sizes or square_pixels(n)
     hurst = rng.uniform(0, 1) if hurst is None else hurst
@@ -71,8 +71,8 @@ def rough(rng, n, sizes=None, hurst=None, modes=None, roll_off=1.0, stretch=1.0)
 
 
 def distances(rng, n, sizes, count):
-    """Squared distances (in x, in y) of every point from `count` random ones, the shortest in the
-    periodic cell."""
+    """Yield the distances (along x, along y) of every point from each of `count` random ones, the
+    shortest in the periodic cell."""
     x, y = np.arange(n[0]) * sizes[0] / n[0], np.arange(n[1]) * sizes[1] / n[1]
     for _ in range(count):
         dx = np.abs(x - rng.random() * sizes[0])

@@ -28,8 +28,8 @@ FAILURES = {"TooSlow": "too slow", "SceneError": "refused"}
 
 
 def rows_of(name, seed, index, ways, seconds=SECONDS):
-    """One dictionary for each way (solver, precision, accuracy, low_memory) and load of a wall;
-    failures are rows too."""
+    """Solve a wall: a row for each way (solver, precision, accuracy, low_memory) and load; failures
+    are rows too."""
     head = {"family": name, "seed": seed, "index": index}
     try:
         wall = make(name, seed, index)
@@ -65,7 +65,7 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
 
 
 def _judged(found, truth, contact, wall):
-    """True and claimed errors of (area, mean gap, pressure) of a hpc_gfmd.Solution."""
+    """Compare true and claimed errors of (area, mean gap, pressure) of a hpc_gfmd.Solution."""
     points = round(found.a_r * wall.heights.size)
     with np.errstate(all="ignore"):
         p = np.asarray(found.pressure, np.float64) / wall.E_star / contact.g_rms
@@ -82,7 +82,8 @@ def _judged(found, truth, contact, wall):
 
 
 def _solutions(wall, contact, way, hardness):
-    """The hpc_gfmd.Solution of one load after the other; low memory works from a scene alone."""
+    """Yield the hpc_gfmd.Solution of one load after the other; low memory works from a scene
+    alone."""
     settings = {"name": way["solver"], "precision": way["precision"], "accuracy": way["accuracy"]}
     if way["solver"] != "bpx":
         settings["max_iterations"] = 3000

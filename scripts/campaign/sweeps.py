@@ -21,7 +21,7 @@ SINGLE = tuple(
 
 
 def _walk(rng, start, ratios, low=1e-4, high=3.0):
-    """Loads that begin with start and change by these ratios, reflected at the ends."""
+    """List loads that begin with start and change by these ratios, reflected at the ends."""
     loads = [start]
     for ratio in ratios:
         p = loads[-1] * ratio
@@ -37,7 +37,7 @@ def _fine(rng, wall, start, step, count):
 
 
 def _up_and_down(rng, wall, count=12):
-    """Half of the loads up, half down, by random ratios that the program takes as near."""
+    """Let half of the loads go up, half down, by random ratios that the program takes as near."""
     ratios = np.concatenate(
         [
             1 + rng.uniform(0.01, 0.42, count // 2),

@@ -17,19 +17,19 @@ def read(path):
 
 
 def counts(row):
-    """Whether a row is a converged solve that can be judged."""
+    """Tell whether a row is a converged solve that can be judged."""
     return row.get("status") == "converged" and row["kkt"] < DOUBTFUL
 
 
 def less_accurate(row):
-    """The kinds of error above the accuracy that was asked for."""
+    """List the kinds of error above the accuracy that was asked for."""
     if not counts(row):
         return []
     return [k for k, true in zip(KINDS, row["true"]) if not true <= row["accuracy"] + SLACK]
 
 
 def above_estimate(row):
-    """The kinds of error above their own estimate, though within what was asked for."""
+    """List the kinds of error above their own estimate, though within what was asked for."""
     if not counts(row):
         return []
     errors = zip(KINDS, row["true"], row["claimed"])
@@ -38,7 +38,7 @@ def above_estimate(row):
 
 
 def count(rows):
-    """What came of some rows, as data."""
+    """Count what came of some rows."""
     outcomes = Counter(
         "no truth" if row.get("status") == "converged" and not counts(row) else row.get("status")
         for row in rows
@@ -55,15 +55,15 @@ def count(rows):
 
 
 def grouped(rows, by="family"):
-    """{value of a key: counts}, and of all."""
+    """Count by the values of a key, and all: {value: counts, "all": counts}."""
     names = sorted({str(row.get(by)) for row in rows})
     found = {name: count([row for row in rows if str(row.get(by)) == name]) for name in names}
     return found | {"all": count(rows)}
 
 
 def markdown(groups, by="family"):
-    """Counts as a table; less accurate than asked, and else above the estimate: in all, of area,
-    mean gap and pressure."""
+    """Write counts as a table; those less accurate than asked, and else above the estimate, in all,
+    of area, of mean gap and of pressure."""
     lines = [
         f"| {by} | solves | converged | less accurate than asked (area / gap / pressure)"
         " | else above own estimate | other outcomes | mean pairs |",
@@ -81,7 +81,7 @@ def markdown(groups, by="family"):
 
 
 def failures(rows):
-    """Rows that are less accurate than asked or above their estimate, the worst first."""
+    """List the rows that are less accurate than asked or above their estimate, the worst first."""
 
     def badness(row):
         asked, claimed = less_accurate(row), above_estimate(row)
@@ -95,7 +95,7 @@ def failures(rows):
 
 
 def worst_of_each(bad):
-    """Of failures in order the first of every wall and kind of failure."""
+    """Choose of failures in order the first of every wall and kind of failure."""
     first = {}
     for row in bad:
         first.setdefault((row["family"], row["seed"], row["index"], bool(less_accurate(row))), row)
@@ -103,7 +103,7 @@ def worst_of_each(bad):
 
 
 def line(row):
-    """One failure, and what reproduces it."""
+    """Write one failure, and what reproduces it."""
     kinds = [f"{k} above asked" for k in less_accurate(row)]
     kinds += [f"{k} above estimate" for k in above_estimate(row)]
     true, claimed = (" ".join(f"{x:.2g}" for x in row[key]) for key in ("true", "claimed"))
@@ -117,7 +117,7 @@ def line(row):
 
 
 def report(rows, worst=40):
-    """Everything as text."""
+    """Write everything as text."""
     keys = ("family", "solver", "precision", "accuracy", "low_memory")
     parts = [markdown(grouped(rows, by), by) for by in keys]
     for what, warm in (("cold or first", False), ("warm", True)):

@@ -46,8 +46,8 @@ class Truth:
     rounds: int
 
     def errors(self, contact, gap_mean, pressure):
-        """True relative errors of area, mean gap and pressure field (L2), ties and the last digits
-        of the gap left out."""
+        """Compute the true relative errors of area, mean gap and pressure field (L2), ties and the
+        last digits of the gap left out."""
         over = max(contact - self.contact - self.ties_out, self.contact - self.ties_in - contact, 0)
         off = abs(gap_mean - self.gap_mean)
         gap = off / self.gap_mean if self.gap_mean else (np.inf if off else 0.0)
@@ -57,7 +57,7 @@ class Truth:
 
 
 class Contact:
-    """One wall: heights z (peaks up) in a cell of physical sizes. free: whether it ends along x,
+    """A wall: heights z (peaks up) in a cell of physical sizes. free: whether it ends along x,
     along y; the grid is then twice as long, nothing touches beyond the wall, and K is the inverse
     of S in free space. D: the points of the wall, N of them."""
 
@@ -90,7 +90,7 @@ class Contact:
         return fft.irfft2(multiplier * fft.rfft2(x), s=self.n)
 
     def solve(self, p_star, start=None, hardness=None):
-        """The Truth at p*. start: the pressure of a similar load, without a hardness (unit of
+        """Find the Truth at p*. start: the pressure of a similar load, without a hardness (unit of
         p*)."""
         if hardness is not None:
             return self._yielding(p_star, hardness)
@@ -150,9 +150,9 @@ class Contact:
         )
 
     def _yielding(self, p_star, hardness):
-        """The Truth where the pressure is at most a hardness: accelerated proximal gradients (FISTA
-        with restarts), then one linear problem on what is free; again
-        where that moves points to another side."""
+        """Find the Truth where the pressure is at most a hardness: accelerated proximal gradients
+        (FISTA with restarts), then one linear problem on what is free; again where that moves
+        points to another side."""
         K, h, D, N = self.K, self.h, self.D, self.N
         p0, step, inertia = p_star * (N / h.size), 1 / K.max(), 1.0
         g, count, steps = np.where(D, np.maximum(h - h[D].mean(), 0), 0.0), 1, 200
@@ -191,14 +191,14 @@ class Contact:
         return Truth(field, touching, float(gap_mean), ties_in, ties_out, float(kkt), rounds)
 
     def on_cell(self, field):
-        """A field of the wall with zeros around it."""
+        """Put zeros around a field of the wall."""
         out = np.zeros(self.n)
         out[self.D] = field.ravel()
         return out
 
     def _closed(self, C, p, p_star, inner):
-        """Pressure on C and gap from the linear problem g = 0 on C with mean p = p_star: S p + u0 +
-        h = 0 there."""
+        """Find pressure on C and gap from the linear problem g = 0 on C with mean p = p_star: S p +
+        u0 + h = 0 there."""
         N, n_c = self.N, int(C.sum())
 
         def apply(x):
@@ -228,7 +228,7 @@ class Contact:
         return 0.5 * self.K[self.K > 0].min()
 
     def _open(self, C, p, p_star, inner, carried=0.0):
-        """Gap on F and pressure from the linear problem p = 0, or what is carried, on F: K g +
+        """Find gap on F and pressure from the linear problem p = 0, or what is carried, on F: K g +
         p_star - K h = 0 there."""
         F = ~C
         b = p_star * (self.N / self.h.size) - self.times(self.K, self.h)
@@ -250,7 +250,7 @@ class Contact:
         return p, g
 
     def _projected(self, p, p_star, steps):
-        """Steps of Polonsky and Keer's conjugate gradients for the pressure, preconditioned by
+        """Take steps of Polonsky and Keer's conjugate gradients for the pressure, preconditioned by
         nothing: robust, slow at the end."""
         S, h = self.S, self.h
         N = self.N
@@ -284,8 +284,8 @@ class Contact:
 
 @lru_cache(maxsize=8)
 def _compliance(n, sizes, free):
-    """The transform of S between points of a wall that ends, on a cell twice as long; 0 for a rigid
-    translation. Of a larger cell, the images in which are far in units of either spacing."""
+    """Make the transform of S between points of a wall that ends, on a cell twice as long; 0 for a
+    rigid translation. Of a larger cell, the images in which are far in units of either spacing."""
     spacings = np.divide(sizes, n)
     spacings /= np.sqrt(spacings.prod())
     cell = [
@@ -319,13 +319,13 @@ def _compliance(n, sizes, free):
 
 
 def _even_mean(t):
-    """|t + a normally distributed number|, averaged."""
+    """Average |t + a normally distributed number|."""
     return t * (2 * special.ndtr(t) - 1) + np.sqrt(2 / np.pi) * np.exp(-t * t / 2)
 
 
 def _row(x, y, Y):
-    """Displacement by unit forces at (0, jY), j not 0, but for a constant: the sum to J, and the
-    rest by Euler and Maclaurin."""
+    """Compute the displacement by unit forces at (0, jY), j not 0, but for a constant: the sum to
+    J, and the rest by Euler and Maclaurin."""
     total, J = 0.0, 200
     for sign in (-1, 1):
         a = np.arange(1, J + 1)[:, None, None] * Y + sign * y
@@ -341,7 +341,8 @@ def _row(x, y, Y):
 
 
 def _other_rows(x, y, X, Y):
-    """The same at (iX, jY), i not 0, all j, by Poisson's sum over j."""
+    """Compute the displacement by unit forces at (iX, jY), i not 0, all j, by Poisson's sum over
+    j."""
     rows, waves = (np.arange(1, 2 + int(6 * ratio)) for ratio in (1 + Y / X, 1 + Y / (X - x.max())))
     q = 2 * np.pi / Y * waves
     distances = np.abs(x[:, None] - X * np.concatenate([-rows, rows]))
@@ -350,7 +351,7 @@ def _other_rows(x, y, X, Y):
 
 
 def _spectral_slope(h, K):
-    """rms slope of the Fourier series; K: |q|/2."""
+    """Compute the rms slope of the Fourier series; K: |q|/2."""
     weight = np.full(K.shape[1], 2.0)
     weight[0] = 1
     if h.shape[1] % 2 == 0:
@@ -359,7 +360,7 @@ def _spectral_slope(h, K):
 
 
 def _slope(h, spacings):
-    """rms slope between neighbouring points."""
+    """Compute the rms slope between neighbouring points."""
     return np.sqrt(
         sum(
             np.mean((np.diff(h, axis=axis) / s) ** 2)

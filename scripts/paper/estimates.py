@@ -214,16 +214,8 @@ def fit_runs(
     eps_t, eps_f, eps_c, value = (
         [run[name] for run in runs] for name in ("eps_t", "eps_f", "eps_c", observable)
     )
-    fit = fit_tfc(
-        eps_t,
-        eps_f,
-        eps_c,
-        value,
-        sigma=scatter.covariance(runs, observable),
-        alpha=alpha,
-        terms=tuple(alpha),
-        limit=limit,
-    )
+    sigma = scatter.covariance(runs, observable)
+    fit = fit_tfc(eps_t, eps_f, eps_c, value, sigma, alpha, terms=alpha, limit=limit)
     scale = max(1.0, fit.chi2 / fit.dof) if fit.dof else 1.0
     return replace(fit, covariance=fit.covariance * scale)
 
@@ -274,7 +266,7 @@ def fit_observable(runs: Rows, observable: str, level: str, printed: bool = Fals
 
 
 def values_of(fit: TfcFit) -> np.ndarray:
-    """The fitted parameters in the order of names."""
+    """Return the fitted parameters in the order of names."""
     row = fit.row(0.0)
     return np.array([row[name] for name in fit.names])
 
@@ -291,14 +283,11 @@ def local_exponents(runs: Rows, observable: str, level: str) -> Rows:
     for c in grids:
         trio = [grids.get(c / 2, {}), grids[c], grids.get(2 * c, {})]
         if seeds := sorted(set.intersection(*map(set, trio))):
-            value, solver = (
-                np.array([[of(grid[seed]) for grid in trio] for seed in seeds])
-                for of in (
-                    lambda run: run[observable],
-                    lambda run: run[observable] * _solver(run, observable),
-                )
+            value, error = (
+                np.array([[of(grid[seed], observable) for grid in trio] for seed in seeds])
+                for of in (dict.get, _solver)
             )
-            noise = np.sqrt(np.mean(solver**2, axis=0) / len(seeds))
+            noise = np.sqrt(np.mean((value * error) ** 2, axis=0) / len(seeds))
             alpha, sigma = _log_ratio(-np.diff(value, axis=1), noise)
             rows.append({"eps_c": 1 / c, "alpha": alpha, "alpha_se": sigma, "n_seeds": len(seeds)})
     return rows
@@ -346,10 +335,11 @@ def fit_limit(runs: Rows, observable: str, scatter: Scatter, alpha_f: float | No
     value, t, f, c = np.array(
         [[run[k] for k in (observable, "eps_t", "eps_f", "eps_c")] for run in runs]
     ).T
-    count = 8 if alpha_f is None else 7
+    free = alpha_f is None
+    count = 8 if free else 7
 
     def design(x):
-        power = f ** (x[7] if alpha_f is None else alpha_f)
+        power = f ** (x[7] if free else alpha_f)
         return np.stack([np.ones_like(f), t, power, power * c, c, c**2, c**3], axis=1)
 
     def jacobian(x):
@@ -364,7 +354,6 @@ def fit_limit(runs: Rows, observable: str, scatter: Scatter, alpha_f: float | No
     )
     dof = len(runs) - count
     sigma = np.sqrt(np.diag(found.covariance) * max(1.0, found.chi2 / dof))
-    free = alpha_f is None
     return {
         "kappa": float(found.x[0]),
         "kappa_se": float(sigma[0]),

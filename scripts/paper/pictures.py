@@ -18,7 +18,7 @@ from hpc_gfmd.theory import elastic, persson
 from .rows import PRESSURES, Rows, by_hurst, groups, low_high
 
 MARKS = "osD^v<>P"
-COLOURS = 48  # of a picture, as many as show no difference
+PALETTE = 48  # colours of a picture, as many as show no difference
 LABELS = {
     "eps_c": r"$\epsilon_c = a/\lambda_s$",
     "eps_f": r"$\epsilon_f = \lambda_s/\lambda_l$",
@@ -49,7 +49,7 @@ def panels(path: Path, columns: int, lines: int = 1, **how: Any) -> Iterator[Any
         axes = fig.subplots(lines, columns, squeeze=False, **how)
         yield axes if lines > 1 else axes[0] if columns > 1 else axes[0, 0]
         legend(fig, "outside right upper")
-    Image.open(path).quantize(COLOURS).save(path, optimize=True)
+    Image.open(path).quantize(PALETTE).save(path, optimize=True)
 
 
 def colour(hurst: float) -> Any:

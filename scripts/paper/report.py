@@ -54,18 +54,18 @@ All numbers follow from the kept runs: `python scripts/paper all --level {level}
 """
 
 
-def rows_of(study: Study, store: Store, level: str, redraw: bool = False) -> Rows:
-    """Tabulate what is stored; redraw: read the table that is there."""
-    if redraw:
-        return read_csv((store.folder / f"{study.name}.csv").read_text(encoding="utf-8"))
-    runs = store.runs_of(cases_of(study.name, level))
-    return study.tabulate(runs, level) if runs else []
-
-
 def publish(study: Study, store: Store, level: str, redraw: bool = False) -> Rows:
-    """Write table, picture and page of an item; returns the rows, [] of none."""
-    if rows := rows_of(study, store, level, redraw):
-        path = store.folder / study.name
+    """Write table, picture and page of what is stored for an item; returns the rows, [] of none.
+
+    redraw: take the table that is there.
+    """
+    path = store.folder / study.name
+    if redraw:
+        rows = read_csv(path.with_suffix(".csv").read_text(encoding="utf-8"))
+    else:
+        runs = store.runs_of(cases_of(study.name, level))
+        rows = study.tabulate(runs, level) if runs else []
+    if rows:
         if not redraw:
             write_whole(path.with_suffix(".csv"), as_csv(rows))
         study.draw(rows, path.with_suffix(".png"))

@@ -50,6 +50,12 @@ def test_a_number_is_moved_until_loads_fail(monkeypatch):
     assert (found["largest"], found["pairs_largest"]) == (None, 80)
 
 
+def test_numbers_are_moved_in_this_process_alone():
+    given = run.parser().parse_args(["calibrate", "--jobs", "2"])
+    with pytest.raises(SystemExit, match="--jobs: found 2, allowed: 1"):
+        calibrate.calibrate(given)
+
+
 def test_every_family_belongs_to_one_group():
     grouped = run.names(["single", "free", "sweeps"])
     assert sorted(grouped) == sorted(run.names(["all"]))

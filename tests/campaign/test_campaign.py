@@ -10,7 +10,7 @@ from campaign.table import failures, line, report
 
 PROBLEMS = float(os.environ.get("HPC_GFMD_PROBLEMS", 1))  # 1: as many as here, 0.1: a tenth
 SEED = int(os.environ.get("HPC_GFMD_SEED", 2311))
-WALLS = 8  # of each family
+WALLS = 8  # of each family, for the default solver
 BPX = ways(["bpx"], PRECISIONS, ACCURACIES, "yes")
 OTHERS = ways(["gfmd", "fire", "ccg"], ["double", "single"], [1e-2, 1e-4], "no")
 QUICK = ways(["bpx"], ["single", "double"], [1e-2, 1e-3, 1e-4], "yes")
@@ -74,16 +74,18 @@ def test_the_default_solver_on_hard_walls_of_other_seeds(name, seed, index):
     check(rows_of(name, seed, index, ways(["bpx"], ["double"], [1e-2, 1e-6], "no")))
 
 
+def check_family(name, walls, ways):
+    """Walls of a family, as many as are asked for."""
+    count = max(round(walls * PROBLEMS), 1)
+    rows = [row for index in range(count) for row in rows_of(name, SEED, index, ways)]
+    print(report(rows))
+    check(rows)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", names(["all"]))
 def test_the_default_solver_on_every_family(name):
-    rows = [
-        row
-        for index in range(max(round(WALLS * PROBLEMS), 1))
-        for row in rows_of(name, SEED, index, BPX)
-    ]
-    print(report(rows))
-    check(rows)
+    check_family(name, WALLS, BPX)
 
 
 @pytest.mark.slow
@@ -91,10 +93,4 @@ def test_the_default_solver_on_every_family(name):
     "name", names(["single", "free"], without=["rough_large", "smooth_near_full_large"])
 )
 def test_the_other_solvers_on_every_family(name):
-    rows = [
-        row
-        for index in range(max(round(2 * PROBLEMS), 1))
-        for row in rows_of(name, SEED, index, OTHERS)
-    ]
-    print(report(rows))
-    check(rows)
+    check_family(name, 2, OTHERS)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.linalg import eigh
-from transfers import compliance_times, interpolation, stiffness_times
+from transfers import compliance_times, interpolation, matrix, stiffness_times
 
 from hpc_gfmd.bodies import body_classes, body_of
 from hpc_gfmd.bodies.base import SQRT2, Tabled
@@ -27,17 +27,6 @@ GRIDS = [
 LARGEST = 2.25
 every_body = pytest.mark.parametrize("body", BODIES, ids=repr)
 every_grid = pytest.mark.parametrize(("n", "sizes"), GRIDS, ids=str)
-
-
-def matrix(body, grid):
-    """K as the operator applies it, column by column."""
-    elastic, out = Elastic(grid, body, np.float64), np.empty((grid.N, grid.N))
-    for k in range(grid.N):
-        u, x = np.zeros(grid.N), grid.empty(np.float64)
-        u[k] = 1
-        stiffness_times(elastic, u.reshape(grid.n), x)
-        out[:, k] = x.ravel()
-    return out
 
 
 @every_body

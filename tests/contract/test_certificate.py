@@ -3,7 +3,7 @@
 import numpy as np
 import oracle
 import pytest
-from contacts import random_heights, rough, solve_scene, sweep_of
+from contacts import random_heights, rough, sweep_of
 
 import hpc_gfmd
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
@@ -52,9 +52,8 @@ def test_a_wrong_estimate_is_vetoed(surface, monkeypatch, wrong):
 @pytest.mark.parametrize("name", solver_names())
 def test_the_errors_hold_on_the_way(surface, name):
     """The errors of the certificate of any state that is not far off, for every solver."""
-    _, exact, _ = drive(started(surface, 0.05), Target(residual=1e-12))
     truth = started(surface, 0.05)
-    drive(truth, Target(residual=1e-12))
+    _, exact, _ = drive(truth, Target(residual=1e-12))
     wanted, norm = in_contact(truth.g, truth.p), np.linalg.norm(truth.p)
     solver, seen = started(surface, 0.05, name), 0
     for _ in range(40 if name == "bpx" else 200):
@@ -73,17 +72,17 @@ def test_the_errors_hold_on_the_way(surface, name):
 
 @pytest.mark.parametrize(
     ("p_star", "hardness"),
-    [(1e-3, None), (0.02, None), (0.2, None), (0.5, None), (0.02, 0.5), (0.2, 0.5)],
+    [(1e-3, None), (0.02, None), (0.2, None), (0.5, None), (0.02, 0.5), (0.1, 0.3)],
 )
 def test_energy_bound_against_the_duality_gap(surface, p_star, hardness):
     """What replaces the duality gap is never below it, and not far above."""
-    solver = started(surface, p_star, hardness=hardness)
-    for _ in range(12):
+    solver, seen = started(surface, p_star, hardness=hardness), 0
+    for _ in range(24):
         solver.step()
         p = np.empty_like(solver.p)
         certificate = certify(solver.problem_now, solver.g, p, solver.levels, dual=True)
         solver.resume()
-        if not (certificate.duality_gap < np.inf and certificate.errors[2] < 0.5):
+        if not (certificate.duality_gap < np.inf and 1e-12 < certificate.errors[2] < 0.5):
             continue
         closed = np.sum(np.minimum(p, hardness or np.inf)[(solver.g <= 0) & (p > 0)] ** 2)
         G = certificate.duality_gap * p_star * certificate.gap_mean * surface.grid.N
@@ -91,6 +90,8 @@ def test_energy_bound_against_the_duality_gap(surface, p_star, hardness):
             2 * G / (solver.compliance * closed)
         )  # of the pressure, but for a factor of order one
         assert 0.5 * bound < certificate.errors[2] < 1.5 * bound
+        seen += 1
+    assert seen
 
 
 def test_full_contact_under_tension_is_not_exact():
@@ -124,12 +125,3 @@ def test_points_that_change_sides_together():
     found = hpc_gfmd.solve(np.outer(cos, cos), p_star=0.24489848, accuracy=1e-2)
     assert found.status == "converged"
     assert round(found.a_r * cos.size**2) == 4248
-
-
-def test_low_memory_says_what_is_so():
-    plain = solve_scene(rough((2, 32, 2)), 0.02, residual=1e-10, precision="double")
-    step = solve_scene(rough((2, 32, 2)), 0.02, accuracy=1e-3, precision="single", low_memory=True)
-    area, gap, _ = step.certificate.errors
-    assert step.status == "converged"
-    assert abs(step.contact_points / plain.contact_points - 1) <= area
-    assert abs(step.gap_mean / plain.gap_mean - 1) <= gap

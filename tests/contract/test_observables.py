@@ -1,13 +1,17 @@
-"""What every observable promises. A new file in hpc_gfmd/contact is tested by being there."""
+"""What every observable and distribution promises. A new file in hpc_gfmd/contact is tested by
+being there."""
 
 from math import isfinite
+from pathlib import Path
 
 import numpy as np
 import pytest
 from contacts import EXACT, rough, sweep_of
 
+import hpc_gfmd
 from hpc_gfmd.commands.show import as_dict, as_text
 from hpc_gfmd.contact import (
+    all_distributions,
     all_numbers,
     all_observables,
     default_observables,
@@ -21,7 +25,28 @@ from hpc_gfmd.scene import Scene
 from hpc_gfmd.util.errors import SceneError
 
 every_observable = pytest.mark.parametrize("name", all_observables())
-FREE, HARD = rough((1, 8, 4), boundary="free"), {"hardness": 0.5}  # where all but one exist
+every_distribution = pytest.mark.parametrize("name", all_distributions())
+ATTRIBUTE_BYTES = 2**16 - 512  # that HDF5 takes
+# where all observables but gap_bound exist, and where all distributions do
+FREE, HARD = rough((1, 8, 4), boundary="free"), {"hardness": 0.5}
+PERIODIC = rough((1, 8, 4))
+DEGENERATE = {
+    "flat": {"kind": "wave", "amplitude": 0.0, "n": [4, 4]},
+    "wave": {"kind": "wave", "amplitude": 0.1, "n": [16, 4]},
+    "full contact": rough((1, 4, 2), g_rms=1e-3),
+}
+WITHOUT = {
+    "flat": """a_plastic approach kappa a_r_corrected kappa_corrected gap_over_h_rms
+        gap_over_g_rms_lam_s stiffness conductance""",
+    "wave": "a_plastic approach gap_over_g_rms_lam_s a_r_corrected kappa_corrected",
+    "full contact": "a_plastic approach stiffness conductance",
+}
+
+
+def run(surface, output, out="x.h5", loads=(0.05, 0.1), material=()):
+    """A run of a scene that asks for this output."""
+    tables = {"surface": surface, "material": dict(material), "load": {"p_star": list(loads)}}
+    return run_scene(Scene.from_dict(tables | {"output": output}), out=out, quiet=True)
 
 
 @pytest.fixture(scope="module")
@@ -32,59 +57,61 @@ def contact():
 
 
 @pytest.fixture(scope="module")
-def result(tmp_path_factory):
-    path = tmp_path_factory.mktemp("observables") / "all.h5"
-    scene = Scene.from_dict(
-        {
-            "surface": FREE,
-            "material": HARD,
-            "load": {"p_star": [0.05, 0.1]},
-            "output": {"observables": list(all_observables())},
-        }
-    )
-    assert run_scene(scene, out=path, quiet=True).exit_code == 0
-    return read_result(path)
+def results(tmp_path_factory):
+    """Of all observables, and of all distributions."""
+    folder = tmp_path_factory.mktemp("observables")
+    everything = {"observables": list(all_observables())}
+    assert run(FREE, everything, folder / "numbers.h5", material=HARD).exit_code == 0
+    everything = {"observables": ["a_r"], "distributions": list(all_distributions())}
+    assert run(PERIODIC, everything, folder / "arrays.h5").exit_code == 0
+    return [read_result(folder / name) for name in ("numbers.h5", "arrays.h5")]
 
 
 @every_observable
-def test_a_finite_number(name, contact, result):
-    """Of a contact, and written and shown; dents leave the error of the gap alone without a
-    bound."""
+def test_a_finite_number(name, contact):
+    """Dents leave the error of the gap alone without a bound."""
     value = all_observables()[name](contact)
-    assert as_text(result)
-    if name == "gap_bound":
-        assert value is None
-        assert name not in result.steps[1]
-        return
-    assert isfinite(value)
-    assert value == float(value)
-    assert isfinite(result.steps[1][name])
-    assert name in as_dict(result)["steps"][1]
+    assert (value is None) == (name == "gap_bound")
+    assert value is None or (isfinite(value) and value == float(value))
+
+
+@every_distribution
+def test_small_and_finite(name):
+    arrays = all_distributions()[name](sweep_of(PERIODIC, accuracy=1e-3).solve(0.05))
+    for array in arrays.values():
+        assert array.ndim == 1
+        assert array.nbytes < ATTRIBUTE_BYTES / 8
+        assert np.isfinite(array).all()
+    x, y = arrays.values()
+    assert (np.diff(x) > 0).all()
+    assert len(x) - len(y) == ("edges" in arrays)
+
+
+def test_written_and_shown(results):
+    numbers, arrays = (result.steps[1] for result in results)
+    assert all(isfinite(numbers[name]) for name in all_observables().keys() - {"gap_bound"})
+    assert set(all_distributions()) <= {
+        key.rpartition("_")[0] for key, value in arrays.items() if isinstance(value, list)
+    }
+    for result in results:
+        assert result.steps[1].items() <= as_dict(result)["steps"][1].items()
+        assert as_text(result)
 
 
 @every_observable
 def test_alone(name):
     """It stands beside the cheap ones, and no other."""
-    surface = rough((1, 8, 2), boundary="free")
-    scene = Scene.from_dict(
-        {
-            "surface": surface,
-            "material": HARD,
-            "load": {"p_star": [0.05, 0.1]},
-            "output": {"observables": [name]},
-        }
-    )
-    steps = run_scene(scene, out="one.h5", quiet=True).steps
+    (_, step) = run(rough((1, 8, 2), boundary="free"), {"observables": [name]}, material=HARD).steps
     kept = {*default_observables(), *observables_named([name])}
     asked = {*duality.OBSERVABLES} - {"gap_bound"} if name in duality.OBSERVABLES else set()
-    assert set(steps[1]) & set(all_observables()) == kept - {*duality.OBSERVABLES} | asked
+    assert set(step) & set(all_observables()) == kept - {*duality.OBSERVABLES} | asked
 
 
-def test_each_number_of_a_result_is_defined(result, cli):
+def test_each_number_of_a_result_is_defined(results, cli):
     """Its meaning and its unit, in the program and on one page."""
     page = cli.prints("help observables --markdown")
     surface = {"unit": "m", "pressure_unit": "Pa"}
-    for name in {*result.steps[1], *all_observables()}:
+    for name in {*results[0].steps[1], *all_observables()}:
         assert all_numbers()[name][0]
         assert said_of(name, surface, all_numbers())["units"]
         assert f"| `{name}` | " in page
@@ -94,44 +121,61 @@ def test_each_number_of_a_result_is_defined(result, cli):
 
 
 @every_observable
-@pytest.mark.parametrize(
-    ("surface", "without"),
-    [
-        (
-            {"kind": "wave", "amplitude": 0.0, "n": [4, 4]},
-            (
-                "kappa",
-                "a_r_corrected",
-                "kappa_corrected",
-                "gap_over_h_rms",
-                "gap_over_g_rms_lam_s",
-                "stiffness",
-                "conductance",
-            ),
-        ),
-        (
-            {"kind": "wave", "amplitude": 0.1, "n": [16, 4]},
-            ("gap_over_g_rms_lam_s", "a_r_corrected", "kappa_corrected"),
-        ),
-        (rough((1, 4, 2), g_rms=1e-3), ("stiffness", "conductance")),
-    ],
-    ids=["flat", "wave", "full contact"],
-)
-def test_degenerate_contacts(name, surface, without):
+@pytest.mark.parametrize("case", DEGENERATE)
+def test_degenerate_contacts(name, case):
     """A number, or None where the quantity does not exist, never NaN, on flat walls, profiles and
     in full contact."""
-    made = sweep_of(surface, duality=True)
+    made = sweep_of(DEGENERATE[case], duality=True)
     for p in (0.05, 0.06):
         value = all_observables()[name](made.solve(p))
-        assert value is None if name in (*without, "approach", "a_plastic") else isfinite(value)
+        assert value is None if name in WITHOUT[case].split() else isfinite(value)
 
 
-def test_unknown_name():
-    scene = Scene.from_dict(
-        {"surface": FREE, "load": {"p_star": 0.1}, "output": {"observables": ["a_rr"]}}
+@every_distribution
+@pytest.mark.parametrize("case", DEGENERATE)
+def test_degenerate_distributions(name, case):
+    """Finite numbers, or None where there is nothing to count."""
+    arrays = all_distributions()[name](sweep_of(DEGENERATE[case]).solve(0.05))
+    assert arrays is None or all(
+        len(array) and np.isfinite(array).all() for array in arrays.values()
     )
-    with pytest.raises(SceneError, match='nearest: "a_r"'):
-        run_scene(scene, quiet=True)
+
+
+def test_one_point():
+    found = hpc_gfmd.solve([[1.0]], 0.1, distributions=list(all_distributions())).distributions
+    assert {"pressure", "patches", "gap_autocorrelation"} <= found.keys()
+    assert "gap" not in found
+
+
+@pytest.mark.parametrize("boundary", ["free", ["periodic", "free"]], ids=str)
+def test_of_surfaces_that_end(boundary):
+    """Counts as ever."""
+    counts = {
+        "observables": ["patches", "perimeter", "percolation"],
+        "distributions": ["pressure", "gap", "patches"],
+    }
+    (step,) = run(rough((1, 8, 2), boundary=boundary), counts, loads=[0.1]).steps
+    arrays = {"pressure_density", "gap_edges", "patches_density"}
+    assert {"patches", "perimeter"} | arrays <= step.keys()
+
+
+@pytest.mark.parametrize(
+    ("output", "words"),
+    [
+        ({"observables": ["a_rr"]}, 'nearest: "a_r"'),
+        (  # waves only of periodic surfaces
+            {"distributions": ["gap_spectrum"]},
+            r"output\.distributions: found 'gap_spectrum'.* allowed: gap, patches, patches_8,"
+            r" pressure",
+        ),
+    ],
+)
+@pytest.mark.parametrize("boundary", ["free", ["periodic", "free"]], ids=str)
+def test_what_is_not_there(boundary, output, words):
+    """That is said before anything is solved."""
+    with pytest.raises(SceneError, match=words):
+        run(rough((1, 8, 2), boundary=boundary), output)
+    assert not list(Path().iterdir())
 
 
 @pytest.mark.parametrize("accuracy", [1e-1, 1e-3])

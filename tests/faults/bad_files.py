@@ -4,11 +4,13 @@ function(path), words of the message)}."""
 import os
 import pickle
 import zipfile
+from functools import partial
 from pathlib import Path
 
 import h5py
 import numpy as np
 from faults.seeds import FIELD, seeds
+from faults.structured import put
 
 from hpc_gfmd.output.read import FORMAT_VERSION
 from hpc_gfmd.parallel.h5 import CHECKSUM
@@ -41,18 +43,6 @@ def h5(path, fill):
         file["surface"] = Z
     with h5py.File(path, "w") as file:
         fill(file)
-
-
-def virtual(file):
-    """A dataset whose numbers are those of another file."""
-    layout = h5py.VirtualLayout(Z.shape, "f8")
-    layout[:] = h5py.VirtualSource("elsewhere.h5", "surface", Z.shape)
-    file.create_virtual_dataset("surface", layout)
-
-
-def linked(file, link):
-    """A link in place of the dataset."""
-    file["surface"] = link
 
 
 def soft_way_out(file):
@@ -118,6 +108,19 @@ ARRAYS = {  # that are no heights
     "two axes.": lambda: Z.reshape(2, 4, 6),
     "not empty": lambda: Z[:0],
 }
+MAPS_IN_HDF5 = {  # what is in the file
+    "missing data set": (lambda f: f.create_group("surface"), "surface.dataset"),
+    "external link": (lambda f: put(f, "surface", "external link"), "link to another"),
+    "soft link out of the file": (soft_way_out, "link to another file"),
+    "links in a circle": (lambda f: f.update(surface=h5py.SoftLink("/surface")), "too many links"),
+    "link to a device": (
+        lambda f: f.update(surface=h5py.ExternalLink("/dev/zero", "/x")),
+        "unable to open external",
+    ),
+    "virtual data set": (lambda f: put(f, "surface", "virtual"), "lie in another file"),
+    "external data set": (lambda f: put(f, "surface", "external"), "lie in another file"),
+    "HDF5 map of 2^62 points": (lambda f: put(f, "surface", "huge"), "GiB"),
+}
 HEIGHT_MAPS = {
     **{
         f"of {words}": (".npy", lambda p, make=make: saved(p, make()), words.rstrip("."))
@@ -151,42 +154,9 @@ HEIGHT_MAPS = {
         ),
         "z.h5",
     ),
-    "missing data set": (
-        ".h5",
-        lambda p: h5(p, lambda f: f.create_group("surface")),
-        "surface.dataset",
-    ),
-    "external link": (
-        ".h5",
-        lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("elsewhere.h5", "/surface"))),
-        "link to another",
-    ),
-    "soft link out of the file": (".h5", lambda p: h5(p, soft_way_out), "link to another file"),
-    "links in a circle": (
-        ".h5",
-        lambda p: h5(p, lambda f: linked(f, h5py.SoftLink("/surface"))),
-        "too many links",
-    ),
-    "link to a device": (
-        ".h5",
-        lambda p: h5(p, lambda f: linked(f, h5py.ExternalLink("/dev/zero", "/x"))),
-        "unable to open external",
-    ),
-    "virtual data set": (".h5", lambda p: h5(p, virtual), "lie in another file"),
-    "external data set": (
-        ".h5",
-        lambda p: h5(
-            p, lambda f: f.create_dataset("surface", (2, 2), "f8", external=[("/etc/hosts", 0, 32)])
-        ),
-        "lie in another file",
-    ),
-    "HDF5 map of 2^62 points": (
-        ".h5",
-        lambda p: h5(
-            p, lambda f: f.create_dataset("surface", (2**40, 2**22), "f8", chunks=(64, 64))
-        ),
-        "GiB",
-    ),
+    **{
+        name: (".h5", partial(h5, fill=fill), words) for name, (fill, words) in MAPS_IN_HDF5.items()
+    },
     ".npz claiming 1e12 points": (".npz", lambda p: archive(p, surface=(10**6, 10**6)), "shorter"),
     "truncated NetCDF map": (".nc", lambda p: cut(p, classic(p), 0.67), "cannot be read as netcdf"),
     "foreign NetCDF map": (".nc", lambda p: p.write_text("hello"), "cannot be read as netcdf"),
@@ -243,6 +213,21 @@ def huge(file, **how):
         gap[0] = 1.0
 
 
+EDITS = {  # what is changed in a sound file
+    "newer": (
+        lambda f: f.attrs.modify("format_version", FORMAT_VERSION + 1),
+        f"format_version is {FORMAT_VERSION + 1}, this program reads {FORMAT_VERSION}",
+    ),
+    "without surface": (lambda f: f.pop("surface"), "damaged"),
+    "without one of its numbers": (lambda f: f["steps/0000"].attrs.pop("a_r"), "damaged"),
+    "with a field of another size": (of_another_size, "the surface has (6, 5)"),
+    "with a huge field without numbers": (huge, "gap has no numbers at some points"),
+    "the same, packed": (
+        partial(huge, chunks=(1, HUGE), compression="gzip"),
+        "gap has no numbers at some points",
+    ),
+    "with a link out of it": (moved_out, "gap is a link to another file"),
+}
 RESULTS = {
     "truncated": (lambda p: cut(p, sound(p), 1 - 1e-6), "truncated file"),
     "half of it": (lambda p: cut(p, sound(p), 0.5), "truncated file"),
@@ -252,25 +237,7 @@ RESULTS = {
     "garbled near its beginning": (lambda p: garbled(p, sound(p)[:4000]), "out.h5: "),
     "one bit of a number": (lambda p: one_bit(p, sound(p), np.float64(0.25).tobytes()), "damaged"),
     "one bit of a text": (lambda p: one_bit(p, sound(p), b'"converged"'), "damaged"),
-    "newer": (
-        lambda p: edit(p, lambda f: f.attrs.modify("format_version", FORMAT_VERSION + 1)),
-        f"format_version is {FORMAT_VERSION + 1}, this program reads {FORMAT_VERSION}",
-    ),
-    "without surface": (lambda p: edit(p, lambda f: f.pop("surface")), "damaged"),
-    "without one of its numbers": (
-        lambda p: edit(p, lambda f: f["steps/0000"].attrs.pop("a_r")),
-        "damaged",
-    ),
-    "with a field of another size": (lambda p: edit(p, of_another_size), "the surface has (6, 5)"),
-    "with a huge field without numbers": (
-        lambda p: edit(p, lambda f: huge(f)),
-        "gap has no numbers at some points",
-    ),
-    "the same, packed": (
-        lambda p: edit(p, lambda f: huge(f, chunks=(1, HUGE), compression="gzip")),
-        "gap has no numbers at some points",
-    ),
-    "with a link out of it": (lambda p: edit(p, moved_out), "gap is a link to another file"),
+    **{name: (partial(edit, change=change), words) for name, (change, words) in EDITS.items()},
     "a folder": (lambda p: p.mkdir(), "is a folder"),
     "a pipe": (os.mkfifo, "is no file"),
 }

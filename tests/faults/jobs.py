@@ -15,7 +15,7 @@ from pathlib import Path
 import mpi_harness
 import pytest
 from contacts import scene_text
-from result_files import assert_same_steps
+from result_files import assert_same_steps, names
 
 from hpc_gfmd.commands.cli import main
 from hpc_gfmd.output.folder import is_held, partial_folder
@@ -186,22 +186,16 @@ def nothing_wrong(path, wanted):
     return 0
 
 
-def finish(path, ranks=None):
-    """Go on to the end by the same command, which removes no finished load; no temporary files are
-    left then."""
+def goes_on(path, wanted, ranks, kept=0):
+    """What is there is right, so many loads at least, and so is what comes of them in the end: by
+    the same command, which removes no finished load; no temporary files are left then."""
+    assert nothing_wrong(path, wanted) >= kept
     begun = (partial_folder(path) / "head.h5").exists()
-    kept = [*partial_folder(path).glob("step-[0-9]*.h5")] if begun else []
+    loads = [*partial_folder(path).glob("step-[0-9]*.h5")] if begun else []
     job = call("run scene.toml", ranks, path.parent)
     assert job.code == 0, job.err
-    assert not kept or f"{len(kept)} finished loads are there" in job.out, job.out
-    left = sorted(p.name for p in path.parent.iterdir())
-    assert left == ["out.h5", "scene.toml"], left
-
-
-def goes_on(path, wanted, ranks, kept=0):
-    """What is there is right, so many loads at least, and so is what comes of them in the end."""
-    assert nothing_wrong(path, wanted) >= kept
-    finish(path, ranks)
+    assert not loads or f"{len(loads)} finished loads are there" in job.out, job.out
+    assert names(path.parent) == ["out.h5", "scene.toml"]
     nothing_wrong(path, wanted)
 
 

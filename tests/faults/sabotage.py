@@ -5,6 +5,7 @@ itself has no hooks for this.
 """
 
 import os
+import pkgutil
 import resource
 import shutil
 import sys
@@ -37,40 +38,17 @@ def after(function, count, then):
     return called
 
 
-def fail(_, __):
-    raise RuntimeError("sabotage")
+def raised(place, name, error):
+    """A fault: the count-th call of a function raises this error."""
 
+    def fault(count=1):
+        def fail(_, __):
+            raise error
 
-def out_of_memory(_, __):
-    raise MemoryError("Unable to allocate 7.00 TiB")
+        owner = pkgutil.resolve_name(f"hpc_gfmd.{place}")
+        setattr(owner, name, after(getattr(owner, name), count, fail))
 
-
-def surface(_=1):
-    """An exception while the surface is made."""
-    from hpc_gfmd.runs import simulation
-
-    simulation.build_surface = after(simulation.build_surface, 1, fail)
-
-
-def solve(count):
-    """An exception in the middle of a solve."""
-    from hpc_gfmd.solvers.bpx import Bpx
-
-    Bpx.step = after(Bpx.step, count, fail)
-
-
-def no_memory(count):
-    """An allocation that fails in the middle of a solve."""
-    from hpc_gfmd.solvers.bpx import Bpx
-
-    Bpx.step = after(Bpx.step, count, out_of_memory)
-
-
-def write(count):
-    """An exception while the rows of this rank are written."""
-    from hpc_gfmd.parallel import h5
-
-    h5._checksum = after(h5._checksum, count, fail)
+    return fault
 
 
 def nan(count, value="nan"):
@@ -156,9 +134,13 @@ def lag(seconds, flag):
     simulation.surface_size = after(simulation.surface_size, 1, wait)
 
 
-FAULTS = {
-    fault.__name__: fault
-    for fault in (surface, solve, no_memory, write, nan, limit, slow, hold, unreserved, vanish, lag)
+FAULTS = {fault.__name__: fault for fault in (nan, limit, slow, hold, unreserved, vanish, lag)} | {
+    # while the surface is made, in the middle of a solve, of one that allocates, and while the rows
+    # of this rank are written
+    "surface": raised("runs.simulation", "build_surface", RuntimeError("sabotage")),
+    "solve": raised("solvers.bpx:Bpx", "step", RuntimeError("sabotage")),
+    "no_memory": raised("solvers.bpx:Bpx", "step", MemoryError("Unable to allocate 7.00 TiB")),
+    "write": raised("parallel.h5", "_checksum", RuntimeError("sabotage")),
 }
 
 if __name__ == "__main__":

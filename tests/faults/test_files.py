@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 import tomli_w
+from contacts import rough
 from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, archive, cut, h5
 
 from hpc_gfmd.scene import File
@@ -148,19 +149,9 @@ def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd, monkeypatch):
     from hpc_gfmd.scene import Scene
 
     monkeypatch.setattr(Interrupt, "require_time", lambda self: None)
-    surface = {
-        "kind": "self-affine",
-        "hurst": 0.8,
-        "L_over_lam_l": 1,
-        "lam_l_over_lam_s": 16,
-        "lam_s_over_a": 2,
-        "seed": 1,
-    }
-    scene = Scene.from_dict({"surface": surface, "load": {"p_star": 0.1}})
-    whole = run_scene(scene, out="whole.h5", quiet=True)
-    stopped = Scene.from_dict(
-        scene.model_dump(exclude_none=True) | {"machine": {"wall_seconds": 1e-9}}
-    )
+    tables = {"surface": rough((1, 16, 2)), "load": {"p_star": 0.1}}
+    whole = run_scene(Scene.from_dict(tables), out="whole.h5", quiet=True)
+    stopped = Scene.from_dict(tables | {"machine": {"wall_seconds": 1e-9}})
     assert run_scene(stopped, out="out.h5", quiet=True).status == "interrupted"
     path = tmp_path / "out.h5.partial" / "checkpoint.h5"
     data = path.read_bytes()

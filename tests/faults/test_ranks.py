@@ -4,24 +4,22 @@ good."""
 import json
 
 import pytest
-from faults.jobs import Job, call, finish, goes_on, needs_mpi, nothing_wrong, run, write_scene
+from faults.jobs import Job, call, goes_on, needs_mpi, nothing_wrong, run, write_scene
 
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
 
 pytestmark = needs_mpi
 RANKS = 2
-EXCEPTIONS = {  # where: fault, message
-    "while the surface is made": ("surface 1", "internal error on rank 1: RuntimeError: sabotage"),
-    "in the middle of a solve": ("solve 1 20", "internal error on rank 1: RuntimeError: sabotage"),
-    "in the writer": ("write 1 6", r"writing .*\.h5: sabotage"),
-    "in the writer, rank 0": ("write 0 6", r"writing .*\.h5: sabotage"),
+INTERNAL = "internal error on rank 1: RuntimeError: sabotage"
+EXCEPTIONS = {  # where: fault, number of ranks, message
+    "while the surface is made": ("surface 1", RANKS, INTERNAL),
+    "in the middle of a solve": ("solve 1 20", RANKS, INTERNAL),
+    "in the writer": ("write 1 6", RANKS, r"writing .*\.h5: sabotage"),
+    "in the writer, rank 0": ("write 0 6", RANKS, r"writing .*\.h5: sabotage"),
+    "where memory is allocated": ("no_memory 1 20", RANKS, "out of memory"),
+    "where memory is allocated, alone": ("no_memory 0 20", None, "out of memory"),
 }
-
-
-@pytest.fixture
-def wanted(undisturbed):
-    return undisturbed(RANKS)
 
 
 @pytest.mark.parametrize(
@@ -31,14 +29,14 @@ def wanted(undisturbed):
         for name in EXCEPTIONS
     ],
 )
-def test_exception(wanted, where):
-    fault, message = EXCEPTIONS[where]
+def test_exception(undisturbed, where):
+    fault, ranks, message = EXCEPTIONS[where]
     path = write_scene()
-    job = run("run scene.toml", RANKS, fault=fault)
+    job = run("run scene.toml", ranks, fault=fault)
     assert job.code == 1, (job.code, job.err)
     job.says(message)
     assert not path.exists()
-    goes_on(path, wanted, RANKS)
+    goes_on(path, undisturbed(ranks), ranks)
 
 
 @pytest.mark.slow
@@ -58,17 +56,6 @@ def test_not_a_number(value, precision):
     shown = json.loads(call("show out.h5 --json").out)
     assert shown["status"] == "nonfinite"
     assert "NOT CONVERGED (nonfinite)" in call("show out.h5").out
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("ranks", [None, RANKS])
-def test_allocation_fails(ranks):
-    path = write_scene()
-    job = run("run scene.toml", ranks, fault=f"no_memory {(ranks or 1) - 1} 20")
-    assert job.code == 1, (job.code, job.err)
-    job.says("out of memory")
-    assert not path.exists()
-    finish(path, ranks)
 
 
 @pytest.mark.slow
@@ -95,7 +82,7 @@ def test_memory_limit_at_start():
 
 
 @pytest.mark.slow
-def test_two_runs(wanted):
+def test_two_runs(undisturbed):
     """The second one is refused and the first one does not notice."""
     path = write_scene()
     first = Job("run scene.toml", RANKS, fault="slow -1 0.1")
@@ -106,4 +93,4 @@ def test_two_runs(wanted):
         assert job.code == 2, job.err
         job.says("another run is writing this file")
     assert first.end(60).code == 0
-    nothing_wrong(path, wanted)
+    nothing_wrong(path, undisturbed(RANKS))

@@ -1,5 +1,5 @@
-"""Signals: a checkpoint, the documented exit code, and a restart that
-ends as if nothing had happened."""
+"""Signals: a checkpoint, the documented exit code, and a restart that ends as if nothing had
+happened."""
 
 import signal
 import time

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from contacts import rough, sweep_of
 from mpi.nodes import NODES, PER_NODE, on_pretended_nodes, sent_in_a_step
+from transfers import assert_same_on_slabs
 
 from hpc_gfmd.parallel import shared
-from hpc_gfmd.parallel.comm import MpiComm, SerialComm
+from hpc_gfmd.parallel.comm import MpiComm
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.runs.decomposition import Share, busiest, share_of
 
@@ -29,44 +30,12 @@ def machines(comm, nodes, monkeypatch):
     )
 
 
-def transformed(comm, n, dtype, threads):
-    """This rank's rows of random heights, transformed, every column multiplied by a number of its
-    own, and back."""
-    grid = Grid(n, comm=comm, threads=threads)
-    fft, first = grid.fft(dtype), grid.rows[0]
-    field = np.random.default_rng(3).standard_normal(n).astype(dtype)
-    out = grid.empty(dtype)
-
-    def read(i0, i1, x):
-        x[: i1 - i0] = field[first + i0 : first + i1]
-
-    def write(i0, i1, x):
-        out[i0:i1] = x[: i1 - i0]
-
-    def multiply(block, m):
-        j0, j1 = fft.columns_of(m)
-        block *= (1 + np.arange(j0, j1))[:, None].astype(dtype) * dtype(fft.scale)
-        return j0
-
-    fft.forward_rows(read)
-    assert fft.columns(multiply) == [
-        int(j) for j in fft.edges[comm.rank : -1 : comm.size] if j < fft.n_c
-    ]
-    fft.backward_rows(write)
-    return out, slice(*grid.rows)
-
-
 @on_nodes
 def test_transforms(machines):
     """Odd sizes, ranks without rows, ranks without columns; threads."""
     for n in [(3, 16), (201, 301), (40, 2), (2, 1)]:
-        wanted, _ = transformed(SerialComm(), n, np.float64, 1)
         for threads in (1, 2):
-            found, mine = transformed(machines, n, np.float64, threads)
-            assert np.abs(found - wanted[mine]).max(initial=0) <= 1e-12 * np.abs(wanted).max(), (
-                n,
-                threads,
-            )
+            assert_same_on_slabs(machines, n, threads=threads)
 
 
 @on_nodes
@@ -103,9 +72,7 @@ def test_no_memory_in_common(comm, monkeypatch):
     )
     made = MpiComm(comm.mpi)
     assert list(made.node_ranks) == [comm.rank]
-    found, mine = transformed(made, (31, 37), np.float64, 1)
-    wanted, _ = transformed(SerialComm(), (31, 37), np.float64, 1)
-    assert np.abs(found - wanted[mine]).max(initial=0) <= 1e-12 * np.abs(wanted).max()
+    assert_same_on_slabs(made, (31, 37))
 
 
 def test_too_much_memory_is_an_error_on_all_ranks(comm, monkeypatch):

@@ -5,10 +5,10 @@ from math import inf
 import h5py
 import numpy as np
 import pytest
-from contacts import EXACT, field, random_heights, rough, solve_scene, sweep_of, sweep_over
+from contacts import EXACT, random_heights, rough, sweep_of, sweep_over
+from mpi.same import assert_same, compare, sweeps
 
 from hpc_gfmd.certificate.error_estimates import misclassified_points
-from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver.load_target import LoadTarget
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.comm import SerialComm
@@ -17,27 +17,9 @@ from hpc_gfmd.solvers import solver_names
 from hpc_gfmd.surface.files import HeightMap
 
 pytestmark = pytest.mark.mpi
-TOLERANCE = 1e-10
 
 
-def assert_same(comm, step, serial, tolerance=TOLERANCE):
-    """Numbers on all ranks and this rank's rows of all fields equal those of one process."""
-    observables = {k: (f(step), f(serial)) for k, f in all_observables().items()}
-    for name, (found, wanted) in observables.items():
-        assert (found is None) == (wanted is None), name
-        assert found is None or found == pytest.approx(wanted, rel=tolerance), name
-    assert step.status == serial.status
-    mine = slice(*step.surface.rows)
-    for name in ("pressure", "gap", "displacement")[
-        : 2 if serial.surface.h is None else 3
-    ]:  # in low memory there is none
-        found, wanted = field(step, name), field(serial, name)
-        assert found.shape == wanted[mine].shape
-        assert np.abs(found - wanted[mine]).max(initial=0) <= tolerance * np.abs(wanted).max()
-    assert all(s == observables["a_r"][0] for s in comm.allgather(observables["a_r"][0]))
-
-
-@pytest.mark.parametrize("p_star", [0.02, 0.3])
+@pytest.mark.parametrize("pressure", [0.02, 0.3])
 @pytest.mark.parametrize(
     "surface",
     [
@@ -48,12 +30,8 @@ def assert_same(comm, step, serial, tolerance=TOLERANCE):
     ],
     ids=["64x64", "62x62", "48x24", "194x194"],
 )
-def test_rough(comm, surface, p_star):
-    assert_same(
-        comm,
-        solve_scene(surface, p_star, comm=comm, **EXACT),
-        solve_scene(surface, p_star, **EXACT),
-    )
+def test_rough(comm, surface, pressure):
+    compare(comm, surface, pressure)
 
 
 @pytest.mark.parametrize(
@@ -84,23 +62,17 @@ def test_prescribed(comm, quantity, value, low_memory, hardness):
         (2, 16, 4), boundary="free" if quantity == "approach" else "periodic", h_rms=0.05
     )
     solver = {"accuracy": 1e-3, "precision": "double", "low_memory": low_memory}
-    found, wanted = (
-        sweep_of(surface, comm=world, layer={"hardness": hardness}, **solver)
-        for world in (comm, SerialComm())
-    )
+    pair = sweeps(comm, surface, layer={"hardness": hardness}, **solver)
     for factor in (1.0, 0.8):
-        steps = [sweep.solve(LoadTarget(quantity, factor * value)) for sweep in (found, wanted)]
+        steps = [sweep.solve(LoadTarget(quantity, factor * value)) for sweep in pair]
         assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
         assert_same(comm, *steps, tolerance=1e-5)
 
 
 @pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
 def test_a_gap_that_closes(comm, boundary):
-    found, wanted = (
-        sweep_of(rough(boundary=boundary), comm=world, accuracy=1e-6)
-        for world in (comm, SerialComm())
-    )
-    steps = [sweep.solve(LoadTarget("a_r", 1.0)) for sweep in (found, wanted)]
+    pair = sweeps(comm, rough(boundary=boundary), accuracy=1e-6)
+    steps = [sweep.solve(LoadTarget("a_r", 1.0)) for sweep in pair]
     assert steps[0].contact_points == steps[0].N
     assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
     assert_same(comm, *steps, tolerance=1e-5)
@@ -121,13 +93,7 @@ def test_surfaces_that_end(comm, surface, boundary):
     if "radius" in surface:
         sides = boundary if isinstance(boundary, list) else [boundary] * 2
         surface = surface | {"radius": [3.0 if side == "free" else inf for side in sides]}
-    assert_same(
-        comm,
-        *(
-            solve_scene(surface | {"boundary": boundary}, 0.1, comm=world, **EXACT)
-            for world in (comm, SerialComm())
-        ),
-    )
+    compare(comm, surface | {"boundary": boundary}, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -136,13 +102,9 @@ def test_surfaces_that_end(comm, surface, boundary):
     ids=str,
 )
 def test_ways_to_solve_a_surface_that_ends(comm, solver):
-    surface = rough(
-        (2, 32, 4), boundary="free"
-    )  # large enough for coarse grids that are spread over the ranks
-    found, wanted = (
-        solve_scene(surface, 0.1, comm=world, accuracy=1e-3, **solver)
-        for world in (comm, SerialComm())
-    )
+    # large enough for coarse grids that are spread over the ranks
+    pair = sweeps(comm, rough((2, 32, 4), boundary="free"), accuracy=1e-3, **solver)
+    found, wanted = (sweep.solve(0.1) for sweep in pair)
     assert found.status == "converged"
     assert found.contact_points == pytest.approx(wanted.contact_points, rel=1e-3)
     assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-3)
@@ -151,14 +113,7 @@ def test_ways_to_solve_a_surface_that_ends(comm, solver):
 
 @pytest.mark.parametrize("name", solver_names())
 def test_every_solver(comm, name):
-    accurate = EXACT | {"name": name, "residual": 1e-8}
-    surface = rough((1, 16, 2), seed=2)
-    assert_same(
-        comm,
-        solve_scene(surface, 0.1, comm=comm, **accurate),
-        solve_scene(surface, 0.1, **accurate),
-        1e-8,
-    )
+    compare(comm, rough((1, 16, 2), seed=2), 0.1, 1e-8, name=name, residual=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -172,16 +127,7 @@ def test_every_solver(comm, name):
     ids=["along x", "along y", "sphere", "flat"],
 )
 def test_analytic_surfaces(comm, surface):
-    steps = [sweep_of(surface, comm=world, **EXACT).solve(0.01) for world in (comm, SerialComm())]
-    found, wanted = steps
-    mine = slice(*found.surface.rows)
-    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=TOLERANCE)
-    for name in ("pressure", "gap"):
-        whole = field(wanted, name)
-        assert (
-            np.abs(field(found, name) - whole[mine]).max(initial=0)
-            <= TOLERANCE * np.abs(whole).max()
-        )
+    compare(comm, surface, 0.01)
 
 
 @pytest.mark.parametrize("file", ["z.npy", "z.h5"])

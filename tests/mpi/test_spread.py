@@ -3,14 +3,12 @@ as on one rank."""
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
-from contacts import EXACT, field, rough, sweep_of
+from contacts import EXACT, rough
+from mpi.same import assert_same, sweeps
 
-from hpc_gfmd.contact import all_observables
 from hpc_gfmd.driver import nested
 from hpc_gfmd.operators import hierarchy
-from hpc_gfmd.parallel.comm import SerialComm
 
 pytestmark = pytest.mark.mpi
 LARGE = rough((2, 300, 2), seed=5)  # 1200 x 1200
@@ -25,30 +23,19 @@ def spread_levels(sweep):
     )  # a rank may have no part in the last ones
 
 
-def compare(comm, surface, loads, fields, **solver):
-    """Solve loads on all ranks and on one; numbers equal to `fields`, relative to the largest,
-    areas to the point."""
-    sweeps = [sweep_of(surface, comm=world, **solver) for world in (comm, SerialComm())]
+def compare_all(comm, surface, loads, **solver):
+    """Solve loads on all ranks and on one; returns the sweep on all."""
+    pair = sweeps(comm, surface, **solver)
     for p_star in loads:
-        together, alone = (sweep.solve(p_star * sweep.surface.g_rms) for sweep in sweeps)
-        assert together.status == alone.status == "converged"
-        assert together.contact_points == alone.contact_points
-        for name in ("gap_mean", "energy", "stiffness", "a_r_corrected"):
-            assert all_observables()[name](together) == pytest.approx(
-                all_observables()[name](alone), rel=fields
-            )
-        mine = slice(*together.surface.rows)
-        for name in ("pressure", "gap"):
-            whole = field(alone, name)
-            assert (
-                np.abs(field(together, name) - whole[mine]).max(initial=0) <= fields * whole.max()
-            )
-    return sweeps[0]
+        steps = [sweep.solve(p_star * sweep.surface.g_rms) for sweep in pair]
+        assert steps[0].status == "converged"
+        assert_same(comm, *steps, 1e-9)
+    return pair[0]
 
 
 def test_large_grid(comm):
     """One load, from coarser grids."""
-    sweep = compare(comm, LARGE, [0.1], 1e-9, accuracy=1e-2, precision="double")
+    sweep = compare_all(comm, LARGE, [0.1], accuracy=1e-2, precision="double")
     assert spread_levels(sweep) == (3, 3 if comm.size > 1 else 0)
 
 
@@ -63,7 +50,7 @@ def test_small_limits(comm, surface, monkeypatch):
     monkeypatch.setattr(hierarchy, "RANK_POINTS", 64)
     small = replace(nested.CALIBRATION, rank_points=64, coarsest=8)
     monkeypatch.setattr(nested, "CALIBRATION", small)
-    sweep = compare(comm, surface, [0.02, 0.3], 1e-9, **EXACT)
+    sweep = compare_all(comm, surface, [0.02, 0.3], **EXACT)
     levels, grids = spread_levels(sweep)
     assert levels >= 2
     assert grids >= 1 or comm.size == 1

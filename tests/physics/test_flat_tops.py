@@ -6,14 +6,6 @@ import pytest
 import hpc_gfmd
 
 
-def test_a_rough_strip():
-    """Its start from coarse grids has much energy, too, and is better than none all the same."""
-    z = np.cumsum(np.random.default_rng(0).standard_normal((4, 20000)), 1)
-    z -= np.linspace(0, 1, 20000) * (z[:, -1:] - z[:, :1])
-    solution = hpc_gfmd.solve(z, p_star=1e-3, physical_sizes=(1, 5000), boundary="periodic")
-    assert solution.status == "converged"
-
-
 @pytest.mark.parametrize("n", [64, 65, 205])
 @pytest.mark.parametrize("p_star", [1e-7, 1.8e-6, 1e-5])
 def test_a_checkerboard(n, p_star):

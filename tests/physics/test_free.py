@@ -56,10 +56,15 @@ def test_hertz(a, surface):
     assert field(step, "pressure").mean() == pytest.approx(F, rel=1e-4)
 
 
+def radius(n):
+    """Distance of n x n points from the middle of the cell."""
+    return np.hypot(*np.meshgrid(*[(np.arange(n) + 0.5) / n - 0.5] * 2))
+
+
 def test_flat_punch():
     """Cylinder of radius b: approach F/(2 E* b), pressure F/(2 pi b sqrt(b^2 - r^2))."""
     n, b, F = 200, 0.3, 0.01
-    r = np.hypot(*np.meshgrid(*[(np.arange(n) + 0.5) / n - 0.5] * 2))
+    r = radius(n)
     step = sweep_over(np.where(r < b, 0.0, -1.0), accuracy=1e-4, precision="double").solve(F)
     assert step.contact_points == np.sum(r < b)
     assert observe(step, "approach") == pytest.approx(F / 2 / b, rel=5e-3)
@@ -73,7 +78,7 @@ def test_flat_punch():
 def test_cone():
     """Slope e: a^2 = 2 F/(pi E* e), approach pi a e/2, pressure (E* e/2) arcosh(a/r)."""
     n, e, a = 200, 0.1, 0.3
-    r = np.hypot(*np.meshgrid(*[(np.arange(n) + 0.5) / n - 0.5] * 2))
+    r = radius(n)
     step = sweep_over(-e * r, accuracy=1e-4, precision="double").solve(pi * a * a * e / 2)
     assert sqrt(step.contact_points / n**2 / pi) == pytest.approx(a, rel=5e-3)
     assert observe(step, "approach") == pytest.approx(
@@ -226,18 +231,14 @@ def test_rough(boundary, solver):
     for p in (0.2, 0.05):
         step = sweep.solve(p)
     assert step.status == "converged"
-    assert (
-        field(step, "pressure").shape
-        == field(step, "gap").shape
-        == field(step, "displacement").shape
-        == (128, 128)
-    )
-    assert relative(field(step, "pressure"), field(wanted, "pressure")) < 2e-3
+    p, g = field(step, "pressure"), field(step, "gap")
+    assert p.shape == g.shape == field(step, "displacement").shape == (128, 128)
+    assert relative(p, field(wanted, "pressure")) < 2e-3
     assert step.gap_mean == pytest.approx(wanted.gap_mean, rel=2e-3)
-    assert step.gap_mean == pytest.approx(np.mean(field(step, "gap"), dtype=float), rel=1e-5)
+    assert step.gap_mean == pytest.approx(np.mean(g, dtype=float), rel=1e-5)
     assert observe(step, "a_r") == pytest.approx(observe(wanted, "a_r"), rel=2e-3)
-    assert observe(step, "a_r") == np.mean(field(step, "pressure") > 0)
-    assert np.mean(field(step, "pressure"), dtype=float) == pytest.approx(0.05, rel=1e-3)
+    assert observe(step, "a_r") == np.mean(p > 0)
+    assert np.mean(p, dtype=float) == pytest.approx(0.05, rel=1e-3)
 
 
 def test_energy_is_the_work_done():
@@ -246,18 +247,6 @@ def test_energy_is_the_work_done():
     low, high = (sweep.solve(p) for p in (0.2, 0.2002))
     work = 0.2001 * (observe(high, "approach") - observe(low, "approach"))
     assert observe(high, "energy") - observe(low, "energy") == pytest.approx(work, rel=1e-4)
-
-
-@pytest.mark.parametrize("free", [BOTH, (True, False)], ids=str)
-def test_tangent(free):
-    sweep = sweep_over(random_heights((40, 40), seed=2), free=free)
-    low, high = (sweep.solve(p) for p in (0.2, 0.20001))
-    assert low.contact_points == high.contact_points
-    sweep.solve(0.2)
-    low = sweep.solve(0.2)
-    gap = low.gap_mean
-    stiffness = observe(low, "stiffness")
-    assert stiffness == pytest.approx(-0.00001 / (high.gap_mean - gap), rel=1e-3)
 
 
 def test_a_flat_surface_that_ends_is_a_punch():

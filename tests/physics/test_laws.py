@@ -54,6 +54,36 @@ def test_energy_is_the_work_of_the_pressure():
     assert defects[1] < 1e-2
 
 
+@pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 2.5)])
+def test_more_load_is_more_contact(sizes):
+    """Barber (1974): with the load no point leaves the contact, at none the pressure falls, and the
+    contact gets stiffer."""
+    steps = hpc_gfmd.solve(
+        random_heights((24, 20), 3),
+        p_star=np.geomspace(1e-3, 3.0, 25),
+        physical_sizes=sizes,
+        boundary="periodic",
+        observables=["stiffness"],
+        **EXACT,
+    )
+    for before, after in zip(steps, steps[1:]):
+        assert (after.pressure >= before.pressure - 1e-8 * after.p).all()
+        assert (after.gap <= before.gap + 1e-8 * before.gap.max()).all()
+    stiffness = steps.values("stiffness")
+    known = np.isfinite(stiffness)  # none once contact is full
+    assert known.sum() > 10
+    assert (
+        np.diff(stiffness[known]) >= -1e-9 * stiffness[known][1:]
+    ).all()  # the same where no point has come into contact
+    assert stiffness[known][-1] > 100 * stiffness[known][0]
+    p, gap = steps.values("p")[known], steps.values("gap_mean")[known]
+    secants, stiffness = -np.diff(p) / np.diff(gap), stiffness[known]
+    assert (
+        secants >= stiffness[:-1] * (1 - 1e-3)
+    ).all()  # it lies between the tangents at both ends
+    assert (secants <= stiffness[1:] * (1 + 1e-3)).all()
+
+
 def test_loading_equals_unloading_and_warm_equals_cold():
     def results(loads, fresh=False):
         sweep, found = sweep_of(SURFACE, **EXACT), {}
@@ -70,20 +100,6 @@ def test_loading_equals_unloading_and_warm_equals_cold():
             assert found[p][0] == pytest.approx(cold[p][0], rel=1e-9)
             assert found[p][1] == cold[p][1]
             assert relative(found[p][2], cold[p][2]) < 1e-9
-
-
-def test_accuracy_is_kept():
-    """The accuracy asked for bounds the errors of area, mean gap and pressure field, in either
-    precision."""
-    for surface, p_star in ((SURFACE, 0.02), (SURFACE, 0.3), (rough((2, 32, 2), hurst=0.3), 0.1)):
-        true = solve_scene(surface, p_star, **EXACT)
-        for accuracy in (1e-2, 1e-3, 1e-5):
-            found = solve_scene(surface, p_star, accuracy=accuracy)
-            assert found.status == "converged"
-            assert found.gap_mean == pytest.approx(true.gap_mean, rel=accuracy)
-            assert relative(field(found, "pressure"), field(true, "pressure")) < accuracy
-            assert abs(found.contact_points / true.contact_points - 1) <= accuracy
-            assert max(found.certificate.errors) < accuracy
 
 
 @pytest.mark.parametrize("n", [(32, 32), (27, 32), (15, 21)], ids=str)
@@ -135,18 +151,16 @@ def test_realised_roughness():
     """h_rms and g_rms are those of the heights, by the definition in the spectrum; both norms
     agree."""
     for n_over, hurst in (((2, 16, 2), 0.8), ((1, 15, 3.0), 0.0), ((3, 4, 4), 1.0)):
-        sweep = sweep_of(rough(n_over, hurst=hurst, g_rms=0.3, physical_sizes=[2.0, 2.0]))
-        z = heights_of(rough(n_over, hurst=hurst, g_rms=0.3, physical_sizes=[2.0, 2.0]))
+        surface = rough(n_over, hurst=hurst, physical_sizes=[2.0, 2.0])
+        h_rms = sweep_of(surface | {"g_rms": 0.3}).surface.h_rms
+        z = heights_of(surface | {"g_rms": 0.3})
         n = z.shape[0]
         z_q = np.fft.fft2(z) / z.size
         q = 2 * np.pi * np.fft.fftfreq(n, 2.0 / n)
         g_rms = np.sqrt(np.sum((q[:, None] ** 2 + q**2) * np.abs(z_q) ** 2))
         assert g_rms == pytest.approx(0.3, rel=1e-10)
-        assert sweep.surface.h_rms == pytest.approx(np.std(z), rel=1e-10)
-        by_height = heights_of(
-            rough(n_over, hurst=hurst, h_rms=sweep.surface.h_rms, physical_sizes=[2.0, 2.0])
-        )
-        assert np.abs(by_height - z).max() < 1e-10
+        assert h_rms == pytest.approx(np.std(z), rel=1e-10)
+        assert np.abs(heights_of(surface | {"h_rms": h_rms}) - z).max() < 1e-10
         k = np.hypot(*np.meshgrid(np.fft.fftfreq(n, 1 / n), np.fft.fftfreq(n, 1 / n)))
         power = np.abs(z_q).T ** 2
         low, high = n_over[0], n_over[0] * n_over[1]

@@ -105,6 +105,7 @@ def test_against_the_oracle(nu, base):
     assert step.contact_points / step.N == wanted.a_r
     assert step.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-6)
     assert relative(field(step, "pressure"), wanted.pressure) < 1e-6
+    assert np.ptp(field(step, "displacement") - wanted.displacement) < 1e-6 * np.ptp(wanted.gap)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3])

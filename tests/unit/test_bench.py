@@ -189,6 +189,7 @@ def test_peers(bench, tmp_path, monkeypatch):
         (["peers"], "scripts/bench-peers-setup"),
         (["peers", "--boundary", "free", "--codes", "tamaas"], "allowed: aspher-fft"),
         (["peers", "--boundary", "free", "--hardness", "1"], "--hardness: with free edges"),
+        (["peers", "--boundary", "open"], "--boundary: found 'open', allowed: periodic, free"),
         (["pairs", "--surfaces", "2"], "--surfaces: found 1 numbers, allowed: one for each"),
         (["kernels", "--n", "63"], "--n: found"),
         (["kernels", "--repeats", "0"], "--repeats: found 0"),

@@ -21,7 +21,7 @@ __all__ = ["Reference", "contact_area", "load", "mean_gap"]
 def contact_area(
     p_star: ArrayLike, hurst: float, eps_f: float
 ) -> tuple[float | np.ndarray, float | np.ndarray]:
-    """Relative contact area of a self-affine surface, interpolated in the shipped data.
+    """Interpolate the relative contact area of a self-affine surface in the shipped data.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def contact_area(
 def mean_gap(
     p_star: ArrayLike, hurst: float, eps_f: float, unit: str = "h_rms"
 ) -> tuple[float | np.ndarray, float | np.ndarray]:
-    """Mean gap of a self-affine surface, interpolated in the shipped data.
+    """Interpolate the mean gap of a self-affine surface in the shipped data.
 
     Parameters
     ----------

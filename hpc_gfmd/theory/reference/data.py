@@ -45,7 +45,7 @@ class Reference:
     def at(
         self, quantity: str, p_star: ArrayLike, hurst: float, eps_f: float
     ) -> tuple[float | np.ndarray, float | np.ndarray]:
-        """A quantity and its uncertainty.
+        """Interpolate a quantity, and find its uncertainty.
 
         Interpolated is the logarithm of the ratio to Persson's theory, which varies little: by
         splines along ln p_star and hurst and a parabola along ln eps_f. The uncertainty is that of
@@ -97,7 +97,7 @@ def _within(name: str, wanted: ArrayLike, known: np.ndarray) -> np.ndarray:
 
 
 def _weights(x: float, known: np.ndarray) -> np.ndarray:
-    """How much of each known point the spline (at most of degree 3) through them has at x."""
+    """Find how much of each known point the spline (at most of degree 3) through them has at x."""
     from scipy.interpolate import make_interp_spline
 
     if len(known) == 1:

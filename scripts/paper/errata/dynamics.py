@@ -6,8 +6,6 @@ import numpy as np
 HURST = 0.8
 N_SMALL, STEPS = 32, 400
 DT, ETA = 0.25, 0.08  # time step and damping: stable and slightly underdamped
-
-
 Q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(N_SMALL, 1 / N_SMALL)], indexing="ij"))
 
 
@@ -20,8 +18,8 @@ def small_surface() -> np.ndarray:
 
 
 def gfmd(damping: int = -1, load: int = -1, lifted: bool = False, steps: int = STEPS) -> dict:
-    """The paper's dynamics on a small surface, in units E* = 2, cell 2 pi, as its pseudocode but
-    for the two signs.
+    """Run the paper's dynamics on a small surface, in units E* = 2, cell 2 pi, as its pseudocode
+    but for the two signs.
 
     damping, load: -1 is right, +1 is printed. lifted: start at h_max instead of touching. Returns
     {"gap": mean gap/h_rms of every step, "speed": largest change of a displacement in every step,

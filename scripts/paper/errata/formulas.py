@@ -25,10 +25,8 @@ def parseval(_tables: object) -> str:
 
 
 def height_scale(_tables: object) -> str:
-    whole, slope = (
-        _moment(2, EPS_F),
-        _moment(4, EPS_F),
-    )  # of C = q^(-2-2H) from q_l = 1 to q_s, in units A_0/(2 pi) = 1
+    # of C = q^(-2-2H) from q_l = 1 to q_s, in units A_0/(2 pi) = 1
+    whole, slope = (_moment(power, EPS_F) for power in (2, 4))
     printed = (1 - EPS_F ** (2 * H)) / H
     printed_slope = EPS_F ** (-2 + 2 * H) * (1 - EPS_F ** (2 - 2 * H)) / (2 - 2 * H)
     stated = np.sqrt(H / (1 - H)) * EPS_F**H * 2 * np.pi
@@ -46,19 +44,10 @@ def slope_relation(_tables: object) -> str:
     parts = []
     for hurst in (0.0, 0.3, 0.5, 0.8):
         for eps_f in (1 / 16, EPS_F):
-            leading = (
-                2
-                * np.pi
-                * (
-                    np.sqrt(hurst / (1 - hurst)) * eps_f**hurst
-                    if hurst
-                    else 1 / np.sqrt(-2 * np.log(eps_f))
-                )
-            )
-            parts.append(
-                f"{persson.g_rms_lam_s_over_h_rms(hurst, eps_f) / leading - 1:+.2%} (H = {hurst:g},"
-                f" 1/{1 / eps_f:g})"
-            )
+            power = np.sqrt(hurst / (1 - hurst)) * eps_f**hurst
+            leading = 2 * np.pi * (power if hurst else 1 / np.sqrt(-2 * np.log(eps_f)))
+            off = persson.g_rms_lam_s_over_h_rms(hurst, eps_f) / leading - 1
+            parts.append(f"{off:+.2%} (H = {hurst:g}, 1/{1 / eps_f:g})")
     return "exact over leading order: " + ", ".join(parts)
 
 
@@ -75,9 +64,8 @@ def scaling(_tables: object) -> str:
     s, q_old, u = 2.0, 3.0, 1.0
     q_new = q_old / s
     needed = q_new * u  # (E*/2) q u, in units of E*/2
-    right, printed = (
-        (q * u if q == q_old else 0.0) / s for q in (s * q_new, q_new / s)
-    )  # p_old has this one mode
+    # p_old has this one mode
+    right, printed = ((q * u if q == q_old else 0.0) / s for q in (s * q_new, q_new / s))
     return (
         f"one mode q_old = {q_old:g}, s = {s:g}: equilibrium needs {needed:g}; right {right:g},"
         f" printed {printed:g}"
@@ -154,8 +142,8 @@ def inverted_ratio(_tables: object) -> str:
 
 
 def gap_from_energy(p_star: float, hurst: float, eps_f: float, gamma: float) -> float:
-    """gap/h_rms = ∫ (dU/dp)/p dp from p_star up (eq. gap), integrated by parts, with the energy of
-    eq. elasticEnergy."""
+    """Compute gap/h_rms = ∫ (dU/dp)/p dp from p_star up (eq. gap), integrated by parts, with the
+    energy of eq. elasticEnergy."""
 
     def energy(p):
         return float(persson.elastic_energy(p, hurst, eps_f, gamma))
@@ -172,7 +160,7 @@ def gap_from_energy(p_star: float, hurst: float, eps_f: float, gamma: float) -> 
 
 
 def _moment(power, eps_f, from_q=1.0):
-    """∫ q^power C dq/q of C = q^(-2-2H) up to q_s = 1/eps_f by quadrature."""
+    """Integrate q^power C dq/q of C = q^(-2-2H) up to q_s = 1/eps_f by quadrature."""
     return quad(
         lambda y: np.exp((power - 2 - 2 * H) * y),
         np.log(from_q),

@@ -33,10 +33,10 @@ def limits(runs: Rows, level: str) -> Rows:
     area at light loads is fitted together. None where the gap is closed in some realisation.
     """
     found: dict[str, dict] = {}
+    resolved = [run for run in runs if run["lam_s_over_a"] >= RESOLVED]
     for name in GRID_TERMS:
         light = LIGHT if name.startswith("kappa") else ()
-        parts = [[run for p_star in light for run in at_load(runs, p_star)]]
-        parts[0] = [run for run in parts[0] if run["lam_s_over_a"] >= RESOLVED]
+        parts = [[run for p_star in light for run in at_load(resolved, p_star)]]
         parts += [at_load(runs, p_star) for p_star in LOADS if p_star not in light]
         found[name] = {}
         for part in parts:
@@ -68,7 +68,7 @@ def findings(rows: Rows) -> Iterator[dict]:
     if not known or not gaps:
         return
 
-    def worst(part, name, low=0.0):
+    def worst(part, name, low):
         errors = [row[f"{name}_se"] / row[name] for row in part if row["p_star"] >= low]
         return f"{max(errors, default=0):.1%} from p* = {low:.3g}"
 

@@ -63,17 +63,11 @@ def _binned(found, unit, edges):
 
 def middles(rows: Rows) -> Rows:
     """Add the middles of bins as column "at"."""
-    return [
-        row
-        | {
-            "at": (
-                (row["low"] + row["high"]) / 2
-                if row["kind"] == "pressure"
-                else (row["low"] * row["high"]) ** 0.5
-            )
-        }
-        for row in rows
-    ]
+
+    def middle(low, high, kind, **_):
+        return (low + high) / 2 if kind == "pressure" else (low * high) ** 0.5
+
+    return [row | {"at": middle(**row)} for row in rows]
 
 
 def patch_exponent(rows: Rows) -> tuple[float | None, float | None]:

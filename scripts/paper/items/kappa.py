@@ -41,7 +41,7 @@ def means_and_exponents(runs: Rows, level: str) -> Rows:
         for name in OBSERVABLES:
             for local in local_exponents(part, name, level):
                 (row,) = where(fine, eps_c=local["eps_c"])
-                row |= {f"{name}_{part}": local[part] for part in ("alpha", "alpha_se")}
+                row |= {f"{name}_{what}": local[what] for what in ("alpha", "alpha_se")}
     return rows
 
 
@@ -86,13 +86,11 @@ def finite_size(rows: Rows) -> Iterator[dict]:
         for hurst, series in by_hurst(
             where(part, eps_f=min((r["eps_f"] for r in part), default=0))
         ).items():
-            x = [
-                row["kappa_se"] * row["n_seeds"] ** 0.5 / row["kappa"]
-                for row in where(series, eps_t=0.5)
-                if row["kappa_se"]
-            ]
+            for row in where(series, eps_t=0.5):
+                if row["kappa_se"]:
+                    one = row["kappa_se"] * row["n_seeds"] ** 0.5 / row["kappa"]
+                    scatter.append(f"{one:.2%} (H = {hurst:g})")
             change = coarsest(series, "eps_t")["kappa"] / finest(series, "eps_t")["kappa"] - 1
-            scatter += [f"{one:.2%} (H = {hurst:g})" for one in x]
             drift += [f"{change:+.1%} (H = {hurst:g})"] if len(series) > 1 else []
         if scatter and drift:
             yield saying(

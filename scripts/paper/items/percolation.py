@@ -131,8 +131,8 @@ def to_fine_grids(grids: dict) -> dict[float, dict[str, float]]:
 
 def sizes(rows: Rows) -> Rows:
     """Choose the rows at the lam_l/lam_s and lam_s/a with most sizes of the cell."""
-    named = [row | {"grid": (row["lam_l_over_lam_s"], row["lam_s_over_a"])} for row in rows]
-    return sorted(longest(named, "eps_t", "grid"), key=itemgetter("L_over_lam_l"))
+    keyed = [row | {"grid": (row["lam_l_over_lam_s"], row["lam_s_over_a"])} for row in rows]
+    return sorted(longest(keyed, "eps_t", "grid"), key=itemgetter("L_over_lam_l"))
 
 
 def large(rows: Rows) -> Rows:

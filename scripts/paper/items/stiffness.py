@@ -15,6 +15,7 @@ from ..rows import Rows, by_hurst, groups, saying
 from ..study import Study
 
 SYSTEM = ("hurst", "L_over_lam_l", "lam_l_over_lam_s")
+GRID = (*SYSTEM, "lam_s_over_a")
 LOW = 0.0005  # p_star up to which the power law is fitted
 
 
@@ -25,7 +26,7 @@ def means(runs: Rows, level: str) -> Rows:
     exponent_se: d ln K/d ln p between the neighbouring loads of the same surfaces; persson: theory.
     """
     rows = []
-    for system, part in groups(runs, *SYSTEM, "lam_s_over_a").items():
+    for system, part in groups(runs, *GRID).items():
         sweeps = [
             {
                 r["p_star"]: np.log(r["stiffness"] * r["h_rms"] / r["g_rms"])
@@ -40,7 +41,7 @@ def means(runs: Rows, level: str) -> Rows:
             both = [sweep for sweep in sweeps if {below, above} <= set(sweep)]
             step = np.log(above / below)
             slope, slope_error = _mean([(one[above] - one[below]) / step for one in both])
-            row = dict(zip((*SYSTEM, "lam_s_over_a"), system)) | {"p_star": p}
+            row = dict(zip(GRID, system)) | {"p_star": p}
             row |= {"surfaces": sum(p in sweep for sweep in sweeps)}
             row |= {"stiffness": float(np.exp(mean)), "stiffness_se": float(np.exp(mean)) * error}
             row |= {"exponent": slope, "exponent_se": slope_error}

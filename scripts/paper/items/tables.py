@@ -125,8 +125,8 @@ def limit(runs: Rows, level: str) -> Rows:
     """List kappa of other authors, and ours in the limit (estimates.limits) beside the paper's."""
     rows = [{"area": "literature"} | entry for entry in NUMBERS["literature"]]
     for row in estimates.limits(runs):
-        printed = of_hurst("kappa_tfc", row["hurst"]) if row["p_star"] < 0.1 else None
-        rows.append({"area": "ours"} | row | {"printed": printed})
+        theirs = of_hurst("kappa_tfc", row["hurst"]) if row["p_star"] < 0.1 else None
+        rows.append({"area": "ours"} | row | {"printed": theirs})
     return rows
 
 

@@ -139,13 +139,19 @@ def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, cli):
         ("init wave -o no/a.toml", "the folder no does not exist"),
         ("init wav -o a.toml", "wav, allowed: a kind of surface (self-affine, wave, sphere)"),
         ("init wave -o a.toml --set load.presure=3", "nearest: load.pressure"),
+        ("init wave -o a.toml --set title=2020-01-01", "title: found datetime.date(2020"),
         ("init map.npz -o a.toml --set surface.unit=fm", "surface.unit: found 'fm', but "),
     ):
         assert words in cli.refused(arguments)
     assert (tmp_path / "scene.toml").read_text() == "mine"
     assert not (tmp_path / "a.toml").exists()
-    cli.prints("init --force --set load.pressure=0.1")
-    assert load_scene("scene.toml").load.pressure == (0.1,)
+    cli.prints("init --force --set load.pressure=0.1 --set solver.options.b=1.5")
+    scene = load_scene("scene.toml")
+    assert (scene.load.pressure, scene.solver.options) == ((0.1,), {"b": 1.5})
+    cylinder = ("surface.radius=[1.0,inf]", 'surface.boundary=["free","periodic"]')
+    for what in ("sphere", "map.npz"):
+        written = tomllib.loads(compose(what, Path("a.toml"), cylinder)[0])
+        assert written["surface"]["radius"] == [1, np.inf]
 
 
 def test_help_has_every_key_with_what_it_is():
@@ -166,6 +172,7 @@ def test_help_on_what_there_is_not(cli):
     with pytest.raises(SceneError, match=r"help scene: found adhesion, not modelled"):
         text("adhesion")
     assert "allowed: scene, " in cli.refused("help rum")
+    assert "found solver, allowed: a key after scene" in cli.refused("help run solver")
 
 
 def test_help_knows_the_names(cli):

@@ -2,6 +2,7 @@
 limits."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -71,7 +72,8 @@ def test_what_is_not_covered_is_refused(result, why):
 
 
 def test_a_step_that_did_not_converge_says_so():
-    assert "NOT CONVERGED" in limits_text(to_limits(result_of(status="stagnated"), "paper"))
+    result = replace(result_of(status="stagnated"), indices=[3])
+    assert "step 3: NOT CONVERGED" in limits_text(to_limits(result, "paper"))
     assert "NOT CONVERGED" not in limits_text(to_limits(result_of(), "paper"))
 
 

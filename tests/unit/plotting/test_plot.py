@@ -117,6 +117,8 @@ def test_unusual_results_are_drawn_too(pictures, surface, attributes):
 def test_nothing_to_draw_or_nowhere_to_put_it(tmp_path):
     with pytest.raises(SceneError, match="nothing to draw"):
         plot_result(write("empty.h5", steps=0))
+    with pytest.raises(SceneError, match="result: found none, allowed: a result or several"):
+        hpc_gfmd.plot([])
     (tmp_path / "file").write_text("")
     with pytest.raises(SceneError, match="pictures cannot go to"):
         plot_result(write("run.h5"), "file")
@@ -452,6 +454,7 @@ def test_what_there_is_not_is_refused():
         ({"what": "map"}, "what: found 'map', allowed: curves"),
         ({"what": "maps"}, "need output.fields"),
         ({"what": "curves", "step": 7}, "step: found 7, allowed: 0, 1"),
+        ({"what": "curves", "step": 0.5}, r"step: found 0\.5, allowed: 0, 1"),
     ):
         with pytest.raises(SceneError, match=words):
             plot(file, **how)

@@ -93,21 +93,6 @@ def test_grid_points(surface, n):
     assert Scene.from_dict(changed(f"surface = {surface}")).surface.n == n
 
 
-@pytest.mark.parametrize(
-    ("name", "kind"),
-    [
-        ("a.npy", "npy"),
-        ("a.H5", "hdf5"),
-        ("a.hdf5", "hdf5"),
-        ("a.nc", "netcdf"),
-        ("a.sdf", "other"),
-        ("npy", "other"),
-    ],
-)
-def test_file_format_by_extension(name, kind):
-    assert Scene.from_dict(tables({"kind": "file", "path": name})).surface.format == kind
-
-
 def test_a_scene_cannot_be_changed():
     scene = Scene.from_dict(tables())
     with pytest.raises(ValueError, match="frozen"):

@@ -89,7 +89,7 @@ BARE = {
     "b.npz": lambda p, z: np.savez(p, z=z),
     "b.txt": np.savetxt,
     "b.asc": np.savetxt,
-    "b.csv": lambda p, z: np.savetxt(p, z, delimiter=","),
+    "b.CSV": lambda p, z: np.savetxt(p, z, delimiter=","),
     "b.dat": lambda p, z: np.savetxt(p, z, delimiter=";"),
     "commented.txt": lambda p, z: np.savetxt(p, z, header="my heights"),
 }
@@ -186,6 +186,16 @@ def test_what_a_file_may_not_say(make, words, tmp_path):
         hpc_gfmd.read_surface("z.npz")
 
 
+def test_what_is_said_of_the_heights_counts_before_what_is_said_of_the_file():
+    """Sizes are in the unit that stands beside them."""
+    with h5py.File("z.h5", "w") as file:
+        file.attrs.update(physical_sizes=1e6 * np.array(SIZES), unit="um", periodic=True)
+        file.create_dataset("surface", data=1e9 * Z).attrs["units"] = "nm"
+    found = open_topography(spec("z.h5"))
+    assert (found.sizes, found.periodic) == (pytest.approx(SIZES), True)
+    assert np.allclose(found.rows(0, 12), Z)
+
+
 def written(mark, decimal=".", head="", ends="", holes=()):
     cells = [[f"{z:.12g}".replace(".", decimal) for z in row] for row in 1e9 * Z]
     for hole, text in holes:
@@ -214,12 +224,15 @@ HOLES = [(1, "***"), (2, ""), (3, "BAD")]
         (written(";", ","), BY_HAND, 0),
         (written(" ", ","), BY_HAND, 0),
         (written(";", ends=";"), BY_HAND, 0),
+        (written("\t", ends=" # a line"), BY_HAND, 0),
+        (written(" ", head="a line\n" * 300), BY_HAND | {"skip_lines": 300}, 0),
         (written("\t", head="Profiler 3\nrange: 5 5\n\n"), BY_HAND, 0),
         (written("\t", ",", head="1\t2\n"), BY_HAND | {"skip_lines": 1, "decimal": ","}, 0),
         (written(",", holes=HOLES), BY_HAND, 3),
         (written("\t", holes=HOLES), BY_HAND, 3),
         (written(" ", holes=[(4, "9999"), (5, "off")]), BY_HAND | {"missing": ["9999", "off"]}, 2),
         (points("x [um];y [um];z [nm]\n", ",", ";"), {}, 1),
+        (points("x [um]\ty [um]\tz [nm]\n", mark="\t"), {}, 1),
         (points(), {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm"}, 1),
     ],
     ids=lambda value: repr(value)[:20] if isinstance(value, str) else "",
@@ -233,12 +246,23 @@ def test_text_of_instruments(text, keys, missing, tmp_path):
     assert bool(found.prepared) == bool(missing)
 
 
+@pytest.mark.parametrize("mark", [",", " "])
+def test_a_column_without_heights_stays(mark):
+    Path("z.txt").write_text(f"{mark.join(['1', '2', '3', 'nan'])}\n" * 5)
+    assert open_topography(spec("z.txt", **BY_HAND)).n == (5, 4)
+
+
 @pytest.mark.parametrize(
-    ("lines", "words"),
-    [("\n0 0 7", "has a point twice"), ("\n0.52 0 8", "not those of a regular grid")],
+    ("text", "words"),
+    [
+        (points() + "\n0 0 7", "has a point twice"),
+        (points() + "\n0.52 0 8", "not those of a regular grid"),
+        (points("x [um] y [mm] z [nm]\n"), "axes are in different units, um and mm"),
+    ],
+    ids=["twice", "between", "units"],
 )
-def test_points_that_are_no_grid(lines, words):
-    Path("z.txt").write_text(points() + lines)
+def test_points_that_are_no_grid(text, words):
+    Path("z.txt").write_text(text)
     with pytest.raises(SceneError, match=f"cannot be read as text: .*{words}"):
         open_topography(spec("z.txt", **BY_HAND))
 

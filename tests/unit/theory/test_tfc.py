@@ -103,7 +103,7 @@ def test_fit_uncertainties_are_honest(given):
 
 def test_fit_of_some_terms():
     eps_t, eps_f, eps_c, value = runs(C=(0, 8, 0))
-    fit = tfc.fit_tfc(eps_t, eps_f, eps_c, value, alpha={"f": None}, terms="f")
+    fit = tfc.fit_tfc(eps_t, eps_f, eps_c, value, alpha={"f": None}, terms=iter("f"))
     assert fit.names == ("limit", "C_f", "alpha_f")
     assert fit.alpha["f"] == pytest.approx(0.7, rel=1e-5)
 
@@ -118,6 +118,8 @@ def test_fits_that_cannot_be_are_refused():
         tfc.fit_tfc([0.5, 0.25, 0.5], [0.1, 0.1, 0.2], [0.5, 0.25, 0.5], [1, 2, 3])
     with pytest.raises(SceneError, match="value: found nan"):
         tfc.fit_tfc(eps_t, eps_f, eps_c, value * np.nan)
+    with pytest.raises(SceneError, match="terms: found 'tx', allowed: letters of tfc"):
+        tfc.fit_tfc(eps_t, eps_f, eps_c, value, terms="tx")
     with pytest.raises(SceneError, match="sigma: found 0"):
         tfc.fit_tfc(eps_t, eps_f, eps_c, value, sigma=0)
 

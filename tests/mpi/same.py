@@ -1,0 +1,36 @@
+"""The same load on all ranks and on one process."""
+
+import numpy as np
+import pytest
+from contacts import EXACT, field, sweep_of
+
+from hpc_gfmd.contact import all_observables
+from hpc_gfmd.parallel.comm import SerialComm
+
+
+def assert_same(comm, step, serial, tolerance=1e-10):
+    """Numbers on all ranks and this rank's rows of all fields equal those of one process."""
+    observables = {k: (f(step), f(serial)) for k, f in all_observables().items()}
+    for name, (found, wanted) in observables.items():
+        assert (found is None) == (wanted is None), name
+        assert found is None or found == pytest.approx(wanted, rel=tolerance), name
+    assert step.status == serial.status
+    mine = slice(*step.surface.rows)
+    for name in ("pressure", "gap", "displacement")[
+        : 2 if serial.surface.h is None else 3
+    ]:  # in low memory there is none
+        found, wanted = field(step, name), field(serial, name)
+        assert found.shape == wanted[mine].shape
+        assert np.abs(found - wanted[mine]).max(initial=0) <= tolerance * np.abs(wanted).max()
+    assert all(s == observables["a_r"][0] for s in comm.allgather(observables["a_r"][0]))
+
+
+def sweeps(comm, surface, **how):
+    """A sweep on all ranks, and one on this process."""
+    return [sweep_of(surface, comm=world, **how) for world in (comm, SerialComm())]
+
+
+def compare(comm, surface, pressure, tolerance=1e-10, **solver):
+    """Solve one load on all ranks and on one."""
+    steps = [sweep.solve(pressure) for sweep in sweeps(comm, surface, **EXACT | solver)]
+    assert_same(comm, *steps, tolerance)
