@@ -168,9 +168,8 @@ def test_any_arguments_give_a_solution_or_a_scene_error(changes, iterations):
             refusal = str(error)
     assert (found is None) == bool(refusal)
     assert refusal.isprintable()
-    for one in (
-        [found] if isinstance(found, hpc_gfmd.Solution) else found or ()
-    ):  # several for a list of loads
+    # several for a list of loads
+    for one in [found] if isinstance(found, hpc_gfmd.Solution) else found or ():
         if one.status == "converged":
             assert all(
                 np.isfinite(field).all() for field in (one.pressure, one.gap, one.displacement)
