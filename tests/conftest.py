@@ -5,6 +5,7 @@ mpirun:  a function that runs the command line on that many ranks and returns it
 and stderr.
 """
 
+import json
 import os
 import shlex
 import shutil
@@ -22,9 +23,8 @@ from hpc_gfmd.commands.cli import main
 from hpc_gfmd.parallel.grid import _kept
 from hpc_gfmd.util.caches import cache_folder
 
-settings.register_profile(
-    "repeatable", derandomize=True
-)  # what fails, fails for everybody; HYPOTHESIS_PROFILE=default looks further
+# what fails, fails for everybody; HYPOTHESIS_PROFILE=default looks further
+settings.register_profile("repeatable", derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 _results = {}  # ranks: {child's node id: (outcome, text)}
@@ -34,9 +34,8 @@ def pytest_configure(config):
     if mpi_harness.is_child():
         config.pluginmanager.register(mpi_harness.Child())
         return
-    signal.signal(
-        signal.SIGTERM, signal.default_int_handler
-    )  # so that what tests have started is ended, too
+    # so that what tests have started is ended, too
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         import mpi4py
     except ImportError:
@@ -134,8 +133,9 @@ def cli(capfd):
     """cli("a command as in a shell", *args): it in this process (a new one takes seconds): its exit
     code `code`, `out` and `err`.
 
-    cli.prints(*args): what one prints that works; cli.refused(*args, code=2): the one line with
-    which one is refused; cli.script: makes the parser of a script whose command line is meant.
+    cli.prints(*args): what one prints that works; cli.data(*args): what it prints with --json;
+    cli.refused(*args, code=2): the one line with which one is refused; cli.script: makes the parser
+    of a script whose command line is meant.
     """
 
     def run(words="", *others):
@@ -148,13 +148,16 @@ def cli(capfd):
         assert done.code == 0, done.err
         return done.out
 
+    def data(*args):
+        return json.loads(prints(*args, "--json"))
+
     def refused(*args, code=2):
         done = run(*args)
         assert (done.code, done.err.count("\n")) == (code, 1), done.err
         assert done.err.strip().isprintable()
         return done.err
 
-    run.prints, run.refused, run.script = prints, refused, None
+    run.prints, run.data, run.refused, run.script = prints, data, refused, None
     return run
 
 

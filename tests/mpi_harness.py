@@ -60,12 +60,10 @@ def environment(**extra):
         "PYTHONPATH": os.pathsep.join(filter(None, paths)),
         "OMP_NUM_THREADS": "1",
         "OMPI_MCA_orte_execute_quiet": "1",
-    }
-    env |= {
         "OMPI_MCA_rmaps_base_oversubscribe": "1",
         "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+        "OMPI_MCA_mpi_yield_when_idle": "1",  # more ranks than cores: do not spin
     }
-    env |= {"OMPI_MCA_mpi_yield_when_idle": "1"}  # more ranks than cores: do not spin
     if os.getuid() == 0:
         env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     return env | extra
@@ -88,10 +86,8 @@ def start(ranks, args, output, env=None, cwd=None):
 
 def end(process):
     """End a process and all that it started."""
-    for sign in (
-        signal.SIGTERM,
-        signal.SIGKILL,
-    ):  # mpirun kills its ranks, which have groups of their own, on SIGTERM
+    # on SIGTERM mpirun kills its ranks, which have groups of their own
+    for sign in (signal.SIGTERM, signal.SIGKILL):
         if process.poll() is None:
             os.killpg(process.pid, sign)
             try:
@@ -110,6 +106,13 @@ def found(ranks, args, **how):
     done = python(ranks, args, **how)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
+
+
+def printed(*args, cwd=None, **variables):
+    """What `python args` prints that works; variables: further ones of its environment."""
+    done = python(None, args, environment(**variables), cwd)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 def python(ranks, args, env=None, cwd=None, timeout=None):
@@ -144,7 +147,6 @@ def python(ranks, args, env=None, cwd=None, timeout=None):
 
 
 # ---- the parent
-# -----------------------------------------------------------------------------
 
 
 def run(root, ranks, names):
@@ -227,7 +229,6 @@ def _read(path):
 
 
 # ---- the children
-# -----------------------------------------------------------------------------
 
 
 class Child:

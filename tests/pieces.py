@@ -12,13 +12,8 @@ from hpc_gfmd.runs import simulation
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
 
-LOADS = [
-    0.05,
-    0.06,
-    0.3,
-    9.0,
-    0.33,
-]  # cold, warm, cold, closed at once, warm from the one before that
+# cold, warm, cold, closed at once, warm from the one before that
+LOADS = [0.05, 0.06, 0.3, 9.0, 0.33]
 NEVER = 10**9
 
 
@@ -51,9 +46,8 @@ class Pieces:
         self.comm, self.path, self.whole = comm, folder / "pieces.h5", folder / "whole.h5"
         self.chance = type("Chance", (Chance,), {})
         monkeypatch.setattr(simulation, "Interrupt", self.chance)
-        monkeypatch.setattr(
-            simulation, "compile_once", lambda *_: None
-        )  # for speed: there are many runs
+        # for speed: there are many runs
+        monkeypatch.setattr(simulation, "compile_once", lambda *_: None)
         monkeypatch.setattr(h5, "sync", lambda *_, **__: None)
 
     def undisturbed(self, scene):

@@ -37,6 +37,11 @@ def changed(text: str) -> dict:
     return tables(**tomllib.loads(text.replace(" ; ", "\n")))
 
 
+def scene_of(text: str = "") -> Scene:
+    """The Scene that `changed` describes."""
+    return Scene.from_dict(changed(text))
+
+
 def rows(text: str) -> list[tuple[str, ...]]:
     """The rows of a table whose columns stand between " | "."""
     return [tuple(map(str.strip, line.split(" | "))) for line in text.strip().splitlines()]

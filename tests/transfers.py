@@ -36,12 +36,23 @@ def interpolation(n, m):
     return P if n != m else np.eye(n)
 
 
+def interpolated(z, n):
+    """A field on n points, by linear interpolation."""
+    P_x, P_y = map(interpolation, n, z.shape)
+    return P_x @ z @ P_y.T
+
+
+def restricted(x, m):
+    """A field on m points: the adjoint of interpolation, which keeps constants."""
+    P_x, P_y = map(interpolation, x.shape, m)
+    return P_x.T @ x @ P_y * (m[0] * m[1] / x.size)
+
+
 def whole(n, dtype=float):
-    """The transfer of a grid that one rank holds."""
+    """The transfer of a grid that one rank holds, and the points of the coarser one."""
     hierarchy = levels(Grid(n))
     m = hierarchy[1].n if len(hierarchy) > 1 else n
-    t = Transfer(n, m, [0, n[0]], 0, dtype)
-    return t, m, interpolation(n[0], m[0]), interpolation(n[1], m[1])
+    return Transfer(n, m, [0, n[0]], 0, dtype), m
 
 
 def stiffness_times(elastic, u, out):

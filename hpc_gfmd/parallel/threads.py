@@ -10,6 +10,8 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from typing import Any, TypeVar
 
+import numpy as np
+
 T = TypeVar("T")
 
 # points of a field that a thread works on at a time, and rows at least
@@ -51,6 +53,11 @@ def on_threads(
     for other in others:
         other.result()
     return found
+
+
+def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
+    """Add up the `count` numbers that every piece, of which there may be none, returned."""
+    return np.sum(np.reshape(parts, (-1, count)), axis=0)
 
 
 @cache

@@ -95,14 +95,6 @@ def test_a_release_has_few_changes():
         assert release.count("\n- ") <= 15
 
 
-def test_the_map_names_what_is_there():
-    text = (DOCS / "developer.md").read_text(encoding="utf-8")
-    for name, things in re.findall(r"`([\w/]+\.py)(?:: ([\w., ]+))?`", text):
-        (path,) = (p for p in (ROOT / "hpc_gfmd" / name, ROOT / name) if p.is_file())
-        for thing in re.findall(r"\w+", things):
-            assert re.search(rf"(?:def|class) {thing}\b", path.read_text(encoding="utf-8")), thing
-
-
 def test_together():
     """Words of all pages; bytes of pages and pictures; no file that no page names."""
     assert sum(len(written(path)) for path in WRITTEN) < 26_000

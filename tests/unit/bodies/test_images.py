@@ -105,16 +105,10 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
     z = rng.uniform(-1, 1, (2, 2, 30))  # many near the edges, where it is worst
     here, there = 0.5 * np.sign(z) * (1 - z**2) * np.array(inside)[:, None]
     here[:, 0], there[:, 0] = np.array(inside) / 2, -np.array(inside) / 2
-    found_c = sum(
-        np.einsum(
-            "pij,pij->p",
-            (products(found, parity, *here, cell).reshape(30, -1) @ matrix(found, parity)).reshape(
-                products(found, parity, *there, cell).shape
-            ),
-            products(found, parity, *there, cell),
-        )
-        for parity in found.T
-    )
+    found_c = np.zeros(30)
+    for parity in found.T:
+        one, other = (products(found, parity, *at, cell).reshape(30, -1) for at in (here, there))
+        found_c += np.sum(one @ matrix(found, parity) * other, axis=1)
     if all(free):
         wanted = np.array([kernel(abs(x[:1]), abs(x[1:]), *cell)[0, 0] for x in (here - there).T])
     else:

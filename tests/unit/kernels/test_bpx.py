@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from transfers import SIZES, interpolation, whole
+from transfers import SIZES, interpolated, restricted, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import bpx
@@ -36,12 +36,12 @@ def sides(g, p, hardness):
 )
 def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     g, p, d = state(random, n, hardness, dtype)
-    t, m, P_x, P_y = whole(n)
+    t, m = whole(n)
     z_coarse = random.standard_normal(m)
     padded = z_coarse[np.arange(-1, m[0] + 1) % m[0]].copy()
     a, b, compliance = 0.7, -0.2, 0.6
     closed, yields, r = sides(g, p, hardness)
-    z = compliance * (r + coupling * P_x @ z_coarse @ P_y.T)
+    z = compliance * (r + coupling * interpolated(z_coarse, n))
     d[g > 1] = clipped_of(dtype)  # the last time: no step for the next one
     last = np.where(g > 1, 0, Decoded(d)[:]).astype(float)
     v, through = g - a * z - b * last, a * compliance * (hardness or np.inf)
@@ -57,9 +57,8 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     assert np.allclose(x, wanted, rtol=rough, atol=rounding)
     clipped = (wanted == -g) & ~closed
     assert np.array_equal(x[clipped], -g[clipped])  # to the bit
-    assert np.array_equal(
-        np.where(np.isinf(Decoded(d)[:]), -g, Decoded(d)[:]), x
-    )  # what `update_state` takes it for
+    # what `update_state` takes it for
+    assert np.array_equal(np.where(np.isinf(Decoded(d)[:]), -g, Decoded(d)[:]), x)
     assert hardness or np.all(g + x >= 0)
     grown = np.sum(np.maximum(-(g + x), 0) - np.maximum(-g, 0), dtype=float)
     work_done = np.vdot(p.astype(float), x) + (hardness or 0) * grown
@@ -131,7 +130,5 @@ def test_update(random, n, hardness, s):
         found = np.zeros((3, *m))
         for row in range(levels_of.fields[0].shape[1]):
             found[:, (row - 1) % m[0]] += levels_of.fields[0][:, row]
-        factor = m[0] * m[1] / (n[0] * n[1])
-        P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
         for field, fine in zip(found, (r * free, 1.0 * closed, x * free), strict=True):
-            assert np.allclose(field, factor * P_x.T @ fine @ P_y, atol=1e-12)
+            assert np.allclose(field, restricted(fine, m), atol=1e-12)

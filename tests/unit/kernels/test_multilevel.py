@@ -3,7 +3,7 @@ matrix."""
 
 import numpy as np
 import pytest
-from transfers import SIZES, interpolation, whole
+from transfers import SIZES, interpolated, restricted, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import multilevel
@@ -16,7 +16,7 @@ from hpc_gfmd.parallel.grid import Grid
 @pytest.mark.parametrize("n", SIZES, ids=str)
 def test_transfers_are_adjoint(random, n):
     """<R x, y> N/N_1 = <x, P y>, and both are what they are called."""
-    t, m, P_x, P_y = whole(n)
+    t, m = whole(n)
     x, y = random.standard_normal(n), random.standard_normal(m)
     fine, coarse = np.zeros((1, n[0] + 2, n[1])), np.zeros((1, m[0] + 2, m[1]))
     fine[0, 1:-1] = x
@@ -25,8 +25,7 @@ def test_transfers_are_adjoint(random, n):
     R = coarse[0, 1:-1].copy()
     R[0] += coarse[0, -1]
     R[-1] += coarse[0, 0]
-    ratio = n[0] * n[1] / (m[0] * m[1])
-    assert np.allclose(R, P_x.T @ x @ P_y / ratio, atol=1e-13)
+    assert np.allclose(R, restricted(x, m), atol=1e-13)
     Py = np.zeros((1, n[0] + 2, n[1]))
     rt = np.zeros((2, n[0] + 2, n[1]))
     multilevel.smooth_level(
@@ -39,8 +38,8 @@ def test_transfers_are_adjoint(random, n):
         tuple(map(np.ones, n)),
         *(0, n[0]),
     )
-    assert np.allclose(Py[0, 1:-1], P_x @ y @ P_y.T, atol=1e-13)
-    assert np.vdot(R, y) * ratio == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)
+    assert np.allclose(Py[0, 1:-1], interpolated(y, n), atol=1e-13)
+    assert np.vdot(R, y) * x.size / y.size == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)
 
 
 def by_matrices(grid, r, theta, level=0):
@@ -48,15 +47,9 @@ def by_matrices(grid, r, theta, level=0):
     hierarchy = levels(grid)
     z = r / (HalfSpace().weights(grid)[level] + DAMPING * theta)
     if level + 1 < len(hierarchy):
-        n, m = hierarchy[level].n, hierarchy[level + 1].n
-        P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
-        ratio = n[0] * n[1] / (m[0] * m[1])
-        z = (
-            z
-            + P_x
-            @ by_matrices(grid, P_x.T @ r @ P_y / ratio, P_x.T @ theta @ P_y / ratio, level + 1)
-            @ P_y.T
-        )
+        m = hierarchy[level + 1].n
+        coarser = by_matrices(grid, restricted(r, m), restricted(theta, m), level + 1)
+        z = z + interpolated(coarser, hierarchy[level].n)
     return z
 
 
@@ -78,12 +71,10 @@ def test_sweep(random, n):
     closed = random.random(n) < 0.3
     p = np.where(closed, 0, random.standard_normal(n))
     m = levels(grid)[1].n
-    P_x, P_y = interpolation(n[0], m[0]), interpolation(n[1], m[1])
-    ratio = n[0] * n[1] / (m[0] * m[1])
-    wanted = by_matrices(grid, P_x.T @ p @ P_y / ratio, P_x.T @ closed @ P_y / ratio, 1)
+    wanted = by_matrices(grid, restricted(p, m), restricted(closed, m), 1)
     found, energy = swept(grid, p, closed)
     assert np.allclose(found, wanted, atol=1e-12)
-    assert energy == pytest.approx(np.vdot(p, P_x @ wanted @ P_y.T), abs=1e-11)
+    assert energy == pytest.approx(np.vdot(p, interpolated(wanted, n)), abs=1e-11)
 
 
 @pytest.mark.parametrize("coarsest_points", [None, 0])
@@ -110,11 +101,7 @@ def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
     v, w, wanted = t - share * s, r - missing * t, np.zeros(3)
     for k, (level, softness) in enumerate(zip(levels(grid), HalfSpace().softness(grid))):
         if k:
-            P_x, P_y = (
-                interpolation(*v.shape[:1], level.n[0]),
-                interpolation(v.shape[1], level.n[1]),
-            )
-            v, w = (P_x.T @ x @ P_y * (level.n[0] * level.n[1] / x.size) for x in (v, w))
+            v, w = (restricted(x, level.n) for x in (v, w))
         products = np.vdot(w, w), np.vdot(v, v), np.vdot(v, w)
         wanted += softness * grid.cell_points / v.size * np.array(products)
     # what is beyond the surface counts on the finest level, too

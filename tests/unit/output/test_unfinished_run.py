@@ -5,12 +5,13 @@ import fcntl
 
 import numpy as np
 import pytest
+from refusal import refused
 from result_files import FIELD, STEP, begin, complete, interrupted, names
 
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.runs.simulation import restart
-from hpc_gfmd.util.errors import GfmdError, SceneError
+from hpc_gfmd.util.errors import GfmdError
 
 
 def test_an_interrupted_run_can_be_read_and_resumed(path):
@@ -44,7 +45,7 @@ def test_finished_loads_are_not_removed_unasked(path, whose, how):
         for file in folder.glob("*.h5"):
             file.write_bytes(b"lost")
     before = {file: file.read_bytes() for file in folder.glob("*.h5")}
-    with pytest.raises(SceneError, match=f"holds 1 finished loads {whose}, allowed: .* --force"):
+    with refused(f"holds 1 finished loads {whose}, allowed: .* --force"):
         begin(path, **how)
     assert before == {file: file.read_bytes() for file in folder.glob("*.h5")}
     with begin(path, force=True, **how) as run:
@@ -83,7 +84,7 @@ def test_dying_during_the_clean_up(path):
     partial_folder(path).mkdir()
     (partial_folder(path) / "step-0000.h5").write_bytes(b"")
     (partial_folder(path) / "lock").write_bytes(b"")
-    with pytest.raises(SceneError, match="is complete already"):
+    with refused("is complete already"):
         restart(path)
     assert names(path.parent) == ["out.h5"]
 
@@ -97,12 +98,7 @@ def test_foreign_files_in_the_folder_are_kept(path):
 
 
 def test_two_runs_cannot_write_the_same_file(path):
-    with (
-        begin(path),
-        pytest.raises(
-            SceneError, match=r"out\.h5: another run is writing this file \(process \d+ on"
-        ),
-    ):
+    with begin(path), refused(r"out\.h5: another run is writing this file \(process \d+ on"):
         begin(path)
     begin(path).close()
 
@@ -117,19 +113,19 @@ def test_file_systems_without_locks_are_accepted(path, monkeypatch):
 
 
 def test_output_that_cannot_be_written_is_refused_at_once(tmp_path, monkeypatch):
-    with pytest.raises(SceneError, match=r"output\.path: the folder .*missing does not exist"):
+    with refused(r"output\.path: the folder .*missing does not exist"):
         begin(tmp_path / "missing" / "out.h5")
-    with pytest.raises(SceneError, match="is a folder"):
+    with refused("is a folder"):
         begin(tmp_path)
     (tmp_path / "taken.h5.partial").write_text("")
-    with pytest.raises(SceneError, match=r"cannot write to .*File exists"):
+    with refused(r"cannot write to .*File exists"):
         begin(tmp_path / "taken.h5")
 
     def mkdir(*_, **__):
         raise OSError(30, "Read-only file system")
 
     monkeypatch.setattr(type(tmp_path), "mkdir", mkdir)
-    with pytest.raises(SceneError, match=r"cannot write to .*: Read-only file system"):
+    with refused(r"cannot write to .*: Read-only file system"):
         begin(tmp_path / "out.h5")
 
 
@@ -148,7 +144,7 @@ def test_a_step_that_is_damaged_before_the_end_is_never_left_out(path):
         ),
     ):
         step.write_bytes(damaged)
-        with pytest.raises(GfmdError, match=match):
+        with refused(match, GfmdError):
             run.finish("converged")
         assert not path.exists()
     step.write_bytes(whole)

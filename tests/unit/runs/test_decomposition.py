@@ -1,7 +1,6 @@
 """What ranks have and send, for any number of them: nobody has more than its share, and nothing is
 padded."""
 
-import json
 import os
 import tracemalloc
 
@@ -15,10 +14,6 @@ from hpc_gfmd.scene import Scene
 MIB = 2**20
 SIZES = [2**k for k in range(12, 18)]
 RANKS = [1, 2, 3, 7, 16, 60, 64, 96, 256, 1000, 1024, 4096, 16384, 65536]
-
-
-def cases():
-    return [(n, ranks) for n in SIZES for ranks in RANKS if ranks <= n]
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -72,7 +67,7 @@ def test_everything_has_one_owner(n, ranks):
 
 def test_plan_says_it(tmp_path, cli, monkeypatch):
     def planned(*args):
-        return json.loads(cli.prints("plan scene.toml", *args, "--json"))
+        return cli.data("plan scene.toml", *args)
 
     scene = {
         "surface": rough((2, 4096, 8)),

@@ -3,12 +3,12 @@ started this process can be said."""
 
 import os
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from contacts import rough
+from mpi_harness import python
+from refusal import refused
 
 from hpc_gfmd.driver import nested
 from hpc_gfmd.output.read import read_result
@@ -19,7 +19,6 @@ from hpc_gfmd.parallel.launcher import launched, launcher_rank
 from hpc_gfmd.runs.simulation import restart, run_scene
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import selfaffine
-from hpc_gfmd.util.errors import SceneError
 
 SCENE = {"surface": rough(), "load": {"p_star": [0.1, 0.3]}, "output": {"path": "out.h5"}}
 
@@ -94,7 +93,7 @@ def test_handlers_of_c_come_back():
         os.kill(os.getpid(), signal.SIGUSR1)
         print("alive")
     """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    done = python(None, ["-c", program])
     assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
     assert "most recent call first" in done.stderr
 
@@ -124,9 +123,7 @@ def test_launcher_can_be_said(unlaunched):
     assert launched() == (True, None)
     unlaunched.setattr(world, "_world", None)
     unlaunched.setenv("HPC_GFMD_LAUNCHER", "slurm")
-    with pytest.raises(
-        SceneError, match=r'HPC_GFMD_LAUNCHER: found "slurm", allowed: "mpi", "none"'
-    ):
+    with refused(r'HPC_GFMD_LAUNCHER: found "slurm", allowed: "mpi", "none"'):
         world.world()
 
 

@@ -1,17 +1,16 @@
 """Loads that are given by what they do: in scenes, in calls, in results."""
 
-import json
 import re
 
 import numpy as np
 import pytest
 from contacts import random_heights, rough
+from refusal import refused
 from scene_tables import tables
 
 import hpc_gfmd
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.util.errors import SceneError
 
 SI = {"physical_sizes": ["1 mm", "1 mm"], "h_rms": "1 um", "boundary": "free"}
 
@@ -38,9 +37,9 @@ def test_run_plan_and_show(tmp_path, cli):
     with one line and exit code 2."""
     scene = Scene.from_dict({"surface": rough((2, 8, 2)), "load": {"gap_over_h_rms": [0.4, 0.3]}})
     (tmp_path / "scene.toml").write_text(scene.to_toml())
-    assert json.loads(cli.prints("plan scene.toml --json"))["loads"] == 2
+    assert cli.data("plan scene.toml")["loads"] == 2
     cli.prints("run scene.toml -q")
-    steps = json.loads(cli.prints("show contact.h5 --json"))["steps"]
+    steps = cli.data("show contact.h5")["steps"]
     for step, wanted in zip(steps, (0.4, 0.3), strict=True):
         assert step["target_gap_over_h_rms"] == wanted
         assert step["gap_over_h_rms"] == pytest.approx(wanted, rel=1e-3)
@@ -76,13 +75,10 @@ def test_solve_takes_them():
     [
         ({"gap_mean": 1e3}, "load.gap_mean: found 1000, allowed: below "),
         ({"a_r": 1e-9}, "load.a_r: found 1e-09, less than half"),
-        ({"force": 1.0}, "load.force: found periodic"),
-        ({"approach": -1.0, "boundary": "free"}, "load.approach: found -1"),
-        ({"a_r": 0.1, "pressure": 0.1}, "load: found pressure and a_r"),
     ],
 )
 def test_solve_refuses(load, words):
-    with pytest.raises(SceneError, match=words):
+    with refused(words):
         hpc_gfmd.solve(random_heights((8, 8)), **load)
 
 

@@ -4,24 +4,22 @@ process."""
 import resource
 
 import pytest
-from contacts import rough
+from refusal import refused
+from scene_tables import rows, scene_of
 
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import memory
 from hpc_gfmd.runs.plan import duration, plan_of
 from hpc_gfmd.runs.simulation import run_scene
-from hpc_gfmd.scene import Scene
 from hpc_gfmd.util import machine
-from hpc_gfmd.util.errors import SceneError
 
 GIB = machine.GIB
-SCENE = Scene.from_dict(
-    {
-        "surface": {"kind": "wave", "amplitude": 0.1, "n": [8192, 8192]},
-        "load": {"pressure": 0.1},
-        "solver": {"precision": "double"},
-    }
-)
+SCENE = scene_of("""
+surface = {kind = "wave", amplitude = 0.1, n = [8192, 8192]}
+load = {pressure = 0.1}
+solver.precision = "double"
+""")
+LOW = 'load = {pressure = 0.1} ; solver = {precision = "single", low_memory = true}'
 
 
 def group(folder, limit, used, cached=0, version=2):
@@ -61,7 +59,7 @@ def test_the_tightest_control_group_counts(tmp_path, monkeypatch, version, top, 
     assert not any("elsewhere" in str(folder) for folder in folders)
     monkeypatch.setattr(machine, "control_groups", lambda: folders)
     assert machine.available_gib() == pytest.approx(0.375)
-    with pytest.raises(SceneError, match=r"has 0\.38 GiB"):
+    with refused(r"has 0\.38 GiB"):
         memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
 
 
@@ -74,7 +72,7 @@ def test_the_limit_of_the_process(monkeypatch):
     assert machine.limit_gib() > 1
     monkeypatch.setattr(resource, "getrlimit", lambda _: (2 * GIB, 2 * GIB))
     assert 0 < machine.limit_gib() < 2
-    with pytest.raises(SceneError, match="ulimit -v"):
+    with refused("ulimit -v"):
         memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
 
 
@@ -82,13 +80,8 @@ def test_the_limit_of_the_process(monkeypatch):
 def test_heights_of_a_surface_that_ends_are_on_some_ranks_only(ranks):
     """Rows beyond it have none: rank 0 may hold all heights, and a machine with all ranks no more
     than these."""
-    scene = Scene.from_dict(
-        {
-            "surface": {"kind": "wave", "amplitude": 0.1, "n": [2048, 2048], "boundary": "free"},
-            "load": {"pressure": 0.1},
-            "solver": {"precision": "single", "low_memory": True},
-        }
-    )
+    surface = '{kind = "wave", amplitude = 0.1, n = [2048, 2048], boundary = "free"}'
+    scene = scene_of(f"surface = {surface} ; {LOW}")
     shares = [
         memory.memory_of(scene, (2048, 2048), (1.0, 1.0), ranks, rank=rank) for rank in range(ranks)
     ]
@@ -103,40 +96,37 @@ def test_heights_of_a_surface_that_ends_are_on_some_ranks_only(ranks):
 
 def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
     """By the run, in one line; the plan knows nothing of it."""
-    table = {
-        "surface": {"kind": "wave", "amplitude": 0.01, "n": [32, 32]},
-        "load": {"pressure": 0.1},
-        "solver": {"precision": "single", "low_memory": True},
-    }
-    assert memory.memory_of(Scene.from_dict(table), (32, 32), (1.0, 1.0), 1).total > 0
-    with pytest.raises(
-        SceneError,
-        match=r"solver.low_memory: found true, allowed: with surface.kind = \"self-affine\"",
-    ):
-        run_scene(Scene.from_dict(table), comm=SerialComm(), quiet=True)
+    scene = scene_of(f'surface = {{kind = "wave", amplitude = 0.01, n = [32, 32]}} ; {LOW}')
+    assert memory.memory_of(scene, (32, 32), (1.0, 1.0), 1).total > 0
+    with refused('solver.low_memory: found true, allowed: with surface.kind = "self-affine"'):
+        run_scene(scene, comm=SerialComm(), quiet=True)
 
 
-SPHERE = {"kind": "sphere", "radius": 2.0, "n": [4096, 4096], "boundary": "free"}
-ROUGH = rough((2, 256, 2))
+SURFACES = {
+    "rough": "{lam_l_over_lam_s = 256}",
+    "sphere": '{kind = "sphere", radius = 2.0, n = [4096, 4096], boundary = "free"}',
+    "wave": '{kind = "wave", amplitude = 0.1, n = [512, 512]}',
+}
 
 
 @pytest.mark.parametrize(
     ("surface", "load", "precision"),
-    [
-        (ROUGH, {"p_star": [0.1, 1e-4, 0.1]}, ["float32", "float64", "float64"]),
-        (ROUGH, {"gap_over_h_rms": 3.0}, ["unknown"]),
-        (ROUGH, {"a_r": 1e-4}, ["float64"]),
-        (SPHERE, {"force": [1e-9, 1.0]}, ["float64", "float64"]),
-        (SPHERE, {"force": 1e-3}, ["unknown"]),  # rounding errors count: it depends
-        (SPHERE, {"force": 1.0}, ["float32"]),
-        ({"kind": "wave", "amplitude": 0.1, "n": [512, 512]}, {"pressure": 0.1}, ["float32"]),
-    ],
+    rows("""
+rough | p_star = [0.1, 1e-4, 0.1] | float32 float64 float64
+rough | gap_over_h_rms = 3.0 | unknown
+rough | a_r = 1e-4 | float64
+sphere | force = [1e-9, 1.0] | float64 float64
+sphere | force = 1e-3 | unknown
+sphere | force = 1.0 | float32
+wave | pressure = 0.1 | float32
+"""),
 )
 def test_precision_of_a_plan(surface, load, precision):
-    """What "auto" will do, as far as it is known; where it is not the plan has both."""
-    scene = Scene.from_dict({"surface": surface, "load": load})
+    """What "auto" will do, as far as it is known; where it is not, as where rounding errors count,
+    the plan has both."""
+    scene = scene_of(f"surface = {SURFACES[surface]} ; load = {{{load}}}")
     plan = plan_of(scene, scene.surface.n, (1.0, 1.0), 4, 2, 1, 2)
-    assert plan["precision"] == precision
+    assert plan["precision"] == precision.split()
     assert ("gib_in_double" in plan) == ("unknown" in precision)
     if "unknown" in precision:
         assert plan["gib_in_double"] > plan["gib"]

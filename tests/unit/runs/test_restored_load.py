@@ -5,63 +5,65 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from contacts import random_heights, rough, sweep_of
+from refusal import refused
 
 from hpc_gfmd.driver.load_target import LoadTarget
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Load, Scene
 from hpc_gfmd.surface import build_surface
-from hpc_gfmd.util.errors import SceneError
+
+
+def sweep():
+    return sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+
+
+def stopped(load):
+    """Arrays and numbers of a sweep that is stopped in the middle of a load."""
+    one = sweep()
+    one.solve(load, watch=lambda iterations, _: iterations == 3)
+    arrays, numbers = one.state()
+    return {name: np.array(data) for name, data in arrays.items()}, numbers
 
 
 def test_the_state_of_another_load_is_refused():
-    sweep = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
-    p = 0.1 * sweep.surface.g_rms
-    sweep.solve(p, watch=lambda iterations, _: iterations == 3)
-    arrays, numbers = sweep.state()
-    held = {name: np.array(data) for name, data in arrays.items()}
-    with pytest.raises(SceneError, match=r"a state at p\* = 0\.1, allowed: at 0\.2"):
-        sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(lambda _: held, numbers, 2 * p)
-    again = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+    p = 0.1 * sweep().surface.g_rms
+    held, numbers = stopped(p)
+    with refused(r"a state at p\* = 0\.1, allowed: at 0\.2"):
+        sweep().restore(lambda _: held, numbers, 2 * p)
+    again = sweep()
     asked = p * (1 + 1e-13)  # as with another number of ranks
     again.restore(lambda _: held, numbers, asked)
     assert again.solver.p0 == asked / again.surface.g_rms != numbers["p0"]
-    found, wanted = (
-        again.solve(asked, midway=True),
-        sweep_of(rough((2, 8, 2)), accuracy=1e-6).solve(p),
-    )
+    found, wanted = again.solve(asked, midway=True), sweep().solve(p)
     assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-10)
     assert found.iterations == wanted.iterations
 
 
 def test_the_state_of_another_version_is_refused():
-    sweep = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
     load = LoadTarget("a_r", 0.2)
-    sweep.solve(load, watch=lambda iterations, _: iterations == 3)
-    arrays, numbers = sweep.state()
-    held, search = {name: np.array(data) for name, data in arrays.items()}, numbers["search"]
+    held, numbers = stopped(load)
+    search = numbers["search"]
     for other in (
         search | {"guesses": 0},
         {key: value for key, value in search.items() if key != "finest"},
     ):
-        with pytest.raises(SceneError, match="of another version"):
-            sweep_of(rough((2, 8, 2)), accuracy=1e-6).restore(
-                lambda _: held, numbers | {"search": other}, load
-            )
-    again = sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+        with refused("of another version"):
+            sweep().restore(lambda _: held, numbers | {"search": other}, load)
+    again = sweep()
     again.restore(lambda _: held, numbers, load)
     assert again.solve(load, midway=True).status == "converged"
 
 
 @pytest.mark.parametrize("loads", [{"pressure": [0.1, 0.11]}, {"a_r": [0.1, 0.12]}], ids=str)
 def test_after_a_load_that_failed_the_next_one_starts_afresh(loads):
-    sweep, alone = (sweep_of(rough((2, 8, 2)), accuracy=1e-6) for _ in range(2))
-    failing, fine = sweep.pressures(Load(**loads))
-    sweep.target, wanted = replace(sweep.target, max_iterations=1), sweep.target
-    assert sweep.solve(failing).status == "max_iterations"
-    sweep.target = wanted
-    assert not sweep.state(fine)[0]  # nothing to start from
-    found, expected = sweep.solve(fine), alone.solve(fine)
+    one = sweep()
+    failing, fine = one.pressures(Load(**loads))
+    one.target, wanted = replace(one.target, max_iterations=1), one.target
+    assert one.solve(failing).status == "max_iterations"
+    one.target = wanted
+    assert not one.state(fine)[0]  # nothing to start from
+    found, expected = one.solve(fine), sweep().solve(fine)
     assert found.certificate == expected.certificate
     assert (found.iterations, found.pairs) == (expected.iterations, expected.pairs)
 
@@ -74,8 +76,8 @@ def test_heights_that_change_while_a_run_goes_on(tmp_path):
     scene = Scene.from_dict(
         {"surface": surface, "load": {"p_star": 1.0}, "solver": {"accuracy": 1e-2}}
     )
-    sweep = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
-    assert sweep.solve(0.4 * sweep.surface.g_rms).g.dtype == np.float32
+    one = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
+    assert one.solve(0.4 * one.surface.g_rms).g.dtype == np.float32
     np.save(path, 2 * z)
-    with pytest.raises(SceneError, match="heights have changed"):
-        sweep.solve(1e-4 * sweep.surface.g_rms)
+    with refused("heights have changed"):
+        one.solve(1e-4 * one.surface.g_rms)

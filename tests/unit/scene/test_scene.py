@@ -4,7 +4,7 @@ import json
 import tomllib
 
 import pytest
-from scene_tables import SHIPPED, changed, tables
+from scene_tables import SHIPPED, rows, scene_of
 
 from hpc_gfmd.scene import Scene, load_scene
 
@@ -29,7 +29,7 @@ def test_the_main_job():
 
 
 def test_defaults():
-    scene = Scene.from_dict(tables())
+    scene = scene_of()
     assert scene.surface.n == (256, 256)
     assert (scene.surface.lam_l, scene.surface.h_rms, scene.solver.residual) == (0.5, None, None)
     known = tomllib.loads("""
@@ -44,7 +44,7 @@ def test_defaults():
 
 
 def test_alternatives_switch_the_default_off():
-    scene = Scene.from_dict(tables({"h_rms": 2}, solver={"residual": 1e-8}))
+    scene = scene_of("surface.h_rms = 2 ; solver.residual = 1e-8")
     assert scene.surface.h_rms == 2
     assert scene.surface.g_rms is None
     assert scene.solver.residual == 1e-8
@@ -62,48 +62,49 @@ def test_alternatives_switch_the_default_off():
     ],
 )
 def test_material(material, E_star, base):
-    scene = Scene.from_dict(changed(f"material = {material}"))
+    scene = scene_of(f"material = {material}")
     assert scene.material.E_star == pytest.approx(E_star, rel=1e-15)
     assert base in (None, scene.material.base)
     assert Scene.from_toml(scene.to_toml()) == scene
 
 
 def test_one_load_is_a_list_of_one():
-    assert Scene.from_dict(tables(load={"p_star": 1})).load.p_star == (1.0,)
-    assert Scene.from_dict(tables(load={"p_star": 0.1})).load.p0(
-        E_star=2, g_rms=3
-    ) == pytest.approx((0.6,))
-    assert Scene.from_dict(tables(load={"pressure": [5, 4]})).load.p0(E_star=2, g_rms=3) == (5, 4)
+    assert scene_of("load.p_star = 1").load.p_star == (1.0,)
+    for load, p0 in (("p_star = 0.1", (0.6,)), ("pressure = [5, 4]", (5, 4))):
+        assert scene_of(f"load.{load}").load.p0(E_star=2, g_rms=3) == pytest.approx(p0)
 
 
 @pytest.mark.parametrize(
     ("surface", "n"),
-    [
-        ("{L_over_lam_l = 1.25, lam_l_over_lam_s = 8, lam_s_over_a = 2.5}", (25, 25)),
-        # up to rounding
-        ("{L_over_lam_l = 3, lam_l_over_lam_s = 1.1, lam_s_over_a = 9.090909090909092}", (30, 30)),
-        ("{physical_sizes = [2, 3]}", (256, 384)),
-        ("{physical_sizes = [1e-6, 0.5e-6]}", (256, 128)),
-        ('{kind = "wave", amplitude = 0.1, n = [8, 6]}', (8, 6)),
-        ('{kind = "sphere", radius = 1, n = [8, 8]}', (8, 8)),
-        ('{kind = "file", path = "z.npy"}', None),
-    ],
+    rows("""
+{L_over_lam_l = 1.25, lam_l_over_lam_s = 8, lam_s_over_a = 2.5} | (25, 25)
+{L_over_lam_l = 3, lam_l_over_lam_s = 1.1, lam_s_over_a = 9.090909090909092} | (30, 30)
+{physical_sizes = [2, 3]} | (256, 384)
+{physical_sizes = [1e-6, 0.5e-6]} | (256, 128)
+{kind = "wave", amplitude = 0.1, n = [8, 6]} | (8, 6)
+{kind = "sphere", radius = 1, n = [8, 8]} | (8, 8)
+{kind = "file", path = "z.npy"} | None
+"""),
 )
 def test_grid_points(surface, n):
-    assert Scene.from_dict(changed(f"surface = {surface}")).surface.n == n
+    """Whole numbers up to rounding."""
+    assert str(scene_of(f"surface = {surface}").surface.n) == n
 
 
 def test_a_scene_cannot_be_changed():
-    scene = Scene.from_dict(tables())
+    scene = scene_of()
     with pytest.raises(ValueError, match="frozen"):
         scene.surface.hurst = 0.5
 
 
 def test_warnings():
-    assert Scene.from_dict(tables()).warnings() == []
-    assert "self-affine" in Scene.from_dict(tables({"lam_l_over_lam_s": 4})).warnings()[0]
-    assert "touch" in Scene.from_dict(tables(load={"p_star": 1e-5})).warnings()[0]
-    assert "isotropic" in Scene.from_dict(tables({"physical_sizes": [1, 0.25]})).warnings()[0]
+    assert scene_of().warnings() == []
+    for change, word in rows("""
+surface.lam_l_over_lam_s = 4 | self-affine
+load.p_star = 1e-5 | touch
+surface.physical_sizes = [1, 0.25] | isotropic
+"""):
+        assert word in scene_of(change).warnings()[0]
 
 
 SAME = """title = "other"
@@ -127,13 +128,12 @@ output.dtype = "single\""""
     [(line, text == SAME) for text in (SAME, ANOTHER) for line in text.splitlines()],
 )
 def test_identity_follows_what_changes_the_answer(change, same):
-    found = Scene.from_dict(changed(change)).identity()
-    assert (found == Scene.from_dict(tables()).identity()) == same
+    assert (scene_of(change).identity() == scene_of().identity()) == same
 
 
 def test_identity_does_not_depend_on_the_order_of_fields():
     one, other = (
-        Scene.from_dict(tables(output={"fields": fields}))
+        scene_of(f"output.fields = {fields}")
         for fields in (["gap", "pressure"], ["pressure", "gap"])
     )
     assert one.identity() == other.identity()

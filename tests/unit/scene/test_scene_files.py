@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 import tomli_w
-from scene_tables import FILE, changed, tables
+from refusal import refused
+from scene_tables import FILE, scene_of, tables
 
 import hpc_gfmd
 from hpc_gfmd.runs.loads import check
 from hpc_gfmd.scene import Scene, load_scene
-from hpc_gfmd.util.errors import SceneError
 
 
 def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
@@ -40,27 +40,23 @@ def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
 )
 def test_a_bad_file_is_refused_in_one_line(tmp_path, content, words):
     path = write(tmp_path, content)
-    with pytest.raises(SceneError) as caught:
+    with refused(f"{re.escape(str(path))}.*{re.escape(words)}"):
         load_scene(path)
-    assert words in str(caught.value)
-    assert str(caught.value).isprintable()
-    assert str(path) in str(caught.value)
 
 
 def test_what_cannot_be_read_is_refused_and_never_waits(tmp_path):
     os.mkfifo(tmp_path / "pipe.toml")
     ours = [tmp_path, tmp_path / "none.toml", tmp_path / "pipe.toml"]
     for path in [*ours, "/dev/zero", "a\0b", "x" * 5000, ""]:
-        with pytest.raises(SceneError) as caught:
+        with refused("."):
             load_scene(path)
-        assert str(caught.value).isprintable()
-    with pytest.raises(SceneError, match=r"^hpc_gfmd.run: found a dict, allowed: the path of a sc"):
+    with refused(r"^hpc_gfmd.run: found a dict, allowed: the path of a sc"):
         hpc_gfmd.run(tables())
 
 
 def test_a_byte_order_mark_and_windows_line_ends_are_text(tmp_path):
     text = tomli_w.dumps(tables()).replace("\n", "\r\n")
-    assert load_scene(write(tmp_path, b"\xef\xbb\xbf" + text.encode())) == Scene.from_dict(tables())
+    assert load_scene(write(tmp_path, b"\xef\xbb\xbf" + text.encode())) == scene_of()
 
 
 def test_the_surface_file_counts_from_the_folder_of_the_scene(tmp_path):
@@ -76,7 +72,7 @@ def test_a_load_takes_the_place_of_another(tmp_path):
     path = write(tmp_path, tomli_w.dumps(tables()))
     assert load_scene(path).load.given[0] == "p_star"
     assert load_scene(path, ["load.a_r=0.1"]).load.given == ("a_r", (0.1,))
-    with pytest.raises(SceneError, match=r"load\.a_rr"):
+    with refused(r"load\.a_rr"):
         load_scene(path, ["load.a_rr=0.1"])
 
 
@@ -100,7 +96,7 @@ def test_overrides(tmp_path):
         title = "a = b" ; surface.hurst = 0.5 ; load.p_star = [0.1, 0.2] ; output.path = "x.h5"
         solver = {name = "gfmd", low_memory = true, options = {mass = 2}}
         machine.threads = "auto\""""
-    assert scene == Scene.from_dict(changed(wanted))
+    assert scene == scene_of(wanted)
     assert load_scene(path, ["load={pressure = 3}"]).load.pressure == (3.0,)
     assert load_scene(path, ["title="]).title == ""
 
@@ -122,10 +118,8 @@ def test_overrides(tmp_path):
     ],
 )
 def test_a_bad_override_is_refused_in_one_line(tmp_path, override, words):
-    with pytest.raises(SceneError) as caught:
+    with refused(re.escape(words)):
         load_scene(write(tmp_path, tomli_w.dumps(tables())), [override])
-    assert words in str(caught.value)
-    assert str(caught.value).isprintable()
 
 
 @pytest.mark.parametrize(
@@ -138,5 +132,5 @@ def test_a_bad_override_is_refused_in_one_line(tmp_path, override, words):
     ],
 )
 def test_names_against_the_registries(table, key, value, words):
-    with pytest.raises(SceneError, match=re.escape(words)):
+    with refused(re.escape(words)):
         check(Scene.from_dict(tables(**{table: {key: value}})))

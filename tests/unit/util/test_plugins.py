@@ -1,13 +1,10 @@
 """A body, a solver and an observable of another package, by its entry points: the examples of
 docs/developer.md."""
 
-import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
-from mpi_harness import environment
+from mpi_harness import environment, found, python
 
 PAGE = (Path(__file__).parents[3] / "docs" / "developer.md").read_text()
 PARTS = {  # heading: module of the package, entry point, the folder it could be dropped in
@@ -40,9 +37,7 @@ def test_the_examples_of_the_developers_page_as_a_package(tmp_path):
     (about / "entry_points.txt").write_text(points)
     env = environment()
     env |= {"PYTHONPATH": f"{tmp_path}:{env['PYTHONPATH']}"}
-    done = subprocess.run([sys.executable, "-c", SCRIPT], env=env, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    observed, highest, bodies = json.loads(done.stdout)
+    observed, highest, bodies = found(None, ["-c", SCRIPT], env=env)
     assert observed == highest > 0
     assert bodies[0] == "graded"
     for code, error in (
@@ -50,5 +45,4 @@ def test_the_examples_of_the_developers_page_as_a_package(tmp_path):
         ("", 'calm has no class with name = "calm"'),
     ):
         (package / "calm.py").write_text(code)
-        done = subprocess.run([sys.executable, "-c", SCRIPT], env=env, stderr=-1, text=True)
-        assert f"hpc_gfmd.solvers: {error}" in done.stderr
+        assert f"hpc_gfmd.solvers: {error}" in python(None, ["-c", SCRIPT], env=env).stderr
